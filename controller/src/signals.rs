@@ -1,0 +1,50 @@
+//! What goes into a controller and what comes out of it.
+
+use serde::{Deserialize, Serialize};
+
+/// Where the axis should be.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Reference {
+    /// Position [rad].
+    pub position: f64,
+    /// Velocity [rad/s].
+    pub velocity: f64,
+    /// Acceleration [rad/s^2].
+    pub acceleration: f64,
+}
+
+/// What the controller regulates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ControlMode {
+    /// Velocity [rad/s] by the lag compensator.
+    #[default]
+    Velocity,
+    /// Position [rad] by the PID.
+    Position,
+}
+
+/// The parts of one cycle's motor voltage.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Command {
+    /// What the controller regulates.
+    pub mode: ControlMode,
+    /// Value the feedback is compared with (rad or rad/s, by mode).
+    pub reference: f64,
+    /// Measured value (rad or rad/s, by mode).
+    pub feedback: f64,
+    /// `reference - feedback`.
+    pub error: f64,
+    /// Part of the linear controller [V].
+    pub linear: f64,
+    /// Part of the plant inverse [V].
+    pub inverse: f64,
+    /// Part of the friction compensation [V].
+    pub friction: f64,
+    /// Part of the dither [V].
+    pub dither: f64,
+    /// Voltage sent to the rig, after the limit [V].
+    pub total: f64,
+    /// The sum of the parts was beyond the limit.
+    pub saturated: bool,
+}

@@ -1,0 +1,2 @@
+//! The `frictionlab` command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Friction parameters from recordings: conditioning, least squares, uncertainty.

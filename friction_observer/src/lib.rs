@@ -1,0 +1,1 @@
+//! Friction observers over any model, and their ROS 2 node.

@@ -1,0 +1,1 @@
+//! ROS 2 interface package friction_msgs and its Rust types.
