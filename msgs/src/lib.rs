@@ -1,1 +1,19 @@
-//! ROS 2 interface package friction_msgs and its Rust types.
+//! ROS 2 interface package `friction_msgs` and its Rust types.
+//!
+//! The ROS side is the folder `friction_msgs/` beside this crate's `src/`: an ordinary interface package that `colcon`
+//! builds. The Rust side is one module a ROS package; a test compares every `.msg` file with its struct, field by field.
+//! Standard messages the laboratory uses come along, so that bags can be written and read without a ROS installation.
+//!
+//! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
+//! - [`cdr`]: bytes on the wire and in bags;
+//! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types.
+
+pub mod builtin_interfaces;
+pub mod cdr;
+pub mod diagnostic_msgs;
+pub mod friction_msgs;
+pub mod message;
+pub mod sensor_msgs;
+pub mod std_msgs;
+
+pub use message::{Definition, RosMessage};

@@ -1,0 +1,221 @@
+//! The `.msg` files and the Rust structs say the same: fields, order, types, constants, dependencies, hashes.
+
+mod trace;
+
+use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
+
+use msgs::{
+    Definition, RosMessage,
+    builtin_interfaces::Time,
+    diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
+    friction_msgs::{
+        ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference, RigMeasurement,
+    },
+    sensor_msgs::JointState,
+    std_msgs::Header,
+};
+use sha2::{Digest, Sha256};
+use trace::Leaf;
+
+/// Calls a generic function for each message type.
+macro_rules! for_each_message {
+    ($check:ident) => {
+        $check::<Time>();
+        $check::<Header>();
+        $check::<JointState>();
+        $check::<KeyValue>();
+        $check::<DiagnosticStatus>();
+        $check::<DiagnosticArray>();
+        $check::<RigMeasurement>();
+        $check::<Reference>();
+        $check::<MotorVoltage>();
+        $check::<FrictionEstimate>();
+        $check::<ControllerState>();
+        $check::<ExperimentStatus>();
+    };
+}
+
+/// A line of a `.msg` file that declares a field.
+struct Field<'a> {
+    name: &'a str,
+    base: &'a str,
+    sequence: bool,
+}
+
+fn statements(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).filter(|line| !line.is_empty())
+}
+
+fn fields(text: &str) -> Vec<Field<'_>> {
+    statements(text)
+        .filter(|line| !line.contains('='))
+        .map(|line| {
+            let (kind, name) = line.split_once(' ').expect("a field is a type and a name");
+            let base = kind.strip_suffix("[]").unwrap_or(kind);
+            Field { name: name.trim(), base, sequence: base.len() != kind.len() }
+        })
+        .collect()
+}
+
+fn constants(text: &str) -> Vec<(String, String)> {
+    statements(text)
+        .filter_map(|line| line.split_once('='))
+        .map(|(left, value)| {
+            (
+                left.split_whitespace().last().expect("a constant has a name").to_owned(),
+                value.trim().to_owned(),
+            )
+        })
+        .collect()
+}
+
+/// The definition a nested type refers to.
+fn definition<M: RosMessage>(reference: &str) -> Definition {
+    *M::DEPENDENCIES
+        .iter()
+        .find(|definition| format!("{}/{}", definition.package, definition.name) == reference)
+        .unwrap_or_else(|| {
+            panic!("{} contains {reference}, which is not among its dependencies", M::type_name())
+        })
+}
+
+fn expected_leaves<M: RosMessage>(text: &str, path: &str, in_sequence: bool, leaves: &mut Vec<Leaf>) {
+    for field in fields(text) {
+        let path = if path.is_empty() { field.name.to_owned() } else { format!("{path}.{}", field.name) };
+        let sequence = in_sequence || field.sequence;
+        if field.base.contains('/') {
+            expected_leaves::<M>(definition::<M>(field.base).text, &path, sequence, leaves);
+        } else {
+            let base = if field.base == "byte" { "uint8" } else { field.base };
+            leaves.push(Leaf { path, kind: format!("{base}{}", if sequence { "[]" } else { "" }) });
+        }
+    }
+}
+
+#[test]
+fn structs_have_the_fields_of_their_definitions_in_order() {
+    fn check<M: RosMessage>() {
+        let mut expected = Vec::new();
+        expected_leaves::<M>(M::DEFINITION.text, "", false, &mut expected);
+        assert_eq!(trace::leaves::<M>(), expected, "{}", M::type_name());
+    }
+    for_each_message!(check);
+}
+
+#[test]
+fn constants_are_those_of_the_definitions() {
+    fn check<M: RosMessage>(expected: &[(&str, u8)]) {
+        let expected: Vec<_> =
+            expected.iter().map(|(name, value)| ((*name).to_owned(), value.to_string())).collect();
+        assert_eq!(constants(M::DEFINITION.text), expected, "{}", M::type_name());
+    }
+    check::<FrictionEstimate>(&[("STICK", FrictionEstimate::STICK), ("SLIP", FrictionEstimate::SLIP)]);
+    check::<ControllerState>(&[
+        ("VELOCITY", ControllerState::VELOCITY),
+        ("POSITION", ControllerState::POSITION),
+    ]);
+    check::<DiagnosticStatus>(&[
+        ("OK", DiagnosticStatus::OK),
+        ("WARN", DiagnosticStatus::WARN),
+        ("ERROR", DiagnosticStatus::ERROR),
+        ("STALE", DiagnosticStatus::STALE),
+    ]);
+}
+
+/// Collects the names of every type below `text`.
+fn collect<M: RosMessage>(text: &str, found: &mut BTreeSet<String>) {
+    for field in fields(text).iter().filter(|field| field.base.contains('/')) {
+        if found.insert(field.base.to_owned()) {
+            collect::<M>(definition::<M>(field.base).text, found);
+        }
+    }
+}
+
+#[test]
+fn dependencies_are_complete_and_each_once() {
+    fn check<M: RosMessage>() {
+        let mut needed = BTreeSet::new();
+        collect::<M>(M::DEFINITION.text, &mut needed);
+        let mut named: Vec<_> = M::DEPENDENCIES.iter().map(|d| format!("{}/{}", d.package, d.name)).collect();
+        named.sort();
+        assert_eq!(named, needed.into_iter().collect::<Vec<_>>(), "{}", M::type_name());
+    }
+    for_each_message!(check);
+}
+
+/// Type description of REP-2016 as JSON, the text its hash is taken of.
+fn description(name: &str, text: &str) -> String {
+    let mut json = format!("{{\"type_name\": \"{name}\", \"fields\": [");
+    for (index, field) in fields(text).iter().enumerate() {
+        let (id, nested) = match field.base {
+            "uint8" => (3, String::new()),
+            "int32" => (6, String::new()),
+            "uint32" => (7, String::new()),
+            "int64" => (8, String::new()),
+            "uint64" => (9, String::new()),
+            "float64" => (11, String::new()),
+            "bool" => (15, String::new()),
+            "byte" => (16, String::new()),
+            "string" => (17, String::new()),
+            nested => (1, nested.replace('/', "/msg/")),
+        };
+        let id = if field.sequence { id + 144 } else { id };
+        let comma = if index == 0 { "" } else { ", " };
+        write!(
+            json,
+            "{comma}{{\"name\": \"{}\", \"type\": {{\"type_id\": {id}, \"capacity\": 0, \"string_capacity\": 0, \
+             \"nested_type_name\": \"{nested}\"}}}}",
+            field.name
+        )
+        .expect("a string takes everything");
+    }
+    json + "]}"
+}
+
+#[test]
+fn hashes_are_those_of_the_definitions() {
+    fn check<M: RosMessage>() {
+        let mut dependencies: Vec<_> = M::DEPENDENCIES.to_vec();
+        dependencies.sort_by_key(|d| (d.package, d.name));
+        let referenced: Vec<_> = dependencies
+            .iter()
+            .map(|d| description(&format!("{}/msg/{}", d.package, d.name), d.text))
+            .collect();
+        let json = format!(
+            "{{\"type_description\": {}, \"referenced_type_descriptions\": [{}]}}",
+            description(&M::type_name(), M::DEFINITION.text),
+            referenced.join(", ")
+        );
+        let mut hash = "RIHS01_".to_owned();
+        for byte in Sha256::digest(json.as_bytes()) {
+            write!(hash, "{byte:02x}").expect("a string takes everything");
+        }
+        assert_eq!(M::TYPE_HASH, hash, "{}", M::type_name());
+    }
+    for_each_message!(check);
+    // The hash that ROS itself publishes for this type, so that the rule above is known to be the right one.
+    assert_eq!(Time::TYPE_HASH, "RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197");
+}
+
+#[test]
+fn every_definition_of_the_package_is_built_and_known_in_rust() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("friction_msgs");
+    let cmake = fs::read_to_string(package.join("CMakeLists.txt")).expect("the package has a CMakeLists.txt");
+    let known = [
+        ControllerState::DEFINITION.name,
+        ExperimentStatus::DEFINITION.name,
+        FrictionEstimate::DEFINITION.name,
+        MotorVoltage::DEFINITION.name,
+        Reference::DEFINITION.name,
+        RigMeasurement::DEFINITION.name,
+    ];
+    let mut files: Vec<String> = fs::read_dir(package.join("msg"))
+        .expect("the package has a msg folder")
+        .map(|entry| entry.expect("the folder can be read").file_name().into_string().expect("plain names"))
+        .collect();
+    files.sort();
+    assert_eq!(files, known.map(|name| format!("{name}.msg")));
+    for file in files {
+        assert!(cmake.contains(&format!("\"msg/{file}\"")), "CMakeLists.txt does not build {file}");
+    }
+}
