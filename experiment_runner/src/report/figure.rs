@@ -121,3 +121,13 @@ pub struct Page {
     /// The content.
     pub blocks: Vec<Block>,
 }
+
+impl Trace {
+    /// The legend entry. Series of one name have one colour on the whole page and, within a figure, one
+    /// entry that shows and hides them together.
+    pub fn name(&self) -> &str {
+        match self {
+            Trace::Line { name, .. } | Trace::Points { name, .. } | Trace::Band { name, .. } => name,
+        }
+    }
+}

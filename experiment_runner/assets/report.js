@@ -1,0 +1,142 @@
+// Draws every figure of the page from the JSON beside it. The page's Rust code decides what is shown
+// (which points, which colour a series has); this file only says it in plotly's words.
+'use strict';
+(() => {
+  const SYMBOLS = ['circle', 'square', 'diamond', 'triangle-up', 'cross', 'triangle-down'];
+  const DASHES = { solid: 'solid', dashed: 'dash', dotted: 'dot', faint: 'solid' };
+  const CONFIG = {
+    responsive: true,
+    displaylogo: false,
+    doubleClick: 'reset',
+    modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
+    toImageButtonOptions: { format: 'svg' },
+  };
+
+  // Plotly reads a little HTML in labels; ours are plain text.
+  const plain = (text) => text.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
+
+  const colours = () => {
+    const style = getComputedStyle(document.documentElement);
+    return (name) => style.getPropertyValue('--' + name).trim();
+  };
+
+  const faded = (hex, alpha) => {
+    const part = (at) => parseInt(hex.slice(at, at + 2), 16);
+    return `rgba(${part(1)},${part(3)},${part(5)},${alpha})`;
+  };
+
+  // A band as closed shapes, one for each stretch without a gap.
+  const outline = (trace) => {
+    const x = [], y = [];
+    const usable = (i) => trace.x[i] !== null && trace.y[i] !== null && trace.upper[i] !== null;
+    for (let from = 0; from < trace.x.length; from++) {
+      if (!usable(from)) continue;
+      let to = from;
+      while (to + 1 < trace.x.length && usable(to + 1)) to++;
+      if (x.length) { x.push(null); y.push(null); }
+      for (let i = from; i <= to; i++) { x.push(trace.x[i]); y.push(trace.y[i]); }
+      for (let i = to; i >= from; i--) { x.push(trace.x[i]); y.push(trace.upper[i]); }
+      from = to;
+    }
+    return { x, y };
+  };
+
+  const toPlotly = (trace, index, all, colour) => {
+    const own = trace.colour < 0 ? colour('ink') : colour('c' + trace.colour);
+    const common = {
+      type: 'scatter',
+      name: plain(trace.name),
+      legendgroup: trace.name,
+      showlegend: all.findIndex((other) => other.name === trace.name) === index,
+      xaxis: 'x',
+      yaxis: trace.panel ? 'y' + (trace.panel + 1) : 'y',
+    };
+    if (trace.kind === 'band') {
+      return { ...common, ...outline(trace), mode: 'lines', line: { width: 0 }, fill: 'toself',
+        fillcolor: faded(own, 0.2), hoverinfo: 'skip' };
+    }
+    const data = { ...common, x: trace.x, y: trace.y };
+    if (trace.kind === 'points') {
+      const many = trace.x.length > 200;
+      return { ...data, mode: 'markers',
+        marker: { color: own, size: many ? 4 : 6.5, opacity: many ? 0.55 : 0.9,
+          symbol: trace.colour < 0 ? 'circle-open' : SYMBOLS[trace.colour] },
+        error_y: trace.error
+          ? { type: 'data', array: trace.error, color: own, thickness: 1, width: 2.5 } : undefined };
+    }
+    const faint = trace.style === 'faint';
+    return { ...data, mode: 'lines', connectgaps: false,
+      line: { color: faint ? faded(own, 0.4) : own, width: faint ? 0.9 : 1.8,
+        dash: DASHES[trace.style], simplify: false } };
+  };
+
+  const layoutOf = (figure, traces, colour) => {
+    const count = Math.max(1, figure.y_labels.length);
+    const gap = count > 1 ? 0.055 : 0;
+    const height = (1 - gap * (count - 1)) / count;
+    const axis = {
+      gridcolor: colour('grid'), linecolor: colour('rule'), showline: true, zeroline: true,
+      zerolinecolor: colour('rule'), zerolinewidth: 1, ticks: 'outside', ticklen: 4, tickcolor: colour('rule'),
+      exponentformat: 'power', automargin: true, hoverformat: '.5~g',
+    };
+    const layout = {
+      font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: colour('ink') },
+      paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
+      margin: { l: 70, r: 16, t: 40, b: 52 },
+      hovermode: figure.back_and_forth ? 'closest' : 'x unified',
+      hoversubplots: 'axis',
+      hoverlabel: { bgcolor: colour('paper'), bordercolor: colour('rule'), font: { color: colour('ink'), size: 12 } },
+      showlegend: new Set(traces.map((t) => t.name)).size > 1,
+      legend: { orientation: 'h', x: 0, xanchor: 'left', y: 1, yref: 'container', yanchor: 'top',
+        bgcolor: 'rgba(0,0,0,0)', font: { size: 12.5 } },
+      xaxis: { ...axis, title: { text: plain(figure.x_label), standoff: 8 }, type: figure.log_x ? 'log' : 'linear',
+        anchor: count > 1 ? 'y' + count : 'y',
+        showspikes: !figure.back_and_forth, spikemode: 'across', spikethickness: 1, spikedash: 'dot',
+        spikecolor: colour('muted'), spikesnap: 'hovered data' },
+    };
+    figure.y_labels.forEach((label, panel) => {
+      const top = 1 - panel * (height + gap);
+      layout['yaxis' + (panel ? panel + 1 : '')] = {
+        ...axis, title: { text: plain(label), standoff: 10 },
+        domain: [Math.max(0, top - height), top], anchor: 'x', nticks: count > 2 ? 5 : 8,
+      };
+    });
+    return layout;
+  };
+
+  const draw = (place) => {
+    const number = place.id.slice('plot-'.length);
+    const figure = JSON.parse(document.getElementById('data-' + number).textContent);
+    const colour = colours();
+    const traces = figure.traces.map((trace, i, all) => toPlotly(trace, i, all, colour));
+    return Plotly.react(place, traces, layoutOf(figure, traces, colour),
+      { ...CONFIG, toImageButtonOptions: { ...CONFIG.toImageButtonOptions, filename: 'figure-' + number } });
+  };
+
+  const places = [...document.querySelectorAll('.plot')];
+  const drawAll = async () => {
+    for (const place of places) {
+      try {
+        await draw(place);
+      } catch (error) {
+        place.innerHTML = '<p class="failed">This figure could not be drawn.</p>';
+        console.error(place.id, error);
+      }
+      // Lets the browser show what stands before the next one is drawn.
+      await new Promise((resolve) => setTimeout(resolve));
+    }
+    document.documentElement.dataset.figures = 'drawn';
+  };
+
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
+  // On paper: dark on white, and as wide as the sheet.
+  addEventListener('beforeprint', () => {
+    document.documentElement.dataset.print = '';
+    places.forEach((place) => { place.style.width = '680px'; draw(place); Plotly.Plots.resize(place); });
+  });
+  addEventListener('afterprint', () => {
+    delete document.documentElement.dataset.print;
+    places.forEach((place) => { place.style.width = ''; draw(place); Plotly.Plots.resize(place); });
+  });
+  drawAll();
+})();
