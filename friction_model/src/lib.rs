@@ -1,1 +1,41 @@
-//! Friction models.
+//! What friction is: every model one file, for simulation and for real time.
+//!
+//! A model is a value with validated parameters that implements [`FrictionModel`]. The same value serves two masters:
+//!
+//! * a **simulator** asks for the force and the rates of the states ([`FrictionModel::evaluate`]) as often as its
+//!   integrator likes, and commits once an accepted step ([`FrictionModel::commit`]); [`rk4`] does that for a prescribed velocity;
+//! * a **real-time observer** holds a [`Stepper`] and calls it once a period; the fixed-step form is stable at any
+//!   period up to 10 ms, allocates nothing and cannot panic.
+//!
+//! Conventions: `v` is the relative velocity, `z` the bristle deflection, and the friction `F` *opposes* motion, so that
+//! `m x'' = F_e - F`. Quantities are SI: N, m, s for linear examples and N m, rad, s for the test bed; the formulas are the same.
+//! Equation numbers in the model files are those of the 2017 thesis on position and velocity drives subject to friction
+//! (A. C. Nnaji), with its misprints corrected where a file says so.
+
+mod any_model;
+mod coulomb;
+mod error;
+mod hysteresis;
+mod lugre;
+mod model;
+mod name;
+mod parameter;
+mod proposed;
+pub mod rk4;
+mod stepper;
+mod stribeck;
+mod stribeck_curve;
+mod viscous;
+
+pub use any_model::{AnyModel, AnyStepper};
+pub use coulomb::{Coulomb, CoulombParameters};
+pub use error::ModelError;
+pub use hysteresis::{Hysteresis, VirginCurve};
+pub use lugre::{LuGre, LuGreParameters};
+pub use model::{ContinuousState, Evaluation, FrictionModel, Internals, Regime, State, TimeStep};
+pub use name::ModelName;
+pub use proposed::{Proposed, ProposedParameters};
+pub use stepper::Stepper;
+pub use stribeck::{Stribeck, StribeckParameters};
+pub use stribeck_curve::StribeckCurve;
+pub use viscous::{Viscous, ViscousParameters};

@@ -1,0 +1,114 @@
+//! Coulomb's model.
+//!
+//! ```text
+//! F = F_c sgn v            v != 0      (thesis eq. 2.4)
+//! F = sat(F_c, F_e)        v = 0: friction balances the applied force up to F_c
+//! ```
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_c` | N or N m | > 0 | kinetic friction |
+//!
+//! It gives the direction and the size of sliding friction. It knows no pre-sliding displacement, no static level above
+//! the kinetic one and no dependence on speed; at zero velocity a simulator needs the applied force (see
+//! [`FrictionModel::breakaway`]).
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, sign};
+use crate::parameter::Check;
+use crate::{Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, TimeStep};
+
+/// Parameters of [`Coulomb`] as files carry them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CoulombParameters {
+    /// Kinetic friction F_c [N or N m], above zero.
+    pub f_c: f64,
+}
+
+/// Coulomb friction with valid parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "CoulombParameters", into = "CoulombParameters")]
+pub struct Coulomb {
+    parameters: CoulombParameters,
+}
+
+impl Coulomb {
+    /// The test bed's kinetic level (thesis Table 4.13).
+    #[must_use]
+    pub const fn test_bed() -> Self {
+        Self { parameters: CoulombParameters { f_c: 0.0925 } }
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &CoulombParameters {
+        &self.parameters
+    }
+}
+
+impl TryFrom<CoulombParameters> for Coulomb {
+    type Error = ModelError;
+
+    fn try_from(parameters: CoulombParameters) -> Result<Self, ModelError> {
+        Check(ModelName::Coulomb).positive("f_c", parameters.f_c, "N m")?;
+        Ok(Self { parameters })
+    }
+}
+
+impl From<Coulomb> for CoulombParameters {
+    fn from(model: Coulomb) -> Self {
+        model.parameters
+    }
+}
+
+impl FrictionModel for Coulomb {
+    const NAME: ModelName = ModelName::Coulomb;
+    type Continuous = [f64; 0];
+    type Memory = ();
+    type Discrete = ();
+
+    fn rest(&self) -> State<[f64; 0], ()> {
+        State { continuous: [], memory: () }
+    }
+
+    fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
+        Evaluation { force: self.steady_state(velocity), rates: [] }
+    }
+
+    fn commit(&self, _: &mut State<[f64; 0], ()>) {}
+
+    fn discretise(&self, _: TimeStep) {}
+
+    fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
+        self.steady_state(bounded(velocity))
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.parameters.f_c * sign(velocity)
+    }
+
+    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
+        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: 0.0, gamma: self.parameters.f_c, regime }
+    }
+
+    fn breakaway(&self) -> Option<f64> {
+        Some(self.parameters.f_c)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opposes_motion_with_a_constant_force() {
+        let model = Coulomb::try_from(CoulombParameters { f_c: 0.7 }).unwrap();
+        assert_eq!(model.steady_state(1e-9), 0.7);
+        assert_eq!(model.steady_state(-3.0), -0.7);
+        assert_eq!(model.steady_state(0.0), 0.0);
+        assert_eq!(model.breakaway(), Some(0.7));
+    }
+}

@@ -1,0 +1,232 @@
+//! Hysteresis with non-local memory: a virgin curve, Masing's doubling and a stack of reversal points.
+//!
+//! From a reversal point `(z_r, f_r)` the force follows the virgin curve `f` doubled in both directions, in direction `s = +-1`:
+//!
+//! ```text
+//! F = f_r + 2 s f( s (z - z_r) / 2 )                          (thesis eq. 3.53)
+//! ```
+//!
+//! until the branch meets the point from which the previous one started; there the inner loop is closed and forgotten
+//! (wiping-out), and the outer branch goes on as if nothing had happened. The first branch closes at the mirror image of
+//! its reversal point, on the virgin curve. Loops therefore close exactly, and congruent loops have the same shape
+//! wherever they lie. The operator equals a Prandtl-Ishlinskii operator with weight `w(r) = -f''(r)`.
+
+use crate::model::saturate;
+
+/// A concave odd curve that a contact follows when it is loaded for the first time.
+pub trait VirginCurve {
+    /// Force on the virgin curve at deflection `z`, for `|z| <= limit`.
+    fn force(&self, z: f64) -> f64;
+
+    /// Largest deflection: beyond it the contact slides and the memory is empty.
+    fn limit(&self) -> f64;
+
+    /// Force on the branch that left `origin` in direction `s`, `travel = s (z - z_r) >= 0` away.
+    #[inline]
+    fn branch(&self, f_r: f64, s: f64, travel: f64) -> f64 {
+        f_r + 2.0 * s * self.force(0.5 * travel)
+    }
+}
+
+/// Deepest nesting kept. A noisy sine of 200 000 samples reaches a depth of 19; only a strictly nested sequence grows without end.
+pub const CAPACITY: usize = 120;
+
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Point {
+    z: f64,
+    f: f64,
+}
+
+/// The memory of reversal points. Starts unloaded, with nothing to remember.
+///
+/// When the stack is full the two innermost points, one closed loop, are dropped: the error is at most that loop.
+#[derive(Debug, Clone)]
+pub struct Hysteresis {
+    /// Number of reversal points remembered.
+    depth: usize,
+    /// Direction of the present branch: -1, 0 before the first motion, or 1.
+    direction: f64,
+    last: Point,
+    points: [Point; CAPACITY],
+}
+
+impl Default for Hysteresis {
+    fn default() -> Self {
+        Self { depth: 0, direction: 0.0, last: Point::default(), points: [Point::default(); CAPACITY] }
+    }
+}
+
+impl PartialEq for Hysteresis {
+    /// Two memories are equal when they remember the same points; what lies above the stack's top does not count.
+    fn eq(&self, other: &Self) -> bool {
+        self.direction == other.direction
+            && self.last == other.last
+            && self.points[..self.depth] == other.points[..other.depth]
+    }
+}
+
+/// Where a move leads: the force there, and what the stack looks like afterwards.
+struct Arrival {
+    force: f64,
+    /// Reversal points left after closed loops were wiped out.
+    depth: usize,
+    /// Index at which the last point has to be pushed first, on a reversal.
+    push_at: Option<usize>,
+    direction: f64,
+}
+
+impl Hysteresis {
+    /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for the stages of an integrator.
+    #[inline]
+    #[must_use]
+    pub fn peek(&self, curve: &impl VirginCurve, z: f64) -> f64 {
+        let z = saturate(curve.limit(), z);
+        if z == self.last.z { self.last.f } else { self.arrive(curve, z).force }
+    }
+
+    /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force there.
+    #[inline]
+    pub fn commit(&mut self, curve: &impl VirginCurve, z: f64) -> f64 {
+        let z = saturate(curve.limit(), z);
+        if z == self.last.z {
+            return self.last.f;
+        }
+        let arrival = self.arrive(curve, z);
+        if let Some(index) = arrival.push_at {
+            self.points[index] = self.last;
+        }
+        self.depth = arrival.depth;
+        self.direction = arrival.direction;
+        self.last = Point { z, f: arrival.force };
+        arrival.force
+    }
+
+    /// Follows the present branch, or the one that starts here, to `z`, which differs from the last deflection.
+    #[inline]
+    fn arrive(&self, curve: &impl VirginCurve, z: f64) -> Arrival {
+        let s = if z > self.last.z { 1.0 } else { -1.0 };
+        let reversal = self.direction != 0.0 && s != self.direction;
+        // A full stack loses its innermost loop, so that the reversal finds room.
+        let base = if reversal && self.depth == CAPACITY { CAPACITY - 2 } else { self.depth };
+        let point = |i: usize| if i == base { self.last } else { self.points[i] };
+        let mut depth = base + usize::from(reversal);
+        let force = loop {
+            if depth == 0 {
+                break curve.force(z);
+            }
+            let top = point(depth - 1);
+            let closes_at = if depth >= 2 { point(depth - 2).z } else { -top.z };
+            if s * (z - closes_at) < 0.0 {
+                break curve.branch(top.f, s, s * (z - top.z));
+            }
+            depth -= if depth >= 2 { 2 } else { 1 };
+        };
+        Arrival { force, depth, push_at: (reversal && depth > base).then_some(base), direction: s }
+    }
+
+    /// Force at the last committed deflection.
+    #[must_use]
+    pub const fn force(&self) -> f64 {
+        self.last.f
+    }
+
+    /// The last committed deflection.
+    #[must_use]
+    pub const fn deflection(&self) -> f64 {
+        self.last.z
+    }
+
+    /// Number of reversal points remembered.
+    #[must_use]
+    pub const fn depth(&self) -> usize {
+        self.depth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
+
+    use super::*;
+
+    /// `F_s = Z_b = 1`: the thesis's sine.
+    struct Sine;
+
+    impl VirginCurve for Sine {
+        fn force(&self, z: f64) -> f64 {
+            (FRAC_PI_2 * z).sin()
+        }
+        fn limit(&self) -> f64 {
+            1.0
+        }
+    }
+
+    #[test]
+    fn worked_example_with_nested_and_closed_loops() {
+        // Every force by hand: the virgin curve, or the doubled branch from the reversal named.
+        let virgin = |z: f64| (FRAC_PI_2 * z).sin();
+        let branch = |(z_r, f_r): (f64, f64), z: f64| f_r + 2.0 * (FRAC_PI_4 * (z - z_r)).sin();
+        let a = (0.9, virgin(0.9));
+        let b = (-0.5, branch(a, -0.5));
+        let c = (0.6, branch(b, 0.6));
+        let d = (-0.1, branch(c, -0.1));
+        let e = (0.3, branch(d, 0.3));
+        let path = [
+            (a.0, a.1, 0),
+            (b.0, b.1, 1),
+            (c.0, c.1, 2),
+            (d.0, d.1, 3),
+            (e.0, e.1, 4),
+            (d.0, d.1, 3),
+            (b.0, b.1, 1),
+            (-0.9, -a.1, 0),
+            (-1.0, -1.0, 0),
+            (0.0, -1.0 + SQRT_2, 1),
+            (1.0, 1.0, 0),
+        ];
+        let mut memory = Hysteresis::default();
+        for (z, force, depth) in path {
+            let peeked = memory.peek(&Sine, z);
+            let committed = memory.commit(&Sine, z);
+            assert_eq!(peeked, committed, "z {z}");
+            assert!((committed - force).abs() < 1e-12, "z {z}: {committed} is not {force}");
+            assert_eq!(memory.depth(), depth, "z {z}");
+        }
+    }
+
+    /// Area of the loop between `+-a`, by the trapezoidal rule along fine steps, against the closed form of Masing's branches.
+    #[test]
+    fn loop_area_is_masings() {
+        use std::f64::consts::PI;
+        for a in [0.25f64, 0.5, 1.0] {
+            let expected = 16.0 / PI * (1.0 - (PI * a / 2.0).cos()) - 4.0 * a * (PI * a / 2.0).sin();
+            let mut memory = Hysteresis::default();
+            memory.commit(&Sine, a);
+            let (mut area, mut before) = (0.0, (a, memory.force()));
+            let n = 20_000;
+            for k in 1..=2 * n {
+                let phase = f64::from(k) / f64::from(n);
+                let z = if phase <= 1.0 { a * (1.0 - 2.0 * phase) } else { a * (2.0 * phase - 3.0) };
+                let f = memory.commit(&Sine, z);
+                area += 0.5 * (f + before.1) * (z - before.0);
+                before = (z, f);
+            }
+            assert!((area - expected).abs() < 1e-7, "a {a}: {area} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn two_hundred_nested_reversals_stay_within_the_stack() {
+        let mut memory = Hysteresis::default();
+        let mut z = 1.0;
+        for _ in 0..200 {
+            memory.commit(&Sine, z);
+            assert!(memory.depth() <= CAPACITY);
+            z *= -0.98;
+        }
+        assert!(memory.depth() > 100);
+        // Coming back out closes every loop that is left.
+        assert_eq!(memory.commit(&Sine, 1.0), 1.0);
+        assert_eq!(memory.depth(), 0);
+    }
+}

@@ -1,0 +1,200 @@
+//! LuGre (Canudas de Wit, Olsson, Astrom and Lischinsky 1995).
+//!
+//! ```text
+//! z' = v - sigma0 |v| z / g(v)                 (thesis eq. 2.19 with g in units of force)
+//! F  = sigma0 z + sigma1 z' + f_v v            (thesis eq. 2.18 with f_v(v) = f_v v)
+//! ```
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `sigma0` | N/m or N m/rad | > 0 | bristle stiffness |
+//! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! Steady state `F = sgn(v) g(v) + f_v v`; gives stick-slip, pre-sliding displacement and lag. It drifts under small
+//! oscillating loads, and its hysteresis has no non-local memory: inner loops do not close.
+//!
+//! Fixed-step form: the exact solution for a velocity held over the period,
+//! `z <- z_s + (z - z_s) exp(-sigma0 |v| dt / g)` with `z_s = sgn(v) g(v) / sigma0`; stable at any period.
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::bounded;
+use crate::parameter::Check;
+use crate::stribeck_curve::gaussian;
+use crate::{
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, StribeckCurve, TimeStep,
+};
+
+/// Parameters of [`LuGre`] as files carry them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LuGreParameters {
+    /// Static friction F_s [N or N m], at least `f_c`.
+    pub f_s: f64,
+    /// Kinetic friction F_c [N or N m], above zero.
+    pub f_c: f64,
+    /// Stribeck velocity v_s [m/s or rad/s], above zero.
+    pub v_s: f64,
+    /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+    #[serde(default = "gaussian")]
+    pub delta: f64,
+    /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
+    pub sigma0: f64,
+    /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
+    pub sigma1: f64,
+    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+    pub f_v: f64,
+}
+
+/// LuGre with valid parameters. State: `[z]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LuGreParameters", into = "LuGreParameters")]
+pub struct LuGre {
+    parameters: LuGreParameters,
+    curve: StribeckCurve,
+}
+
+impl LuGre {
+    /// The default set of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn chapter_3() -> Self {
+        let sigma1 = 1e5f64.sqrt();
+        LuGreParameters { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, f_v: 0.0 }
+            .try_into()
+            .expect("constants within range")
+    }
+
+    /// The test bed (thesis Table 4.14 with the consistent sigma_1; N m, rad, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn test_bed() -> Self {
+        LuGreParameters {
+            f_s: 0.0994,
+            f_c: 0.0929,
+            v_s: 0.1407,
+            delta: 2.0,
+            sigma0: 16.469,
+            sigma1: 0.2494,
+            f_v: 0.0403,
+        }
+        .try_into()
+        .expect("constants within range")
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &LuGreParameters {
+        &self.parameters
+    }
+}
+
+impl TryFrom<LuGreParameters> for LuGre {
+    type Error = ModelError;
+
+    fn try_from(p: LuGreParameters) -> Result<Self, ModelError> {
+        let check = Check(ModelName::LuGre);
+        let curve = StribeckCurve::new(ModelName::LuGre, p.f_s, p.f_c, p.v_s, p.delta)?;
+        check.positive("sigma0", p.sigma0, "N m/rad")?;
+        check.non_negative("sigma1", p.sigma1, "N m s/rad")?;
+        check.non_negative("f_v", p.f_v, "N m s/rad")?;
+        Ok(Self { parameters: p, curve })
+    }
+}
+
+impl From<LuGre> for LuGreParameters {
+    fn from(model: LuGre) -> Self {
+        model.parameters
+    }
+}
+
+impl FrictionModel for LuGre {
+    const NAME: ModelName = ModelName::LuGre;
+    type Continuous = [f64; 1];
+    type Memory = ();
+    /// The period [s].
+    type Discrete = f64;
+
+    fn rest(&self) -> State<[f64; 1], ()> {
+        State { continuous: [0.0], memory: () }
+    }
+
+    #[inline]
+    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let z_rate = velocity - p.sigma0 * velocity.abs() * z / self.curve.level(velocity);
+        Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+    }
+
+    fn commit(&self, _: &mut State<[f64; 1], ()>) {}
+
+    fn discretise(&self, dt: TimeStep) -> f64 {
+        dt.seconds()
+    }
+
+    #[inline]
+    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+        let p = &self.parameters;
+        let v = bounded(velocity);
+        let [z] = state.continuous;
+        let g = self.curve.level(v);
+        // Rate at which z relaxes towards its steady value while v is held [1/s].
+        let rate = p.sigma0 * v.abs() / g;
+        let z_steady = (g / p.sigma0).copysign(v);
+        state.continuous = [z_steady + (z - z_steady) * (-rate * dt).exp()];
+        p.sigma0 * z + p.sigma1 * (v - rate * z) + p.f_v * v
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    /// Slip once the bristle force is within 5 % of the sliding level in the direction of motion; LuGre itself knows no switch.
+    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+        let [z] = state.continuous;
+        let gamma = self.curve.level(velocity);
+        let loaded = self.parameters.sigma0 * z * crate::model::sign(velocity);
+        let regime = if loaded >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
+        Internals { deflection: z, gamma, regime }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stepper;
+
+    #[test]
+    fn reaches_the_stribeck_curve() {
+        let model = LuGre::chapter_3();
+        for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+            let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+            for _ in 0..3000 {
+                stepper.step(v);
+            }
+            assert!((stepper.step(v) - model.steady_state(v)).abs() < 1e-9, "v {v}");
+        }
+    }
+
+    #[test]
+    fn the_fixed_step_is_exact_for_a_held_velocity() {
+        let model = LuGre::test_bed();
+        let (v, dt) = (0.3, 1e-3);
+        let mut coarse = Stepper::new(model, TimeStep::new(10.0 * dt).unwrap());
+        let mut fine = Stepper::new(model, TimeStep::new(dt).unwrap());
+        for _ in 0..20 {
+            coarse.step(v);
+            for _ in 0..10 {
+                fine.step(v);
+            }
+            let (a, b) = (coarse.state().continuous[0], fine.state().continuous[0]);
+            assert!((a - b).abs() < 1e-15, "{a} {b}");
+        }
+    }
+}

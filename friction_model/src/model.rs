@@ -1,0 +1,174 @@
+//! The one trait behind which every friction model stands.
+
+use std::fmt::Debug;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{ModelError, ModelName};
+
+/// Velocities beyond this magnitude are cut to it by the fixed-step form [m/s or rad/s].
+pub const MAX_SPEED: f64 = 1e6;
+
+/// The continuous states of a model: a small fixed array, so that integrators neither allocate nor loop over a length they do not know.
+pub trait ContinuousState: Copy + Debug + PartialEq {
+    /// `self + h * rate`, element by element.
+    #[must_use]
+    fn plus_scaled(&self, rate: &Self, h: f64) -> Self;
+}
+
+impl<const N: usize> ContinuousState for [f64; N] {
+    #[inline]
+    fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
+        let mut sum = *self;
+        for (s, r) in sum.iter_mut().zip(rate) {
+            *s += h * r;
+        }
+        sum
+    }
+}
+
+/// State of a model: what is integrated, and what is remembered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<C, M> {
+    /// States with a rate, for instance `[gamma, z]`.
+    pub continuous: C,
+    /// Memory that only changes when a step is accepted, for instance the reversal points.
+    pub memory: M,
+}
+
+/// Force and rates at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evaluation<C> {
+    /// Friction force [N] or torque [N m], opposing motion.
+    pub force: f64,
+    /// Time derivatives of the continuous states.
+    pub rates: C,
+}
+
+/// Whether the surfaces hold or slide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Regime {
+    /// Pre-sliding: the bristles deflect with the motion.
+    #[default]
+    Stick,
+    /// Gross sliding.
+    Slip,
+}
+
+/// The inner quantities that all models can be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Internals {
+    /// Bristle deflection z [m or rad]; zero for static models.
+    pub deflection: f64,
+    /// Level at which the contact slides now, gamma [N or N m].
+    pub gamma: f64,
+    /// Stick or slip.
+    pub regime: Regime,
+}
+
+/// Period of a fixed-step model: above zero, at most 10 ms.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct TimeStep(f64);
+
+impl TimeStep {
+    /// A period in seconds.
+    ///
+    /// # Errors
+    /// [`ModelError::TimeStep`] outside (0, 0.01] s.
+    pub fn new(seconds: f64) -> Result<Self, ModelError> {
+        if seconds > 0.0 && seconds <= 0.01 { Ok(Self(seconds)) } else { Err(ModelError::TimeStep(seconds)) }
+    }
+
+    /// The period [s].
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        self.0
+    }
+}
+
+/// A friction model with valid parameters.
+///
+/// `F` opposes motion. For the derivative form use [`evaluate`](Self::evaluate) in the stages of an integrator and
+/// [`commit`](Self::commit) once for each accepted step. For the fixed-step form use a [`crate::Stepper`].
+pub trait FrictionModel: Clone + Debug {
+    /// The model's name.
+    const NAME: ModelName;
+    /// Continuous states, `[f64; N]`.
+    type Continuous: ContinuousState;
+    /// Discrete memory; `()` for most models.
+    type Memory: Clone + Debug + PartialEq;
+    /// Coefficients of the fixed-step form that depend on the period only.
+    type Discrete: Clone + Debug;
+
+    /// The state at rest, unloaded and having rested long: `z = 0`, `gamma = F_s`.
+    fn rest(&self) -> State<Self::Continuous, Self::Memory>;
+
+    /// Force and rates at `velocity`. Leaves the memory alone: for the stages of an integrator.
+    fn evaluate(
+        &self,
+        state: &Self::Continuous,
+        memory: &Self::Memory,
+        velocity: f64,
+    ) -> Evaluation<Self::Continuous>;
+
+    /// Accepts a step: projects the states onto their bounds and lets the memory know where they arrived.
+    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>);
+
+    /// Coefficients of the fixed-step form for the period `dt`.
+    fn discretise(&self, dt: TimeStep) -> Self::Discrete;
+
+    /// The fixed-step form: the force now at `velocity`, after which the state advances by one period under that velocity.
+    ///
+    /// Stable for every valid parameter set and period. A velocity beyond [`MAX_SPEED`] is cut to it; one that is not a
+    /// number counts as zero, so that the state stays finite (whoever measures velocities must raise the fault).
+    fn step(
+        &self,
+        discrete: &Self::Discrete,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        velocity: f64,
+    ) -> f64;
+
+    /// The force after a long time at constant `velocity`.
+    fn steady_state(&self, velocity: f64) -> f64;
+
+    /// The inner quantities at this state and velocity.
+    fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: f64) -> Internals;
+
+    /// For models that are discontinuous at zero velocity: the largest force that holds the contact there. A simulator
+    /// must treat their sticking as an event. `None` for models that describe pre-sliding themselves.
+    fn breakaway(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// A velocity that the fixed-step forms can be stepped with.
+#[inline]
+pub(crate) fn bounded(velocity: f64) -> f64 {
+    if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
+}
+
+/// `sgn v` with `sgn 0 = 0`.
+#[inline]
+pub(crate) fn sign(v: f64) -> f64 {
+    if v == 0.0 { 0.0 } else { v.signum() }
+}
+
+/// `sat(b, x)`: `x` cut to `[-b, b]`, for `b >= 0`. Unlike `f64::clamp` it cannot panic.
+#[inline]
+pub(crate) fn saturate(b: f64, x: f64) -> f64 {
+    x.min(b).max(-b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_steps_are_validated() {
+        assert_eq!(TimeStep::new(1e-3).unwrap().seconds(), 1e-3);
+        for wrong in [0.0, -1e-3, 0.011, f64::NAN, f64::INFINITY] {
+            assert!(matches!(TimeStep::new(wrong), Err(ModelError::TimeStep(_))), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,320 @@
+//! The thesis's own model: non-drift, with hysteresis of non-local memory in pre-sliding and frictional lag in sliding.
+//!
+//! ```text
+//! gamma' = (g(v) - gamma) / tau
+//! c      = sat(gamma, F_hyst(z) + sigma v)
+//! z'     = (c - F_hyst(z)) / sigma
+//! F      = c + f_v v
+//! F_hyst : virgin curve F_s sin(pi z / (2 Z_b)), |z| <= Z_b, with the memory of [`crate::Hysteresis`]
+//! ```
+//!
+//! Thesis eqs. 3.8 to 3.18 and 3.53, with the signs that 3.11, 3.12, 3.17 and 3.18 omit, and with the sine that its
+//! listing B.2 forgets. At rest `gamma(0) = F_s` and `z = 0`.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `sigma` | N s/m or N m s/rad | > 0 | micro-damping (the thesis's table B.1 lists it as a stiffness: it is not) |
+//! | `tau` | s | > 0 | time constant of the lag |
+//! | `z_b` | m or rad | > 0 | breakaway deflection |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! While the contact sticks, `z' = v` and `F = F_hyst(z) + (sigma + f_v) v`; while it slips, `F = +-gamma + f_v v` and `z`
+//! relaxes to where the hysteresis carries `+-gamma`. Since gamma falls in sliding, `z` moves back then: a genuine
+//! reversal, which the memory records. It does not drift, closes inner loops exactly, never exceeds `F_s + f_v |v|` and dissipates.
+//! Its hysteresis is rate-independent; what depends on rate is the lag alone.
+//!
+//! Fixed-step form: `gamma` exactly for a held velocity; `z` by an implicit step with the steepest slope of the
+//! hysteresis, `k = F_s pi / (2 Z_b)`:
+//! `dz = dt sat-between(v, (-gamma - F_hyst) / (sigma + k dt), (gamma - F_hyst) / (sigma + k dt))`, which can neither
+//! overshoot nor oscillate at any period.
+
+use std::f64::consts::FRAC_PI_2;
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, saturate};
+use crate::parameter::Check;
+use crate::stribeck_curve::gaussian;
+use crate::{
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, Regime, State, StribeckCurve,
+    TimeStep, VirginCurve,
+};
+
+/// Parameters of [`Proposed`] as files carry them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProposedParameters {
+    /// Static friction F_s [N or N m], at least `f_c`.
+    pub f_s: f64,
+    /// Kinetic friction F_c [N or N m], above zero.
+    pub f_c: f64,
+    /// Stribeck velocity v_s [m/s or rad/s], above zero.
+    pub v_s: f64,
+    /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+    #[serde(default = "gaussian")]
+    pub delta: f64,
+    /// Micro-damping sigma [N s/m or N m s/rad], above zero.
+    pub sigma: f64,
+    /// Time constant of the lag [s], above zero.
+    pub tau: f64,
+    /// Breakaway deflection Z_b [m or rad], above zero.
+    pub z_b: f64,
+    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+    pub f_v: f64,
+}
+
+/// The proposed model with valid parameters. State: `[gamma, z]` and the reversal points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ProposedParameters", into = "ProposedParameters")]
+pub struct Proposed {
+    parameters: ProposedParameters,
+    curve: StribeckCurve,
+    sine: Sine,
+    inverse_sigma: f64,
+}
+
+/// The virgin curve `F_s sin(pi z / (2 Z_b))`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sine {
+    f_s: f64,
+    z_b: f64,
+    /// `pi / (2 Z_b)`.
+    wave_number: f64,
+}
+
+impl VirginCurve for Sine {
+    #[inline]
+    fn force(&self, z: f64) -> f64 {
+        self.f_s * (self.wave_number * z).sin()
+    }
+
+    #[inline]
+    fn limit(&self) -> f64 {
+        self.z_b
+    }
+}
+
+impl Proposed {
+    /// The default set of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn chapter_3() -> Self {
+        let sigma = 1e5f64.sqrt();
+        ProposedParameters {
+            f_s: 1.5,
+            f_c: 1.0,
+            v_s: 0.01,
+            delta: 2.0,
+            sigma,
+            tau: 0.002,
+            z_b: 0.001,
+            f_v: 0.0,
+        }
+        .try_into()
+        .expect("constants within range")
+    }
+
+    /// The test bed (thesis Table 4.13 with the consistent sigma; N m, rad, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn test_bed() -> Self {
+        ProposedParameters {
+            f_s: 0.0994,
+            f_c: 0.0925,
+            v_s: 0.1407,
+            delta: 2.0,
+            sigma: 0.3213,
+            tau: 0.0011,
+            z_b: 0.006,
+            f_v: 0.0403,
+        }
+        .try_into()
+        .expect("constants within range")
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &ProposedParameters {
+        &self.parameters
+    }
+
+    /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and returns `F_hyst` there.
+    pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
+        memory.commit(&self.sine, z)
+    }
+
+    /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` [N/m or N m/rad].
+    #[must_use]
+    pub fn stiffness(&self) -> f64 {
+        self.sine.f_s * self.sine.wave_number
+    }
+}
+
+impl TryFrom<ProposedParameters> for Proposed {
+    type Error = ModelError;
+
+    fn try_from(p: ProposedParameters) -> Result<Self, ModelError> {
+        let check = Check(ModelName::Proposed);
+        let curve = StribeckCurve::new(ModelName::Proposed, p.f_s, p.f_c, p.v_s, p.delta)?;
+        check.positive("sigma", p.sigma, "N m s/rad")?;
+        check.positive("tau", p.tau, "s")?;
+        check.positive("z_b", p.z_b, "rad")?;
+        check.non_negative("f_v", p.f_v, "N m s/rad")?;
+        let sine = Sine { f_s: p.f_s, z_b: p.z_b, wave_number: FRAC_PI_2 / p.z_b };
+        check.require(
+            (sine.f_s * sine.wave_number).is_finite(),
+            "z_b",
+            p.z_b,
+            "rad",
+            "large enough for a finite stiffness",
+        )?;
+        check.require(
+            (1.0 / p.sigma).is_finite(),
+            "sigma",
+            p.sigma,
+            "N m s/rad",
+            "large enough to divide by",
+        )?;
+        Ok(Self { parameters: p, curve, sine, inverse_sigma: 1.0 / p.sigma })
+    }
+}
+
+impl From<Proposed> for ProposedParameters {
+    fn from(model: Proposed) -> Self {
+        model.parameters
+    }
+}
+
+/// Coefficients of the fixed-step form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProposedDiscrete {
+    dt: f64,
+    /// `exp(-dt / tau)`.
+    gamma_decay: f64,
+    /// `1 / (sigma + k dt)`.
+    implicit_gain: f64,
+}
+
+impl FrictionModel for Proposed {
+    const NAME: ModelName = ModelName::Proposed;
+    type Continuous = [f64; 2];
+    type Memory = Hysteresis;
+    type Discrete = ProposedDiscrete;
+
+    fn rest(&self) -> State<[f64; 2], Hysteresis> {
+        State { continuous: [self.parameters.f_s, 0.0], memory: Hysteresis::default() }
+    }
+
+    #[inline]
+    fn evaluate(&self, &[gamma, z]: &[f64; 2], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 2]> {
+        let p = &self.parameters;
+        let hysteresis = memory.peek(&self.sine, z);
+        let contact = saturate(gamma, hysteresis + p.sigma * velocity);
+        Evaluation {
+            force: contact + p.f_v * velocity,
+            rates: [
+                (self.curve.level(velocity) - gamma) / p.tau,
+                (contact - hysteresis) * self.inverse_sigma,
+            ],
+        }
+    }
+
+    #[inline]
+    fn commit(&self, state: &mut State<[f64; 2], Hysteresis>) {
+        let [gamma, z] = state.continuous;
+        let z = saturate(self.sine.z_b, z);
+        state.continuous = [gamma.clamp(self.parameters.f_c, self.parameters.f_s), z];
+        state.memory.commit(&self.sine, z);
+    }
+
+    fn discretise(&self, dt: TimeStep) -> ProposedDiscrete {
+        let dt = dt.seconds();
+        ProposedDiscrete {
+            dt,
+            gamma_decay: (-dt / self.parameters.tau).exp(),
+            implicit_gain: 1.0 / (self.parameters.sigma + self.stiffness() * dt),
+        }
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        discrete: &ProposedDiscrete,
+        state: &mut State<[f64; 2], Hysteresis>,
+        velocity: f64,
+    ) -> f64 {
+        let p = &self.parameters;
+        let v = bounded(velocity);
+        let [gamma, z] = state.continuous;
+        let hysteresis = state.memory.force();
+        let contact = saturate(gamma, hysteresis + p.sigma * v);
+        let slowest = (-gamma - hysteresis) * discrete.implicit_gain;
+        let fastest = (gamma - hysteresis) * discrete.implicit_gain;
+        let z_next = saturate(self.sine.z_b, z + discrete.dt * v.min(fastest).max(slowest));
+        let g = self.curve.level(v);
+        state.memory.commit(&self.sine, z_next);
+        state.continuous = [g + (gamma - g) * discrete.gamma_decay, z_next];
+        contact + p.f_v * v
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    fn internals(&self, state: &State<[f64; 2], Hysteresis>, velocity: f64) -> Internals {
+        let [gamma, z] = state.continuous;
+        let trial = state.memory.peek(&self.sine, z) + self.parameters.sigma * velocity;
+        let regime = if trial.abs() > gamma { Regime::Slip } else { Regime::Stick };
+        Internals { deflection: z, gamma, regime }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stepper;
+
+    #[test]
+    fn reaches_the_stribeck_curve() {
+        for model in [Proposed::chapter_3(), Proposed::test_bed()] {
+            for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+                let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+                for _ in 0..20_000 {
+                    stepper.step(v);
+                }
+                assert!((stepper.step(v) - model.steady_state(v)).abs() < 1e-9, "v {v}");
+            }
+        }
+    }
+
+    /// Stiff, barely damped bristles: an explicit step of 10 ms would diverge at once.
+    #[test]
+    fn the_fixed_step_neither_diverges_nor_oscillates_when_stiff() {
+        let model = Proposed::try_from(ProposedParameters {
+            sigma: 1e-6,
+            z_b: 1e-6,
+            tau: 1e-6,
+            ..*Proposed::test_bed().parameters()
+        })
+        .unwrap();
+        let mut stepper = Stepper::new(model, TimeStep::new(0.01).unwrap());
+        for _ in 0..500 {
+            stepper.step(0.05);
+        }
+        let forces: Vec<f64> = (0..50).map(|_| stepper.step(0.05)).collect();
+        for force in forces {
+            assert!((force - model.steady_state(0.05)).abs() < 1e-9, "{force}");
+        }
+    }
+
+    #[test]
+    fn the_test_bed_breaks_away_where_the_thesis_measured() {
+        let stiffness = Proposed::test_bed().stiffness();
+        assert!((stiffness - 0.0994 * std::f64::consts::PI / 0.012).abs() < 1e-12);
+    }
+}

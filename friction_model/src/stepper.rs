@@ -1,0 +1,56 @@
+//! A model running in real time: its parameters, its coefficients for one period, and its state.
+
+use crate::{FrictionModel, Internals, State, TimeStep};
+
+/// A model with its state, stepped once a period.
+#[derive(Debug, Clone)]
+pub struct Stepper<M: FrictionModel> {
+    model: M,
+    dt: TimeStep,
+    discrete: M::Discrete,
+    state: State<M::Continuous, M::Memory>,
+}
+
+impl<M: FrictionModel> Stepper<M> {
+    /// Starts `model` at rest with the period `dt`.
+    #[must_use]
+    pub fn new(model: M, dt: TimeStep) -> Self {
+        let (discrete, state) = (model.discretise(dt), model.rest());
+        Self { model, dt, discrete, state }
+    }
+
+    /// The friction now at `velocity` [m/s or rad/s]; the state then advances by one period.
+    #[inline]
+    pub fn step(&mut self, velocity: f64) -> f64 {
+        self.model.step(&self.discrete, &mut self.state, velocity)
+    }
+
+    /// Back to rest.
+    pub fn reset(&mut self) {
+        self.state = self.model.rest();
+    }
+
+    /// The inner quantities at `velocity`.
+    #[must_use]
+    pub fn internals(&self, velocity: f64) -> Internals {
+        self.model.internals(&self.state, velocity)
+    }
+
+    /// The model.
+    #[must_use]
+    pub const fn model(&self) -> &M {
+        &self.model
+    }
+
+    /// The state.
+    #[must_use]
+    pub const fn state(&self) -> &State<M::Continuous, M::Memory> {
+        &self.state
+    }
+
+    /// The period.
+    #[must_use]
+    pub const fn period(&self) -> TimeStep {
+        self.dt
+    }
+}

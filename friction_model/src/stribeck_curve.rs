@@ -1,0 +1,106 @@
+//! The level at which a contact slides, as a function of speed.
+
+use crate::parameter::Check;
+use crate::{ModelError, ModelName};
+
+/// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs. 2.9 to 2.11 with
+/// the absolute value inside the power.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StribeckCurve {
+    f_s: f64,
+    f_c: f64,
+    inverse_v_s: f64,
+    v_s: f64,
+    delta: f64,
+}
+
+impl StribeckCurve {
+    /// A curve from the static level `f_s` and the kinetic level `f_c` [N or N m], the Stribeck velocity `v_s` [m/s or
+    /// rad/s] and the shape exponent `delta` (2 for the Gaussian form).
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and `0 < delta <= 10`.
+    pub fn new(model: ModelName, f_s: f64, f_c: f64, v_s: f64, delta: f64) -> Result<Self, ModelError> {
+        let check = Check(model);
+        check.positive("f_s", f_s, "N m")?;
+        check.positive("f_c", f_c, "N m")?;
+        check.require(
+            f_c <= f_s,
+            "f_c",
+            f_c,
+            "N m",
+            "at most f_s: kinetic friction does not exceed static friction",
+        )?;
+        check.positive("v_s", v_s, "rad/s")?;
+        check.require(1.0 / v_s < f64::INFINITY, "v_s", v_s, "rad/s", "large enough to divide by")?;
+        check.require(delta > 0.0 && delta <= 10.0, "delta", delta, "", "above 0 and at most 10")?;
+        Ok(Self { f_s, f_c, inverse_v_s: 1.0 / v_s, v_s, delta })
+    }
+
+    /// `g(v)`, between `f_c` and `f_s`.
+    #[inline]
+    #[must_use]
+    pub fn level(&self, velocity: f64) -> f64 {
+        let r = velocity * self.inverse_v_s;
+        let power = if self.delta == 2.0 { r * r } else { r.abs().powf(self.delta) };
+        self.f_c + (self.f_s - self.f_c) * (-power).exp()
+    }
+
+    /// `s(v) = sgn(v) g(v)`.
+    #[inline]
+    #[must_use]
+    pub fn signed_level(&self, velocity: f64) -> f64 {
+        crate::model::sign(velocity) * self.level(velocity)
+    }
+
+    /// Static level F_s [N or N m].
+    #[must_use]
+    pub const fn f_s(&self) -> f64 {
+        self.f_s
+    }
+
+    /// Kinetic level F_c [N or N m].
+    #[must_use]
+    pub const fn f_c(&self) -> f64 {
+        self.f_c
+    }
+
+    /// Stribeck velocity v_s [m/s or rad/s].
+    #[must_use]
+    pub const fn v_s(&self) -> f64 {
+        self.v_s
+    }
+
+    /// Shape exponent.
+    #[must_use]
+    pub const fn delta(&self) -> f64 {
+        self.delta
+    }
+}
+
+/// The shape exponent that parameter files may leave out.
+pub(crate) const fn gaussian() -> f64 {
+    2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matches_the_formula_for_any_exponent() {
+        for delta in [0.5, 1.0, 2.0, 3.0] {
+            let curve = StribeckCurve::new(ModelName::Stribeck, 1.5, 1.0, 0.01, delta).unwrap();
+            for v in [-0.05f64, -0.01, 0.0, 0.003, 0.01, 0.02] {
+                let expected = 1.0 + 0.5 * (-(v.abs() / 0.01).powf(delta)).exp();
+                assert!((curve.level(v) - expected).abs() < 1e-15, "delta {delta}, v {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_a_kinetic_level_above_the_static_one() {
+        let message = StribeckCurve::new(ModelName::LuGre, 1.0, 1.5, 0.01, 2.0).unwrap_err().to_string();
+        assert!(message.starts_with("lugre.f_c must be at most f_s"), "{message}");
+    }
+}
