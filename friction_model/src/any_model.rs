@@ -9,7 +9,6 @@ use crate::{
 /// A friction model chosen by name. In files: the name, with the parameters under it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum AnyModel {
     /// Coulomb's model.
     Coulomb(Coulomb),
@@ -82,7 +81,6 @@ impl AnyModel {
 
 /// A running model of any kind: a [`Stepper`] chosen while the program runs.
 #[derive(Debug, Clone)]
-#[non_exhaustive]
 #[expect(
     clippy::large_enum_variant,
     reason = "the reversal stack lives in place: the step path does not allocate"

@@ -10,7 +10,6 @@ use crate::ModelError;
 /// Which friction model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-#[non_exhaustive]
 pub enum ModelName {
     /// [`crate::Coulomb`]
     Coulomb,

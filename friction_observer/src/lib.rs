@@ -1,1 +1,9 @@
-//! Friction observers over any model, and their ROS 2 node.
+//! Friction observers: what the friction torque is now, estimated by a model that runs on the measured velocity.
+//!
+//! [`FrictionObserver`] runs any model of `friction_model` at the control period. It allocates nothing and cannot panic.
+
+mod estimate;
+mod observer;
+
+pub use estimate::Estimate;
+pub use observer::FrictionObserver;

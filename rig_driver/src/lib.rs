@@ -1,1 +1,21 @@
-//! Rig.
+//! The rig behind one trait: [`Rig`] is measured and driven once a control cycle.
+//!
+//! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction model, seen through
+//! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
+//! lock-step and reproducible from a seed. Real back ends join behind the same trait.
+
+mod drive;
+mod error;
+mod measurement;
+mod plant;
+mod rig;
+mod sensors;
+mod simulated;
+
+pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
+pub use error::RigError;
+pub use measurement::Measurement;
+pub use plant::{Plant, Truth};
+pub use rig::Rig;
+pub use sensors::{Channel, SensorError, Sensors};
+pub use simulated::{SimulatedRig, SimulationOptions};

@@ -1,0 +1,34 @@
+//! What can be wrong with a controller's parameters.
+
+/// A gain, limit or specification a controller cannot be built from.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ControllerError {
+    /// A number lies outside its range or is not finite.
+    #[error("{name} must be {expected}, but is {value}; change it in the controller's parameters")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What came.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// The specification asks for what this drive and this kind of controller cannot give.
+    #[error("no {controller} meets the specification: {reason}")]
+    Infeasible {
+        /// The kind of controller.
+        controller: &'static str,
+        /// Why not, and what to ask for instead.
+        reason: String,
+    },
+}
+
+/// Requires a finite number above zero.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ControllerError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(ControllerError::OutOfRange { name, value, expected: "a finite number above zero" })
+    }
+}

@@ -1,0 +1,109 @@
+//! The observer: a friction model driven by the measured velocity (thesis section 5.2, error injection gain k = 0).
+
+use friction_model::{AnyModel, AnyStepper, ModelName, TimeStep};
+
+use crate::Estimate;
+
+/// A friction model that follows the measured velocity in real time.
+#[derive(Debug, Clone)]
+pub struct FrictionObserver {
+    stepper: AnyStepper,
+}
+
+impl FrictionObserver {
+    /// An observer over `model`, at rest, called once every `dt`.
+    #[must_use]
+    pub fn new(model: &AnyModel, dt: TimeStep) -> Self {
+        Self { stepper: model.start(dt) }
+    }
+
+    /// The friction now at the measured `velocity` [rad/s]; the model then advances by one period. `measured_torque`
+    /// [N m], where there is a sensor, is compared with the estimate.
+    ///
+    /// A velocity that is not a finite number is not believed: the estimate is zero torque and the model stays where it is.
+    #[inline]
+    pub fn observe(&mut self, velocity: f64, measured_torque: Option<f64>) -> Estimate {
+        let internals = self.stepper.internals(velocity);
+        let torque = if velocity.is_finite() { self.stepper.step(velocity) } else { 0.0 };
+        Estimate {
+            model: self.stepper.name(),
+            torque,
+            deflection: internals.deflection,
+            gamma: internals.gamma,
+            regime: internals.regime,
+            velocity,
+            residual: measured_torque.map(|measured| measured - torque),
+        }
+    }
+
+    /// Back to rest.
+    pub fn reset(&mut self) {
+        self.stepper.reset();
+    }
+
+    /// The model that estimates.
+    #[must_use]
+    pub const fn model(&self) -> ModelName {
+        self.stepper.name()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_model::{FrictionModel, Proposed, Regime, State, rk4};
+
+    use super::*;
+
+    fn observer(name: ModelName) -> FrictionObserver {
+        FrictionObserver::new(&AnyModel::test_bed(name), TimeStep::new(1e-3).unwrap())
+    }
+
+    /// At 1 kHz with the true velocity and parameters the observer stays within 2 % of static friction of the true model.
+    #[test]
+    fn follows_the_true_friction_through_reversals() {
+        let velocity = |t: f64| 0.3 * (1.5 * t).sin() + 0.05 * (9.0 * t).sin();
+        let plant = Proposed::test_bed();
+        let mut state: State<_, _> = plant.rest();
+        let mut observer = observer(ModelName::Proposed);
+        let mut truth = 0.0;
+        for k in 0..8000u32 {
+            let t = f64::from(k) * 1e-3;
+            let estimate = observer.observe(velocity(t), Some(truth));
+            assert!(estimate.residual.unwrap().abs() < 0.02 * 0.0994, "at {t} s: {estimate:?}");
+            for j in 0..10 {
+                let t = t + f64::from(j) * 1e-4;
+                truth = rk4::step(
+                    &plant,
+                    &mut state,
+                    [velocity(t), velocity(t + 5e-5), velocity(t + 1e-4)],
+                    1e-4,
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn knows_sticking_from_sliding() {
+        let mut observer = observer(ModelName::Proposed);
+        assert_eq!(observer.observe(0.001, None).regime, Regime::Stick);
+        for _ in 0..500 {
+            observer.observe(1.0, None);
+        }
+        let sliding = observer.observe(1.0, None);
+        assert_eq!(sliding.regime, Regime::Slip);
+        assert_eq!(sliding.residual, None);
+    }
+
+    #[test]
+    fn does_not_believe_a_velocity_that_is_not_a_number() {
+        for name in ModelName::ALL {
+            let mut observer = observer(name);
+            for _ in 0..100 {
+                observer.observe(0.5, None);
+            }
+            let mut untouched = observer.clone();
+            assert_eq!(observer.observe(f64::NAN, None).torque, 0.0);
+            assert_eq!(observer.observe(0.5, None), untouched.observe(0.5, None), "{name}");
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! What can be wrong with a rig.
+
+use crate::SensorError;
+
+/// A rig that cannot be built, or a command it refuses.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigError {
+    /// A parameter of the drive or the simulation lies outside its range.
+    #[error("{name} must be {expected}, but is {value}; change it in the rig's parameters")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// What came.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A sensor's parameter lies outside its range.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// A voltage that is not a finite number was refused: zero volts are applied and the fault is latched.
+    #[error(
+        "a motor voltage must be a finite number, but was {0}: zero volts are applied and a fault is latched; clear it once the controller is mended"
+    )]
+    VoltageNotFinite(f64),
+}

@@ -1,0 +1,216 @@
+//! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible from a seed.
+
+use friction_model::{AnyModel, FrictionModel};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use serde::{Deserialize, Serialize};
+
+use crate::sensors::quantise;
+use crate::{Drive, FrictionCoupling, Measurement, Plant, Rig, RigError, Sensors, TimeConstant, Truth};
+
+/// Everything a simulated rig is made of, but for its friction model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationOptions {
+    /// The geared motor.
+    pub drive: Drive,
+    /// How friction enters the drive.
+    pub friction_coupling: FrictionCoupling,
+    /// Sensors and converters.
+    pub sensors: Sensors,
+    /// Largest magnitude of the motor voltage [V], above zero and at most the card's 10 V.
+    pub voltage_limit: f64,
+    /// Period of the control cycle [s], above zero and at most 10 ms.
+    pub period: f64,
+    /// Integration steps a period.
+    pub substeps: u32,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Default for SimulationOptions {
+    /// The SRV-02 with the thesis's time constant at 1 kHz, two integration steps a period, +-6 V (the motor's nominal voltage).
+    fn default() -> Self {
+        Self {
+            drive: Drive::srv02(TimeConstant::Thesis),
+            friction_coupling: FrictionCoupling::Physical,
+            sensors: Sensors::default(),
+            voltage_limit: 6.0,
+            period: 1e-3,
+            substeps: 2,
+            seed: 1,
+        }
+    }
+}
+
+impl SimulationOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`RigError`] names the field.
+    pub fn check(&self) -> Result<(), RigError> {
+        self.sensors.check()?;
+        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        if !(self.voltage_limit > 0.0 && self.voltage_limit <= 10.0) {
+            return error("voltage_limit", self.voltage_limit, "above 0 and at most 10 V, the card's range");
+        }
+        if !(self.period > 0.0 && self.period <= 0.01) {
+            return error("period", self.period, "above 0 and at most 0.01 s");
+        }
+        if self.substeps == 0 || self.substeps > 10_000 {
+            return error("substeps", f64::from(self.substeps), "from 1 to 10000");
+        }
+        Ok(())
+    }
+}
+
+/// The simulated test bed under the friction of model `M`.
+#[derive(Debug, Clone)]
+pub struct SimulatedRig<M: FrictionModel> {
+    plant: Plant<M>,
+    options: SimulationOptions,
+    noise: Pcg64Mcg,
+    cycle: u64,
+    asked: f64,
+    applied: f64,
+    saturated: bool,
+    fault: bool,
+}
+
+impl<M: FrictionModel> SimulatedRig<M> {
+    /// A rig at rest at position zero with the motor at zero volts.
+    ///
+    /// # Errors
+    /// [`RigError`] names the option that is out of range.
+    pub fn new(options: SimulationOptions, model: M) -> Result<Self, RigError> {
+        options.check()?;
+        Ok(Self {
+            plant: Plant::new(&options.drive, options.friction_coupling, model),
+            noise: Pcg64Mcg::seed_from_u64(options.seed),
+            options,
+            cycle: 0,
+            asked: 0.0,
+            applied: 0.0,
+            saturated: false,
+            fault: false,
+        })
+    }
+
+    /// What no sensor shows.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        self.plant.truth(self.applied)
+    }
+}
+
+impl<M: FrictionModel> Rig for SimulatedRig<M> {
+    fn period(&self) -> f64 {
+        self.options.period
+    }
+
+    fn measure(&mut self) -> Measurement {
+        let truth = self.plant.truth(self.applied);
+        let sensors = &self.options.sensors;
+        let (encoder_counts, encoder_position) = sensors.encoder(truth.position);
+        Measurement {
+            cycle: self.cycle,
+            time: self.cycle as f64 * self.options.period,
+            encoder_counts,
+            encoder_position,
+            tachometer_velocity: sensors.tachometer.read(truth.velocity, &mut self.noise),
+            potentiometer_position: sensors.potentiometer.read(truth.position, &mut self.noise),
+            torque: sensors.torque.read(truth.friction, &mut self.noise),
+            voltage_asked: self.asked,
+            voltage_applied: self.applied,
+            saturated: self.saturated,
+            watchdog_expired: false,
+            fault: self.fault,
+        }
+    }
+
+    fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+        let refused = if volts.is_finite() { None } else { Some(RigError::VoltageNotFinite(volts)) };
+        self.fault |= refused.is_some();
+        self.asked = if refused.is_some() { 0.0 } else { volts };
+        let cut = self.asked.clamp(-self.options.voltage_limit, self.options.voltage_limit);
+        self.saturated = cut != self.asked;
+        self.applied = if self.fault { 0.0 } else { quantise(cut, self.options.sensors.voltage_resolution) };
+        let h = self.options.period / f64::from(self.options.substeps);
+        for _ in 0..self.options.substeps {
+            self.plant.advance(self.applied, h);
+        }
+        self.cycle += 1;
+        refused.map_or(Ok(()), Err)
+    }
+}
+
+impl SimulationOptions {
+    /// The simulated rig under a friction model chosen while the program runs.
+    ///
+    /// # Errors
+    /// [`RigError`] names the option that is out of range.
+    pub fn build(self, model: AnyModel) -> Result<Box<dyn Rig + Send>, RigError> {
+        Ok(match model {
+            AnyModel::Coulomb(model) => Box::new(SimulatedRig::new(self, model)?),
+            AnyModel::Viscous(model) => Box::new(SimulatedRig::new(self, model)?),
+            AnyModel::Stribeck(model) => Box::new(SimulatedRig::new(self, model)?),
+            AnyModel::LuGre(model) => Box::new(SimulatedRig::new(self, model)?),
+            AnyModel::Proposed(model) => Box::new(SimulatedRig::new(self, model)?),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_model::{ModelName, Proposed};
+
+    use super::*;
+
+    #[test]
+    fn the_same_seed_gives_the_same_run_to_the_last_bit() {
+        let run = |seed| {
+            let options = SimulationOptions { seed, ..SimulationOptions::default() };
+            let mut rig = options.build(AnyModel::test_bed(ModelName::Proposed)).unwrap();
+            (0..500)
+                .map(|k| {
+                    let seen = rig.measure();
+                    rig.apply(2.0 * (0.01 * f64::from(k)).sin()).unwrap();
+                    seen
+                })
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(run(3), run(3));
+        assert_ne!(run(3), run(4));
+    }
+
+    #[test]
+    fn the_voltage_stays_within_its_limit_and_says_so() {
+        let mut rig = SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
+        rig.apply(20.0).unwrap();
+        let seen = rig.measure();
+        assert_eq!(seen.voltage_asked, 20.0);
+        assert!(seen.saturated && (seen.voltage_applied - 6.0).abs() <= 0.5 * 20.0 / 4096.0);
+    }
+
+    #[test]
+    fn a_voltage_that_is_not_a_number_stops_the_motor_for_good() {
+        let mut rig = SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
+        assert!(matches!(rig.apply(f64::NAN), Err(RigError::VoltageNotFinite(_))));
+        rig.apply(5.0).unwrap();
+        let seen = rig.measure();
+        assert!(seen.fault);
+        assert_eq!(seen.voltage_applied, 0.0);
+    }
+
+    #[test]
+    fn options_out_of_range_are_refused_by_name() {
+        for (options, name) in [
+            (SimulationOptions { voltage_limit: 11.0, ..Default::default() }, "voltage_limit"),
+            (SimulationOptions { period: 0.0, ..Default::default() }, "period"),
+            (SimulationOptions { substeps: 0, ..Default::default() }, "substeps"),
+        ] {
+            let message = SimulatedRig::new(options, Proposed::test_bed()).unwrap_err().to_string();
+            assert!(message.starts_with(name), "{message}");
+        }
+    }
+}
