@@ -70,7 +70,16 @@
         dash: DASHES[trace.style], simplify: false } };
   };
 
-  const layoutOf = (figure, traces, colour) => {
+  // A logarithmic axis: over many decades each is marked, in plain numbers where these are short.
+  const decades = (traces) => {
+    const logs = traces.flatMap((t) => t.x).filter((x) => x > 0).map(Math.log10);
+    const [low, high] = logs.reduce(([lo, hi], l) => [Math.min(lo, l), Math.max(hi, l)], [Infinity, -Infinity]);
+    return { type: 'log', ...(high - low > 1.5 ? { dtick: 1, minor: { ticks: 'outside', ticklen: 2.5 } } : {}),
+      ...(low > -4 && high < 5.5 ? { tickformat: '~g' } : {}) };
+  };
+
+  const layoutOf = (figure, colour) => {
+    const traces = figure.traces;
     const count = Math.max(1, figure.y_labels.length);
     const gap = count > 1 ? 0.055 : 0;
     const height = (1 - gap * (count - 1)) / count;
@@ -82,14 +91,15 @@
     const layout = {
       font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: colour('ink') },
       paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
-      margin: { l: 70, r: 16, t: 40, b: 52 },
+      margin: { l: 70, r: 44, t: 40, b: 52 },
+      modebar: { orientation: 'v', bgcolor: 'rgba(0,0,0,0)', color: faded(colour('muted'), 0.7), activecolor: colour('accent') },
       hovermode: figure.back_and_forth ? 'closest' : 'x unified',
       hoversubplots: 'axis',
       hoverlabel: { bgcolor: colour('paper'), bordercolor: colour('rule'), font: { color: colour('ink'), size: 12 } },
       showlegend: new Set(traces.map((t) => t.name)).size > 1,
       legend: { orientation: 'h', x: 0, xanchor: 'left', y: 1, yref: 'container', yanchor: 'top',
         bgcolor: 'rgba(0,0,0,0)', font: { size: 12.5 } },
-      xaxis: { ...axis, title: { text: plain(figure.x_label), standoff: 8 }, type: figure.log_x ? 'log' : 'linear',
+      xaxis: { ...axis, ...(figure.log_x ? decades(traces) : {}), title: { text: plain(figure.x_label), standoff: 8 },
         anchor: count > 1 ? 'y' + count : 'y',
         showspikes: !figure.back_and_forth, spikemode: 'across', spikethickness: 1, spikedash: 'dot',
         spikecolor: colour('muted'), spikesnap: 'hovered data' },
@@ -109,7 +119,7 @@
     const figure = JSON.parse(document.getElementById('data-' + number).textContent);
     const colour = colours();
     const traces = figure.traces.map((trace, i, all) => toPlotly(trace, i, all, colour));
-    return Plotly.react(place, traces, layoutOf(figure, traces, colour),
+    return Plotly.react(place, traces, layoutOf(figure, colour),
       { ...CONFIG, toImageButtonOptions: { ...CONFIG.toImageButtonOptions, filename: 'figure-' + number } });
   };
 

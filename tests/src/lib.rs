@@ -1,1 +1,100 @@
 //! Tests that cross crates: the built program, real rosbags, real rclpy, a real browser.
+//!
+//! The tests themselves are in `tests/tests/`; here is what they share.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::OnceLock;
+
+pub mod browser;
+
+/// The built `frictionlab`, ready for arguments.
+///
+/// `$FRICTIONLAB_BIN` names it where it is set. Under cargo it is brought up to date first (in the profile
+/// and target folder of the running test, so that nothing is built twice): cargo does not build a program
+/// only because another package's tests run it, and an old one would be tested unnoticed. Without cargo it
+/// is the one beside the test.
+///
+/// # Panics
+/// When it can neither be found nor built; the message says what was tried.
+pub fn frictionlab() -> Command {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    Command::new(PROGRAM.get_or_init(|| {
+        if let Some(named) = std::env::var_os("FRICTIONLAB_BIN") {
+            let named = PathBuf::from(named);
+            assert!(named.is_file(), "FRICTIONLAB_BIN is {}, which is no file", named.display());
+            return named;
+        }
+        let profile = profile_folder();
+        let beside = profile.join(format!("frictionlab{}", std::env::consts::EXE_SUFFIX));
+        match std::env::var_os("CARGO") {
+            Some(cargo) => build(Path::new(&cargo), &profile),
+            None => assert!(
+                beside.is_file(),
+                "no {}: build it with `cargo build`, or name it in FRICTIONLAB_BIN",
+                beside.display()
+            ),
+        }
+        beside
+    }))
+}
+
+/// Folder of the profile that the running test was built in, such as `target/debug`.
+fn profile_folder() -> PathBuf {
+    let test = std::env::current_exe().expect("a running test knows its own file");
+    // target/debug/deps/the_test-0123456789abcdef
+    test.ancestors().nth(2).expect("a test lies in PROFILE/deps").to_owned()
+}
+
+fn build(cargo: &Path, profile_folder: &Path) {
+    let profile = match profile_folder.file_name().and_then(|name| name.to_str()) {
+        Some("debug") | None => "dev",
+        Some(other) => other,
+    };
+    let status = Command::new(cargo)
+        .args([
+            "build",
+            "--quiet",
+            "--package",
+            "experiment_runner",
+            "--bin",
+            "frictionlab",
+            "--profile",
+            profile,
+        ])
+        .arg("--target-dir")
+        .arg(profile_folder.parent().expect("a profile folder lies in the target folder"))
+        .current_dir(checkout())
+        .stdin(Stdio::null())
+        .status()
+        .expect("cargo starts");
+    assert!(status.success(), "frictionlab does not build");
+}
+
+/// The folder of the workspace.
+pub fn checkout() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this package lies in the workspace's folder")
+}
+
+/// The folder of recordings that are not part of the project: `$FRICTION_DATA`, or `../shared/data` beside
+/// the checkout; `None` where there is none, and the test should [`skip`].
+///
+/// # Panics
+/// When `$FRICTION_DATA` is set but no folder, because skipping then would hide a slip.
+pub fn shared_data() -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os("FRICTION_DATA") {
+        let named = PathBuf::from(named);
+        assert!(named.is_dir(), "FRICTION_DATA is {}, which is no folder", named.display());
+        return Some(named);
+    }
+    Some(checkout().parent()?.join("shared").join("data")).filter(|folder| folder.is_dir())
+}
+
+/// Says on standard error, past libtest's capture, that the running test does not test anything, and why.
+pub fn skip(reason: &str) {
+    let current = std::thread::current();
+    let test = current.name().unwrap_or("a test");
+    // Nothing is lost if nobody listens.
+    let _ = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
+}

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::figure::{Block, Page};
+use super::figure::{Block, Page, Panel, Trace};
 
 /// Colours of the palette: Okabe and Ito's, which colour-blind readers tell apart, less black and yellow
 /// (`--c0` .. in `report.css`).
@@ -39,9 +39,7 @@ impl Palette {
             .blocks
             .iter()
             .filter_map(|block| match block {
-                Block::Figure(figure) => {
-                    Some(figure.panels.iter().flat_map(|p| &p.traces).map(|t| t.name()).collect())
-                }
+                Block::Figure(figure) => Some(figure.panels.iter().flat_map(series).collect()),
                 _ => None,
             })
             .collect();
@@ -66,6 +64,21 @@ impl Palette {
     }
 }
 
+/// The name under which each trace of a panel has its colour. A band is that of the curve drawn over it:
+/// it has the colour of the next line, if there is one.
+pub(super) fn series(panel: &Panel) -> impl Iterator<Item = &str> {
+    panel.traces.iter().enumerate().map(|(i, trace)| match trace {
+        Trace::Band { name, .. } => panel.traces[i..]
+            .iter()
+            .find_map(|later| match later {
+                Trace::Line { name, .. } => Some(name),
+                _ => None,
+            })
+            .unwrap_or(name),
+        other => other.name(),
+    })
+}
+
 fn is_reference(name: &str) -> bool {
     let name = name.to_lowercase();
     ["reference", "target", "set point", "setpoint", "limit"].iter().any(|word| name.contains(word))
@@ -86,7 +99,7 @@ fn least_used(name: &str, figures: &[Vec<&str>], given: &BTreeMap<String, Colour
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figure::{Figure, LineStyle, Panel, Trace};
+    use crate::report::figure::{Figure, LineStyle};
 
     fn page(figures: &[&[&str]]) -> Page {
         let line = |name: &&str| Trace::Line {
@@ -110,6 +123,16 @@ mod tests {
         // "c" meets both "b" (second figure) and "a" (third), though never in the same one.
         assert_eq!(palette.colour("c"), Colour::Slot(2));
         assert_eq!(palette.colour("reference"), Colour::Ink);
+    }
+
+    #[test]
+    fn a_band_has_the_colour_of_its_curve() {
+        let band = |name: &str| Trace::Band { name: name.into(), x: vec![], lower: vec![], upper: vec![] };
+        let line =
+            |name: &str| Trace::Line { name: name.into(), x: vec![], y: vec![], style: LineStyle::Solid };
+        let traces = vec![band("95 %"), line("fit a"), band("95 %"), line("fit b"), band("alone")];
+        let panel = Panel { y_label: String::new(), traces };
+        assert_eq!(series(&panel).collect::<Vec<_>>(), ["fit a", "fit a", "fit b", "fit b", "alone"]);
     }
 
     #[test]

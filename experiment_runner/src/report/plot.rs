@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::figure::{Figure, LineStyle, Trace};
-use super::palette::Palette;
+use super::palette::{self, Palette};
 use super::thin;
 
 /// Most points drawn of one trace: several for each pixel column of a wide figure, so that some zooming
@@ -53,10 +53,15 @@ impl<'a> Plot<'a> {
             remarks: Vec::new(),
         };
         let mut longest = None;
-        for (panel, trace) in
-            figure.panels.iter().enumerate().flat_map(|(p, f)| f.traces.iter().map(move |t| (p, t)))
-        {
-            let colour = palette.colour(trace.name()).code();
+        let traces = figure.panels.iter().enumerate().flat_map(|(number, panel)| {
+            panel
+                .traces
+                .iter()
+                .zip(palette::series(panel))
+                .map(move |(trace, series)| (number, trace, series))
+        });
+        for (panel, trace, series) in traces {
+            let colour = palette.colour(series).code();
             let (kind, style, columns) = columns(trace);
             let n = columns.iter().map(|c| c.len()).min().unwrap_or(0);
             if columns.iter().any(|c| c.len() != n) {

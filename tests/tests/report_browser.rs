@@ -1,0 +1,143 @@
+//! The report in a real browser: does it draw what it says, without a complaint and without a network?
+
+use std::path::{Path, PathBuf};
+
+use experiment_runner::report::figure::Block;
+use experiment_runner::report::render_page;
+use tests::browser::{Browser, Seen};
+
+#[path = "../../experiment_runner/examples/report_demo/page.rs"]
+mod demonstration;
+
+fn browser() -> Option<Browser> {
+    let found = Browser::find();
+    if found.is_none() {
+        tests::skip("no Chromium found; install `chromium` or name one in CHROMIUM");
+    }
+    found
+}
+
+/// Where a person may look at what the test saw.
+fn picture(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// No complaint, no request, and every figure with all its traces.
+fn assert_sound(seen: &Seen) {
+    assert_eq!(seen.complaints, [""; 0], "the page complains");
+    assert_eq!(seen.requests, [""; 0], "the page reaches out");
+    for (number, figure) in seen.figures.iter().enumerate() {
+        assert!(figure.expected > 0, "figure {}: nothing to draw", number + 1);
+        assert_eq!(figure.drawn, figure.expected, "figure {}: traces drawn", number + 1);
+    }
+}
+
+#[test]
+fn the_demonstration_page_draws_everything() {
+    let Some(browser) = browser() else { return };
+    let page = demonstration::demonstration();
+    let html = render_page(&page);
+    let seen = browser.load(&html, "");
+    assert_sound(&seen);
+
+    let figures: Vec<_> = page
+        .blocks
+        .iter()
+        .filter_map(|block| if let Block::Figure(figure) = block { Some(figure) } else { None })
+        .collect();
+    assert_eq!(seen.figures.len(), figures.len());
+    for (seen, figure) in seen.figures.iter().zip(figures) {
+        assert_eq!(seen.drawn, figure.panels.iter().map(|p| p.traces.len() as u64).sum::<u64>());
+        for label in figure.panels.iter().map(|p| &p.y_label).chain([&figure.x_label]) {
+            assert!(seen.axis_titles.contains(label), "{label} is not among {:?}", seen.axis_titles);
+        }
+    }
+
+    for (name, dark) in [("report_demo.png", false), ("report_demo_dark.png", true)] {
+        let png = picture(name);
+        browser.screenshot(&html, &png, seen.height, dark);
+        let size = std::fs::metadata(&png).expect("the screenshot").len();
+        assert!(size > 50_000, "{} has {size} bytes: an empty page", png.display());
+    }
+}
+
+/// A reader's hands: dragging zooms all panels of a figure, a double click resets, a click on a legend
+/// entry hides its series, pointing shows values of all panels.
+#[test]
+fn figures_answer_the_mouse() {
+    let Some(browser) = browser() else { return };
+    let seen =
+        browser.load(&render_page(&demonstration::demonstration()), include_str!("../browser/hands.js"));
+    assert_sound(&seen);
+    let number = |key: &str| seen.probe[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", seen.probe));
+    assert!(number("span_zoomed") < 0.6 * number("span_before"), "{}", seen.probe);
+    assert!((number("span_reset") - number("span_before")).abs() < 1e-9, "{}", seen.probe);
+    assert_eq!(number("shared_axes"), 1.0, "panels share one horizontal axis");
+    assert_eq!(number("shown_after_click"), number("shown_before") - 1.0, "{}", seen.probe);
+    let hover = seen.probe["hover"].as_str().unwrap_or_default();
+    for series in ["reference", "Proposed", "estimated"] {
+        assert!(hover.contains(series), "{series} is not in the readout: {hover}");
+    }
+}
+
+/// Labels are text, whatever they contain.
+#[test]
+fn markup_in_labels_stays_text() {
+    let Some(browser) = browser() else { return };
+    let mut page = demonstration::demonstration();
+    let nasty = "a <b>bold</b> </script><img src='https://example.invalid/x.png'> & <a href='x'>b</a>";
+    for block in &mut page.blocks {
+        if let Block::Figure(figure) = block {
+            figure.title = nasty.into();
+            figure.x_label = nasty.into();
+            figure.panels[0].y_label = nasty.into();
+        }
+    }
+    let seen = browser
+        .load(&render_page(&page), "return document.querySelectorAll('img, figure a[href=\"x\"]').length;");
+    assert_sound(&seen);
+    assert_eq!(seen.probe, 0);
+    assert!(seen.figures[0].axis_titles.iter().all(|title| title == nasty || title == "residual [N m]"));
+}
+
+/// The checks above can fail: each of these pages has one fault, and it is seen.
+#[test]
+fn broken_pages_are_noticed() {
+    let Some(browser) = browser() else { return };
+    let page = |body: &str| format!("<!doctype html><html><head></head><body>{body}</body></html>");
+
+    let seen = browser.load(&page("<p>fine</p>"), "");
+    assert_sound(&seen);
+
+    let seen = browser.load(&page("<script>throw new Error('deliberate')</script>"), "");
+    assert!(seen.complaints.iter().any(|c| c.contains("deliberate")), "{:?}", seen.complaints);
+
+    let seen = browser.load(&page("<script>console.error('spoken')</script>"), "");
+    assert!(seen.complaints.iter().any(|c| c.contains("spoken")), "{:?}", seen.complaints);
+
+    let seen = browser.load(&page("<script>Promise.reject(new Error('left alone'))</script>"), "");
+    assert!(seen.complaints.iter().any(|c| c.contains("left alone")), "{:?}", seen.complaints);
+
+    let seen = browser.load(&page("<img src=\"https://example.invalid/picture.png\">"), "");
+    assert!(seen.requests.iter().any(|r| r.contains("picture.png")), "{:?}", seen.requests);
+    assert!(seen.complaints.iter().any(|c| c.contains("picture.png")), "{:?}", seen.complaints);
+
+    // Under the report's own policy the browser does not even try, and says so.
+    let sound = render_page(&demonstration::demonstration());
+    let reaching = sound.replacen("</main>", "<img src=\"https://example.invalid/picture.png\"></main>", 1);
+    let seen = browser.load(&reaching, "");
+    assert!(seen.complaints.iter().any(|c| c.starts_with("policy:")), "{:?}", seen.complaints);
+
+    // A figure that cannot be drawn, and one that loses a trace.
+    let broken = sound.replacen("\"traces\":[", "\"traces\":[null,", 1);
+    let seen = browser.load(&broken, "");
+    assert!(!seen.complaints.is_empty());
+    let lost = sound.replacen(
+        "drawAll();\n})();",
+        "drawAll().then(() => document.querySelector('.scatterlayer .trace').remove());\n})();",
+        1,
+    );
+    assert_ne!(lost, sound, "the end of the script has changed: adapt this test");
+    let seen = browser.load(&lost, "");
+    assert!(seen.figures[0].drawn < seen.figures[0].expected, "{:?}", seen.figures[0]);
+}
