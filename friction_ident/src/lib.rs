@@ -1,1 +1,25 @@
 //! Friction parameters from recordings: conditioning, least squares, uncertainty.
+//!
+//! The crate is pure: it sees arrays of numbers and returns numbers. Reading files is somebody else's work.
+//!
+//! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
+//! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
+//! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
+//! * [`zero_phase`]: the low-pass filters behind the conditioning.
+//! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
+
+pub mod conditioning;
+pub mod confidence;
+mod error;
+mod least_squares;
+pub mod rigid_axis;
+pub mod static_curve;
+pub mod zero_phase;
+
+pub use conditioning::{Conditioned, Conditioning, Signals, condition};
+pub use error::IdentError;
+pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
+pub use static_curve::{
+    SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
+    Unidentifiable, fit_stribeck,
+};

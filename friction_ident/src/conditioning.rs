@@ -1,0 +1,217 @@
+//! From sampled position and force to velocity, acceleration and force without phase shift.
+//!
+//! The position (or the velocity, where that is what was measured) goes through a zero-phase Butterworth
+//! low-pass and is differentiated by central differences; the filter's and the differences' troubles at both
+//! ends are cut off. The force is left as measured: filtering it alone would shift nothing but would flatten
+//! the steps that Coulomb friction makes. Decimation comes later, when the regression is set up, and treats
+//! every regressor and the force alike ([`crate::rigid_axis`]).
+
+use crate::IdentError;
+use crate::zero_phase::LowPass;
+
+/// How a recording is conditioned and thinned.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Conditioning {
+    /// Cutoff of the low-pass \[Hz\], where its zero-phase gain is one half.
+    pub cutoff: f64,
+    /// Order of the low-pass in one direction, 1 to 12.
+    pub order: usize,
+    /// Samples dropped at each end.
+    pub trim: usize,
+    /// Every how many samples one is kept for the regression, after an anti-alias low-pass; one keeps all.
+    pub decimate: usize,
+}
+
+impl Conditioning {
+    /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling rate but at
+    /// most 100 Hz, fourth order, 50 samples off each end, and decimation to about the cutoff. At 1 kHz this
+    /// is the conditioning published with the EMPS benchmark.
+    pub fn for_time_step(time_step: f64) -> Self {
+        let rate = 1.0 / time_step;
+        let cutoff = (rate / 10.0).min(100.0);
+        Self { cutoff, order: 4, trim: 50, decimate: ((rate / cutoff).round() as usize).clamp(1, 1000) }
+    }
+}
+
+/// What was recorded, all channels at the same instants.
+#[derive(Debug, Clone, Copy)]
+pub struct Signals<'a> {
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// Position \[m or rad\].
+    pub position: Option<&'a [f64]>,
+    /// Velocity \[m/s or rad/s\]; the position is not used where this is given.
+    pub velocity: Option<&'a [f64]>,
+    /// Driving force \[N\] or torque \[N m\].
+    pub force: &'a [f64],
+}
+
+/// A conditioned recording, still at the full sampling rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conditioned {
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// Index of the first kept sample in the recording.
+    pub first: usize,
+    /// Velocity \[m/s or rad/s\].
+    pub velocity: Vec<f64>,
+    /// Acceleration \[m/s^2 or rad/s^2\].
+    pub acceleration: Vec<f64>,
+    /// Force \[N\] or torque \[N m\], as recorded.
+    pub force: Vec<f64>,
+    /// Acceleration that rounding alone can make; anything below is no excitation.
+    pub(crate) acceleration_floor: f64,
+    /// Velocity that rounding alone can make.
+    pub(crate) velocity_floor: f64,
+    /// Factor by which the regression thins the samples.
+    pub(crate) decimate: usize,
+}
+
+/// Filters, differentiates and trims a recording.
+///
+/// # Errors
+/// [`IdentError`] for a sampling period, a cutoff or an order out of range, channels of different length,
+/// values that are not finite, a missing motion, and too few samples for the filter or the trimming.
+pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, IdentError> {
+    let dt = signals.time_step;
+    if !(dt > 0.0 && dt.is_finite()) {
+        return Err(IdentError::TimeStep(dt));
+    }
+    if !(1..=1000).contains(&how.decimate) {
+        return Err(IdentError::Decimation(how.decimate));
+    }
+    let filter = LowPass::butterworth(how.order, how.cutoff, 1.0 / dt)?;
+    let n = signals.force.len();
+    let channels = [
+        ("the position", signals.position),
+        ("the velocity", signals.velocity),
+        ("the force", Some(signals.force)),
+    ];
+    for (channel, values) in channels.iter().filter_map(|(name, values)| values.map(|values| (*name, values)))
+    {
+        if values.len() != n {
+            return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
+        }
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(IdentError::NotFinite { channel, index, value: values[index] });
+        }
+    }
+    let needed = (2 * how.trim + 3).max(filter.padding() + 1);
+    if n < needed {
+        return Err(IdentError::TooFewSamples {
+            what: "conditioning (low-pass and trimming)",
+            needed,
+            found: n,
+            lower: "the trim or the filter order",
+        });
+    }
+    let (velocity, velocity_floor) = match (signals.velocity, signals.position) {
+        (Some(velocity), _) => (filter.filter(velocity)?, rounding(velocity)),
+        (None, Some(position)) => (differences(&filter.filter(position)?, dt), rounding(position) / dt),
+        (None, None) => return Err(IdentError::NoMotion),
+    };
+    let acceleration = differences(&velocity, dt);
+    let kept = how.trim..n - how.trim;
+    Ok(Conditioned {
+        time_step: dt,
+        first: how.trim,
+        velocity: velocity[kept.clone()].to_vec(),
+        acceleration: acceleration[kept.clone()].to_vec(),
+        force: signals.force[kept].to_vec(),
+        acceleration_floor: velocity_floor / dt,
+        velocity_floor,
+        decimate: how.decimate,
+    })
+}
+
+/// Central differences inside, one-sided at the two ends. `signal` has at least two samples.
+fn differences(signal: &[f64], dt: f64) -> Vec<f64> {
+    let n = signal.len();
+    let mut out = Vec::with_capacity(n);
+    out.push((signal[1] - signal[0]) / dt);
+    out.extend(signal.windows(3).map(|w| (w[2] - w[0]) / (2.0 * dt)));
+    out.push((signal[n - 1] - signal[n - 2]) / dt);
+    out
+}
+
+/// The size of what filtering in double precision can leave of a signal that should be smooth.
+fn rounding(signal: &[f64]) -> f64 {
+    1e-12 * signal.iter().fold(0.0f64, |largest, value| largest.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn signals<'a>(position: &'a [f64], force: &'a [f64]) -> Signals<'a> {
+        Signals { time_step: 1e-3, position: Some(position), velocity: None, force }
+    }
+
+    const HOW: Conditioning = Conditioning { cutoff: 100.0, order: 4, trim: 50, decimate: 10 };
+
+    #[test]
+    fn differentiates_a_sine_without_delay() {
+        let w = 2.0 * std::f64::consts::PI * 2.0;
+        let time = |i: usize| i as f64 * 1e-3;
+        let position: Vec<f64> = (0..2000).map(|i| (w * time(i)).sin()).collect();
+        let out = condition(&signals(&position, &position), &HOW).unwrap();
+        assert_eq!(out.first, 50);
+        assert_eq!(out.velocity.len(), 1900);
+        for (k, (v, a)) in out.velocity.iter().zip(&out.acceleration).enumerate() {
+            let t = time(k + 50);
+            // The central difference's own error is (w dt)^2 / 6, 2.6e-5.
+            assert!((v - w * (w * t).cos()).abs() < 4e-5 * w, "velocity at {t}");
+            assert!((a + w * w * (w * t).sin()).abs() < 8e-5 * w * w, "acceleration at {t}");
+        }
+    }
+
+    #[test]
+    fn a_given_velocity_is_used() {
+        let velocity: Vec<f64> = (0..500).map(|i| 0.5 + 1e-3 * i as f64).collect();
+        let zeros = vec![0.0; 500];
+        let given =
+            Signals { time_step: 1e-3, position: Some(&zeros), velocity: Some(&velocity), force: &zeros };
+        let out = condition(&given, &HOW).unwrap();
+        assert!(out.acceleration.iter().all(|a| (a - 1.0).abs() < 1e-6));
+    }
+
+    #[test]
+    fn degenerate_recordings_are_refused() {
+        let ok = vec![1.0; 300];
+        let short = vec![1.0; 102];
+        assert!(matches!(
+            condition(&signals(&short, &short), &HOW),
+            Err(IdentError::TooFewSamples { needed: 103, .. })
+        ));
+        assert!(matches!(condition(&signals(&[], &[]), &HOW), Err(IdentError::TooFewSamples { .. })));
+        assert!(matches!(condition(&signals(&short, &ok), &HOW), Err(IdentError::UnequalLengths { .. })));
+        let mut broken = ok.clone();
+        broken[7] = f64::NAN;
+        assert!(matches!(
+            condition(&signals(&broken, &ok), &HOW),
+            Err(IdentError::NotFinite { channel: "the position", index: 7, .. })
+        ));
+        let no_motion = Signals { time_step: 1e-3, position: None, velocity: None, force: &ok };
+        assert!(matches!(condition(&no_motion, &HOW), Err(IdentError::NoMotion)));
+        let no_time = Signals { time_step: 0.0, ..signals(&ok, &ok) };
+        assert!(matches!(condition(&no_time, &HOW), Err(IdentError::TimeStep(_))));
+        assert!(condition(&signals(&ok, &ok), &Conditioning { decimate: 0, ..HOW }).is_err());
+    }
+
+    #[test]
+    fn the_default_at_one_kilohertz_is_that_of_the_benchmark() {
+        assert_eq!(Conditioning::for_time_step(1e-3), HOW);
+        assert!(Conditioning::for_time_step(0.01).cutoff < 50.0);
+    }
+
+    proptest! {
+        #[test]
+        fn never_panics(
+            position in proptest::collection::vec(-1e9..1e9f64, 0..400),
+            trim in 0usize..300, order in 0usize..20, cutoff in -10.0..2000.0f64, decimate in 0usize..2000,
+        ) {
+            let _ = condition(&signals(&position, &position), &Conditioning { cutoff, order, trim, decimate });
+        }
+    }
+}

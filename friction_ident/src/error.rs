@@ -1,0 +1,148 @@
+//! What can be wrong with a recording or with what it says.
+
+use crate::rigid_axis::AxisTerm;
+
+/// Why an identification was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentError {
+    /// The recording is too short for what was asked.
+    #[error("{what} needs at least {needed} samples, but there are {found}; record longer, or lower {lower}")]
+    TooFewSamples {
+        /// The step that needs them.
+        what: &'static str,
+        /// How many it needs.
+        needed: usize,
+        /// How many came.
+        found: usize,
+        /// What may be lowered instead.
+        lower: &'static str,
+    },
+    /// A value is NaN or infinite.
+    #[error(
+        "sample {index} of {channel} is {value}, but every sample must be a finite number; repair or cut the recording there"
+    )]
+    NotFinite {
+        /// The channel.
+        channel: &'static str,
+        /// Its sample, counted from zero.
+        index: usize,
+        /// What came.
+        value: f64,
+    },
+    /// Two channels differ in length.
+    #[error(
+        "{channel} has {found} samples, but {expected} were expected: all channels must be sampled together"
+    )]
+    UnequalLengths {
+        /// The channel.
+        channel: &'static str,
+        /// Its samples.
+        found: usize,
+        /// The force's samples.
+        expected: usize,
+    },
+    /// Neither position nor velocity was given.
+    #[error("the motion is missing: give the position or the velocity beside the force")]
+    NoMotion,
+    /// The sampling period is not a positive number.
+    #[error("the sampling period must be a positive number of seconds, but is {0} s")]
+    TimeStep(f64),
+    /// The low-pass cannot be built.
+    #[error(
+        "the low-pass cutoff must lie above 0 and below half the sampling rate, {nyquist} Hz here, but is {cutoff} Hz; choose a lower cutoff"
+    )]
+    Cutoff {
+        /// What was asked \[Hz\].
+        cutoff: f64,
+        /// Half the sampling rate \[Hz\].
+        nyquist: f64,
+    },
+    /// The order of the low-pass is out of range.
+    #[error("the order of the low-pass must lie between 1 and 12, but is {0}")]
+    Order(usize),
+    /// The decimation factor is out of range.
+    #[error("the decimation factor must lie between 1 and 1000, but is {0}")]
+    Decimation(usize),
+    /// The recording does not move in a way that shows these terms.
+    #[error("the recording cannot tell {} {}: {}", join(terms), if terms.len() > 1 { "apart" } else { "at all" }, excite(terms))]
+    NotExcited {
+        /// The terms that are unseen, or that cannot be told from one another.
+        terms: Vec<AxisTerm>,
+    },
+    /// The force is zero throughout, so that nothing can be explained.
+    #[error("the force is zero in every sample; check the force column and its scale")]
+    ZeroForce,
+    /// The best fit has an inertia no body can have.
+    #[error(
+        "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it with a negative scale), or is friction alone and not the driving force (then leave the inertia out)"
+    )]
+    NegativeInertia {
+        /// The estimate.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
+    /// A standard deviation of a steady point is not positive.
+    #[error(
+        "the standard deviation of steady point {index} must be a positive number, but is {value}; leave it out if it is unknown"
+    )]
+    StandardDeviation {
+        /// The point, counted from zero.
+        index: usize,
+        /// What came.
+        value: f64,
+    },
+    /// Some points have a standard deviation and others have none.
+    #[error(
+        "steady point {index} has no standard deviation while others have; give it for all points or for none"
+    )]
+    MixedDeviations {
+        /// The first point without one, counted from zero.
+        index: usize,
+    },
+    /// The exponent of the Stribeck curve is out of range.
+    #[error("the exponent of the Stribeck curve must lie between 0.1 and 10, but is {0}")]
+    Exponent(f64),
+    /// The points do not span enough speeds.
+    #[error(
+        "the steady points have {found} different speeds, but a Stribeck curve needs at least {needed}; measure at more speeds"
+    )]
+    TooFewSpeeds {
+        /// How many it needs.
+        needed: usize,
+        /// Different absolute velocities found.
+        found: usize,
+    },
+    /// The points push the axis instead of braking it.
+    #[error(
+        "the best fit has a Coulomb friction of {f_c}, but friction must oppose motion (a positive torque at a positive velocity); check the sign of the torque"
+    )]
+    NotFriction {
+        /// The best Coulomb level.
+        f_c: f64,
+    },
+    /// The nonlinear solver stopped without a result.
+    #[error("the least squares solver gave up: {0}; check the points for outliers")]
+    NoConvergence(String),
+}
+
+fn join(terms: &[AxisTerm]) -> String {
+    let names: Vec<_> = terms.iter().map(|term| term.describe()).collect();
+    match names.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => names.concat(),
+    }
+}
+
+fn excite(terms: &[AxisTerm]) -> &'static str {
+    if terms.contains(&AxisTerm::Inertia) {
+        "the axis never accelerates; record a motion that speeds up and slows down, or leave the inertia out"
+    } else if terms.iter().any(|term| term.direction().is_some()) {
+        "the axis must move in both directions; record a motion that reverses"
+    } else if terms.contains(&AxisTerm::Offset) && !terms.contains(&AxisTerm::Viscous) {
+        "the axis moves in one direction only; record a motion that reverses, or leave the offset out"
+    } else {
+        "the axis must move at several speeds in both directions; record such a motion"
+    }
+}

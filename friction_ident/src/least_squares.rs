@@ -1,0 +1,95 @@
+//! Linear least squares with column scaling: QR of the tall matrix, then the singular values of its small factor.
+
+use nalgebra::{DMatrix, DVector};
+
+/// The solution of `a x = y` in the least squares sense.
+pub(crate) struct Solution {
+    /// The unknowns.
+    pub x: DVector<f64>,
+    /// Inverse of `a^T a`: times the residual variance, the covariance of `x`.
+    pub inverse_normal: DMatrix<f64>,
+    /// `y - a x`.
+    pub residual: DVector<f64>,
+}
+
+/// Columns that the data do not tell apart.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Degenerate {
+    /// Their indices.
+    pub columns: Vec<usize>,
+}
+
+/// Below this ratio of singular values (of columns scaled to unit length) columns count as dependent.
+const DEPENDENT: f64 = 1e-9;
+
+/// Solves `a x = y`; `a` has at least as many rows as columns and only finite entries.
+pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Degenerate> {
+    let columns = a.ncols();
+    let scale = DVector::from_iterator(columns, a.column_iter().map(|column| column.norm()));
+    let empty: Vec<_> = (0..columns).filter(|&j| scale[j] == 0.0).collect();
+    if !empty.is_empty() {
+        return Err(Degenerate { columns: empty });
+    }
+    let mut scaled = a.clone();
+    for (mut column, factor) in scaled.column_iter_mut().zip(scale.iter()) {
+        column /= *factor;
+    }
+    let qr = scaled.qr();
+    let mut rotated = y.clone();
+    qr.q_tr_mul(&mut rotated);
+    let svd = qr.unpack_r().svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+        return Err(Degenerate { columns: (0..columns).collect() });
+    };
+    let largest = svd.singular_values.max();
+    let (last, smallest) = svd.singular_values.argmin();
+    if smallest <= DEPENDENT * largest || smallest.is_nan() {
+        let direction = v_t.row(last);
+        let columns = (0..columns).filter(|&j| direction[j].abs() >= 0.05 || direction[j].is_nan()).collect();
+        return Err(Degenerate { columns });
+    }
+    let mut weights = u.tr_mul(&rotated.rows(0, columns));
+    let mut spread = v_t.transpose();
+    for (j, value) in svd.singular_values.iter().enumerate() {
+        weights[j] /= *value;
+        spread.column_mut(j).scale_mut(1.0 / *value);
+    }
+    let mut x = v_t.tr_mul(&weights);
+    x.component_div_assign(&scale);
+    let mut inverse_normal = &spread * spread.transpose();
+    for i in 0..columns {
+        for j in 0..columns {
+            inverse_normal[(i, j)] /= scale[i] * scale[j];
+        }
+    }
+    let residual = y - a * &x;
+    Ok(Solution { x, inverse_normal, residual })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_and_propagates() {
+        // A line through four points; closed form by hand.
+        let a = DMatrix::from_row_slice(4, 2, &[1.0, 0.0, 1.0, 1.0, 1.0, 2.0, 1.0, 3.0]);
+        let y = DVector::from_row_slice(&[1.0, 3.0, 4.0, 8.0]);
+        let solution = solve(&a, &y).ok().unwrap();
+        assert!((solution.x[0] - 0.7).abs() < 1e-12 && (solution.x[1] - 2.2).abs() < 1e-12);
+        assert!((solution.inverse_normal[(1, 1)] - 0.2).abs() < 1e-12);
+        assert!((solution.inverse_normal[(0, 0)] - 0.7).abs() < 1e-12);
+        assert!((solution.inverse_normal[(0, 1)] + 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn names_the_dependent_columns() {
+        let mut a = DMatrix::from_fn(20, 4, |i, j| ((i * (j + 2)) as f64).sin());
+        let twice = a.column(1) * 2.0;
+        a.set_column(3, &twice);
+        let y = DVector::from_element(20, 1.0);
+        assert_eq!(solve(&a, &y).err(), Some(Degenerate { columns: vec![1, 3] }));
+        a.fill_column(0, 0.0);
+        assert_eq!(solve(&a, &y).err(), Some(Degenerate { columns: vec![0] }));
+    }
+}

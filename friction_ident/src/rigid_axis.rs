@@ -1,0 +1,346 @@
+//! Inertia and friction of a driven axis: `M a + Fv v + Fc sign(v) + offset = force`, by linear least squares.
+//!
+//! The model of Janot, Gautier and Brunot, "Data set and reference models of EMPS", 2019, and what is behind
+//! most industrial friction identification. [`AxisModel::SYMMETRIC`] has one viscous and one Coulomb
+//! coefficient and an offset; [`AxisModel::ASYMMETRIC`] has a pair for each direction of motion, which takes
+//! the place of the offset (`Fc sign(v) + offset` is `Fc+` upwards and `-Fc-` downwards).
+//!
+//! The regressors are built at the full sampling rate, then all of them and the force are decimated with the
+//! same filter: a step of `sign(v)` and the step of force it causes stay alike. The standard errors are those
+//! of ordinary least squares, `s^2 (A^T A)^-1` on the decimated samples. They count the residual as white;
+//! where the model leaves a slow pattern in it, as it always does on real axes, they are too small. What it
+//! cannot reproduce: the Stribeck dip, presliding, friction that depends on position or load.
+
+use std::fmt;
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use crate::IdentError;
+use crate::conditioning::Conditioned;
+use crate::least_squares::{self, Degenerate};
+use crate::zero_phase::decimate;
+
+/// One term of the axis model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AxisTerm {
+    /// Moving mass \[kg\] or moment of inertia \[kg m^2\], as seen by the force.
+    Inertia,
+    /// Viscous friction \[N s/m or N m s/rad\].
+    Viscous,
+    /// Coulomb friction \[N or N m\].
+    Coulomb,
+    /// Constant force \[N or N m\]: gravity, or the offset of an amplifier.
+    Offset,
+    /// Viscous friction of motion in the positive direction.
+    ViscousPositive,
+    /// Viscous friction of motion in the negative direction.
+    ViscousNegative,
+    /// Coulomb friction of motion in the positive direction.
+    CoulombPositive,
+    /// Coulomb friction of motion in the negative direction, a positive number.
+    CoulombNegative,
+}
+
+impl AxisTerm {
+    /// Name in files: `inertia`, `viscous_positive`, ...
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inertia => "inertia",
+            Self::Viscous => "viscous",
+            Self::Coulomb => "coulomb",
+            Self::Offset => "offset",
+            Self::ViscousPositive => "viscous_positive",
+            Self::ViscousNegative => "viscous_negative",
+            Self::CoulombPositive => "coulomb_positive",
+            Self::CoulombNegative => "coulomb_negative",
+        }
+    }
+
+    /// The term in words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Inertia => "the inertia",
+            Self::Viscous => "the viscous friction",
+            Self::Coulomb => "the Coulomb friction",
+            Self::Offset => "the offset",
+            Self::ViscousPositive => "the viscous friction of positive motion",
+            Self::ViscousNegative => "the viscous friction of negative motion",
+            Self::CoulombPositive => "the Coulomb friction of positive motion",
+            Self::CoulombNegative => "the Coulomb friction of negative motion",
+        }
+    }
+
+    /// The direction of motion the term belongs to, if it belongs to one.
+    pub fn direction(self) -> Option<f64> {
+        match self {
+            Self::ViscousPositive | Self::CoulombPositive => Some(1.0),
+            Self::ViscousNegative | Self::CoulombNegative => Some(-1.0),
+            _ => None,
+        }
+    }
+
+    /// What multiplies the term in one sample; `sign` is that of the velocity, zero at rest.
+    fn regressor(self, acceleration: f64, velocity: f64, sign: f64) -> f64 {
+        let here = |direction: f64| if sign == direction { 1.0 } else { 0.0 };
+        match self {
+            Self::Inertia => acceleration,
+            Self::Viscous => velocity,
+            Self::Coulomb => sign,
+            Self::Offset => 1.0,
+            Self::ViscousPositive => velocity * here(1.0),
+            Self::ViscousNegative => velocity * here(-1.0),
+            Self::CoulombPositive => here(1.0),
+            Self::CoulombNegative => -here(-1.0),
+        }
+    }
+}
+
+impl fmt::Display for AxisTerm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Which terms the model has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct AxisModel {
+    /// A viscous and a Coulomb coefficient for each direction, in place of one pair and an offset.
+    pub asymmetric: bool,
+    /// With the inertia: the force is the driving force. Without: it is the friction alone.
+    pub inertia: bool,
+    /// With a constant force; only a symmetric model has one.
+    pub offset: bool,
+}
+
+impl AxisModel {
+    /// Inertia, viscous and Coulomb friction, offset.
+    pub const SYMMETRIC: Self = Self { asymmetric: false, inertia: true, offset: true };
+    /// Inertia, and viscous and Coulomb friction for each direction.
+    pub const ASYMMETRIC: Self = Self { asymmetric: true, inertia: true, offset: false };
+
+    /// The terms, in the order of the tables.
+    pub fn terms(self) -> Vec<AxisTerm> {
+        use AxisTerm::*;
+        let mut terms = Vec::new();
+        if self.inertia {
+            terms.push(Inertia);
+        }
+        if self.asymmetric {
+            terms.extend([ViscousPositive, ViscousNegative, CoulombPositive, CoulombNegative]);
+        } else {
+            terms.extend([Viscous, Coulomb]);
+            if self.offset {
+                terms.push(Offset);
+            }
+        }
+        terms
+    }
+}
+
+/// One estimated term, in the recording's units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TermEstimate {
+    /// Which term.
+    pub term: AxisTerm,
+    /// Its value.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+impl TermEstimate {
+    /// Whether the data say anything about the term: its standard error is below half its value.
+    pub fn is_identifiable(&self) -> bool {
+        self.standard_error < 0.5 * self.value.abs()
+    }
+}
+
+/// An axis model fitted to a recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisFit {
+    /// Which terms were fitted.
+    pub model: AxisModel,
+    /// The terms, in the order of [`AxisModel::terms`].
+    pub terms: Vec<TermEstimate>,
+    /// `100 |residual| / |force|` \[%\].
+    pub relative_error: f64,
+    /// Root mean square of the residual \[N or N m\].
+    pub residual_rms: f64,
+    /// Decimated samples that were fitted.
+    pub samples: usize,
+}
+
+/// What a fitted model says about a recording, on the decimated samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Time since the recording's first sample \[s\].
+    pub time: Vec<f64>,
+    /// Velocity \[m/s or rad/s\].
+    pub velocity: Vec<f64>,
+    /// Measured force \[N or N m\].
+    pub measured: Vec<f64>,
+    /// Predicted force \[N or N m\].
+    pub predicted: Vec<f64>,
+    /// `100 |measured - predicted| / |measured|` \[%\].
+    pub relative_error: f64,
+}
+
+impl Prediction {
+    /// Measured minus predicted force \[N or N m\].
+    pub fn residual(&self) -> Vec<f64> {
+        self.measured.iter().zip(&self.predicted).map(|(measured, predicted)| measured - predicted).collect()
+    }
+}
+
+impl AxisFit {
+    /// The estimate of a term, if the model has it.
+    pub fn term(&self, term: AxisTerm) -> Option<TermEstimate> {
+        self.terms.iter().copied().find(|estimate| estimate.term == term)
+    }
+
+    /// Value of a term, zero where the model does not have it.
+    pub fn value(&self, term: AxisTerm) -> f64 {
+        self.term(term).map_or(0.0, |estimate| estimate.value)
+    }
+
+    /// Applies the fitted model to a recording, the same one or another: the cross-test.
+    ///
+    /// # Errors
+    /// [`IdentError::TooFewSamples`] for a recording too short to decimate, [`IdentError::ZeroForce`].
+    pub fn predict(&self, recording: &Conditioned) -> Result<Prediction, IdentError> {
+        let regression = Regression::new(recording, self.model)?;
+        let values = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value));
+        let predicted = &regression.matrix * values;
+        let step = recording.decimate as f64 * recording.time_step;
+        let start = recording.first as f64 * recording.time_step;
+        let residual = (&regression.force - &predicted).norm();
+        Ok(Prediction {
+            time: (0..predicted.len()).map(|k| start + step * k as f64).collect(),
+            velocity: recording.velocity.iter().copied().step_by(recording.decimate).collect(),
+            relative_error: 100.0 * residual / regression.force.norm(),
+            measured: regression.force.as_slice().to_vec(),
+            predicted: predicted.as_slice().to_vec(),
+        })
+    }
+}
+
+/// Fits an axis model to a conditioned recording.
+///
+/// ```
+/// use friction_ident::{AxisModel, AxisTerm, Conditioning, Signals, condition, fit_axis};
+///
+/// // 3 kg on a rail with 5 N of Coulomb friction, shaken at 1 Hz.
+/// let time = (0..3000).map(|i| i as f64 * 1e-3);
+/// let (position, force): (Vec<_>, Vec<_>) = time
+///     .map(|t| (6.28 * t).sin_cos())
+///     .map(|(sin, cos)| (sin, 3.0 * -6.28 * 6.28 * sin + 5.0 * cos.signum()))
+///     .unzip();
+/// let signals = Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+/// let conditioned = condition(&signals, &Conditioning::for_time_step(1e-3))?;
+/// let fit = fit_axis(&conditioned, AxisModel::SYMMETRIC)?;
+/// assert!((fit.value(AxisTerm::Inertia) - 3.0).abs() < 0.01);
+/// assert!((fit.value(AxisTerm::Coulomb) - 5.0).abs() < 0.05);
+/// # Ok::<(), friction_ident::IdentError>(())
+/// ```
+///
+/// # Errors
+/// [`IdentError::NotExcited`] with the terms the motion does not show, [`IdentError::NegativeInertia`],
+/// [`IdentError::ZeroForce`], [`IdentError::TooFewSamples`].
+pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
+    let terms = model.terms();
+    if model.inertia && !accelerates(recording) {
+        return Err(IdentError::NotExcited { terms: vec![AxisTerm::Inertia] });
+    }
+    let regression = Regression::new(recording, model)?;
+    let samples = regression.force.len();
+    let needed = 4 * terms.len();
+    if samples < needed {
+        return Err(IdentError::TooFewSamples {
+            what: "the regression, after trimming and decimation,",
+            needed,
+            found: samples,
+            lower: "the trim or the decimation",
+        });
+    }
+    let solution =
+        least_squares::solve(&regression.matrix, &regression.force).map_err(|Degenerate { columns }| {
+            IdentError::NotExcited {
+                terms: columns.into_iter().filter_map(|column| terms.get(column).copied()).collect(),
+            }
+        })?;
+    let squares = solution.residual.norm_squared();
+    let variance = squares / (samples - terms.len()) as f64;
+    let terms: Vec<_> = terms
+        .into_iter()
+        .enumerate()
+        .map(|(i, term)| TermEstimate {
+            term,
+            value: solution.x[i],
+            standard_error: (variance * solution.inverse_normal[(i, i)]).sqrt(),
+        })
+        .collect();
+    if let Some(inertia) =
+        terms.iter().find(|estimate| estimate.term == AxisTerm::Inertia && estimate.value <= 0.0)
+    {
+        return Err(IdentError::NegativeInertia {
+            value: inertia.value,
+            standard_error: inertia.standard_error,
+        });
+    }
+    Ok(AxisFit {
+        model,
+        terms,
+        relative_error: 100.0 * squares.sqrt() / regression.force.norm(),
+        residual_rms: (squares / samples as f64).sqrt(),
+        samples,
+    })
+}
+
+/// Decimated regressors and force.
+struct Regression {
+    matrix: DMatrix<f64>,
+    force: DVector<f64>,
+}
+
+impl Regression {
+    fn new(recording: &Conditioned, model: AxisModel) -> Result<Self, IdentError> {
+        if recording.force.iter().all(|&force| force == 0.0) {
+            return Err(IdentError::ZeroForce);
+        }
+        let sign = |velocity: f64| {
+            if velocity.abs() <= recording.velocity_floor { 0.0 } else { velocity.signum() }
+        };
+        let terms = model.terms();
+        let force = DVector::from_vec(decimate(&recording.force, recording.decimate)?);
+        let mut matrix = DMatrix::zeros(force.len(), terms.len());
+        for (j, term) in terms.iter().enumerate() {
+            let column: Vec<_> = recording
+                .acceleration
+                .iter()
+                .zip(&recording.velocity)
+                .map(|(&a, &v)| term.regressor(a, v, sign(v)))
+                .collect();
+            matrix.set_column(j, &DVector::from_vec(decimate(&column, recording.decimate)?));
+        }
+        Ok(Self { matrix, force })
+    }
+}
+
+/// Whether the velocity changes by more than rounding and the low-pass's settling can make of a constant one.
+fn accelerates(recording: &Conditioned) -> bool {
+    let (slowest, fastest) = recording
+        .velocity
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    let changes = fastest - slowest > 1e-4 * fastest.abs().max(slowest.abs());
+    changes && rms(&recording.acceleration) > recording.acceleration_floor
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests;
