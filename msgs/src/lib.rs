@@ -6,6 +6,7 @@
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
+//! - [`topics`]: which topics there are, with type and quality of service;
 //! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types.
 
 pub mod builtin_interfaces;
@@ -15,5 +16,6 @@ pub mod friction_msgs;
 pub mod message;
 pub mod sensor_msgs;
 pub mod std_msgs;
+pub mod topics;
 
 pub use message::{Definition, RosMessage};

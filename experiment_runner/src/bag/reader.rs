@@ -1,0 +1,255 @@
+//! Reads a bag.
+
+use std::{
+    collections::BTreeMap,
+    fs::{self, File},
+    io::{self, BufReader, Read, Seek, SeekFrom},
+    path::{Path, PathBuf},
+};
+
+use mcap::{
+    McapError, McapResult, Summary,
+    io::MessageReader,
+    sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions},
+};
+use msgs::{RosMessage, cdr};
+
+use super::BagError;
+
+/// No record or chunk of a sane bag is larger; a file that claims one is damaged.
+const LARGEST_RECORD: usize = 1 << 28;
+
+/// One topic of a bag.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TopicInfo {
+    /// The topic.
+    pub name: String,
+    /// ROS type, as in `sensor_msgs/msg/JointState`; empty if the bag does not say.
+    pub type_name: String,
+    /// Number of messages.
+    pub count: u64,
+}
+
+/// A bag that is there: a folder as rosbag2 writes it, or a bare `.mcap` file.
+#[derive(Debug)]
+pub struct BagReader {
+    path: PathBuf,
+    files: Vec<OpenFile>,
+    topics: Vec<TopicInfo>,
+}
+
+#[derive(Debug)]
+struct OpenFile {
+    path: PathBuf,
+    summary: Summary,
+}
+
+impl BagReader {
+    /// Opens a bag and looks what is in it.
+    ///
+    /// # Errors
+    /// [`BagError::Read`], [`BagError::NoMcap`], [`BagError::Empty`], [`BagError::NotMcap`] or [`BagError::Damaged`],
+    /// each naming the file.
+    pub fn open(path: &Path) -> Result<Self, BagError> {
+        let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
+        let mut files = Vec::new();
+        for file in files_of(path)? {
+            let (summary, counts) = inspect(&file)?;
+            for (id, channel) in &summary.channels {
+                let type_name = channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default();
+                let topic = topics.entry(channel.topic.clone()).or_insert_with(|| TopicInfo {
+                    name: channel.topic.clone(),
+                    type_name,
+                    count: 0,
+                });
+                topic.count += counts.get(id).copied().unwrap_or(0);
+            }
+            files.push(OpenFile { path: file, summary });
+        }
+        Ok(Self { path: path.into(), files, topics: topics.into_values().collect() })
+    }
+
+    /// Topics of the bag, by name.
+    pub fn topics(&self) -> &[TopicInfo] {
+        &self.topics
+    }
+
+    /// All messages of a topic with their log times [ns since the epoch], in order of time.
+    ///
+    /// # Errors
+    /// [`BagError::NoTopic`], [`BagError::ReadType`], [`BagError::Message`], or those of [`open`](Self::open).
+    pub fn messages<M: RosMessage>(&self, topic: &str) -> Result<Vec<(u64, M)>, BagError> {
+        let info = self.topics.iter().find(|info| info.name == topic).ok_or_else(|| BagError::NoTopic {
+            path: self.path.clone(),
+            topic: topic.into(),
+            present: self.topics.iter().map(|info| info.name.as_str()).collect::<Vec<_>>().join(", "),
+        })?;
+        if info.type_name != M::type_name() {
+            return Err(BagError::ReadType {
+                path: self.path.clone(),
+                topic: topic.into(),
+                expected: M::type_name(),
+                found: match info.type_name.as_str() {
+                    "" => "messages without a type".into(),
+                    name => name.into(),
+                },
+            });
+        }
+        let mut messages = Vec::new();
+        for file in &self.files {
+            for message in message_reader(&file.path)? {
+                let message = message.map_err(|error| damaged(&file.path, error))?;
+                if message.channel.topic != topic {
+                    continue;
+                }
+                let decoded = cdr::decode(&message.data).map_err(|source| BagError::Message {
+                    path: self.path.clone(),
+                    topic: topic.into(),
+                    index: messages.len(),
+                    source,
+                })?;
+                messages.push((message.log_time, decoded));
+            }
+        }
+        messages.sort_by_key(|(log_time, _)| *log_time);
+        Ok(messages)
+    }
+
+    /// Named texts that were kept with the bag; `None` if there are none of that name.
+    ///
+    /// # Errors
+    /// [`BagError::Read`] or [`BagError::Damaged`].
+    pub fn metadata(&self, name: &str) -> Result<Option<BTreeMap<String, String>>, BagError> {
+        for file in &self.files {
+            if let Some(index) = file.summary.metadata_indexes.iter().find(|index| index.name == name) {
+                let record = record(&file.path, index.offset, index.length)?;
+                if let mcap::records::Record::Metadata(metadata) = record {
+                    return Ok(Some(metadata.metadata));
+                }
+                return Err(damaged(&file.path, McapError::BadIndex));
+            }
+        }
+        Ok(None)
+    }
+
+    /// A file that was kept with the bag; `None` if there is none of that name.
+    ///
+    /// # Errors
+    /// [`BagError::Read`] or [`BagError::Damaged`].
+    pub fn attachment(&self, name: &str) -> Result<Option<Vec<u8>>, BagError> {
+        for file in &self.files {
+            if let Some(index) = file.summary.attachment_indexes.iter().find(|index| index.name == name) {
+                let record = record(&file.path, index.offset, index.length)?;
+                if let mcap::records::Record::Attachment { data, .. } = record {
+                    return Ok(Some(data.into_owned()));
+                }
+                return Err(damaged(&file.path, McapError::BadIndex));
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn read_error(path: &Path) -> impl FnOnce(io::Error) -> BagError {
+    let path = path.to_owned();
+    move |source| BagError::Read { path, source }
+}
+
+fn damaged(path: &Path, error: McapError) -> BagError {
+    match error {
+        McapError::Io(source)
+            if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() =>
+        {
+            BagError::Read { path: path.into(), source }
+        }
+        other => BagError::Damaged { path: path.into(), detail: other.to_string() },
+    }
+}
+
+/// The MCAP files of a bag, in order of their names, which rosbag2 numbers.
+fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
+    if !fs::metadata(path).map_err(read_error(path))?.is_dir() {
+        return Ok(vec![path.into()]);
+    }
+    let mut files = Vec::new();
+    for entry in fs::read_dir(path).map_err(read_error(path))? {
+        let file = entry.map_err(read_error(path))?.path();
+        if file.extension().is_some_and(|extension| extension == "mcap") {
+            files.push(file);
+        }
+    }
+    // `bag_10.mcap` comes behind `bag_9.mcap`.
+    files.sort_by_key(|file| (file.as_os_str().len(), file.clone()));
+    if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
+}
+
+/// Summary of a file and number of messages a channel; read from the end of the file, or counted where it has none.
+fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
+    let mut file = File::open(path).map_err(read_error(path))?;
+    let size = file.metadata().map_err(read_error(path))?.len();
+    if size == 0 {
+        return Err(BagError::Empty { path: path.into() });
+    }
+    let mut magic = [0; mcap::MAGIC.len()];
+    let known = match file.read_exact(&mut magic) {
+        Ok(()) => magic == mcap::MAGIC,
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
+        Err(error) => return Err(read_error(path)(error)),
+    };
+    if !known {
+        return Err(BagError::NotMcap { path: path.into() });
+    }
+    let summary = summary(&mut BufReader::new(file), size).map_err(|error| damaged(path, error))?;
+    if let Some(Summary { stats: Some(stats), .. }) = &summary {
+        let counts = stats.channel_message_counts.clone();
+        return Ok((summary.unwrap_or_default(), counts));
+    }
+    let mut found = Summary::default();
+    let mut counts = BTreeMap::new();
+    for message in message_reader(path)? {
+        let message = message.map_err(|error| damaged(path, error))?;
+        *counts.entry(message.channel.id).or_default() += 1;
+        found.channels.entry(message.channel.id).or_insert(message.channel);
+    }
+    Ok((found, counts))
+}
+
+fn summary(file: &mut (impl Read + Seek), size: u64) -> McapResult<Option<Summary>> {
+    let options =
+        SummaryReaderOptions::default().with_file_size(size).with_record_length_limit(LARGEST_RECORD);
+    let mut reader = SummaryReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            SummaryReadEvent::ReadRequest(need) => {
+                let read = file.read(reader.insert(need))?;
+                reader.notify_read(read);
+            }
+            SummaryReadEvent::SeekRequest(to) => {
+                let position = file.seek(to)?;
+                reader.notify_seeked(position);
+            }
+        }
+    }
+    Ok(reader.finish())
+}
+
+fn message_reader(path: &Path) -> Result<MessageReader<BufReader<File>>, BagError> {
+    let file = File::open(path).map_err(read_error(path))?;
+    let options = LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD);
+    Ok(MessageReader::new_with_options(BufReader::with_capacity(1 << 18, file), options))
+}
+
+/// The record at a place that an index of the file names.
+fn record(path: &Path, offset: u64, length: u64) -> Result<mcap::records::Record<'static>, BagError> {
+    let mut file = File::open(path).map_err(read_error(path))?;
+    let size = file.metadata().map_err(read_error(path))?.len();
+    // An opcode and eight bytes of length stand before the content.
+    let inside = offset.checked_add(length).is_some_and(|end| end <= size);
+    let length = usize::try_from(length).ok().filter(|length| inside && *length >= 9);
+    let Some(length) = length else { return Err(damaged(path, McapError::BadIndex)) };
+    let mut bytes = vec![0; length];
+    file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(&mut bytes)).map_err(read_error(path))?;
+    mcap::parse_record(bytes[0], &bytes[9..])
+        .map(mcap::records::Record::into_owned)
+        .map_err(|e| damaged(path, e))
+}
