@@ -8,7 +8,10 @@
     responsive: true,
     displaylogo: false,
     doubleClick: 'reset',
-    modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
+    // Named one by one: by itself plotly also offers to send the figure to its makers' cloud.
+    modeBarButtons: [['zoom2d', 'pan2d', 'zoomIn2d', 'zoomOut2d', 'resetScale2d'], ['toImage']],
+    showSendToCloud: false,
+    plotlyServerURL: '',
     toImageButtonOptions: { format: 'svg' },
   };
 

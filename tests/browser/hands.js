@@ -15,6 +15,8 @@ const area = plot.querySelector('.nsewdrag');
 const result = { span_before: span(), shown_before: shown() };
 result.shared_axes = new Set(plot._fullData.map((trace) => trace.xaxis)).size;
 
+result.buttons = [...plot.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title).join(', ');
+
 mouse(area, 'mousemove', at(area, 0.5));
 await pause(300);
 result.hover = plot.querySelector('.hoverlayer').textContent;

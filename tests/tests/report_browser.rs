@@ -74,6 +74,8 @@ fn figures_answer_the_mouse() {
     assert!((number("span_reset") - number("span_before")).abs() < 1e-9, "{}", seen.probe);
     assert_eq!(number("shared_axes"), 1.0, "panels share one horizontal axis");
     assert_eq!(number("shown_after_click"), number("shown_before") - 1.0, "{}", seen.probe);
+    // Nothing that would send a figure somewhere.
+    assert_eq!(seen.probe["buttons"], "Download plot, Zoom, Pan, Zoom in, Zoom out, Reset axes");
     let hover = seen.probe["hover"].as_str().unwrap_or_default();
     for series in ["reference", "Proposed", "estimated"] {
         assert!(hover.contains(series), "{series} is not in the readout: {hover}");
