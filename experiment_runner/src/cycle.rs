@@ -1,8 +1,8 @@
 //! One control cycle, whole: what the recorder, the publishers and the report are fed with.
 
-use controller::{Command, Reference};
+use controller::{Command, ControlMode, Reference};
 use friction_observer::Estimate;
-use rig_driver::Measurement;
+use rig_driver::{Measurement, Truth};
 
 /// Everything one pass of the loop saw and decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,4 +17,18 @@ pub struct CycleSample {
     pub estimate: Estimate,
     /// What the controller decided.
     pub command: Command,
+    /// What only a simulation knows.
+    pub truth: Option<Truth>,
+}
+
+impl CycleSample {
+    /// Reference minus response, of the shaft itself where the rig is simulated, else as measured [rad/s or rad, by mode].
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        match (self.truth, self.command.mode) {
+            (Some(truth), ControlMode::Velocity) => self.reference.velocity - truth.velocity,
+            (Some(truth), ControlMode::Position) => self.reference.position - truth.position,
+            (None, _) => self.command.error,
+        }
+    }
 }

@@ -1,4 +1,17 @@
 //! Experiments, their recorder, figures and report, and the `frictionlab` command built on them.
 
 pub mod bag;
+pub mod cli;
+pub mod constant_velocity;
+pub mod control_loop;
+pub mod cycle;
+pub mod identify;
+pub mod messages;
+pub mod progress;
+pub mod protocol;
+pub mod recording;
 pub mod report;
+pub mod sequencer;
+pub mod test_bed;
+pub mod tracking;
+pub mod waveform;

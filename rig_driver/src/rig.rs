@@ -1,6 +1,6 @@
 //! The one trait every rig is driven through.
 
-use crate::{Measurement, RigError};
+use crate::{Measurement, RigError, Truth};
 
 /// A servo axis that is measured and driven once a control cycle.
 ///
@@ -17,4 +17,9 @@ pub trait Rig {
     /// # Errors
     /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault.
     fn apply(&mut self, volts: f64) -> Result<(), RigError>;
+
+    /// What no sensor shows, where the rig is simulated.
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
 }

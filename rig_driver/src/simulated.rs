@@ -95,12 +95,6 @@ impl<M: FrictionModel> SimulatedRig<M> {
             fault: false,
         })
     }
-
-    /// What no sensor shows.
-    #[must_use]
-    pub fn truth(&self) -> Truth {
-        self.plant.truth(self.applied)
-    }
 }
 
 impl<M: FrictionModel> Rig for SimulatedRig<M> {
@@ -126,6 +120,10 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
             watchdog_expired: false,
             fault: self.fault,
         }
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        Some(self.plant.truth(self.applied))
     }
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {

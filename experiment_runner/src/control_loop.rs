@@ -1,0 +1,61 @@
+//! The loop itself: the rig measures, the observer estimates, the controller decides, the rig applies.
+//!
+//! One step is a function of state and input: no clock, no files, no allocation. Whoever calls it decides whether time is the
+//! processor's (offline, in lock-step) or the wall's (live).
+
+use controller::{Controller, Feedback};
+use friction_observer::FrictionObserver;
+use rig_driver::{Rig, RigError};
+
+use crate::cycle::CycleSample;
+use crate::waveform::Waveform;
+
+/// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so that bags are reproducible.
+pub const EPOCH_NS: u64 = 1_509_494_400_000_000_000;
+
+/// Rig, observer and controller with a reference.
+pub struct ControlLoop {
+    rig: Box<dyn Rig + Send>,
+    observer: FrictionObserver,
+    controller: Controller,
+    reference: Waveform,
+    start_ns: u64,
+}
+
+impl ControlLoop {
+    /// A loop whose cycle 0 is stamped `start_ns` [ns since the Unix epoch].
+    #[must_use]
+    pub fn new(
+        rig: Box<dyn Rig + Send>,
+        observer: FrictionObserver,
+        controller: Controller,
+        reference: Waveform,
+        start_ns: u64,
+    ) -> Self {
+        Self { rig, observer, controller, reference, start_ns }
+    }
+
+    /// Period of the cycle [s].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.rig.period()
+    }
+
+    /// One cycle. The velocity is the tachometer's, the position the encoder's.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses the voltage; it is at zero volts then.
+    #[inline]
+    pub fn step(&mut self) -> Result<CycleSample, RigError> {
+        let measurement = self.rig.measure();
+        let truth = self.rig.truth();
+        let reference = self.reference.at(measurement.time);
+        let velocity = measurement.tachometer_velocity;
+        let estimate = self.observer.observe(velocity, Some(measurement.torque));
+        let feedback = Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
+        let command = self.controller.step(&reference, &feedback);
+        self.rig.apply(command.total)?;
+        let stamp_ns = self.start_ns + (measurement.time * 1e9).round() as u64;
+        Ok(CycleSample { stamp_ns, measurement, reference, estimate, command, truth })
+    }
+}

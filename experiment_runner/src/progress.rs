@@ -1,0 +1,60 @@
+//! The progress bar: what is being done, how far it is, how long it will take.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Progress of a run, in seconds of rig time.
+#[derive(Debug, Clone)]
+pub struct Progress(ProgressBar);
+
+impl Progress {
+    /// A bar over `rig_seconds` in the terminal, or nothing at all if `quiet`. Where the output is no terminal nothing is drawn.
+    #[must_use]
+    pub fn new(rig_seconds: f64, quiet: bool) -> Self {
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(rig_seconds.ceil() as u64), target);
+        let style = "{msg:34!} {bar:28.cyan/blue} {percent:>3} %  {pos}/{len} s of rig time  {eta} left";
+        // A template that does not parse would leave indicatif's plain bar; a test keeps it parsing.
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+
+    /// Says what is being done now.
+    pub fn stage(&self, message: impl Into<String>) {
+        self.0.set_message(message.into());
+    }
+
+    /// Adds `rig_seconds` done.
+    pub fn advance(&self, rig_seconds: f64) {
+        self.0.inc(rig_seconds.round() as u64);
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+
+    /// Prints a line above the bar.
+    pub fn line(&self, text: &str) {
+        self.0.suspend(|| eprintln!("{text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_parses_and_counts() {
+        let progress = Progress::new(30.0, true);
+        progress.stage("testing");
+        progress.advance(15.0);
+        assert_eq!(progress.0.position(), 15);
+        assert_eq!(progress.0.message(), "testing");
+        progress.finish();
+    }
+}

@@ -1,0 +1,73 @@
+//! The simulated laboratory bench: which rig, under which friction, compensated by which model.
+
+use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions};
+use friction_model::{AnyModel, ModelError, TimeStep};
+use friction_observer::FrictionObserver;
+use rig_driver::{RigError, SimulationOptions};
+use serde::{Deserialize, Serialize};
+
+use crate::control_loop::ControlLoop;
+use crate::waveform::Waveform;
+
+/// A simulated rig and the friction it really has.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TestBed {
+    /// The rig.
+    pub simulation: SimulationOptions,
+    /// The friction of the plant: unknown to observers and controllers.
+    pub friction: AnyModel,
+    /// Gains and options of the controller; mode, period, limit and compensation are set for each run.
+    pub controller: ControllerOptions,
+}
+
+/// A loop that cannot be put together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TestBedError {
+    /// The rig.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// The controller.
+    #[error(transparent)]
+    Controller(#[from] ControllerError),
+    /// The observer's model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+impl TestBed {
+    /// A loop on this bench that starts at rest.
+    ///
+    /// The observer runs `observer` in any case; its estimate enters the command only if `compensate` is set. `seed` is that of
+    /// the sensors' noise, `start_ns` the stamp of cycle 0.
+    ///
+    /// # Errors
+    /// [`TestBedError`] names the parameter that is out of range.
+    pub fn control_loop(
+        &self,
+        mode: ControlMode,
+        reference: Waveform,
+        observer: &AnyModel,
+        compensate: bool,
+        seed: u64,
+        start_ns: u64,
+    ) -> Result<ControlLoop, TestBedError> {
+        let simulation = SimulationOptions { seed, ..self.simulation };
+        let period = simulation.period;
+        let options = ControllerOptions {
+            mode,
+            period,
+            compensation: Compensation { enabled: compensate, ..self.controller.compensation },
+            voltage_limit: simulation.voltage_limit,
+            ..self.controller
+        };
+        Ok(ControlLoop::new(
+            simulation.build(self.friction)?,
+            FrictionObserver::new(observer, TimeStep::new(period)?),
+            Controller::new(options)?,
+            reference,
+            start_ns,
+        ))
+    }
+}
