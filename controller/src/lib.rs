@@ -10,6 +10,10 @@ mod error;
 mod lag;
 mod pid;
 mod signals;
+#[cfg(feature = "msgs")]
+pub mod messages;
+#[cfg(feature = "ros")]
+pub mod node;
 
 pub use controller::{Compensation, Controller, ControllerOptions, Feedback};
 pub use error::ControllerError;

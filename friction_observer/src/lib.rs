@@ -4,6 +4,10 @@
 
 mod estimate;
 mod observer;
+#[cfg(feature = "msgs")]
+pub mod messages;
+#[cfg(feature = "ros")]
+pub mod node;
 
 pub use estimate::Estimate;
 pub use observer::FrictionObserver;

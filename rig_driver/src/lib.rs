@@ -11,6 +11,10 @@ mod plant;
 mod rig;
 mod sensors;
 mod simulated;
+#[cfg(feature = "msgs")]
+pub mod messages;
+#[cfg(feature = "ros")]
+pub mod node;
 
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;

@@ -1,0 +1,50 @@
+//! What can go wrong between a node and the network.
+
+/// A node that cannot join, or a message that cannot be sent.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RosNodeError {
+    /// An environment variable of ROS has a value that is none of its own.
+    #[error("the environment variable {name} must be {expected}, but is `{value}`; set it right or unset it")]
+    Environment {
+        /// The variable.
+        name: &'static str,
+        /// What it may be.
+        expected: &'static str,
+        /// What it is.
+        value: String,
+    },
+    /// The runtime for the nodes' background work does not start.
+    #[error("the threads for ROS 2 cannot be started: {0}; the system may be out of threads or memory")]
+    Runtime(std::io::Error),
+    /// The participant cannot join the network.
+    #[error(
+        "cannot join ROS domain {domain}: {detail}; check that the network interface is up, or use another ROS_DOMAIN_ID"
+    )]
+    Join {
+        /// The domain.
+        domain: u16,
+        /// What the middleware said.
+        detail: String,
+    },
+    /// A node, topic or publisher is refused.
+    #[error(
+        "cannot make {what}: {detail}; names of ROS 2 are letters, digits and underscores, with slashes between"
+    )]
+    Create {
+        /// What was to be made.
+        what: String,
+        /// What the middleware said.
+        detail: String,
+    },
+    /// A message was not taken.
+    #[error(
+        "a message on {topic} was not sent: {detail}; a reliable subscriber may be slower than the publisher"
+    )]
+    Publish {
+        /// The topic.
+        topic: &'static str,
+        /// What the middleware said.
+        detail: String,
+    },
+}
