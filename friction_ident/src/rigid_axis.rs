@@ -183,6 +183,8 @@ pub struct Prediction {
     pub measured: Vec<f64>,
     /// Predicted force \[N or N m\].
     pub predicted: Vec<f64>,
+    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left for friction.
+    pub friction: Vec<f64>,
     /// `100 |measured - predicted| / |measured|` \[%\].
     pub relative_error: f64,
 }
@@ -213,6 +215,11 @@ impl AxisFit {
         let regression = Regression::new(recording, self.model)?;
         let values = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value));
         let predicted = &regression.matrix * values;
+        let inertia = self.terms.iter().position(|estimate| estimate.term == AxisTerm::Inertia);
+        let friction = match inertia {
+            Some(column) => &regression.force - regression.matrix.column(column) * self.terms[column].value,
+            None => regression.force.clone(),
+        };
         let step = recording.decimate as f64 * recording.time_step;
         let start = recording.first as f64 * recording.time_step;
         let residual = (&regression.force - &predicted).norm();
@@ -222,6 +229,7 @@ impl AxisFit {
             relative_error: 100.0 * residual / regression.force.norm(),
             measured: regression.force.as_slice().to_vec(),
             predicted: predicted.as_slice().to_vec(),
+            friction: friction.as_slice().to_vec(),
         })
     }
 }

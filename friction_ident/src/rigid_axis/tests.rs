@@ -103,6 +103,10 @@ fn the_cross_test_predicts_another_motion() {
     assert!(prediction.relative_error < 1.0);
     assert_eq!(prediction.time.len(), prediction.measured.len());
     assert!((prediction.time[0] - 0.05).abs() < 1e-12 && (prediction.time[1] - 0.06).abs() < 1e-12);
+    // Without the inertia what is left is friction: of one size in each direction, give or take the offset.
+    let fastest =
+        prediction.velocity.iter().zip(&prediction.friction).max_by(|a, b| a.0.total_cmp(b.0)).unwrap();
+    assert!((fastest.1 - (200.0 * fastest.0 + 20.0 - 3.0)).abs() < 0.2, "{fastest:?}");
     let residual = prediction.residual();
     assert!((residual[10] - (prediction.measured[10] - prediction.predicted[10])).abs() < 1e-15);
 }

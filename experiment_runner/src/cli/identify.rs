@@ -1,0 +1,214 @@
+//! `frictionlab identify`: friction and inertia from a recording.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use friction_ident::Conditioning;
+
+use super::BadInput;
+use crate::identify::{self, Settings};
+use crate::recording::rosbag::{self, Motor};
+use crate::recording::table::{self, Columns};
+use crate::recording::{AxisKind, Column, Recording};
+
+/// Estimate friction and inertia from a recording (CSV or MCAP bag) and write a report.
+///
+/// CSV: a header with column names, then one line a sample, evenly spaced. Columns are recognised
+/// by names such as t_s, position_m, position_rad, force_N and torque_Nm, or named with the options
+/// below. For a public benchmark, whose force is a voltage times a constant:
+///
+///   frictionlab identify estimation.csv --force control_V:35.150651882485472 \
+///     --validate validation.csv
+///
+/// Bag: the friction torque and velocity of /joint_states, or with --torque-from-voltage the
+/// driving torque worked out from /rig_measurement.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct IdentifyArgs {
+    /// CSV file, .mcap file or bag folder.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// Try the fitted models on this recording too (the cross-test).
+    #[arg(long, value_name = "FILE")]
+    validate: Option<PathBuf>,
+
+    /// Folder for the results [default: identification-<name of FILE>].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    quiet: bool,
+
+    /// Column of the time [s].
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    time: Option<Column>,
+
+    /// Column of the position [m or rad].
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    position: Option<Column>,
+
+    /// Column of the velocity [m/s or rad/s], to be used in place of the position.
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    velocity: Option<Column>,
+
+    /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    force: Option<Column>,
+
+    /// Kind of axis, where the column names do not tell it; decides the units shown.
+    #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
+    axis: Option<AxisKind>,
+
+    /// Cutoff of the low-pass for the motion [Hz] [default: a tenth of the sampling rate, at most 100].
+    #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
+    cutoff: Option<f64>,
+
+    /// Order of the low-pass, 1 to 12.
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Conditioning")]
+    order: usize,
+
+    /// Keep one sample in N for the fit, after an anti-alias low-pass [default: sampling rate over cutoff].
+    #[arg(long, value_name = "N", help_heading = "Conditioning")]
+    decimate: Option<usize>,
+
+    /// Samples dropped at each end.
+    #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
+    trim: usize,
+
+    /// How far a time step may be from the usual one, as a fraction of it.
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.05, help_heading = "Conditioning")]
+    time_tolerance: f64,
+
+    /// The force is friction alone and drives no inertia; so for a bag's friction torque anyway.
+    #[arg(long, help_heading = "Model")]
+    without_inertia: bool,
+
+    /// No constant force in the symmetric model.
+    #[arg(long, help_heading = "Model")]
+    without_offset: bool,
+
+    /// Bag: work the driving torque out from the motor voltage, (A Km / Ra) (u - A Km w).
+    #[arg(long, help_heading = "Bag")]
+    torque_from_voltage: bool,
+
+    /// Gear ratio A of the motor.
+    #[arg(long, value_name = "A", default_value_t = Motor::default().gear_ratio, help_heading = "Bag", requires = "torque_from_voltage")]
+    gear_ratio: f64,
+
+    /// Torque constant Km of the motor [N m/A].
+    #[arg(long, value_name = "KM", default_value_t = Motor::default().motor_constant, help_heading = "Bag", requires = "torque_from_voltage")]
+    motor_constant: f64,
+
+    /// Armature resistance Ra of the motor [Ohm].
+    #[arg(long, value_name = "RA", default_value_t = Motor::default().resistance, help_heading = "Bag", requires = "torque_from_voltage")]
+    resistance: f64,
+}
+
+/// Reads, identifies, writes `identification.json`, `identification.html` and `parameters.yaml`, and prints a table.
+///
+/// # Errors
+/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
+pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
+    check(args)?;
+    let recording = read(&args.file, args)?;
+    let validation = args.validate.as_deref().map(|file| read(file, args)).transpose()?;
+    let conditioning = conditioning(args, recording.time_step);
+    let assumed = recording.axis.is_none() && args.axis.is_none();
+    let settings = Settings {
+        conditioning,
+        inertia: !(args.without_inertia || recording.friction_only),
+        offset: !args.without_offset,
+        axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
+    };
+    let mut found = identify::identify(&recording, validation.as_ref(), &settings)
+        .map_err(|error| BadInput(error.to_string()))?;
+    if assumed {
+        found.notes.push(
+            "The column names do not tell whether the axis is linear or rotary; units are shown for a linear one. \
+             Say --axis rotary if it turns."
+                .to_owned(),
+        );
+    }
+
+    let validation = validation.as_ref();
+    let page = identify::page::page(&found, &recording, validation);
+    let files = [
+        ("identification.json", identify::document::render(&found, &recording, validation)),
+        ("identification.html", crate::report::render_page(&page)),
+        ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
+    ];
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(&args.file));
+    identify::output::write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    if !args.quiet {
+        use std::io::Write;
+        let mut out = std::io::stdout().lock();
+        let text = identify::terminal::render(&found, &recording, validation);
+        let files = files.map(|(name, _)| name).join(", ");
+        writeln!(out, "{text}\nwritten to {}: {files}", folder.display())
+            .or_else(|error| match error.kind() {
+                // Whoever reads has seen enough (`| head`); the files are there.
+                std::io::ErrorKind::BrokenPipe => Ok(()),
+                _ => Err(error),
+            })
+            .context("the table cannot be printed")?;
+    }
+    Ok(())
+}
+
+fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
+    if !(args.time_tolerance >= 0.0 && args.time_tolerance < 1.0) {
+        return Err(BadInput(format!(
+            "--time-tolerance must be a fraction from 0 to below 1, as in 0.05, but is {}",
+            args.time_tolerance
+        )));
+    }
+    for (option, value) in [
+        ("--gear-ratio", args.gear_ratio),
+        ("--motor-constant", args.motor_constant),
+        ("--resistance", args.resistance),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(BadInput(format!("{option} must be a finite number above zero, but is {value}")));
+        }
+    }
+    Ok(())
+}
+
+fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
+    let usual = Conditioning::for_time_step(time_step);
+    let cutoff = args.cutoff.unwrap_or(usual.cutoff);
+    // A cutoff out of range is refused later, with the sampling rate in the message.
+    let factor = (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize;
+    Conditioning { cutoff, order: args.order, trim: args.trim, decimate: args.decimate.unwrap_or(factor) }
+}
+
+fn read(file: &Path, args: &IdentifyArgs) -> Result<Recording, BadInput> {
+    let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
+    let recording = if is_bag {
+        let motor = Motor {
+            gear_ratio: args.gear_ratio,
+            motor_constant: args.motor_constant,
+            resistance: args.resistance,
+        };
+        rosbag::read(file, args.torque_from_voltage.then_some(&motor), args.time_tolerance)
+    } else {
+        let columns = Columns {
+            time: args.time.clone(),
+            position: args.position.clone(),
+            velocity: args.velocity.clone(),
+            force: args.force.clone(),
+        };
+        table::read(file, &columns, args.time_tolerance)
+    };
+    recording.map_err(|error| BadInput(error.to_string()))
+}
+
+/// `identification-` and the name of the file without its extension, where the command was started.
+fn default_folder(file: &Path) -> PathBuf {
+    // `.` and `..` have no name of their own until they are resolved.
+    let resolved = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
+    let stem = resolved.file_stem().map_or_else(|| "recording".into(), |stem| stem.to_string_lossy());
+    PathBuf::from(format!("identification-{stem}"))
+}

@@ -1,0 +1,9 @@
+//! The `frictionlab` command, one file a subcommand.
+
+pub mod identify;
+
+/// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
+/// mend it; the program ends with exit code 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct BadInput(pub String);

@@ -1,0 +1,115 @@
+//! Files that appear all at once or not at all.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+/// An output folder that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("the results cannot be written to {}: {source}; choose another folder with --out DIR", path.display())]
+pub struct OutputError {
+    /// The folder or file.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// Writes the files (name, content) into `folder`, which is made if need be.
+///
+/// Each goes to a temporary name first; only when all are on the disk are they renamed. On an error nothing of
+/// it stays behind, and files of an earlier run are as they were.
+///
+/// # Errors
+/// [`OutputError`] with the path that failed.
+pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputError> {
+    let fail = |path: &Path| {
+        let path = path.to_owned();
+        move |source| OutputError { path, source }
+    };
+    let made = first_missing(folder);
+    let mut temporary = Vec::with_capacity(files.len());
+    let written = fs::create_dir_all(folder).map_err(fail(folder)).and_then(|()| {
+        for (name, content) in files {
+            let target = folder.join(name);
+            if target.is_dir() {
+                return Err(fail(&target)(io::Error::from(io::ErrorKind::IsADirectory)));
+            }
+            let draft = folder.join(format!(".{name}.{}.tmp", std::process::id()));
+            temporary.push((draft.clone(), target));
+            fs::write(&draft, content).map_err(fail(&draft))?;
+        }
+        temporary.iter().try_for_each(|(draft, target)| fs::rename(draft, target).map_err(fail(target)))
+    });
+    if written.is_err() {
+        for (draft, _) in &temporary {
+            // A draft that was never made, or was renamed already, is no second error.
+            let _ = fs::remove_file(draft);
+        }
+        if let Some(made) = made {
+            remove_empty(folder, &made);
+        }
+    }
+    written
+}
+
+/// The topmost folder of the path that does not exist yet.
+fn first_missing(folder: &Path) -> Option<PathBuf> {
+    folder
+        .ancestors()
+        .take_while(|path| !path.as_os_str().is_empty() && !path.exists())
+        .last()
+        .map(Path::to_owned)
+}
+
+/// Removes the folders from `folder` up to `top`, as far as they are empty.
+fn remove_empty(folder: &Path, top: &Path) {
+    for path in folder.ancestors() {
+        if fs::remove_dir(path).is_err() || path == top {
+            break;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn writes_and_replaces() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("a/b");
+        for content in ["one", "two"] {
+            write_all(&folder, &[("x.json", content.into()), ("y.html", content.into())]).unwrap();
+            assert_eq!(fs::read_to_string(folder.join("y.html")).unwrap(), content);
+        }
+        assert_eq!(names(&folder), ["x.json", "y.html"]);
+    }
+
+    #[test]
+    fn leaves_nothing_behind() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("out");
+        // The second target is a folder: the first file must not appear either.
+        fs::create_dir_all(folder.join("y.html")).unwrap();
+        let error = write_all(&folder, &[("x.json", String::new()), ("y.html", String::new())]).unwrap_err();
+        assert!(error.to_string().contains("y.html") && error.to_string().contains("--out"), "{error}");
+        assert_eq!(names(&folder), ["y.html"]);
+
+        fs::write(root.path().join("file"), "").unwrap();
+        assert!(write_all(&root.path().join("file/sub"), &[("x", String::new())]).is_err());
+        assert_eq!(names(root.path()), ["file", "out"]);
+
+        // A name that cannot be made, in a folder that was not there.
+        let fresh = root.path().join("new/deep");
+        assert!(write_all(&fresh, &[("no/such", String::new())]).is_err());
+        assert_eq!(names(root.path()), ["file", "out"]);
+    }
+}

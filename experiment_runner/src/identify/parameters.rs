@@ -1,0 +1,75 @@
+//! `parameters.yaml`: what was found, as a ROS 2 parameter file for the friction observer.
+//!
+//! Coulomb and viscous friction are a Stribeck curve without a dip, `f_s = f_c`; the symmetric model's are taken,
+//! because the observer's friction is odd in the velocity. The inertia stands in a comment: it belongs to no node.
+
+use std::fmt::Write;
+
+use friction_ident::AxisTerm;
+
+use super::{Identification, unit};
+
+/// Stribeck velocity of a curve without a dip: any positive number does.
+const NO_DIP_V_S: f64 = 0.1;
+
+/// The file as text; the model is `viscous` where no Coulomb friction was found.
+pub fn render(found: &Identification, name: &str) -> String {
+    let axis = found.settings.axis;
+    let fit = &found.symmetric.fit;
+    let coulomb = fit.value(AxisTerm::Coulomb);
+    let viscous = fit.value(AxisTerm::Viscous).max(0.0);
+    let mut text =
+        format!("# Identified by frictionlab {} from {}.\n", env!("CARGO_PKG_VERSION"), one_line(name));
+    for estimate in &fit.terms {
+        let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
+        let (value, error) = (number(estimate.value), number(estimate.standard_error));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "# {term}: {value} {unit}, standard error {error}");
+    }
+    text.push_str("/friction_observer:\n  ros__parameters:\n");
+    if coulomb > 0.0 {
+        let (f_c, f_v, v_s) = (number(coulomb), number(viscous), number(NO_DIP_V_S));
+        let _ = write!(
+            text,
+            "    model: stribeck\n    stribeck:\n      f_s: {f_c}  # no Stribeck dip in this model, so f_s is f_c and v_s \
+             has no effect\n      f_c: {f_c}\n      v_s: {v_s}\n      delta: 2.0\n      f_v: {f_v}\n"
+        );
+    } else {
+        let _ = write!(text, "    model: viscous\n    viscous:\n      f_v: {}\n", number(viscous));
+    }
+    text
+}
+
+/// A number that every YAML reader, ROS's included, takes for a double: always with a point.
+fn number(value: f64) -> String {
+    let text = if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        format!("{value}")
+    };
+    match text.split_once('e') {
+        _ if text.contains('.') => text,
+        Some((mantissa, exponent)) => format!("{mantissa}.0e{exponent}"),
+        None => format!("{text}.0"),
+    }
+}
+
+/// A path must not end the comment it stands in.
+fn one_line(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_always_have_a_point() {
+        for (value, text) in
+            [(20.0, "20.0"), (0.0403, "0.0403"), (1e-7, "1.0e-7"), (1.5e-7, "1.5e-7"), (0.0, "0.0")]
+        {
+            assert_eq!(number(value), text);
+            assert_eq!(text.parse::<f64>(), Ok(value));
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What can be wrong with a recording's file.
+
+use std::path::PathBuf;
+
+/// Why a file cannot be used as a recording. Each message names the file, the line or column, and the way out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// The file cannot be read.
+    #[error("{} cannot be read: {source}; check the path and the permissions", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file has nothing in it.
+    #[error("{} is empty; expected a header line with column names, then one line a sample", path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is a header and nothing else.
+    #[error("{} has a header but no samples below it; expected one line a sample", path.display())]
+    HeaderOnly {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The first line holds numbers.
+    #[error("line 1 of {} holds numbers where column names were expected; add a header line such as t_s,position_m,force_N", path.display())]
+    NoHeader {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A line is not text, or not as long as the header.
+    #[error("line {line} of {} is damaged: {detail}; repair or delete the line", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, the header being 1.
+        line: u64,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// A column that was asked for is not there.
+    #[error("{} has no column `{name}`; its columns are: {present}. Choose one of them with {option} NAME", path.display())]
+    NoColumn {
+        /// The file.
+        path: PathBuf,
+        /// The column asked for.
+        name: String,
+        /// The columns there are.
+        present: String,
+        /// The option that chooses.
+        option: &'static str,
+    },
+    /// No column could be recognised for a channel.
+    #[error("{} has no column that is recognised as the {channel}; its columns are: {present}. Name one with {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}", path.display())]
+    Unrecognised {
+        /// The file.
+        path: PathBuf,
+        /// What was looked for.
+        channel: &'static str,
+        /// The columns there are.
+        present: String,
+        /// The option that chooses.
+        option: &'static str,
+        /// SI unit of the channel.
+        unit: &'static str,
+    },
+    /// Two columns have the same name.
+    #[error("{} has {count} columns named `{name}`; rename all but one in its header", path.display())]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        name: String,
+        /// How often it is there.
+        count: usize,
+    },
+    /// A cell is no finite number.
+    #[error("line {line} of {}, column `{column}`: expected a finite number, but found `{found}`; repair the cell or cut the recording there", path.display())]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// The line, the header being 1.
+        line: u64,
+        /// The column.
+        column: String,
+        /// What stands there.
+        found: String,
+    },
+    /// Time stands still or runs backwards.
+    #[error("{place} of {}: time does not increase, {time} s comes after {before} s; sort the samples by time and delete repeated ones", path.display())]
+    TimeOrder {
+        /// The file.
+        path: PathBuf,
+        /// `line 17` or `message 17`.
+        place: String,
+        /// The time before \[s\].
+        before: f64,
+        /// The time there \[s\].
+        time: f64,
+    },
+    /// The samples are not evenly spaced.
+    #[error("{place} of {}: the time step there is {step} s, but the usual one is {usual} s, and {percent} % more or less is accepted; resample the recording evenly, cut it at the gap, or accept more with --time-tolerance", path.display())]
+    Uneven {
+        /// The file.
+        path: PathBuf,
+        /// `line 17` or `message 17`.
+        place: String,
+        /// The step \[s\].
+        step: f64,
+        /// The median step \[s\].
+        usual: f64,
+        /// Accepted deviation \[%\].
+        percent: f64,
+    },
+    /// Too short to have a sampling period.
+    #[error("{} has {found} samples, but at least {needed} are needed; record longer", path.display())]
+    TooShort {
+        /// The file.
+        path: PathBuf,
+        /// Samples there.
+        found: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// A bag's message lacks what is needed.
+    #[error("message {index} of {topic} in {}: {detail}", path.display())]
+    Message {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: &'static str,
+        /// The message, counted from 1.
+        index: usize,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// The bag itself cannot be read.
+    #[error(transparent)]
+    Bag(#[from] crate::bag::BagError),
+}

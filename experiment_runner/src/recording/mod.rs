@@ -1,0 +1,124 @@
+//! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear refusal.
+//!
+//! [`table`] reads CSV, [`rosbag`] reads MCAP bags; [`column`] is how a person names a column, [`timing`] makes
+//! sure that the samples are evenly spaced. Whatever is returned has finite values, one length and SI units.
+
+pub mod column;
+mod error;
+pub mod rosbag;
+pub mod table;
+pub mod timing;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+pub use column::Column;
+pub use error::RecordingError;
+
+/// Whether the axis moves along a line or turns; decides the units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum AxisKind {
+    /// Metres, newtons, kilograms.
+    Linear,
+    /// Radians, newton metres, kilogram square metres.
+    Rotary,
+}
+
+impl AxisKind {
+    /// `force` or `torque`.
+    pub fn force_word(self) -> &'static str {
+        match self {
+            Self::Linear => "force",
+            Self::Rotary => "torque",
+        }
+    }
+
+    /// Unit of the force.
+    pub fn force_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "N",
+            Self::Rotary => "N m",
+        }
+    }
+
+    /// Unit of the velocity.
+    pub fn velocity_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "m/s",
+            Self::Rotary => "rad/s",
+        }
+    }
+
+    /// Unit of the inertia.
+    pub fn inertia_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "kg",
+            Self::Rotary => "kg m^2",
+        }
+    }
+
+    /// Unit of viscous friction.
+    pub fn viscous_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "N s/m",
+            Self::Rotary => "N m s/rad",
+        }
+    }
+}
+
+/// Where a channel came from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ChannelSource {
+    /// Column of a table, or topic and field of a bag.
+    pub name: String,
+    /// What its values were multiplied with.
+    pub scale: f64,
+}
+
+/// The channels' sources.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sources {
+    /// Time.
+    pub time: ChannelSource,
+    /// Position, where it was used.
+    pub position: Option<ChannelSource>,
+    /// Velocity, where it was used.
+    pub velocity: Option<ChannelSource>,
+    /// Force or torque.
+    pub force: ChannelSource,
+}
+
+/// An evenly sampled recording of one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// Position \[m or rad\].
+    pub position: Option<Vec<f64>>,
+    /// Velocity \[m/s or rad/s\]; used in place of the position where given.
+    pub velocity: Option<Vec<f64>>,
+    /// Force \[N\] or torque \[N m\].
+    pub force: Vec<f64>,
+    /// Kind of axis as the column names tell it; none where they do not.
+    pub axis: Option<AxisKind>,
+    /// The force is friction alone, as a bag's friction torque is, and not what drives the axis.
+    pub friction_only: bool,
+    /// Where the channels came from.
+    pub sources: Sources,
+}
+
+impl Recording {
+    /// Samples in each channel.
+    pub fn samples(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Time between the first and the last sample \[s\].
+    pub fn duration(&self) -> f64 {
+        self.time_step * self.samples().saturating_sub(1) as f64
+    }
+}

@@ -1,0 +1,189 @@
+//! A recording from a bag of the laboratory's topics.
+//!
+//! The velocity is the tachometer's. The force is the friction torque of `/joint_states` (then there is no
+//! inertia in it to be found), or the driving torque worked out from the voltage of `/rig_measurement`:
+//! `(A Km / Ra) (u - A Km w)`, which drives inertia and friction together.
+
+use std::path::Path;
+
+use msgs::friction_msgs::RigMeasurement;
+use msgs::sensor_msgs::JointState;
+
+use super::timing::even_step;
+use super::{AxisKind, ChannelSource, Recording, RecordingError, Sources};
+use crate::bag::BagReader;
+
+const JOINT_STATES: &str = "/joint_states";
+const RIG_MEASUREMENT: &str = "/rig_measurement";
+
+/// What turns a motor's voltage and speed into the torque at the load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motor {
+    /// Gear ratio A, motor turns per turn of the load.
+    pub gear_ratio: f64,
+    /// Torque and back-EMF constant Km \[N m/A\].
+    pub motor_constant: f64,
+    /// Armature resistance Ra \[Ohm\].
+    pub resistance: f64,
+}
+
+impl Default for Motor {
+    /// The SRV-02 servo of the thesis.
+    fn default() -> Self {
+        Self { gear_ratio: 70.0, motor_constant: 0.00767, resistance: 2.6 }
+    }
+}
+
+impl Motor {
+    /// Torque at the load \[N m\] at a voltage \[V\] and a speed of the load \[rad/s\].
+    pub fn torque(&self, voltage: f64, velocity: f64) -> f64 {
+        let constant = self.gear_ratio * self.motor_constant;
+        constant / self.resistance * (voltage - constant * velocity)
+    }
+}
+
+/// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the measured friction.
+/// Time steps may deviate by `tolerance`, a fraction, from the usual one.
+///
+/// # Errors
+/// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages without the fields
+/// needed, and those of [`even_step`].
+pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Recording, RecordingError> {
+    let bag = BagReader::open(path)?;
+    let (topic, samples) = match motor {
+        Some(motor) => (RIG_MEASUREMENT, driven(path, &bag, motor)?),
+        None => (JOINT_STATES, measured(path, &bag)?),
+    };
+    let start = samples.first().map_or(0, |sample| sample.stamp);
+    let time: Vec<_> = samples.iter().map(|sample| sample.stamp.abs_diff(start) as f64 * 1e-9).collect();
+    // Differences of the unsigned stamps lose their sign before the first one.
+    let time: Vec<_> =
+        time.iter().zip(&samples).map(|(t, sample)| if sample.stamp < start { -t } else { *t }).collect();
+    let place = |index: usize| format!("message {} of {topic}", index + 1);
+    let time_step = even_step(path, &time, tolerance, place)?;
+    let source = |field: &str| ChannelSource { name: format!("{topic} {field}"), scale: 1.0 };
+    let (velocity, force) = match motor {
+        Some(_) => ("tachometer_velocity", "voltage_applied (as torque)"),
+        None => ("velocity", "effort"),
+    };
+    Ok(Recording {
+        path: path.into(),
+        time_step,
+        position: None,
+        velocity: Some(samples.iter().map(|sample| sample.velocity).collect()),
+        force: samples.iter().map(|sample| sample.torque).collect(),
+        axis: Some(AxisKind::Rotary),
+        friction_only: motor.is_none(),
+        sources: Sources {
+            time: source("header.stamp"),
+            position: None,
+            velocity: Some(source(velocity)),
+            force: source(force),
+        },
+    })
+}
+
+struct Sample {
+    stamp: u64,
+    velocity: f64,
+    torque: f64,
+}
+
+impl Sample {
+    fn checked(
+        path: &Path,
+        topic: &'static str,
+        index: usize,
+        stamp: u64,
+        velocity: f64,
+        torque: f64,
+    ) -> Result<Self, RecordingError> {
+        if velocity.is_finite() && torque.is_finite() {
+            Ok(Self { stamp, velocity, torque })
+        } else {
+            let detail = format!(
+                "velocity {velocity} and torque {torque} are expected to be finite; cut the bag there"
+            );
+            Err(RecordingError::Message { path: path.into(), topic, index: index + 1, detail })
+        }
+    }
+}
+
+fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError> {
+    let messages = bag.messages::<JointState>(JOINT_STATES)?;
+    let sample =
+        |(index, (_, state)): (usize, (u64, JointState))| {
+            match (
+        state.velocity.first(),
+        state.effort.first(),
+    ) {
+        (Some(&velocity), Some(&effort)) => {
+            Sample::checked(path, JOINT_STATES, index, state.header.stamp.to_nanos(), velocity, effort)
+        }
+        _ => Err(RecordingError::Message {
+            path: path.into(),
+            topic: JOINT_STATES,
+            index: index + 1,
+            detail:
+                "expected a velocity and an effort, but one of them is missing; use --torque-from-voltage if \
+                     the rig has no torque sensor"
+                    .to_owned(),
+        }),
+    }
+        };
+    messages.into_iter().enumerate().map(sample).collect()
+}
+
+fn driven(path: &Path, bag: &BagReader, motor: &Motor) -> Result<Vec<Sample>, RecordingError> {
+    let messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
+    let sample = |(index, (_, rig)): (usize, (u64, RigMeasurement))| {
+        let velocity = rig.tachometer_velocity;
+        let torque = motor.torque(rig.voltage_applied, velocity);
+        Sample::checked(path, RIG_MEASUREMENT, index, rig.header.stamp.to_nanos(), velocity, torque)
+    };
+    messages.into_iter().enumerate().map(sample).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bag::{BagOptions, BagWriter};
+    use msgs::std_msgs::Header;
+
+    #[test]
+    fn the_motor_turns_volts_into_torque() {
+        let motor = Motor::default();
+        // At the no-load speed u / (A Km) there is none; at rest one volt gives A Km / Ra.
+        assert!(motor.torque(6.0, 6.0 / 0.5369).abs() < 1e-12);
+        assert!((motor.torque(1.0, 0.0) - 1.0 / 4.8426).abs() < 1e-5);
+    }
+
+    #[test]
+    fn reads_both_kinds_of_force() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        let mut bag = BagWriter::create(&dir, BagOptions::default()).unwrap();
+        for i in 0..10u64 {
+            let stamp = 1_600_000_000_000_000_000 + i * 1_000_000;
+            let header = Header::at(stamp);
+            let state = JointState {
+                header: header.clone(),
+                name: vec!["load_shaft".into()],
+                position: vec![0.0],
+                velocity: vec![i as f64],
+                effort: vec![0.1],
+            };
+            bag.write(JOINT_STATES, stamp, &state).unwrap();
+            let rig = RigMeasurement { header, voltage_applied: 1.0, ..RigMeasurement::default() };
+            bag.write(RIG_MEASUREMENT, stamp, &rig).unwrap();
+        }
+        bag.finish().unwrap();
+        let friction = read(&dir, None, 0.05).unwrap();
+        assert!((friction.time_step - 1e-3).abs() < 1e-9);
+        assert_eq!(friction.force, vec![0.1; 10]);
+        assert_eq!(friction.velocity.as_ref().unwrap()[9], 9.0);
+        assert!(friction.friction_only);
+        let driven = read(&dir, Some(&Motor::default()), 0.05).unwrap();
+        assert!((driven.force[0] - 0.2065).abs() < 1e-4 && !driven.friction_only);
+    }
+}
