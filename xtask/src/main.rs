@@ -1,6 +1,7 @@
 //! The project's own commands: `cargo xtask COMMAND`.
 
 mod bench;
+mod python_env;
 
 use clap::Parser;
 
@@ -10,10 +11,13 @@ use clap::Parser;
 enum Task {
     /// Nanoseconds a control step of the friction models, in Rust and in plain C.
     Bench(bench::Bench),
+    /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
+    PythonEnv,
 }
 
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
+        Task::PythonEnv => python_env::run(),
     }
 }

@@ -1,0 +1,236 @@
+//! The Python side of the tests: a virtual environment with readers of bags and, where wheels exist, the real rclpy with
+//! the laboratory's own message types built into it.
+//!
+//! Both halves are independent: where one cannot be had, the other still is, and the tests that need the missing one are
+//! skipped. Everything is made once; what was made of other versions or other messages is made anew.
+
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use anyhow::{Context, bail, ensure};
+
+/// Readers of bags that are not ours.
+const BAG_TOOLS: &[&str] = &["rosbags==0.11.9", "mcap-ros2-support==0.6.0"];
+
+/// rclpy with its middleware, and what the build of a message package needs.
+const RCLPY: &[&str] = &[
+    "ros-kilted-rclpy==9.1.2",
+    "ros-kilted-rmw-fastrtps-cpp==9.3.3",
+    "ros-kilted-common-interfaces==5.5.1",
+    "ros-kilted-rosidl-default-generators==1.7.1",
+    "ros-kilted-rosidl-core-generators==0.3.1",
+    "ros-kilted-rosidl-pycommon==4.9.5",
+    "ros-kilted-ament-cmake==2.7.3",
+    "ros-kilted-ament-cmake-include-directories==2.7.3",
+    "ros-kilted-ament-cmake-ros-core==0.14.5",
+    "ros-kilted-ament-package==0.17.2",
+    "catkin_pkg==1.1.1",
+    "cmake==4.4.4",
+    "ninja==1.13.2",
+];
+
+/// The environment, and what of it can be used.
+#[derive(Debug)]
+pub struct PythonEnv {
+    /// Folder of the environment.
+    pub dir: PathBuf,
+    /// Why there are no readers of bags, if there are none.
+    pub bag_tools: anyhow::Result<()>,
+    /// Why there is no rclpy, if there is none.
+    pub rclpy: anyhow::Result<()>,
+}
+
+/// Makes the environment in `target/python`, or finds it made. Needs the network the first time.
+///
+/// # Errors
+/// No Python 3 with `venv`, or a target folder that cannot be written. A half that cannot be had is told in the result.
+pub fn prepare() -> anyhow::Result<PythonEnv> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+    let dir = target.join("python");
+    let environment = Environment::make(&dir)?;
+    let bag_tools = environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
+    let package = root.join("msgs/friction_msgs");
+    let key = format!("{}\n{}", RCLPY.join("\n"), contents(&package)?);
+    let rclpy = environment.half("rclpy", key, || {
+        environment.install(RCLPY)?;
+        environment.repair_paths()?;
+        environment.build(&package)
+    });
+    Ok(PythonEnv { dir, bag_tools, rclpy })
+}
+
+/// The command `cargo xtask python-env`: prepares and tells.
+///
+/// # Errors
+/// As [`prepare`].
+pub fn run() -> anyhow::Result<()> {
+    let environment = prepare()?;
+    println!("Python environment: {}", environment.dir.display());
+    for (half, what) in [
+        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support)"),
+        (environment.rclpy, "rclpy with friction_msgs"),
+    ] {
+        match half {
+            Ok(()) => println!("  ready: {what}"),
+            Err(error) => {
+                println!("  missing: {what}; tests that need it are skipped\n    because: {error:#}")
+            }
+        }
+    }
+    Ok(())
+}
+
+struct Environment {
+    dir: PathBuf,
+    python: PathBuf,
+}
+
+impl Environment {
+    fn make(dir: &Path) -> anyhow::Result<Self> {
+        let python = dir.join("bin/python");
+        if !python.exists() {
+            let interpreter = env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+            fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+            run_quietly(Command::new(&interpreter).args(["-m", "venv"]).arg(dir))
+                .context("a Python 3 with its `venv` module is needed; install it, or name one in PYTHON")?;
+        }
+        Ok(Self { dir: dir.into(), python })
+    }
+
+    /// Makes a half unless its stamp says that it stands. The stamp is what the half was made of.
+    fn half(&self, name: &str, key: String, make: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<()> {
+        let stamp = self.dir.join(format!("{name}.stamp"));
+        if fs::read_to_string(&stamp).is_ok_and(|made_of| made_of == key) {
+            return Ok(());
+        }
+        // No half-made half: the stamp goes first and comes last.
+        if stamp.exists() {
+            fs::remove_file(&stamp)?;
+        }
+        make()?;
+        fs::write(&stamp, key).with_context(|| format!("cannot write {}", stamp.display()))
+    }
+
+    fn install(&self, requirements: &[&str]) -> anyhow::Result<()> {
+        let mut pip = Command::new(&self.python);
+        pip.args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--only-binary",
+            ":all:",
+        ]);
+        run_quietly(pip.args(requirements))
+    }
+
+    /// Asks the interpreter for one line.
+    fn ask(&self, expression: &str) -> anyhow::Result<String> {
+        let output = Command::new(&self.python).args(["-c", &format!("print({expression})")]).output()?;
+        ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+    }
+
+    /// The wheels' CMake files name folders of the machine they were built on; ours are elsewhere.
+    fn repair_paths(&self) -> anyhow::Result<()> {
+        let version = self.ask("'%d.%d' % __import__('sys').version_info[:2]")?;
+        let tag = format!("cp{}", version.replace('.', ""));
+        let built_with = format!("/opt/python/{tag}-{tag}");
+        let replacements = [
+            (
+                format!("{built_with}/lib/python{version}/site-packages/numpy/_core/include"),
+                self.ask("__import__('numpy').get_include()")?,
+            ),
+            (
+                format!("{built_with}/include/python{version}"),
+                self.ask("__import__('sysconfig').get_path('include')")?,
+            ),
+        ];
+        for package in fs::read_dir(self.dir.join("share"))? {
+            let Ok(files) = fs::read_dir(package?.path().join("cmake")) else { continue };
+            for file in files {
+                let file = file?.path();
+                if file.extension().is_none_or(|extension| extension != "cmake") {
+                    continue;
+                }
+                let before = fs::read_to_string(&file)?;
+                let after =
+                    replacements.iter().fold(before.clone(), |text, (from, to)| text.replace(from, to));
+                if after != before {
+                    fs::write(&file, after)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Builds the message package into the environment, as `colcon` would into a workspace.
+    fn build(&self, package: &Path) -> anyhow::Result<()> {
+        let build = self.dir.join("build/friction_msgs");
+        if build.exists() {
+            fs::remove_dir_all(&build)?;
+        }
+        let bin = self.dir.join("bin");
+        let path = env::join_paths(
+            std::iter::once(bin.clone()).chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())),
+        )?;
+        let prefix = |name: &str| format!("-D{name}={}", self.dir.display());
+        let command = |program: &str| {
+            let mut command = Command::new(bin.join(program));
+            command.env("AMENT_PREFIX_PATH", &self.dir).env("VIRTUAL_ENV", &self.dir).env("PATH", &path);
+            command
+        };
+        run_quietly(
+            command("cmake")
+                .args(["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"])
+                .arg("-S")
+                .arg(package)
+                .arg("-B")
+                .arg(&build)
+                .args([prefix("CMAKE_PREFIX_PATH"), prefix("CMAKE_INSTALL_PREFIX")])
+                .arg(format!("-DPython3_EXECUTABLE={}", self.python.display())),
+        )
+        .context("cannot configure friction_msgs; a C++ compiler and the headers of Python are needed")?;
+        run_quietly(command("cmake").arg("--build").arg(&build)).context("cannot build friction_msgs")?;
+        run_quietly(command("cmake").arg("--install").arg(&build)).context("cannot install friction_msgs")?;
+        run_quietly(Command::new(&self.python).args(["-c", "import rclpy, friction_msgs.msg"]))
+            .context("rclpy with friction_msgs was built, but cannot be imported")
+    }
+}
+
+/// Runs a command; its output is only told if it fails.
+fn run_quietly(command: &mut Command) -> anyhow::Result<()> {
+    let output =
+        command.output().with_context(|| format!("cannot run {}", command.get_program().display()))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let text =
+        format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let lines: Vec<&str> = text.lines().collect();
+    let last = &lines[lines.len().saturating_sub(12)..];
+    bail!("{} ended with {}:\n{}", command.get_program().display(), output.status, last.join("\n"))
+}
+
+/// Names and texts of a package's files, to see when it changes.
+fn contents(package: &Path) -> anyhow::Result<String> {
+    let mut files = vec![package.join("package.xml"), package.join("CMakeLists.txt")];
+    for entry in
+        fs::read_dir(package.join("msg")).with_context(|| format!("cannot read {}", package.display()))?
+    {
+        files.push(entry?.path());
+    }
+    files.sort();
+    let mut text = String::new();
+    for file in files {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let content = fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+        text.push_str(&format!("{name}\n{content}\n"));
+    }
+    Ok(text)
+}
