@@ -65,23 +65,27 @@ impl PartialEq for Hysteresis {
     }
 }
 
-/// Where a move leads: the force there, and what the stack looks like afterwards.
-struct Arrival {
-    force: f64,
-    /// Reversal points left after closed loops were wiped out.
-    depth: usize,
-    /// Index at which the last point has to be pushed first, on a reversal.
-    push_at: Option<usize>,
-    direction: f64,
-}
-
 impl Hysteresis {
     /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for the stages of an integrator.
     #[inline]
     #[must_use]
     pub fn peek(&self, curve: &impl VirginCurve, z: f64) -> f64 {
         let z = saturate(curve.limit(), z);
-        if z == self.last.z { self.last.f } else { self.arrive(curve, z).force }
+        if z == self.last.z {
+            return self.last.f;
+        }
+        let s = self.towards(z);
+        let mut points = &self.points[..self.depth];
+        if self.reverses(s) {
+            // The branch that would start here, then those that are open behind it.
+            points = &points[..self.room()];
+            let closes_at = points.last().map_or(-self.last.z, |point| point.z);
+            if s * (z - closes_at) < 0.0 {
+                return curve.branch(self.last.f, s, s * (z - self.last.z));
+            }
+            points = &points[..points.len().saturating_sub(1)];
+        }
+        follow(curve, points, s, z).0
     }
 
     /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force there.
@@ -91,37 +95,34 @@ impl Hysteresis {
         if z == self.last.z {
             return self.last.f;
         }
-        let arrival = self.arrive(curve, z);
-        if let Some(index) = arrival.push_at {
-            self.points[index] = self.last;
+        let s = self.towards(z);
+        if self.reverses(s) {
+            let room = self.room();
+            self.points[room] = self.last;
+            self.depth = room + 1;
         }
-        self.depth = arrival.depth;
-        self.direction = arrival.direction;
-        self.last = Point { z, f: arrival.force };
-        arrival.force
+        let (f, depth) = follow(curve, &self.points[..self.depth], s, z);
+        self.depth = depth;
+        self.direction = s;
+        self.last = Point { z, f };
+        f
     }
 
-    /// Follows the present branch, or the one that starts here, to `z`, which differs from the last deflection.
+    /// Direction of a move to `z`, which differs from the last deflection.
     #[inline]
-    fn arrive(&self, curve: &impl VirginCurve, z: f64) -> Arrival {
-        let s = if z > self.last.z { 1.0 } else { -1.0 };
-        let reversal = self.direction != 0.0 && s != self.direction;
-        // A full stack loses its innermost loop, so that the reversal finds room.
-        let base = if reversal && self.depth == CAPACITY { CAPACITY - 2 } else { self.depth };
-        let point = |i: usize| if i == base { self.last } else { self.points[i] };
-        let mut depth = base + usize::from(reversal);
-        let force = loop {
-            if depth == 0 {
-                break curve.force(z);
-            }
-            let top = point(depth - 1);
-            let closes_at = if depth >= 2 { point(depth - 2).z } else { -top.z };
-            if s * (z - closes_at) < 0.0 {
-                break curve.branch(top.f, s, s * (z - top.z));
-            }
-            depth -= if depth >= 2 { 2 } else { 1 };
-        };
-        Arrival { force, depth, push_at: (reversal && depth > base).then_some(base), direction: s }
+    fn towards(&self, z: f64) -> f64 {
+        if z > self.last.z { 1.0 } else { -1.0 }
+    }
+
+    #[inline]
+    fn reverses(&self, s: f64) -> bool {
+        self.direction != 0.0 && s != self.direction
+    }
+
+    /// Where the next reversal point goes. A full stack loses its innermost loop for it.
+    #[inline]
+    fn room(&self) -> usize {
+        if self.depth < CAPACITY { self.depth } else { CAPACITY - 2 }
     }
 
     /// Force at the last committed deflection.
@@ -140,6 +141,23 @@ impl Hysteresis {
     #[must_use]
     pub const fn depth(&self) -> usize {
         self.depth
+    }
+}
+
+/// Force at `z`, moving in direction `s`, with the reversals `points` behind, and how many of these are left: a branch
+/// that has reached the point where it closes is forgotten together with the one that it closes.
+#[inline]
+fn follow(curve: &impl VirginCurve, mut points: &[Point], s: f64, z: f64) -> (f64, usize) {
+    loop {
+        let (top, closes_at, outer) = match points {
+            [] => return (curve.force(z), 0),
+            [top] => (top, -top.z, &[][..]),
+            [outer @ .., start, top] => (top, start.z, outer),
+        };
+        if s * (z - closes_at) < 0.0 {
+            return (curve.branch(top.f, s, s * (z - top.z)), points.len());
+        }
+        points = outer;
     }
 }
 
@@ -215,12 +233,28 @@ mod tests {
         }
     }
 
+    proptest::proptest! {
+        /// What the stages of an integrator see is what the accepted step gets.
+        #[test]
+        fn peeking_tells_what_committing_will_give(
+            path in proptest::collection::vec(-1.2f64..1.2, 1..200),
+        ) {
+            let mut memory = Hysteresis::default();
+            for z in path {
+                let (before, peeked) = (memory.clone(), memory.peek(&Sine, z));
+                proptest::prop_assert_eq!(&memory, &before);
+                proptest::prop_assert_eq!(peeked, memory.commit(&Sine, z));
+            }
+        }
+    }
+
     #[test]
     fn two_hundred_nested_reversals_stay_within_the_stack() {
         let mut memory = Hysteresis::default();
         let mut z = 1.0;
         for _ in 0..200 {
-            memory.commit(&Sine, z);
+            let peeked = memory.peek(&Sine, z);
+            assert_eq!(peeked, memory.commit(&Sine, z), "z {z}, a full stack included");
             assert!(memory.depth() <= CAPACITY);
             z *= -0.98;
         }

@@ -33,7 +33,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate};
+use crate::model::{between, bounded, saturate};
 use crate::parameter::Check;
 use crate::stribeck_curve::gaussian;
 use crate::{
@@ -250,13 +250,13 @@ impl FrictionModel for Proposed {
     ) -> f64 {
         let p = &self.parameters;
         let v = bounded(velocity);
+        let g = self.curve.level(v);
         let [gamma, z] = state.continuous;
         let hysteresis = state.memory.force();
         let contact = saturate(gamma, hysteresis + p.sigma * v);
         let slowest = (-gamma - hysteresis) * discrete.implicit_gain;
         let fastest = (gamma - hysteresis) * discrete.implicit_gain;
-        let z_next = saturate(self.sine.z_b, z + discrete.dt * v.min(fastest).max(slowest));
-        let g = self.curve.level(v);
+        let z_next = saturate(self.sine.z_b, z + discrete.dt * between(slowest, fastest, v));
         state.memory.commit(&self.sine, z_next);
         state.continuous = [g + (gamma - g) * discrete.gamma_decay, z_next];
         contact + p.f_v * v
