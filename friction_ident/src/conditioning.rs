@@ -77,10 +77,10 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(IdentError::TimeStep(dt));
     }
+    let filter = LowPass::butterworth(how.order, how.cutoff, 1.0 / dt)?;
     if !(1..=1000).contains(&how.decimate) {
         return Err(IdentError::Decimation(how.decimate));
     }
-    let filter = LowPass::butterworth(how.order, how.cutoff, 1.0 / dt)?;
     let n = signals.force.len();
     let channels = [
         ("the position", signals.position),
@@ -96,7 +96,7 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
             return Err(IdentError::NotFinite { channel, index, value: values[index] });
         }
     }
-    let needed = (2 * how.trim + 3).max(filter.padding() + 1);
+    let needed = how.trim.saturating_mul(2).saturating_add(3).max(filter.padding() + 1);
     if n < needed {
         return Err(IdentError::TooFewSamples {
             what: "conditioning (low-pass and trimming)",
