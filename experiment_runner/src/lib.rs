@@ -6,11 +6,14 @@ pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
 pub mod identify;
+#[cfg(feature = "ros")]
+pub mod live;
 pub mod messages;
 pub mod progress;
 pub mod protocol;
 pub mod recording;
 pub mod report;
+pub mod run;
 pub mod sequencer;
 pub mod test_bed;
 pub mod tracking;

@@ -1,32 +1,41 @@
-//! The `frictionlab` command.
+//! The `frictionlab` command: from unknown friction to a compensated axis.
 
 use std::process::ExitCode;
 
-use clap::Parser;
-use experiment_runner::cli::{BadInput, identify};
+use clap::{Parser, Subcommand};
+use experiment_runner::cli::{BadInput, Interrupted, identify, run};
 
-/// The friction laboratory.
-#[derive(Parser)]
+/// A friction laboratory: characterise, identify and compensate the friction of one servo axis
+///
+/// Start with `frictionlab run`: it does the whole job on the simulated test bed and leaves a report to open in a
+/// browser. `frictionlab identify FILE.csv` does it with your own recording.
+#[derive(Debug, Parser)]
 #[command(name = "frictionlab", version)]
-struct Program {
+struct Cli {
     #[command(subcommand)]
     command: Command,
 }
 
-#[derive(clap::Subcommand)]
+#[derive(Debug, Subcommand)]
 enum Command {
+    Run(run::RunArgs),
     Identify(identify::IdentifyArgs),
+    #[cfg(feature = "ros")]
+    Live(experiment_runner::cli::live::LiveArgs),
 }
 
 fn main() -> ExitCode {
-    let result = match Program::parse().command {
+    let result = match Cli::parse().command {
+        Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Live(args) => experiment_runner::cli::live::execute(&args),
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            if error.is::<BadInput>() { ExitCode::from(2) } else { ExitCode::FAILURE }
-        }
+    let Err(error) = result else { return ExitCode::SUCCESS };
+    if error.is::<Interrupted>() {
+        eprintln!("{error}");
+        return ExitCode::from(130);
     }
+    eprintln!("error: {error:#}");
+    ExitCode::from(if error.is::<BadInput>() { 2 } else { 1 })
 }

@@ -1,9 +1,17 @@
 //! The `frictionlab` command, one file a subcommand.
 
 pub mod identify;
+#[cfg(feature = "ros")]
+pub mod live;
+pub mod run;
 
 /// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
 /// mend it; the program ends with exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadInput(pub String);
+
+/// Stopped by the user; the text says what is left. The program ends with exit code 130.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Interrupted(pub String);

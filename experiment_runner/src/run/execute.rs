@@ -1,0 +1,390 @@
+//! The run itself, stage by stage.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use friction_ident::{StribeckOptions, StribeckParameter, fit_stribeck};
+use friction_model::ModelName;
+
+use super::options::stream_seed;
+use super::recorder::{Kept, Recorder, Timeline};
+use super::results::{
+    BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
+};
+use super::trace::Trace;
+use super::{Compensators, RunError, RunOptions, page, parameter_file};
+use crate::constant_velocity::{SteadyJob, SteadyRun};
+use crate::identify::output::{OutputError, write_all};
+use crate::progress::Progress;
+use crate::protocol::TrackingProtocol;
+use crate::report::render_page;
+use crate::sequencer::{Completion, run_in_order};
+use crate::tracking::{Arm, TrackingJob, TrackingRun};
+
+/// Where the results of a run are.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// What was found.
+    pub results: RunResults,
+    /// The output folder.
+    pub folder: PathBuf,
+}
+
+/// Folder of the bag in the run's folder.
+const BAG: &str = "bag";
+
+/// Runs the experiments and writes `bag/`, `parameters.yaml`, `report.html` and `run.json` into `folder`.
+///
+/// Once `cancel` is set the run ends after the jobs at hand; what is there by then is written, and the status says so.
+///
+/// # Errors
+/// [`RunError`]. Parameters are checked before anything is written.
+pub fn execute(
+    options: &RunOptions,
+    folder: &Path,
+    progress: &Progress,
+    cancel: &AtomicBool,
+) -> Result<Outcome, RunError> {
+    let started = Instant::now();
+    let bench = Bench { options, progress, cancel };
+    bench.check()?;
+    require_empty(folder)?;
+    let mut recorder = Recorder::create(&folder.join(BAG), options)?;
+    let mut timeline = Timeline::new();
+    let mut status = Status::Complete;
+    let mut rig_seconds = 0.0;
+    let mut note = |completion: Completion| {
+        if completion != Completion::All {
+            status = Status::Interrupted;
+        }
+        completion == Completion::All
+    };
+
+    let mut models = options.compensators.clone();
+    let mut steady = Vec::new();
+    let mut identification = None;
+    let mut going = true;
+    if options.experiment.identifies() {
+        let (runs, completion) = bench.constant_velocity(&mut recorder, &mut timeline)?;
+        rig_seconds += options.constant_velocity.duration * runs.len() as f64;
+        steady = runs;
+        going = note(completion);
+        if going {
+            progress.stage("identify");
+            let found = identify(options, &steady)?;
+            models = models.with_static(&found.fit.parameters)?;
+            identification = Some(found);
+        }
+    }
+
+    let arms: Vec<Arm> =
+        std::iter::once(Arm::None).chain(options.models.iter().copied().map(Arm::Observer)).collect();
+    let mut tasks = Vec::new();
+    for (wanted, name, protocol) in [
+        (options.experiment.tracks_velocity(), "velocity tracking", &options.velocity_tracking),
+        (options.experiment.tracks_position(), "position tracking", &options.position_tracking),
+    ] {
+        let mut task = Task::default();
+        if wanted && going {
+            let tracked = bench.track(name, protocol, &arms, &models, &mut recorder, &mut timeline)?;
+            rig_seconds += protocol.duration * tracked.runs.len() as f64;
+            going = note(tracked.completion);
+            task.comparison = Comparison::new(protocol.mode, &arms, tracked.runs);
+            task.traces = tracked.traces;
+        }
+        tasks.push(task);
+    }
+
+    progress.stage("report");
+    let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
+    let parameters = parameter_file::render(options, &models, chosen)?;
+    recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
+    let bag = recorder.finish()?;
+    let wall_seconds = started.elapsed().as_secs_f64();
+    let [velocity, position] = <[Task; 2]>::try_from(tasks).unwrap_or_default();
+    let results = RunResults {
+        program_version: env!("CARGO_PKG_VERSION"),
+        status,
+        options: options.clone(),
+        constant_velocity: steady,
+        identification,
+        velocity_tracking: velocity.comparison,
+        position_tracking: position.comparison,
+        bag: BagFigures {
+            folder: BAG,
+            messages: bag.messages,
+            bytes: bag.bytes,
+            recorded: options.record.describe(),
+        },
+        timing: Timing { wall_seconds, rig_seconds, times_real_time: rig_seconds / wall_seconds },
+    };
+    let report = render_page(&page::build(&results, &models, &velocity.traces, &position.traces));
+    let json = serde_json::to_string_pretty(&results)
+        .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
+    write_all(folder, &[("parameters.yaml", parameters), ("report.html", report), ("run.json", json)])?;
+    progress.finish();
+    Ok(Outcome { results, folder: folder.to_owned() })
+}
+
+/// Refuses a folder that holds something; one that does not exist is made later.
+fn require_empty(folder: &Path) -> Result<(), RunError> {
+    let fail = |source| RunError::Output(OutputError { path: folder.to_owned(), source });
+    match fs::read_dir(folder) {
+        Ok(mut entries) => match entries.next() {
+            None => Ok(()),
+            Some(_) => Err(RunError::NotEmpty(folder.to_owned())),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(fail(error)),
+    }
+}
+
+/// Fits the Stribeck curve to the first set and tries it on the others.
+fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification, RunError> {
+    let points: Vec<_> = steady.iter().filter(|run| run.set == 0).map(SteadyRun::point).collect();
+    let fit = fit_stribeck(&points, &StribeckOptions::default())?;
+    let squares: Vec<f64> = steady
+        .iter()
+        .filter(|run| run.set != 0)
+        .map(|run| (run.torque - fit.torque(run.velocity)).powi(2))
+        .collect();
+    let mse_validation = (!squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
+    let truth = static_truth(&options.test_bed.friction);
+    let units = ["N m", "N m", "rad/s", "N m s/rad"];
+    let parameters = StribeckParameter::ALL
+        .into_iter()
+        .zip(units)
+        .zip(truth)
+        .map(|((parameter, unit), truth)| Parameter {
+            name: parameter.name(),
+            unit,
+            estimate: fit.estimate(parameter),
+            truth,
+        })
+        .collect();
+    Ok(Identification { mse_identification: fit.mse, mse_validation, parameters, fit })
+}
+
+#[derive(Debug, Default)]
+struct Task {
+    comparison: Option<Comparison>,
+    traces: Vec<(Arm, Trace)>,
+}
+
+struct Tracked {
+    runs: Vec<TrackingRun>,
+    traces: Vec<(Arm, Trace)>,
+    completion: Completion,
+}
+
+/// What all experiments share.
+struct Bench<'a> {
+    options: &'a RunOptions,
+    progress: &'a Progress,
+    cancel: &'a AtomicBool,
+}
+
+impl Bench<'_> {
+    /// Puts every loop together once, so that a parameter out of range is told before anything is written.
+    fn check(&self) -> Result<(), RunError> {
+        let options = self.options;
+        for protocol in [&options.velocity_tracking, &options.position_tracking] {
+            for &name in &options.models {
+                let model = options.compensators.get(name);
+                options.test_bed.control_loop(protocol.mode, protocol.reference, &model, true, 0, 0)?;
+            }
+            options.test_bed.control_loop(
+                protocol.mode,
+                protocol.reference,
+                &options.test_bed.friction,
+                false,
+                0,
+                0,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Experiment 1, both sets.
+    fn constant_velocity(
+        &self,
+        recorder: &mut Recorder,
+        timeline: &mut Timeline,
+    ) -> Result<(Vec<SteadyRun>, Completion), RunError> {
+        let protocol = &self.options.constant_velocity;
+        let jobs: Vec<(u64, u64, SteadyJob)> = SteadyJob::all(protocol)
+            .into_iter()
+            .zip(0..)
+            .map(|(job, index)| {
+                (timeline.start_of(protocol.duration), stream_seed(self.options.seed, index), job)
+            })
+            .collect();
+        let work = |&(start_ns, seed, job): &(u64, u64, SteadyJob)| {
+            let bed = &self.options.test_bed;
+            // Nothing compensates here: the observer only keeps the recorder's topics alike.
+            let observer = self.options.compensators.get(ModelName::Proposed);
+            let control =
+                bed.control_loop(SteadyJob::MODE, job.reference(), &observer, false, seed, start_ns)?;
+            let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
+            let run = job.run(protocol, control, |sample| kept.add(sample))?;
+            Ok::<_, RunError>((run, kept))
+        };
+        let total = jobs.len() as f64;
+        let mut runs: Vec<SteadyRun> = Vec::with_capacity(jobs.len());
+        let completion = run_in_order(
+            &jobs,
+            self.options.workers,
+            self.cancel,
+            work,
+            |(start_ns, _, job), (run, kept)| {
+                let stage =
+                    format!("set {} of {}, repetition {}", job.set + 1, protocol.sets, job.repetition + 1);
+                if runs.last().is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition)) {
+                    self.progress.stage(format!("friction: {stage}"));
+                    recorder.status(*start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
+                }
+                recorder.write(kept)?;
+                self.progress.advance(protocol.duration);
+                runs.push(run);
+                Ok(())
+            },
+        )?;
+        recorder.flush()?;
+        Ok((runs, completion))
+    }
+
+    /// One tracking task under each compensation.
+    fn track(
+        &self,
+        name: &'static str,
+        protocol: &TrackingProtocol,
+        arms: &[Arm],
+        models: &Compensators,
+        recorder: &mut Recorder,
+        timeline: &mut Timeline,
+    ) -> Result<Tracked, RunError> {
+        let stream = match protocol.mode {
+            controller::ControlMode::Velocity => 1 << 32,
+            controller::ControlMode::Position => 2 << 32,
+        };
+        let jobs: Vec<(u64, TrackingJob)> = TrackingJob::all(protocol, arms)
+            .into_iter()
+            .map(|job| (timeline.start_of(protocol.duration), job))
+            .collect();
+        let work = |&(start_ns, job): &(u64, TrackingJob)| {
+            // Repetition n has the same noise under every compensation: differences are the compensation's.
+            let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
+            let (model, compensate) = match job.arm {
+                Arm::None => (models.get(ModelName::Proposed), false),
+                Arm::Observer(name) => (models.get(name), true),
+            };
+            let bed = &self.options.test_bed;
+            let control =
+                bed.control_loop(protocol.mode, protocol.reference, &model, compensate, seed, start_ns)?;
+            let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
+            let mut trace = Trace::default();
+            let run = job.run(protocol, control, |sample| {
+                kept.add(sample);
+                if job.repetition == 0 {
+                    trace.add(sample);
+                }
+            })?;
+            Ok::<_, RunError>((run, kept, trace))
+        };
+        let total = jobs.len() as f64;
+        let mut runs: Vec<TrackingRun> = Vec::with_capacity(jobs.len());
+        let mut traces = Vec::new();
+        let completion = run_in_order(
+            &jobs,
+            self.options.workers,
+            self.cancel,
+            work,
+            |(start_ns, job), (run, kept, trace)| {
+                let stage = format!("compensation {}", job.arm.label());
+                if job.repetition == 0 {
+                    self.progress.stage(format!("{name}: {}", job.arm.label()));
+                    recorder.status(*start_ns, name, &stage, runs.len() as f64 / total)?;
+                    traces.push((job.arm, trace));
+                }
+                recorder.write(kept)?;
+                self.progress.advance(protocol.duration);
+                runs.push(run);
+                Ok(())
+            },
+        )?;
+        recorder.flush()?;
+        Ok(Tracked { runs, traces, completion })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::Ordering;
+
+    use super::*;
+    use crate::bag::BagReader;
+    use crate::run::options::tests::options;
+
+    fn run(options: &RunOptions, folder: &Path) -> Result<Outcome, RunError> {
+        execute(options, folder, &Progress::new(options.rig_seconds(), true), &AtomicBool::new(false))
+    }
+
+    #[test]
+    fn the_whole_job_compensates_better_than_none_and_is_reproducible() {
+        let root = tempfile::tempdir().unwrap();
+        let first = run(&options(), &root.path().join("a")).unwrap();
+        assert_eq!(first.results.status, Status::Complete);
+        for name in ["bag/metadata.yaml", "parameters.yaml", "report.html", "run.json"] {
+            assert!(first.folder.join(name).is_file(), "{name}");
+        }
+        for task in [&first.results.velocity_tracking, &first.results.position_tracking] {
+            let rows = &task.as_ref().unwrap().rows;
+            assert_eq!(rows.len(), 3);
+            assert!(rows[1..].iter().all(|row| row.mse < rows[0].mse), "{rows:?}");
+        }
+        // Another number of workers, the same bytes.
+        let second = run(&RunOptions { workers: 1, ..options() }, &root.path().join("b")).unwrap();
+        assert_eq!(
+            serde_json::to_string(&first.results.constant_velocity).unwrap(),
+            serde_json::to_string(&second.results.constant_velocity).unwrap()
+        );
+        let messages = |folder: &Path| {
+            let bag = BagReader::open(&folder.join("bag")).unwrap();
+            bag.messages::<msgs::sensor_msgs::JointState>("/joint_states").unwrap()
+        };
+        assert_eq!(messages(&first.folder), messages(&second.folder));
+    }
+
+    #[test]
+    fn a_cancelled_run_leaves_a_whole_bag() {
+        let root = tempfile::tempdir().unwrap();
+        let cancel = AtomicBool::new(true);
+        let folder = root.path().join("cancelled");
+        let outcome = execute(&options(), &folder, &Progress::new(1.0, true), &cancel).unwrap();
+        assert!(cancel.load(Ordering::Relaxed));
+        assert_eq!(outcome.results.status, Status::Interrupted);
+        assert!(outcome.results.identification.is_none());
+        BagReader::open(&folder.join("bag")).unwrap();
+    }
+
+    #[test]
+    fn a_folder_in_use_is_left_alone() {
+        let root = tempfile::tempdir().unwrap();
+        fs::write(root.path().join("precious.txt"), "mine").unwrap();
+        assert!(matches!(run(&options(), root.path()), Err(RunError::NotEmpty(_))));
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_parameter_out_of_range_writes_nothing() {
+        let root = tempfile::tempdir().unwrap();
+        let mut wrong = options();
+        wrong.test_bed.simulation.voltage_limit = 50.0;
+        let message = run(&wrong, &root.path().join("out")).unwrap_err().to_string();
+        assert!(message.contains("voltage_limit"), "{message}");
+        assert_eq!(fs::read_dir(root.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,20 @@
+//! A whole run on the test bed: characterise, identify, compensate, compare; bag, parameters, report and record.
+//!
+//! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the same figures, on any number of cores.
+
+mod compensators;
+mod error;
+mod execute;
+mod options;
+mod page;
+mod parameter_file;
+mod recorder;
+mod results;
+mod trace;
+
+pub use compensators::Compensators;
+pub use error::RunError;
+pub use execute::{Outcome, execute};
+pub use options::{Experiment, RecordPolicy, RunOptions};
+pub use parameter_file::read as read_parameter_file;
+pub use results::{Comparison, RunResults, Status};

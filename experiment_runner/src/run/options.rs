@@ -1,0 +1,213 @@
+//! What a run does.
+
+use friction_model::ModelName;
+use serde::{Deserialize, Serialize};
+
+use super::Compensators;
+use crate::constant_velocity::SteadyJob;
+use crate::protocol::{ConstantVelocityProtocol, TrackingProtocol};
+use crate::test_bed::TestBed;
+use crate::tracking::TrackingJob;
+
+/// Which experiments a run is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Experiment {
+    /// Characterise, identify, compensate with what was identified, compare
+    #[default]
+    All,
+    /// Friction at constant velocities, and the Stribeck curve through them
+    ConstantVelocity,
+    /// Follow a sine of velocity with and without compensation
+    VelocityTracking,
+    /// Follow a sine of position with and without compensation
+    PositionTracking,
+}
+
+impl Experiment {
+    /// Whether the steady characteristic is measured and identified.
+    #[must_use]
+    pub const fn identifies(self) -> bool {
+        matches!(self, Self::All | Self::ConstantVelocity)
+    }
+
+    /// Whether velocity tracking is run.
+    #[must_use]
+    pub const fn tracks_velocity(self) -> bool {
+        matches!(self, Self::All | Self::VelocityTracking)
+    }
+
+    /// Whether position tracking is run.
+    #[must_use]
+    pub const fn tracks_position(self) -> bool {
+        matches!(self, Self::All | Self::PositionTracking)
+    }
+
+    /// The name on the command line.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::ConstantVelocity => "constant-velocity",
+            Self::VelocityTracking => "velocity-tracking",
+            Self::PositionTracking => "position-tracking",
+        }
+    }
+}
+
+/// How much of a run goes into the bag.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum RecordPolicy {
+    /// What a person looks at: the first repetition of everything, constant velocities at 50 Hz; below 300 MB
+    #[default]
+    Thinned,
+    /// Every sample of every repetition: several gigabytes for the full protocol
+    Full,
+}
+
+impl RecordPolicy {
+    /// Every how many cycles a sample of this point is kept; `None` for not at all.
+    #[must_use]
+    pub const fn every_of_steady(self, job: &SteadyJob) -> Option<u64> {
+        match (self, job.repetition) {
+            (Self::Full, _) => Some(1),
+            (Self::Thinned, 0) => Some(20),
+            (Self::Thinned, _) => None,
+        }
+    }
+
+    /// Every how many cycles a sample of this run is kept.
+    #[must_use]
+    pub const fn every_of_tracking(self, job: &TrackingJob) -> u64 {
+        match (self, job.repetition) {
+            (Self::Full, _) | (Self::Thinned, 0) => 1,
+            (Self::Thinned, _) => 10,
+        }
+    }
+
+    /// What was kept, in words, for the report.
+    #[must_use]
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Thinned => {
+                "The bag is thinned: of the constant velocities it holds the first repetition of each set at 50 Hz, of tracking the first \
+                 repetition at the full rate and the others at a tenth of it. All figures were computed from every sample. \
+                 `--record full` keeps everything."
+            }
+            Self::Full => "The bag holds every sample of every repetition.",
+        }
+    }
+}
+
+/// Everything a run needs to know.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunOptions {
+    /// Which experiments.
+    pub experiment: Experiment,
+    /// The bench.
+    pub test_bed: TestBed,
+    /// Models that compensate, each compared with none at all.
+    pub models: Vec<ModelName>,
+    /// Parameters of the compensating models; identified static parameters take their place where the run identifies.
+    pub compensators: Compensators,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// How much is recorded.
+    pub record: RecordPolicy,
+    /// Friction at constant velocity.
+    pub constant_velocity: ConstantVelocityProtocol,
+    /// Tracking of velocity.
+    pub velocity_tracking: TrackingProtocol,
+    /// Tracking of position.
+    pub position_tracking: TrackingProtocol,
+    /// Threads; the results do not depend on it.
+    #[serde(skip)]
+    pub workers: usize,
+}
+
+impl RunOptions {
+    /// Compensations compared: none, and each model.
+    #[must_use]
+    pub const fn arms(&self) -> usize {
+        1 + self.models.len()
+    }
+
+    /// Time that the run would take on a rig [s].
+    #[must_use]
+    pub fn rig_seconds(&self) -> f64 {
+        let mut seconds = 0.0;
+        if self.experiment.identifies() {
+            seconds += self.constant_velocity.rig_seconds();
+        }
+        if self.experiment.tracks_velocity() {
+            seconds += self.velocity_tracking.rig_seconds(self.arms());
+        }
+        if self.experiment.tracks_position() {
+            seconds += self.position_tracking.rig_seconds(self.arms());
+        }
+        seconds
+    }
+}
+
+/// Independent streams from one seed (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
+#[must_use]
+pub(super) fn stream_seed(seed: u64, stream: u64) -> u64 {
+    let mut z = seed.wrapping_add(stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use friction_model::AnyModel;
+
+    use super::*;
+
+    /// A run so short that a test can afford it.
+    pub fn options() -> RunOptions {
+        RunOptions {
+            experiment: Experiment::All,
+            test_bed: TestBed {
+                simulation: Default::default(),
+                friction: AnyModel::test_bed(ModelName::Proposed),
+                controller: Default::default(),
+            },
+            models: vec![ModelName::LuGre, ModelName::Proposed],
+            compensators: Compensators::default(),
+            seed: 1,
+            record: RecordPolicy::Thinned,
+            constant_velocity: ConstantVelocityProtocol::quick(),
+            velocity_tracking: TrackingProtocol {
+                duration: 10.0,
+                repetitions: 2,
+                ..TrackingProtocol::velocity()
+            },
+            position_tracking: TrackingProtocol {
+                duration: 5.0,
+                repetitions: 2,
+                ..TrackingProtocol::position()
+            },
+            workers: 2,
+        }
+    }
+
+    #[test]
+    fn streams_differ() {
+        let seeds: std::collections::BTreeSet<u64> =
+            (0..4).flat_map(|seed| (0..1000).map(move |stream| stream_seed(seed, stream))).collect();
+        assert_eq!(seeds.len(), 4000);
+    }
+
+    #[test]
+    fn the_full_protocol_takes_seven_hours_on_a_rig() {
+        let full = RunOptions {
+            constant_velocity: ConstantVelocityProtocol::default(),
+            velocity_tracking: TrackingProtocol::velocity(),
+            position_tracking: TrackingProtocol::position(),
+            ..options()
+        };
+        assert!((full.rig_seconds() - (24_000.0 + 15.0 * 58.7 + 15.0 * 20.0)).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,341 @@
+//! The report of a run: what was measured, what was found, what it is worth.
+
+use controller::ControlMode;
+use friction_ident::StribeckFit;
+use friction_model::ModelName;
+
+use super::Compensators;
+use super::results::{Comparison, Identification, RunResults, Status, mean_and_deviation};
+use super::trace::Trace;
+use crate::constant_velocity::SteadyRun;
+use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
+use crate::tracking::Arm;
+
+/// The whole page.
+pub(super) fn build(
+    results: &RunResults,
+    models: &Compensators,
+    velocity: &[(Arm, Trace)],
+    position: &[(Arm, Trace)],
+) -> Page {
+    let options = &results.options;
+    let mut blocks = vec![summary(results)];
+    if results.status == Status::Interrupted {
+        blocks.push(Block::Note(
+            "This run was stopped before its end. What is shown is whole; what is missing was not measured."
+                .to_owned(),
+        ));
+    }
+    if !results.constant_velocity.is_empty() {
+        blocks.push(Block::Heading("Friction at constant velocity".to_owned()));
+        blocks.extend(results.identification.as_ref().map(parameter_table).map(Block::Table));
+        blocks.push(Block::Figure(stribeck_figure(results)));
+    }
+    for (title, comparison, traces) in [
+        ("Velocity tracking", &results.velocity_tracking, velocity),
+        ("Position tracking", &results.position_tracking, position),
+    ] {
+        if let Some(comparison) = comparison {
+            blocks.push(Block::Heading(title.to_owned()));
+            blocks.push(Block::Table(comparison_table(title, comparison)));
+            blocks.push(Block::Figure(tracking_figure(title, comparison.mode, traces)));
+        }
+    }
+    blocks.push(Block::Heading("How this was made".to_owned()));
+    blocks.push(Block::Text(how(results)));
+    blocks.push(Block::Table(model_table(results, models)));
+    blocks.push(Block::Note(options.record.describe().to_owned()));
+    Page {
+        title: "Friction laboratory".to_owned(),
+        subtitle: format!(
+            "frictionlab run {}, simulated SRV-02 test bed with {} friction, seed {}, version {}",
+            options.experiment.as_str(),
+            options.test_bed.friction.name(),
+            options.seed,
+            results.program_version
+        ),
+        blocks,
+    }
+}
+
+/// The run in three sentences.
+fn summary(results: &RunResults) -> Block {
+    let mut text = String::new();
+    if let Some(found) = &results.identification {
+        let p = &found.fit.parameters;
+        text += &format!(
+            "Friction slides at {:.4} N m, breaks away at {:.4} N m and grows by {:.4} N m per rad/s. ",
+            p.f_c, p.f_s, p.f_v
+        );
+    }
+    for (name, comparison) in
+        [("velocity", &results.velocity_tracking), ("position", &results.position_tracking)]
+    {
+        let Some(comparison) = comparison else { continue };
+        let Some(best) = comparison.best().map(|index| &comparison.rows[index]) else { continue };
+        text += &match best.arm {
+            Arm::None => format!("No compensation improved {name} tracking. "),
+            Arm::Observer(model) => format!(
+                "In {name} tracking the {model} observer does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
+                 linear controller alone. ",
+                best.mse_improvement, best.max_error_improvement
+            ),
+        };
+    }
+    text += &format!(
+        "{:.0} s of rig time took {:.1} s, {:.0} times real time.",
+        results.timing.rig_seconds, results.timing.wall_seconds, results.timing.times_real_time
+    );
+    Block::Text(text)
+}
+
+fn parameter_table(found: &Identification) -> Table {
+    let rows = found
+        .parameters
+        .iter()
+        .map(|p| {
+            let estimate = &p.estimate;
+            let error = estimate.standard_error.map_or("-".to_owned(), |e| format!("{e:.2e}"));
+            let interval = estimate.interval.map_or("-".to_owned(), |(a, b)| format!("{a:.5} … {b:.5}"));
+            let value = match estimate.unidentifiable {
+                Some(reason) => format!("not identifiable: {reason}"),
+                None => format!("{:.5}", estimate.value),
+            };
+            let deviation = match (p.truth, estimate.unidentifiable) {
+                (Some(truth), None) => format!("{:+.2} %", 100.0 * (estimate.value / truth - 1.0)),
+                _ => "-".to_owned(),
+            };
+            let truth = p.truth.map_or("-".to_owned(), |truth| format!("{truth:.5}"));
+            vec![p.name.to_owned(), p.unit.to_owned(), value, error, interval, truth, deviation]
+        })
+        .collect();
+    let validation = found.mse_validation.map_or(String::new(), |mse| {
+        format!(" On the other set, which the fit has not seen, it is {mse:.3e} (N m)².")
+    });
+    Table {
+        title: "Stribeck parameters".to_owned(),
+        caption: format!(
+            "Nonlinear least squares over {} points of the first set; mean square residual {:.3e} (N m)².{validation} The plant's own values are known because \
+             the rig is simulated.",
+            found.fit.points, found.mse_identification
+        ),
+        columns: ["parameter", "unit", "value", "standard error", "95 % interval", "plant", "deviation"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows,
+        highlight: None,
+    }
+}
+
+/// Points of both sets, the fitted curve with its band, and the truth.
+fn stribeck_figure(results: &RunResults) -> Figure {
+    let mut traces = Vec::new();
+    let fit = results.identification.as_ref().map(|found| &found.fit);
+    if let Some(fit) = fit {
+        let grid = speeds(fit);
+        let (lower, upper) = grid.iter().map(|&v| fit.band(v)).unzip();
+        traces.push(Drawn::Band { name: "95 % confidence of the curve".to_owned(), x: grid, lower, upper });
+    }
+    let sets = results.options.constant_velocity.sets;
+    for set in 0..sets {
+        let (x, y, error) =
+            means(&results.constant_velocity, set, &results.options.constant_velocity.velocities);
+        let name = match set {
+            0 => "set 1: identification".to_owned(),
+            _ => format!("set {}: validation", set + 1),
+        };
+        traces.push(Drawn::Points { name, x, y, error: Some(error) });
+    }
+    if let Some(fit) = fit {
+        let grid = speeds(fit);
+        let y = grid.iter().map(|&v| fit.torque(v)).collect();
+        traces.push(Drawn::Line { name: "fit".to_owned(), x: grid.clone(), y, style: LineStyle::Solid });
+        let plant = &results.options.test_bed.friction;
+        let y = grid.iter().map(|&v| plant.steady_state(v)).collect();
+        traces.push(Drawn::Line { name: "plant".to_owned(), x: grid, y, style: LineStyle::Dashed });
+    }
+    Figure {
+        title: "Stribeck curve".to_owned(),
+        caption: "Mean friction torque against mean velocity, with the standard deviation over the repetitions; the fitted curve and where it lies \
+                  with 95 % confidence. Drag over the slow end to see the dip."
+            .to_owned(),
+        x_label: "velocity [rad/s]".to_owned(),
+        log_x: false,
+        panels: vec![Panel { y_label: "friction torque [N m]".to_owned(), traces }],
+    }
+}
+
+/// A grid over the measured speeds, dense where the curve bends.
+fn speeds(fit: &StribeckFit) -> Vec<f64> {
+    let (slowest, fastest) = fit.speeds;
+    (0..=300).map(|i| slowest + (fastest - slowest) * (f64::from(i) / 300.0).powi(3)).collect()
+}
+
+/// Mean velocity, mean torque and its deviation over the repetitions, for each velocity of the grid.
+fn means(runs: &[SteadyRun], set: u32, grid: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let (mut x, mut y, mut error) = (vec![], vec![], vec![]);
+    for &reference in grid {
+        let of_point: Vec<_> =
+            runs.iter().filter(|run| run.set == set && run.reference == reference).collect();
+        if of_point.is_empty() {
+            continue;
+        }
+        let (torque, deviation) = mean_and_deviation(of_point.iter().map(|run| run.torque));
+        x.push(mean_and_deviation(of_point.iter().map(|run| run.velocity)).0);
+        y.push(torque);
+        error.push(deviation);
+    }
+    (x, y, error)
+}
+
+fn comparison_table(title: &str, comparison: &Comparison) -> Table {
+    let (unit, square) = match comparison.mode {
+        ControlMode::Velocity => ("rad/s", "(rad/s)²"),
+        ControlMode::Position => ("rad", "rad²"),
+    };
+    let repetitions = comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0);
+    let rows = comparison
+        .rows
+        .iter()
+        .map(|row| {
+            let percent =
+                |value: f64| if row.arm == Arm::None { "-".to_owned() } else { format!("{value:.1}") };
+            vec![
+                row.arm.label().to_owned(),
+                format!("{:.3e} ± {:.0e}", row.mse, row.mse_deviation),
+                format!("{:.4} ± {:.4}", row.max_error, row.max_error_deviation),
+                percent(row.mse_improvement),
+                percent(row.max_error_improvement),
+                format!("{:.3e}", row.mse_measured),
+                format!("{:.3}", row.effort),
+                format!("{:.4}", row.torque_residual),
+            ]
+        })
+        .collect();
+    Table {
+        title: format!("{title}: compensations compared"),
+        caption: format!(
+            "Mean over {repetitions} repetitions ± standard deviation. Errors are those of the shaft itself, which the simulated rig knows; the mean square as \
+             measured contains the sensor's noise. Improvements are against the linear controller alone. The plant's friction is one of the models: \
+             a ranking among observers says which is nearest to that plant, no more."
+        ),
+        columns: vec![
+            "compensation".to_owned(),
+            format!("mse [{square}]"),
+            format!("largest error [{unit}]"),
+            "mse better by [%]".to_owned(),
+            "largest error better by [%]".to_owned(),
+            format!("mse as measured [{square}]"),
+            "rms voltage [V]".to_owned(),
+            "rms torque residual [N m]".to_owned(),
+        ],
+        rows,
+        highlight: comparison.best(),
+    }
+}
+
+fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Trace)]) -> Figure {
+    let (quantity, unit) = match mode {
+        ControlMode::Velocity => ("velocity", "rad/s"),
+        ControlMode::Position => ("position", "rad"),
+    };
+    let line = |name: String, trace: &Trace, y: &[f64], style| Drawn::Line {
+        name,
+        x: trace.t.clone(),
+        y: y.to_vec(),
+        style,
+    };
+    let mut response = Vec::new();
+    let mut error = Vec::new();
+    let mut friction = Vec::new();
+    if let Some((_, first)) = traces.first() {
+        response.push(line("reference".to_owned(), first, &first.reference, LineStyle::Dashed));
+    }
+    // What the sensor shows lies behind everything else.
+    if let Some((arm, last)) = traces.last() {
+        friction.push(line(
+            format!("measured ({})", arm.label()),
+            last,
+            &last.friction_measured,
+            LineStyle::Faint,
+        ));
+        friction.push(line(format!("true ({})", arm.label()), last, &last.friction_true, LineStyle::Dashed));
+    }
+    for (arm, trace) in traces {
+        let name = arm.label().to_owned();
+        response.push(line(name.clone(), trace, &trace.response, LineStyle::Solid));
+        error.push(line(name.clone(), trace, &trace.error, LineStyle::Solid));
+        if *arm != Arm::None {
+            friction.push(line(name, trace, &trace.friction_estimated, LineStyle::Solid));
+        }
+    }
+    Figure {
+        title: format!("{title} over time"),
+        caption: "First repetition of each compensation: reference and response, error of the shaft, and friction as measured, as it truly is \
+                  and as each observer estimates it."
+            .to_owned(),
+        x_label: "time [s]".to_owned(),
+        log_x: false,
+        panels: vec![
+            Panel { y_label: format!("{quantity} [{unit}]"), traces: response },
+            Panel { y_label: format!("error [{unit}]"), traces: error },
+            Panel { y_label: "friction torque [N m]".to_owned(), traces: friction },
+        ],
+    }
+}
+
+fn how(results: &RunResults) -> String {
+    let options = &results.options;
+    let simulation = &options.test_bed.simulation;
+    let p = &options.constant_velocity;
+    let mut text = format!(
+        "Rig: geared DC servo, K = {:.4} rad/s per V, T = {:.5} s, friction enters at {:.4} V per N m, voltage limit {} V, loop at {:.0} Hz. ",
+        simulation.drive.gain(),
+        simulation.drive.time_constant(),
+        simulation.drive.friction_volts(simulation.friction_coupling),
+        simulation.voltage_limit,
+        1.0 / simulation.period
+    );
+    if options.experiment.identifies() {
+        text += &format!(
+            "Constant velocities: {} from {} to {} rad/s, {} s each of which {} s count, {} repetitions, {} sets. ",
+            p.velocities.len(),
+            p.velocities.first().copied().unwrap_or_default(),
+            p.velocities.last().copied().unwrap_or_default(),
+            p.duration,
+            p.duration - p.drop_first - p.drop_last,
+            p.repetitions,
+            p.sets
+        );
+        text += "The observers compensate with the static parameters identified above; stiffness, damping and lag, which constant velocities do not \
+                 show, are those the run was given. ";
+    }
+    text += "Sensors have noise and converter steps; the observers run on the tachometer.";
+    text
+}
+
+/// Parameters of the observers that were compared.
+fn model_table(results: &RunResults, models: &Compensators) -> Table {
+    let rows = results
+        .options
+        .models
+        .iter()
+        .map(|&name: &ModelName| {
+            let parameters = serde_json::to_value(models.get(name)).unwrap_or_default();
+            let text = parameters[name.as_str()].as_object().map_or(String::new(), |map| {
+                map.iter()
+                    .map(|(key, value)| format!("{key} = {:.6}", value.as_f64().unwrap_or(f64::NAN)))
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            });
+            vec![name.to_string(), text]
+        })
+        .collect();
+    Table {
+        title: "Observers".to_owned(),
+        caption: "Parameters in N m, rad and s, as in parameters.yaml.".to_owned(),
+        columns: vec!["model".to_owned(), "parameters".to_owned()],
+        rows,
+        highlight: None,
+    }
+}

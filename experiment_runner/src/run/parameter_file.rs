@@ -1,0 +1,174 @@
+//! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file.
+
+use std::collections::BTreeMap;
+
+use controller::{ControllerOptions, LagGains, PidGains};
+use friction_model::{AnyModel, ModelName};
+use rig_driver::DriveParameters;
+use serde::{Deserialize, Serialize};
+
+use super::{Compensators, RunError, RunOptions};
+
+/// The file: node name, then `ros__parameters`.
+#[derive(Debug, Serialize)]
+struct File<'a> {
+    #[serde(rename = "/friction_observer")]
+    friction_observer: Node<BTreeMap<&'static str, Entry>>,
+    #[serde(rename = "/controller")]
+    controller: Node<ControllerNode<'a>>,
+    #[serde(rename = "/rig_driver")]
+    rig_driver: Node<RigNode<'a>>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Node<P> {
+    #[serde(rename = "ros__parameters")]
+    parameters: P,
+}
+
+/// `model: proposed`, or `proposed: {...}`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Entry {
+    Choice(ModelName),
+    Parameters(BTreeMap<String, f64>),
+}
+
+#[derive(Debug, Serialize)]
+struct ControllerNode<'a> {
+    lag: &'a LagGains,
+    pid: &'a PidGains,
+    derivative_on: controller::DerivativeOn,
+    derivative_filter: f64,
+    volts_per_newton_metre: f64,
+    compensation_scale: f64,
+    voltage_limit: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct RigNode<'a> {
+    drive: &'a DriveParameters,
+    voltage_limit: f64,
+    period: f64,
+}
+
+/// The file as text: `chosen` is the observer's model, all models stand with their parameters.
+pub(super) fn render(
+    options: &RunOptions,
+    models: &Compensators,
+    chosen: ModelName,
+) -> Result<String, RunError> {
+    let mut observer = BTreeMap::from([("model", Entry::Choice(chosen))]);
+    for name in ModelName::ALL {
+        observer.insert(name.as_str(), Entry::Parameters(parameters(&models.get(name))?));
+    }
+    let ControllerOptions { lag, pid, derivative_on, derivative_filter, compensation, .. } =
+        &options.test_bed.controller;
+    let simulation = &options.test_bed.simulation;
+    let file = File {
+        friction_observer: Node { parameters: observer },
+        controller: Node {
+            parameters: ControllerNode {
+                lag,
+                pid,
+                derivative_on: *derivative_on,
+                derivative_filter: *derivative_filter,
+                volts_per_newton_metre: compensation.volts_per_newton_metre,
+                compensation_scale: compensation.scale,
+                voltage_limit: simulation.voltage_limit,
+            },
+        },
+        rig_driver: Node {
+            parameters: RigNode {
+                drive: simulation.drive.parameters(),
+                voltage_limit: simulation.voltage_limit,
+                period: simulation.period,
+            },
+        },
+    };
+    let yaml = serde_saphyr::to_string(&file).map_err(|e| describe(&e))?;
+    let origin = if options.experiment.identifies() {
+        "static parameters identified by this run; stiffness, damping and lag as given to it"
+    } else {
+        "the parameters this run was given"
+    };
+    Ok(format!("# frictionlab {}: {origin}.\n{yaml}", env!("CARGO_PKG_VERSION")))
+}
+
+/// A model's parameters by name.
+fn parameters(model: &AnyModel) -> Result<BTreeMap<String, f64>, RunError> {
+    let text = serde_json::to_string(model).map_err(|e| describe(&e))?;
+    let named: BTreeMap<ModelName, BTreeMap<String, f64>> =
+        serde_json::from_str(&text).map_err(|e| describe(&e))?;
+    Ok(named.into_values().next().unwrap_or_default())
+}
+
+fn describe(error: &dyn std::fmt::Display) -> RunError {
+    RunError::Describe { what: "YAML", detail: error.to_string() }
+}
+
+/// Reads the models of a parameter file; those it does not name keep the test bed's parameters.
+///
+/// # Errors
+/// A sentence about what is wrong in the text.
+pub fn read(text: &str) -> Result<Compensators, String> {
+    type Tree = BTreeMap<String, Node<serde_json::Value>>;
+    let tree: Tree = serde_saphyr::from_str(text).map_err(|e| e.to_string())?;
+    let node = tree
+        .iter()
+        .find(|(name, _)| name.trim_start_matches('/') == "friction_observer" || name.as_str() == "/**")
+        .map(|(_, node)| &node.parameters)
+        .ok_or(
+            "there is no node `friction_observer` in it; expected `/friction_observer: ros__parameters: ...`",
+        )?;
+    let entries =
+        node.as_object().ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
+    let mut models = Compensators::default();
+    for (key, value) in entries {
+        if key == "model" {
+            let name = value.as_str().ok_or("`model` must be the name of a model")?;
+            name.parse::<ModelName>().map_err(|e| e.to_string())?;
+            continue;
+        }
+        let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
+        let model = serde_json::from_value::<AnyModel>(serde_json::json!({ name.as_str(): value }))
+            .map_err(|e| format!("in `{name}`: {e}"))?;
+        models.set(model);
+    }
+    Ok(models)
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_ident::StribeckValues;
+
+    use super::*;
+    use crate::run::options::tests::options;
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let found = StribeckValues { f_s: 0.2, f_c: 0.1, v_s: 0.3, f_v: 0.05, delta: 2.0 };
+        let models = Compensators::default().with_static(&found).unwrap();
+        let text = render(&options(), &models, ModelName::Proposed).unwrap();
+        assert!(text.contains("/friction_observer:\n  ros__parameters:\n"), "{text}");
+        assert!(text.contains("model: proposed"), "{text}");
+        assert_eq!(read(&text).unwrap(), models);
+    }
+
+    #[test]
+    fn a_file_with_a_mistake_says_where() {
+        for (text, said) in [
+            ("a: 1", "ros__parameters"),
+            ("/controller:\n  ros__parameters:\n    x: 1.0\n", "friction_observer"),
+            ("/friction_observer:\n  ros__parameters:\n    model: lugri\n", "lugri"),
+            ("/friction_observer:\n  ros__parameters:\n    lugre:\n      f_s: -1.0\n", "lugre"),
+            (
+                "/friction_observer:\n  ros__parameters:\n    stribeck: {f_s: 1.0, f_c: 2.0, v_s: 0.1, f_v: 0.0}\n",
+                "f_c",
+            ),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(said), "{text}: {message}");
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What a run found: the content of `run.json`.
+
+use controller::ControlMode;
+use friction_ident::{StribeckEstimate, StribeckFit};
+use friction_model::AnyModel;
+use serde::Serialize;
+
+use super::RunOptions;
+use crate::constant_velocity::SteadyRun;
+use crate::tracking::{Arm, TrackingRun};
+
+/// Whether a run came to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// Everything was done.
+    Complete,
+    /// Stopped by the user; what is there is whole, what is missing was not measured.
+    Interrupted,
+}
+
+/// Everything a run found.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunResults {
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// Whether it came to its end.
+    pub status: Status,
+    /// What was asked for.
+    pub options: RunOptions,
+    /// Points at constant velocity.
+    pub constant_velocity: Vec<SteadyRun>,
+    /// The Stribeck curve through them.
+    pub identification: Option<Identification>,
+    /// Velocity tracking.
+    pub velocity_tracking: Option<Comparison>,
+    /// Position tracking.
+    pub position_tracking: Option<Comparison>,
+    /// The bag.
+    pub bag: BagFigures,
+    /// How long it took: the only part that differs between two runs with the same seed.
+    pub timing: Timing,
+}
+
+/// The identified curve.
+#[derive(Debug, Clone, Serialize)]
+pub struct Identification {
+    /// The fit to the first set.
+    pub fit: StribeckFit,
+    /// Each parameter with its uncertainty.
+    pub parameters: Vec<Parameter>,
+    /// Mean square residual of the first set [(N m)^2].
+    pub mse_identification: f64,
+    /// Mean square residual of the other sets, which the fit has not seen [(N m)^2].
+    pub mse_validation: Option<f64>,
+}
+
+/// One identified parameter beside the truth, which a simulated rig knows.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Parameter {
+    /// Name in files.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value and uncertainty.
+    #[serde(flatten)]
+    pub estimate: StribeckEstimate,
+    /// The plant's own value, where it has such a parameter.
+    pub truth: Option<f64>,
+}
+
+/// The plant's value of the static parameters `f_s`, `f_c`, `v_s`, `f_v`, as far as its model has them.
+#[must_use]
+pub(super) fn static_truth(plant: &AnyModel) -> [Option<f64>; 4] {
+    match plant {
+        AnyModel::Coulomb(m) => [None, Some(m.parameters().f_c), None, None],
+        AnyModel::Viscous(m) => [None, None, None, Some(m.parameters().f_v)],
+        AnyModel::Stribeck(m) => {
+            let p = m.parameters();
+            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
+        }
+        AnyModel::LuGre(m) => {
+            let p = m.parameters();
+            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
+        }
+        AnyModel::Proposed(m) => {
+            let p = m.parameters();
+            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
+        }
+    }
+}
+
+/// Compensations of one task side by side.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// What is regulated.
+    pub mode: ControlMode,
+    /// One row a compensation, the first without any.
+    pub rows: Vec<ArmFigures>,
+    /// Every run.
+    pub runs: Vec<TrackingRun>,
+}
+
+/// One compensation, mean over its repetitions.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ArmFigures {
+    /// What compensated.
+    pub arm: Arm,
+    /// Mean square error of the shaft [(rad/s)^2 or rad^2].
+    pub mse: f64,
+    /// Standard deviation of `mse` over the repetitions.
+    pub mse_deviation: f64,
+    /// Largest error of the shaft, mean over the repetitions [rad/s or rad].
+    pub max_error: f64,
+    /// Standard deviation of `max_error` over the repetitions.
+    pub max_error_deviation: f64,
+    /// Improvement of `mse` over no compensation [%].
+    pub mse_improvement: f64,
+    /// Improvement of `max_error` over no compensation [%].
+    pub max_error_improvement: f64,
+    /// Mean square error as measured, with the sensors' noise.
+    pub mse_measured: f64,
+    /// Root mean square voltage [V].
+    pub effort: f64,
+    /// Root mean square of measured minus estimated friction [N m].
+    pub torque_residual: f64,
+}
+
+impl Comparison {
+    /// Sums up the runs of each arm, in the order given; arms without a run are left out. `None` if there is no run at all.
+    #[must_use]
+    pub fn new(mode: ControlMode, arms: &[Arm], runs: Vec<TrackingRun>) -> Option<Self> {
+        let mut rows: Vec<ArmFigures> = Vec::with_capacity(arms.len());
+        for &arm in arms {
+            let of_arm: Vec<&TrackingRun> = runs.iter().filter(|run| run.arm == arm).collect();
+            if of_arm.is_empty() {
+                continue;
+            }
+            let figures =
+                |value: fn(&TrackingRun) -> f64| mean_and_deviation(of_arm.iter().map(|run| value(run)));
+            let (mse, mse_deviation) = figures(|run| run.mse);
+            let (max_error, max_error_deviation) = figures(|run| run.max_error);
+            let against =
+                |value: f64, none: Option<f64>| none.map_or(0.0, |none| 100.0 * (1.0 - value / none));
+            let none = rows.first().copied();
+            rows.push(ArmFigures {
+                arm,
+                mse,
+                mse_deviation,
+                max_error,
+                max_error_deviation,
+                mse_improvement: against(mse, none.map(|row| row.mse)),
+                max_error_improvement: against(max_error, none.map(|row| row.max_error)),
+                mse_measured: figures(|run| run.mse_measured).0,
+                effort: figures(|run| run.effort).0,
+                torque_residual: figures(|run| run.torque_residual).0,
+            });
+        }
+        (!rows.is_empty()).then_some(Self { mode, rows, runs })
+    }
+
+    /// Index of the row with the smallest mean square error.
+    #[must_use]
+    pub fn best(&self) -> Option<usize> {
+        (0..self.rows.len()).min_by(|&a, &b| self.rows[a].mse.total_cmp(&self.rows[b].mse))
+    }
+}
+
+/// Mean and standard deviation of a sample; the deviation of a single value is zero.
+pub(super) fn mean_and_deviation(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+    (mean, if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { 0.0 })
+}
+
+/// The bag in figures.
+#[derive(Debug, Clone, Serialize)]
+pub struct BagFigures {
+    /// Folder, relative to the run's.
+    pub folder: &'static str,
+    /// Messages of all topics.
+    pub messages: u64,
+    /// Size of the MCAP file [B].
+    pub bytes: u64,
+    /// What was left out.
+    pub recorded: &'static str,
+}
+
+/// How long it took.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Timing {
+    /// Time on the clock [s].
+    pub wall_seconds: f64,
+    /// Time the same would have taken on a rig [s].
+    pub rig_seconds: f64,
+    /// Rig time over clock time.
+    pub times_real_time: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_model::ModelName;
+
+    use super::*;
+
+    #[test]
+    fn improvements_are_against_the_first_row() {
+        let run = |arm, repetition, mse, max_error| TrackingRun {
+            arm,
+            repetition,
+            mse,
+            max_error,
+            mse_measured: mse,
+            max_error_measured: max_error,
+            effort: 1.0,
+            torque_residual: 0.0,
+        };
+        let arms = [Arm::None, Arm::Observer(ModelName::LuGre), Arm::Observer(ModelName::Proposed)];
+        let runs = vec![
+            run(arms[0], 0, 4.0, 2.0),
+            run(arms[0], 1, 6.0, 2.0),
+            run(arms[1], 0, 1.0, 1.0),
+            run(arms[1], 1, 1.0, 1.0),
+        ];
+        let comparison = Comparison::new(ControlMode::Velocity, &arms, runs).unwrap();
+        // The third arm was not run.
+        assert_eq!(comparison.rows.len(), 2);
+        assert_eq!((comparison.rows[0].mse, comparison.rows[0].mse_improvement), (5.0, 0.0));
+        assert!((comparison.rows[0].mse_deviation - 2f64.sqrt()).abs() < 1e-15);
+        assert_eq!(
+            (comparison.rows[1].mse_improvement, comparison.rows[1].max_error_improvement),
+            (80.0, 50.0)
+        );
+        assert_eq!(comparison.best(), Some(1));
+        assert!(Comparison::new(ControlMode::Velocity, &arms, vec![]).is_none());
+    }
+}

@@ -1,0 +1,42 @@
+//! What the report draws of a run over time.
+
+use crate::cycle::CycleSample;
+
+/// Signals over time, kept at a tenth of the loop's rate.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Trace {
+    /// Time [s].
+    pub t: Vec<f64>,
+    /// Reference [rad/s or rad].
+    pub reference: Vec<f64>,
+    /// Response of the shaft [rad/s or rad].
+    pub response: Vec<f64>,
+    /// Reference minus response [rad/s or rad].
+    pub error: Vec<f64>,
+    /// Friction as the torque sensor shows it [N m].
+    pub friction_measured: Vec<f64>,
+    /// Friction as it is, where the rig is simulated [N m].
+    pub friction_true: Vec<f64>,
+    /// Friction as the observer estimates it [N m].
+    pub friction_estimated: Vec<f64>,
+}
+
+impl Trace {
+    /// Cycles from one kept sample to the next.
+    const EVERY: u64 = 10;
+
+    /// Takes a cycle in.
+    pub fn add(&mut self, sample: &CycleSample) {
+        if !sample.measurement.cycle.is_multiple_of(Self::EVERY) {
+            return;
+        }
+        let error = sample.error();
+        self.t.push(sample.measurement.time);
+        self.reference.push(sample.command.reference);
+        self.response.push(sample.command.reference - error);
+        self.error.push(error);
+        self.friction_measured.push(sample.measurement.torque);
+        self.friction_true.push(sample.truth.map_or(f64::NAN, |truth| truth.friction));
+        self.friction_estimated.push(sample.estimate.torque);
+    }
+}
