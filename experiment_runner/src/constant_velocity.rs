@@ -170,8 +170,7 @@ mod tests {
             controller: Default::default(),
         };
         let job = SteadyJob { set: 0, repetition: 0, velocity };
-        let control =
-            bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, false, 5, 0).unwrap();
+        let control = bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, false, 5, 0).unwrap();
         job.run(&ConstantVelocityProtocol::default(), control, |_| {}).unwrap()
     }
 
@@ -195,6 +194,9 @@ mod tests {
         let sample = (0.0061f64.powi(2) + (46.0 / 4096.0f64).powi(2) / 12.0).sqrt();
         assert!((seen.torque_deviation / sample - 1.0).abs() < 0.05, "{seen:?}");
         let expected = AnyModel::test_bed(ModelName::Proposed).steady_state(seen.velocity);
-        assert!((seen.torque - expected).abs() < 5.0 * sample / 10_500f64.sqrt() + 2e-5, "{seen:?}, not {expected}");
+        assert!(
+            (seen.torque - expected).abs() < 5.0 * sample / 10_500f64.sqrt() + 2e-5,
+            "{seen:?}, not {expected}"
+        );
     }
 }

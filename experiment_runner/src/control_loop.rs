@@ -52,7 +52,8 @@ impl ControlLoop {
         let reference = self.reference.at(measurement.time);
         let velocity = measurement.tachometer_velocity;
         let estimate = self.observer.observe(velocity, Some(measurement.torque));
-        let feedback = Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
+        let feedback =
+            Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
         let command = self.controller.step(&reference, &feedback);
         self.rig.apply(command.total)?;
         let stamp_ns = self.start_ns + (measurement.time * 1e9).round() as u64;

@@ -83,7 +83,9 @@ mod tests {
                 workers,
                 &AtomicBool::new(false),
                 // Uneven work, so that later jobs overtake earlier ones.
-                |job| Ok::<_, ()>((0..(job * 7919) % 5000).fold(*job, |a, b| a.wrapping_add(b * b)) & 0 | *job),
+                |job| {
+                    Ok::<_, ()>((0..(job * 7919) % 5000).fold(*job, |a, b| a.wrapping_add(b * b)) & 0 | *job)
+                },
                 |job, result| {
                     assert_eq!(*job, result);
                     seen.push(result);
@@ -100,14 +102,20 @@ mod tests {
         let jobs: Vec<usize> = (0..1000).collect();
         let cancel = AtomicBool::new(false);
         let mut seen = 0;
-        let completion = run_in_order(&jobs, 2, &cancel, |job| Ok::<_, ()>(*job), |job, _| {
-            assert_eq!(*job, seen);
-            seen += 1;
-            if seen == 10 {
-                cancel.store(true, Ordering::Relaxed);
-            }
-            Ok(())
-        });
+        let completion = run_in_order(
+            &jobs,
+            2,
+            &cancel,
+            |job| Ok::<_, ()>(*job),
+            |job, _| {
+                assert_eq!(*job, seen);
+                seen += 1;
+                if seen == 10 {
+                    cancel.store(true, Ordering::Relaxed);
+                }
+                Ok(())
+            },
+        );
         let Ok(Completion::Cancelled { delivered }) = completion else { panic!("{completion:?}") };
         assert!(delivered == seen && (10..30).contains(&delivered), "{delivered}");
     }

@@ -140,9 +140,17 @@ mod tests {
 
     /// One run with ideal sensors, as the thesis's simulations are.
     fn run(protocol: &TrackingProtocol, coupling: FrictionCoupling, arm: Arm) -> TrackingRun {
-        let simulation =
-            SimulationOptions { sensors: Sensors::ideal(), friction_coupling: coupling, voltage_limit: 10.0, ..Default::default() };
-        let mut controller = ControllerOptions { derivative_on: controller::DerivativeOn::Error, derivative_filter: 0.0, ..Default::default() };
+        let simulation = SimulationOptions {
+            sensors: Sensors::ideal(),
+            friction_coupling: coupling,
+            voltage_limit: 10.0,
+            ..Default::default()
+        };
+        let mut controller = ControllerOptions {
+            derivative_on: controller::DerivativeOn::Error,
+            derivative_filter: 0.0,
+            ..Default::default()
+        };
         controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
         let plant = AnyModel::test_bed(ModelName::Proposed);
         let bed = TestBed { simulation, friction: plant, controller };
@@ -166,8 +174,12 @@ mod tests {
         let protocol = TrackingProtocol::velocity();
         let none = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::None);
         assert!(close(none.mse, 1.96e-5, 0.03) && close(none.max_error, 165e-4, 0.03), "{none:?}");
-        let proposed = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
-        assert!(close(proposed.mse, 0.503e-5, 0.05) && close(proposed.max_error, 31.7e-4, 0.05), "{proposed:?}");
+        let proposed =
+            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
+        assert!(
+            close(proposed.mse, 0.503e-5, 0.05) && close(proposed.max_error, 31.7e-4, 0.05),
+            "{proposed:?}"
+        );
     }
 
     /// Table 6.7: PID 3.30e-4 and 572e-4 rad, proposed 1.473e-4 and 421e-4.
@@ -176,21 +188,35 @@ mod tests {
         let protocol = TrackingProtocol::position();
         let none = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::None);
         assert!(close(none.mse, 3.30e-4, 0.03) && close(none.max_error, 572e-4, 0.03), "{none:?}");
-        let proposed = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
-        assert!(close(proposed.mse, 1.473e-4, 0.05) && close(proposed.max_error, 421e-4, 0.05), "{proposed:?}");
+        let proposed =
+            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
+        assert!(
+            close(proposed.mse, 1.473e-4, 0.05) && close(proposed.max_error, 421e-4, 0.05),
+            "{proposed:?}"
+        );
     }
 
     /// With friction as a torque: 16.8e-5 and 470e-4 rad/s; 19.3e-4 and 1237e-4 rad. Any observer is better than none.
     #[test]
     fn tracking_in_physical_units() {
         let velocity = run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, Arm::None);
-        assert!(close(velocity.mse, 16.8e-5, 0.03) && close(velocity.max_error, 470e-4, 0.03), "{velocity:?}");
+        assert!(
+            close(velocity.mse, 16.8e-5, 0.03) && close(velocity.max_error, 470e-4, 0.03),
+            "{velocity:?}"
+        );
         let position = run(&TrackingProtocol::position(), FrictionCoupling::Physical, Arm::None);
-        assert!(close(position.mse, 19.3e-4, 0.03) && close(position.max_error, 1237e-4, 0.03), "{position:?}");
+        assert!(
+            close(position.mse, 19.3e-4, 0.03) && close(position.max_error, 1237e-4, 0.03),
+            "{position:?}"
+        );
         for name in [ModelName::LuGre, ModelName::Proposed] {
             let arm = Arm::Observer(name);
-            assert!(run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, arm).mse < velocity.mse / 3.0);
-            assert!(run(&TrackingProtocol::position(), FrictionCoupling::Physical, arm).mse < position.mse / 2.0);
+            assert!(
+                run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, arm).mse < velocity.mse / 3.0
+            );
+            assert!(
+                run(&TrackingProtocol::position(), FrictionCoupling::Physical, arm).mse < position.mse / 2.0
+            );
         }
     }
 

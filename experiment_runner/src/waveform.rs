@@ -34,7 +34,9 @@ impl Waveform {
     #[must_use]
     pub fn at(&self, t: f64) -> Reference {
         match *self {
-            Self::ConstantVelocity { velocity } => Reference { position: velocity * t, velocity, acceleration: 0.0 },
+            Self::ConstantVelocity { velocity } => {
+                Reference { position: velocity * t, velocity, acceleration: 0.0 }
+            }
             Self::SineVelocity { amplitude, angular_frequency: w } => {
                 let (sin, cos) = (w * t).sin_cos();
                 Reference {
