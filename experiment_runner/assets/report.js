@@ -117,12 +117,12 @@
     return layout;
   };
 
-  const draw = (place) => {
+  const draw = (place, size = {}) => {
     const number = place.id.slice('plot-'.length);
     const figure = JSON.parse(document.getElementById('data-' + number).textContent);
     const colour = colours();
     const traces = figure.traces.map((trace, i, all) => toPlotly(trace, i, all, colour));
-    return Plotly.react(place, traces, layoutOf(figure, colour),
+    return Plotly.react(place, traces, { ...layoutOf(figure, colour), ...size },
       { ...CONFIG, toImageButtonOptions: { ...CONFIG.toImageButtonOptions, filename: 'figure-' + number } });
   };
 
@@ -142,14 +142,17 @@
   };
 
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
-  // On paper: dark on white, and as wide as the sheet.
-  addEventListener('beforeprint', () => {
-    document.documentElement.dataset.print = '';
-    places.forEach((place) => { place.style.width = '680px'; draw(place); Plotly.Plots.resize(place); });
-  });
-  addEventListener('afterprint', () => {
-    delete document.documentElement.dataset.print;
-    places.forEach((place) => { place.style.width = ''; draw(place); Plotly.Plots.resize(place); });
-  });
+  // On paper: dark on white, as wide as the sheet, and lower, so that a figure rarely needs a page of its own.
+  const onScreen = places.map((place) => parseFloat(place.style.height));
+  const lay = (printing) => {
+    document.documentElement.toggleAttribute('data-print', printing);
+    places.forEach((place, i) => {
+      const size = printing ? { width: 680, height: 0.78 * onScreen[i] } : {};
+      place.style.height = (size.height ?? onScreen[i]) + 'px';
+      draw(place, size);
+    });
+  };
+  addEventListener('beforeprint', () => lay(true));
+  addEventListener('afterprint', () => lay(false));
   drawAll();
 })();

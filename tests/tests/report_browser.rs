@@ -61,6 +61,36 @@ fn the_demonstration_page_draws_everything() {
     }
 }
 
+/// The report that a person gets: a short run of the whole job, by the built program.
+#[test]
+fn the_report_of_a_run_draws_everything() {
+    let Some(browser) = browser() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("run");
+    let run = tests::frictionlab()
+        .args(["run", "all", "--quick", "--quiet", "--seed", "1", "--out"])
+        .arg(&out)
+        .current_dir(folder.path())
+        .output()
+        .expect("frictionlab starts");
+    assert!(run.status.success(), "{}: {}", run.status, String::from_utf8_lossy(&run.stderr));
+    let html = std::fs::read_to_string(out.join("report.html")).expect("the run leaves report.html");
+    let seen = browser
+        .load(&html, "return [...document.querySelectorAll('caption')].map((c) => c.textContent).join();");
+    assert_sound(&seen);
+    let titles: Vec<&str> = seen.figures.iter().flat_map(|f| &f.axis_titles).map(String::as_str).collect();
+    for label in ["velocity [rad/s]", "time [s]", "friction torque [N m]"] {
+        assert!(titles.contains(&label), "{label} is not among {titles:?}");
+    }
+    let tables = seen.probe.as_str().unwrap_or_default();
+    assert!(tables.contains("Stribeck parameters") && tables.contains("compensations compared"), "{tables}");
+
+    let png = picture("report_run.png");
+    browser.screenshot(&html, &png, seen.height, false);
+    let size = std::fs::metadata(&png).expect("the screenshot").len();
+    assert!(size > 50_000, "{} has {size} bytes: an empty page", png.display());
+}
+
 /// A reader's hands: dragging zooms all panels of a figure, a double click resets, a click on a legend
 /// entry hides its series, pointing shows values of all panels.
 #[test]

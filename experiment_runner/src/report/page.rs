@@ -18,6 +18,12 @@ const PLOTLY_LICENSE: &str = include_str!("../../assets/plotly-LICENSE.txt");
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                       img-src data: blob:; base-uri 'none'; form-action 'none'";
 
+/// Stands before the first figure.
+const HINT: &str = "<p class=\"hint\">In every figure: drag to zoom, double-click to reset, point to read values, \
+                    click a legend entry to hide or show it. Series of one name have one colour throughout.</p>\n\
+                    <noscript><p class=\"note\">The figures are drawn by a script inside this file; \
+                    scripts are switched off in this browser.</p></noscript>\n";
+
 /// From this many headings on, the page starts with a table of contents.
 const HEADINGS_FOR_CONTENTS: usize = 3;
 
@@ -50,14 +56,6 @@ pub fn render_page(page: &Page) -> String {
     );
     out.push_str(&body.contents());
     out.push_str("<main id=\"content\">\n");
-    if body.figures > 0 {
-        out.push_str(
-            "<p class=\"hint\">Drag in a figure to zoom, double-click to reset, point to read values, \
-             click a legend entry to hide or show it. Series of one name have one colour throughout.</p>\n\
-             <noscript><p class=\"note\">The figures are drawn by a script inside this file; \
-             scripts are switched off in this browser.</p></noscript>\n",
-        );
-    }
     out.push_str(&body.html);
     let _ = write!(
         out,
@@ -110,6 +108,9 @@ impl Body {
     fn figure(&mut self, figure: &Figure, palette: &Palette) {
         self.figures += 1;
         let number = self.figures;
+        if number == 1 {
+            self.html.push_str(HINT);
+        }
         let plot = Plot::of(figure, palette);
         let remarks: String =
             plot.remarks.iter().map(|r| format!(" <span class=\"remark\">{}</span>", escape(r))).collect();
