@@ -1,0 +1,183 @@
+//! `frictionlab live`: the loop in real time on ROS 2.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use anyhow::Context;
+use controller::{ControlMode, ControllerOptions};
+use friction_model::{AnyModel, ModelName};
+use rig_driver::SimulationOptions;
+
+use super::{BadInput, Interrupted};
+use crate::{
+    live::{self, LiveError, LiveOptions},
+    protocol::TrackingProtocol,
+    test_bed::TestBed,
+    waveform::Waveform,
+};
+
+/// Run rig, observer and controller in real time and publish everything over ROS 2
+///
+/// One process, one control thread at 1 kHz. Publishes /joint_states, /rig_measurement, /reference, /friction_estimate,
+/// /motor_voltage, /controller_state and /diagnostics, and records them into DIR/bag. ROS_DOMAIN_ID is honoured; only this
+/// machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends the run cleanly.
+#[derive(Debug, clap::Args)]
+pub struct LiveArgs {
+    /// Length of the run [s] [default: until ctrl-C]
+    #[arg(long, value_name = "SECONDS")]
+    pub duration: Option<f64>,
+    /// What the controller regulates
+    #[arg(long, value_enum, default_value_t)]
+    pub mode: ModeArg,
+    /// The observer's friction model
+    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
+    pub model: ModelName,
+    /// The simulated plant's own friction model
+    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
+    pub plant: ModelName,
+    /// Shape of the reference
+    #[arg(long, value_enum, default_value_t)]
+    pub reference: ReferenceArg,
+    /// Amplitude of the sine, or the constant velocity [rad/s or rad, by mode] [default: 0.3 rad/s or 1 rad]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub amplitude: Option<f64>,
+    /// Angular frequency of the sine [rad/s] [default: 0.107 for velocity, 0.546 for position]
+    #[arg(long, value_name = "W")]
+    pub frequency: Option<f64>,
+    /// Estimate friction, but do not compensate it
+    #[arg(long)]
+    pub no_compensation: bool,
+    /// Control cycles a second [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=2000))]
+    pub rate: u32,
+    /// Output folder; its `bag` must be new or empty [default: runs/live-N with the first free N]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Seed of the sensors' noise
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// [`ControlMode`] on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum ModeArg {
+    /// Velocity, by the lag compensator
+    #[default]
+    Velocity,
+    /// Position, by the PID
+    Position,
+}
+
+/// Shape of the reference on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum ReferenceArg {
+    /// A sine of velocity or position, by mode
+    #[default]
+    Sine,
+    /// A constant velocity
+    Constant,
+}
+
+fn model_name(text: &str) -> Result<ModelName, String> {
+    text.parse().map_err(|error: friction_model::ModelError| error.to_string())
+}
+
+/// Runs it.
+///
+/// # Errors
+/// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of `--duration`.
+pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
+    let options = options(args)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&stop);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let say = |text: &str| {
+        if !args.quiet {
+            println!("{text}");
+        }
+    };
+    let report = live::run(&options, &stop, |priority| {
+        say(&format!("{priority}\nlive at {} Hz; ctrl-C ends the run", args.rate));
+    })
+    .map_err(|error: LiveError| {
+        if error.is_bad_input() { BadInput(error.to_string()).into() } else { anyhow::Error::new(error) }
+    })?;
+    say(&report.to_string());
+    let bag = report.bag.dir.display();
+    if report.interrupted {
+        return Err(Interrupted(format!(
+            "stopped before the end; the bag in {bag} is whole as far as it goes"
+        ))
+        .into());
+    }
+    if stop.load(Ordering::Relaxed) {
+        say(&format!("stopped by ctrl-C; the bag in {bag} is whole"));
+    }
+    Ok(())
+}
+
+fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
+    let mode = match args.mode {
+        ModeArg::Velocity => ControlMode::Velocity,
+        ModeArg::Position => ControlMode::Position,
+    };
+    let test_bed = TestBed {
+        simulation: SimulationOptions { period: 1.0 / f64::from(args.rate), ..Default::default() },
+        friction: AnyModel::test_bed(args.plant),
+        controller: ControllerOptions::default(),
+    };
+    Ok(LiveOptions {
+        out: args.out.clone().unwrap_or_else(|| super::run::first_free("live")),
+        test_bed,
+        mode,
+        reference: reference(args)?,
+        observer: AnyModel::test_bed(args.model),
+        compensate: !args.no_compensation,
+        seed: args.seed,
+        duration: args.duration,
+    })
+}
+
+fn reference(args: &LiveArgs) -> anyhow::Result<Waveform> {
+    let finite = |name: &str, value: Option<f64>| match value {
+        Some(value) if !value.is_finite() || (name == "--frequency" && value <= 0.0) => {
+            Err(BadInput(format!(
+                "{name} must be a finite number{}, but is {value}",
+                if name == "--frequency" { " above 0" } else { "" }
+            )))
+        }
+        value => Ok(value),
+    };
+    let (amplitude_given, frequency_given) =
+        (finite("--amplitude", args.amplitude)?, finite("--frequency", args.frequency)?);
+    let default = match args.mode {
+        ModeArg::Velocity => TrackingProtocol::velocity().reference,
+        ModeArg::Position => TrackingProtocol::position().reference,
+    };
+    Ok(match (args.reference, default) {
+        (ReferenceArg::Constant, _) => {
+            Waveform::ConstantVelocity { velocity: amplitude_given.unwrap_or(0.3) }
+        }
+        (ReferenceArg::Sine, Waveform::SineVelocity { amplitude, angular_frequency }) => {
+            Waveform::SineVelocity {
+                amplitude: amplitude_given.unwrap_or(amplitude),
+                angular_frequency: frequency_given.unwrap_or(angular_frequency),
+            }
+        }
+        (ReferenceArg::Sine, Waveform::SinePosition { amplitude, angular_frequency }) => {
+            Waveform::SinePosition {
+                amplitude: amplitude_given.unwrap_or(amplitude),
+                angular_frequency: frequency_given.unwrap_or(angular_frequency),
+            }
+        }
+        (ReferenceArg::Sine, other) => other,
+    })
+}

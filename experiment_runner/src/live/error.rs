@@ -1,0 +1,57 @@
+//! What can go wrong with a live run.
+
+use std::io;
+
+use ros_node::RosNodeError;
+
+use crate::{bag::BagError, test_bed::TestBedError};
+use rig_driver::RigError;
+
+/// A live run that cannot start or go on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// The length of the run is none.
+    #[error(
+        "--duration must be above 0 and at most 10000000 s, but is {0} s; leave it out to run until ctrl-C"
+    )]
+    Duration(f64),
+    /// The loop cannot be put together.
+    #[error(transparent)]
+    TestBed(#[from] TestBedError),
+    /// The bag cannot be written.
+    #[error(transparent)]
+    Bag(#[from] BagError),
+    /// ROS 2 cannot be joined.
+    #[error(transparent)]
+    Ros(#[from] RosNodeError),
+    /// The rig refused a command while running.
+    #[error("the rig stopped the run and is at zero volts: {0}")]
+    Rig(RigError),
+    /// A thread does not start.
+    #[error("a thread cannot be started: {source}; the system may be out of threads or memory")]
+    Thread {
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A thread ended by a panic: a mistake of this program.
+    #[error("the {thread} thread panicked: a mistake of this program, please report it with the text above")]
+    Panicked {
+        /// Which.
+        thread: &'static str,
+    },
+}
+
+impl LiveError {
+    /// Whether the user can mend it: an option, a folder, an environment variable.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Duration(_)
+                | Self::TestBed(_)
+                | Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. })
+                | Self::Ros(RosNodeError::Environment { .. })
+        )
+    }
+}

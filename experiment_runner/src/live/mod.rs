@@ -1,0 +1,184 @@
+//! The loop in real time, on ROS 2: rig, observer and controller in one process, recorded and published.
+//!
+//! Three threads share the work. The control thread ([`control`]) runs the loop at absolute deadlines and does nothing
+//! else: no lock, no allocation, no message. Its cycles leave through two bounded queues, one to the thread that publishes
+//! ([`publishing`]) and one to the thread that records ([`recording`]). A full queue costs a cycle, which is counted and
+//! told, never a wait.
+
+mod control;
+mod deadlines;
+mod diagnostics;
+mod error;
+mod publishing;
+mod recording;
+mod report;
+mod timing;
+
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64},
+    },
+    thread,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use controller::ControlMode;
+use friction_model::AnyModel;
+use ros_node::{Discovery, Participant};
+use serde::Serialize;
+
+pub use error::LiveError;
+pub use report::LiveReport;
+pub use timing::{Percentiles, Timing};
+
+use crate::{
+    bag::{BagOptions, BagWriter},
+    cycle::CycleSample,
+    messages::CycleTopics,
+    test_bed::TestBed,
+    waveform::Waveform,
+};
+
+/// Cycles that wait for the publisher: half a second at 1 kHz.
+const PUBLISHER_QUEUE: usize = 512;
+/// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that long.
+const RECORDER_QUEUE: usize = 8192;
+/// Time to start the threads before the first cycle.
+const HEAD_START: Duration = Duration::from_millis(50);
+
+/// What a live run does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LiveOptions {
+    /// Folder for the results; the bag goes to `bag` in it.
+    pub out: PathBuf,
+    /// The rig and its friction.
+    pub test_bed: TestBed,
+    /// What the controller regulates.
+    pub mode: ControlMode,
+    /// Where the axis should be.
+    pub reference: Waveform,
+    /// Model of the observer.
+    pub observer: AnyModel,
+    /// Whether the estimate enters the command.
+    pub compensate: bool,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+    /// Length of the run [s]; `None` until it is stopped.
+    pub duration: Option<f64>,
+}
+
+/// One cycle on its way to publisher and recorder.
+#[derive(Debug, Clone, Copy)]
+struct LiveCycle {
+    sample: CycleSample,
+    /// Time since the start of the cycle before [ns]; zero for the first.
+    period_ns: u64,
+    /// Time the step took [ns].
+    execution_ns: u64,
+}
+
+/// What the control thread counts for others to see. Written by it alone.
+#[derive(Debug, Default)]
+struct Counters {
+    overruns: AtomicU64,
+    not_published: AtomicU64,
+    not_recorded: AtomicU64,
+}
+
+/// Runs the loop in real time until the duration is over or `stop` is set.
+///
+/// `started` is called once everything runs, with a line about the control thread's priority.
+///
+/// # Errors
+/// [`LiveError`] names the environment variable, folder or option at fault. What was recorded before a failure stays
+/// readable.
+pub fn run(
+    options: &LiveOptions,
+    stop: &Arc<AtomicBool>,
+    started: impl FnOnce(&str),
+) -> Result<LiveReport, LiveError> {
+    let discovery = Discovery::from_environment()?;
+    // The loop is put together first, so that a wrong option leaves neither a folder nor a node behind.
+    let start_ns = epoch_ns(SystemTime::now() + HEAD_START);
+    let control_loop = options.control_loop(start_ns)?;
+    let period = control_loop.period();
+    let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
+
+    let mut bag = BagWriter::create(&options.out.join("bag"), BagOptions::default())?;
+    bag.metadata("frictionlab", options.metadata())?;
+    let topics = CycleTopics::open(&mut bag)?;
+    let participant = Participant::join(&discovery)?;
+    let nodes = publishing::Nodes::new(participant)?;
+
+    let counters = Arc::new(Counters::default());
+    let (to_publisher, for_publisher) = rtrb::RingBuffer::new(PUBLISHER_QUEUE);
+    let (to_recorder, for_recorder) = rtrb::RingBuffer::new(RECORDER_QUEUE);
+    let spawn_error = |source| LiveError::Thread { source };
+
+    let recorder = {
+        let stop = Arc::clone(stop);
+        let record = move || recording::record(bag, topics, for_recorder, &stop);
+        thread::Builder::new().name("recorder".into()).spawn(record).map_err(spawn_error)?
+    };
+    let publisher = {
+        let counters = Arc::clone(&counters);
+        let publish = move || publishing::publish(nodes, for_publisher, &counters);
+        thread::Builder::new().name("publisher".into()).spawn(publish).map_err(spawn_error)?
+    };
+    let (priority, told_priority) = std::sync::mpsc::channel();
+    let control = {
+        let task = control::Task {
+            control_loop,
+            cycles: options.duration.map(|duration| (duration / period).round() as u64),
+            first_deadline,
+            to_publisher,
+            to_recorder,
+            counters: Arc::clone(&counters),
+            stop: Arc::clone(stop),
+        };
+        let run = move || task.run(|line| _ = priority.send(line));
+        thread::Builder::new().name("control".into()).spawn(run).map_err(spawn_error)?
+    };
+    if let Ok(line) = told_priority.recv() {
+        started(&line);
+    }
+
+    // The control thread drops its ends of the queues when it is done, which ends the other two.
+    let control = control.join().map_err(|_| LiveError::Panicked { thread: "control" });
+    let published = publisher.join().map_err(|_| LiveError::Panicked { thread: "publisher" });
+    let recorded = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
+    let (control, published, bag) = (control?, published?, recorded??);
+    if let Some(error) = control.rig_error {
+        return Err(LiveError::Rig(error));
+    }
+    Ok(LiveReport::new(options, control, published, bag, &counters))
+}
+
+impl LiveOptions {
+    fn control_loop(&self, start_ns: u64) -> Result<crate::control_loop::ControlLoop, LiveError> {
+        if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
+            return Err(LiveError::Duration(duration));
+        }
+        let Self { test_bed, mode, reference, observer, compensate, seed, .. } = self;
+        Ok(test_bed.control_loop(*mode, *reference, observer, *compensate, *seed, start_ns)?)
+    }
+
+    /// What the bag says about the run.
+    fn metadata(&self) -> BTreeMap<String, String> {
+        let options = serde_json::to_string(self).unwrap_or_else(|error| error.to_string());
+        BTreeMap::from([
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), "live".to_owned()),
+            ("seed".to_owned(), self.seed.to_string()),
+            ("options".to_owned(), options),
+        ])
+    }
+}
+
+/// Nanoseconds since the Unix epoch; zero before it.
+fn epoch_ns(time: SystemTime) -> u64 {
+    time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+}
