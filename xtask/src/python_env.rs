@@ -117,15 +117,7 @@ impl Environment {
 
     fn install(&self, requirements: &[&str]) -> anyhow::Result<()> {
         let mut pip = Command::new(&self.python);
-        pip.args([
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-            "--only-binary",
-            ":all:",
-        ]);
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
         run_quietly(pip.args(requirements))
     }
 

@@ -1,0 +1,1 @@
+"""Looks into the friction laboratory's bags without a ROS installation."""

@@ -1,0 +1,47 @@
+"""Rig, observer and controller live in one process, recorded and published.
+
+    ros2 launch friction_bringup live.launch.py model:=lugre mode:=position
+
+`frictionlab` must be on the PATH (`cargo install --path experiment_runner`). Arguments that are not given come from
+`config/live.yaml`, or from the file named by `config:=`.
+"""
+
+from pathlib import Path
+
+import yaml
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+CONFIG = Path(__file__).resolve().parent.parent / "config" / "live.yaml"
+
+# Launch argument -> option of `frictionlab live`. An empty argument leaves the matter to the file.
+OPTIONS = {
+    "model": "--model",
+    "mode": "--mode",
+    "duration": "--duration",
+    "seed": "--seed",
+    "out": "--out",
+}
+
+
+def start(context: LaunchContext) -> list[ExecuteProcess]:
+    """The process, with what was given on the command line before what the file says."""
+    file = Path(LaunchConfiguration("config").perform(context))
+    settings = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
+    unknown = set(settings) - set(OPTIONS)
+    if unknown:
+        raise RuntimeError(f"{file} has {', '.join(sorted(unknown))}; expected only {', '.join(OPTIONS)}")
+    command = ["frictionlab", "live"]
+    for name, option in OPTIONS.items():
+        value = LaunchConfiguration(name).perform(context) or settings.get(name)
+        if value not in (None, ""):
+            command += [option, str(value)]
+    return [ExecuteProcess(cmd=command, output="screen", sigterm_timeout="10")]
+
+
+def generate_launch_description() -> LaunchDescription:
+    """What `ros2 launch` runs."""
+    arguments = [DeclareLaunchArgument(name, default_value="", description=f"frictionlab live {option}") for name, option in OPTIONS.items()]
+    config = DeclareLaunchArgument("config", default_value=str(CONFIG), description="YAML file with the defaults")
+    return LaunchDescription([*arguments, config, OpaqueFunction(function=start)])
