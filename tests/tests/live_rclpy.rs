@@ -11,7 +11,8 @@ use serde_json::Value;
 use tests::python;
 
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str =
+    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
 /// A command in a network namespace of its own, so that nothing leaves this machine and nothing else is heard; `None`
 /// where the system grants none.
@@ -43,7 +44,9 @@ fn received(report: &Value, topic: &str) -> Vec<(u64, Vec<u64>)> {
     let number = |value: &Value| value.as_u64().expect("a whole number");
     messages
         .iter()
-        .map(|message| (number(&message[0]), message[1].as_array().expect("values").iter().map(number).collect()))
+        .map(|message| {
+            (number(&message[0]), message[1].as_array().expect("values").iter().map(number).collect())
+        })
         .collect()
 }
 
@@ -75,7 +78,19 @@ fn rclpy_receives_what_the_bag_holds() {
         .arg(python::script("live_session.py"))
         .arg(&result)
         .arg(program.get_program())
-        .args(["live", "--duration", "6", "--seed", "3", "--model", "lugre", "--amplitude", "1.5", "--frequency", "3"])
+        .args([
+            "live",
+            "--duration",
+            "6",
+            "--seed",
+            "3",
+            "--model",
+            "lugre",
+            "--amplitude",
+            "1.5",
+            "--frequency",
+            "3",
+        ])
         .arg("--out")
         .arg(&out)
         .env("ROS_DOMAIN_ID", "73")
@@ -125,10 +140,12 @@ fn check(report: &Value, bag: &Path) {
 
     assert_eq!(report["joint_names"], serde_json::json!(["load_shaft"]));
     assert_eq!(report["models"], serde_json::json!(["lugre"]));
-    let nodes: Vec<&str> = report["nodes"].as_array().expect("names").iter().filter_map(Value::as_str).collect();
+    let nodes: Vec<&str> =
+        report["nodes"].as_array().expect("names").iter().filter_map(Value::as_str).collect();
     for node in ["rig_driver", "friction_observer", "controller", "experiment_runner"] {
         assert!(nodes.contains(&node), "{node} is not among {nodes:?}");
     }
-    let health = report["diagnostics"].as_array().and_then(|list| list.last()).expect("diagnostics every second");
+    let health =
+        report["diagnostics"].as_array().and_then(|list| list.last()).expect("diagnostics every second");
     assert!(health["period p99 [us]"].is_string() && health["overruns"].is_string(), "{health}");
 }

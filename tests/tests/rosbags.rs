@@ -53,10 +53,18 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
     let health = DiagnosticStatus { values, ..Default::default() };
     bag.write("/diagnostics", stamp(999), &DiagnosticArray { header: header.clone(), status: vec![health] })
         .expect("a write");
-    bag.write("/rig_measurement", stamp(999), &RigMeasurement { header: header.clone(), ..Default::default() })
-        .expect("a write");
-    bag.write("/controller_state", stamp(999), &ControllerState { header: header.clone(), ..Default::default() })
-        .expect("a write");
+    bag.write(
+        "/rig_measurement",
+        stamp(999),
+        &RigMeasurement { header: header.clone(), ..Default::default() },
+    )
+    .expect("a write");
+    bag.write(
+        "/controller_state",
+        stamp(999),
+        &ControllerState { header: header.clone(), ..Default::default() },
+    )
+    .expect("a write");
     bag.write("/reference", stamp(999), &Reference { header: header.clone(), ..Default::default() })
         .expect("a write");
     bag.write("/motor_voltage", stamp(999), &MotorVoltage { header, voltage: 1.5 }).expect("a write");
@@ -66,12 +74,30 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
     assert_eq!(seen["message_count"], 2006);
     assert_eq!(seen["start_time"], START);
     // rosbags counts the end as the nanosecond behind the last message.
-    assert!([999_000_000, 999_000_001].contains(&seen["duration"].as_u64().expect("a duration")), "{}", seen["duration"]);
+    assert!(
+        [999_000_000, 999_000_001].contains(&seen["duration"].as_u64().expect("a duration")),
+        "{}",
+        seen["duration"]
+    );
     assert_eq!(seen["ros_distro"], "kilted");
     let expected = [
         ("/joint_states", JointState::type_name(), JointState::TYPE_HASH, 1000, 100, "VOLATILE"),
-        ("/friction_estimate", FrictionEstimate::type_name(), FrictionEstimate::TYPE_HASH, 1000, 100, "VOLATILE"),
-        ("/experiment_status", ExperimentStatus::type_name(), ExperimentStatus::TYPE_HASH, 1, 1, "TRANSIENT_LOCAL"),
+        (
+            "/friction_estimate",
+            FrictionEstimate::type_name(),
+            FrictionEstimate::TYPE_HASH,
+            1000,
+            100,
+            "VOLATILE",
+        ),
+        (
+            "/experiment_status",
+            ExperimentStatus::type_name(),
+            ExperimentStatus::TYPE_HASH,
+            1,
+            1,
+            "TRANSIENT_LOCAL",
+        ),
         ("/diagnostics", DiagnosticArray::type_name(), DiagnosticArray::TYPE_HASH, 1, 10, "VOLATILE"),
         ("/rig_measurement", RigMeasurement::type_name(), RigMeasurement::TYPE_HASH, 1, 100, "VOLATILE"),
         ("/controller_state", ControllerState::type_name(), ControllerState::TYPE_HASH, 1, 100, "VOLATILE"),
