@@ -22,7 +22,8 @@ pub enum Compression {
     None,
     /// LZ4, for readers that have nothing else.
     Lz4,
-    /// Zstandard at its fastest level: on control signals smaller than LZ4 at no loss of speed.
+    /// Zstandard at its fastest level: on the loop's messages a fifth smaller than LZ4 for a tenth of the speed, which is
+    /// still above a million messages a second.
     #[default]
     Zstd,
 }
