@@ -107,11 +107,11 @@ pub fn run(
     let period = control_loop.period();
     let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
 
+    let participant = Participant::join(&discovery)?;
+    let nodes = publishing::Nodes::new(participant)?;
     let mut bag = BagWriter::create(&options.out.join("bag"), BagOptions::default())?;
     bag.metadata("frictionlab", options.metadata())?;
     let topics = CycleTopics::open(&mut bag)?;
-    let participant = Participant::join(&discovery)?;
-    let nodes = publishing::Nodes::new(participant)?;
 
     let counters = Arc::new(Counters::default());
     let (to_publisher, for_publisher) = rtrb::RingBuffer::new(PUBLISHER_QUEUE);
