@@ -101,17 +101,18 @@ pub fn run(
     started: impl FnOnce(&str),
 ) -> Result<LiveReport, LiveError> {
     let discovery = Discovery::from_environment()?;
-    // The loop is put together first, so that a wrong option leaves neither a folder nor a node behind.
-    let start_ns = epoch_ns(SystemTime::now() + HEAD_START);
-    let control_loop = options.control_loop(start_ns)?;
-    let period = control_loop.period();
-    let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
+    // Put together once for nothing, so that a wrong option leaves neither a folder nor a node behind.
+    let period = options.control_loop(0)?.period();
 
     let participant = Participant::join(&discovery)?;
     let nodes = publishing::Nodes::new(participant)?;
     let mut bag = BagWriter::create(&options.out.join("bag"), BagOptions::default())?;
     bag.metadata("frictionlab", options.metadata())?;
     let topics = CycleTopics::open(&mut bag)?;
+
+    // Joining takes a while; only now can the stamp of the first cycle be told, and its deadline be the same instant.
+    let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
+    let control_loop = options.control_loop(epoch_ns(SystemTime::now() + HEAD_START))?;
 
     let counters = Arc::new(Counters::default());
     let (to_publisher, for_publisher) = rtrb::RingBuffer::new(PUBLISHER_QUEUE);
