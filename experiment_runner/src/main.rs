@@ -19,7 +19,8 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::RunArgs),
-    Identify(identify::IdentifyArgs),
+    // Boxed: its many options would make every other command as large.
+    Identify(Box<identify::IdentifyArgs>),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
 }

@@ -102,7 +102,11 @@ fn parameter_table(found: &Identification) -> Table {
                 None => format!("{:.5}", estimate.value),
             };
             let deviation = match (p.truth, estimate.unidentifiable) {
-                (Some(truth), None) => format!("{:+.2} %", 100.0 * (estimate.value / truth - 1.0)),
+                (Some(truth), None) => {
+                    // Rounded first, so that nothing reads "-0.00".
+                    let hundredths = (1e4 * (estimate.value / truth - 1.0)).round() + 0.0;
+                    format!("{:+.2} %", 0.01 * hundredths)
+                }
                 _ => "-".to_owned(),
             };
             let truth = p.truth.map_or("-".to_owned(), |truth| format!("{truth:.5}"));
@@ -127,19 +131,44 @@ fn parameter_table(found: &Identification) -> Table {
     }
 }
 
-/// Points of both sets, the fitted curve with its band, and the truth.
+/// Points of both sets, the fitted curve with its band, and the truth; below, the same without the viscous part.
 fn stribeck_figure(results: &RunResults) -> Figure {
+    let f_v = results.identification.as_ref().map_or(0.0, |found| found.fit.parameters.f_v);
+    Figure {
+        title: "Stribeck curve".to_owned(),
+        caption: "Mean friction torque against mean velocity, with the standard deviation over the repetitions; the fitted curve and where it \
+                  lies with 95 % confidence. Below without the viscous part f_v v: the fall from static to kinetic friction."
+            .to_owned(),
+        x_label: "velocity [rad/s]".to_owned(),
+        log_x: true,
+        panels: vec![
+            Panel { y_label: "friction [N m]".to_owned(), traces: stribeck_traces(results, 0.0) },
+            Panel { y_label: "friction - f_v v [N m]".to_owned(), traces: stribeck_traces(results, f_v) },
+        ],
+    }
+}
+
+/// The curve and its points with `viscous` times the velocity taken off.
+fn stribeck_traces(results: &RunResults, viscous: f64) -> Vec<Drawn> {
     let mut traces = Vec::new();
     let fit = results.identification.as_ref().map(|found| &found.fit);
     if let Some(fit) = fit {
         let grid = speeds(fit);
-        let (lower, upper) = grid.iter().map(|&v| fit.band(v)).unzip();
+        let (lower, upper) = grid
+            .iter()
+            .map(|&v| {
+                let (lower, upper) = fit.band(v);
+                (lower - viscous * v, upper - viscous * v)
+            })
+            .unzip();
         traces.push(Drawn::Band { name: "95 % confidence of the curve".to_owned(), x: grid, lower, upper });
     }
-    let sets = results.options.constant_velocity.sets;
-    for set in 0..sets {
-        let (x, y, error) =
-            means(&results.constant_velocity, set, &results.options.constant_velocity.velocities);
+    let protocol = &results.options.constant_velocity;
+    for set in 0..protocol.sets {
+        let (x, mut y, error) = means(&results.constant_velocity, set, &protocol.velocities);
+        for (torque, v) in y.iter_mut().zip(&x) {
+            *torque -= viscous * v;
+        }
         let name = match set {
             0 => "set 1: identification".to_owned(),
             _ => format!("set {}: validation", set + 1),
@@ -148,27 +177,19 @@ fn stribeck_figure(results: &RunResults) -> Figure {
     }
     if let Some(fit) = fit {
         let grid = speeds(fit);
-        let y = grid.iter().map(|&v| fit.torque(v)).collect();
+        let y = grid.iter().map(|&v| fit.torque(v) - viscous * v).collect();
         traces.push(Drawn::Line { name: "fit".to_owned(), x: grid.clone(), y, style: LineStyle::Solid });
         let plant = &results.options.test_bed.friction;
-        let y = grid.iter().map(|&v| plant.steady_state(v)).collect();
+        let y = grid.iter().map(|&v| plant.steady_state(v) - viscous * v).collect();
         traces.push(Drawn::Line { name: "plant".to_owned(), x: grid, y, style: LineStyle::Dashed });
     }
-    Figure {
-        title: "Stribeck curve".to_owned(),
-        caption: "Mean friction torque against mean velocity, with the standard deviation over the repetitions; the fitted curve and where it lies \
-                  with 95 % confidence. Drag over the slow end to see the dip."
-            .to_owned(),
-        x_label: "velocity [rad/s]".to_owned(),
-        log_x: false,
-        panels: vec![Panel { y_label: "friction torque [N m]".to_owned(), traces }],
-    }
+    traces
 }
 
-/// A grid over the measured speeds, dense where the curve bends.
+/// A grid over the measured speeds, even on the logarithmic axis.
 fn speeds(fit: &StribeckFit) -> Vec<f64> {
     let (slowest, fastest) = fit.speeds;
-    (0..=300).map(|i| slowest + (fastest - slowest) * (f64::from(i) / 300.0).powi(3)).collect()
+    (0..=300).map(|i| slowest * (fastest / slowest).powf(f64::from(i) / 300.0)).collect()
 }
 
 /// Mean velocity, mean torque and its deviation over the repetitions, for each velocity of the grid.

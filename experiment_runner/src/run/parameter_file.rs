@@ -113,7 +113,8 @@ fn describe(error: &dyn std::fmt::Display) -> RunError {
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str) -> Result<Compensators, String> {
     type Tree = BTreeMap<String, Node<serde_json::Value>>;
-    let tree: Tree = serde_saphyr::from_str(text).map_err(|e| e.to_string())?;
+    let tree: Tree = serde_saphyr::from_str(text)
+        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
     let node = tree
         .iter()
         .find(|(name, _)| name.trim_start_matches('/') == "friction_observer" || name.as_str() == "/**")
