@@ -8,12 +8,12 @@ mod controller;
 pub mod design;
 mod error;
 mod lag;
-mod pid;
-mod signals;
 #[cfg(feature = "msgs")]
 pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
+mod pid;
+mod signals;
 
 pub use controller::{Compensation, Controller, ControllerOptions, Feedback};
 pub use error::ControllerError;

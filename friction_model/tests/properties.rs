@@ -41,8 +41,6 @@ fn period() -> impl Strategy<Value = TimeStep> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
-
     #[test]
     fn proposed_is_bounded_by_static_friction(model in any_proposed(), dt in period(), path in velocities()) {
         let p = *model.parameters();

@@ -3,11 +3,11 @@
 //! [`FrictionObserver`] runs any model of `friction_model` at the control period. It allocates nothing and cannot panic.
 
 mod estimate;
-mod observer;
 #[cfg(feature = "msgs")]
 pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
+mod observer;
 
 pub use estimate::Estimate;
 pub use observer::FrictionObserver;

@@ -7,14 +7,14 @@
 mod drive;
 mod error;
 mod measurement;
-mod plant;
-mod rig;
-mod sensors;
-mod simulated;
 #[cfg(feature = "msgs")]
 pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
+mod plant;
+mod rig;
+mod sensors;
+mod simulated;
 
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod python_env;
+mod test;
 
 use clap::Parser;
 
@@ -13,11 +14,14 @@ enum Task {
     Bench(bench::Bench),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv,
+    /// Every test of the project, with what they need made ready first.
+    Test(test::Test),
 }
 
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
         Task::PythonEnv => python_env::run(),
+        Task::Test(test) => test.run(),
     }
 }

@@ -215,6 +215,15 @@ fn comparison_table(title: &str, comparison: &Comparison) -> Table {
         ControlMode::Position => ("rad", "rad²"),
     };
     let repetitions = comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0);
+    // A single repetition has no scatter to show.
+    let spread = |value: String, deviation: String| {
+        if repetitions > 1 { format!("{value} ± {deviation}") } else { value }
+    };
+    let of = if repetitions > 1 {
+        format!("Mean over {repetitions} repetitions ± standard deviation")
+    } else {
+        "One repetition".to_owned()
+    };
     let rows = comparison
         .rows
         .iter()
@@ -223,8 +232,8 @@ fn comparison_table(title: &str, comparison: &Comparison) -> Table {
                 |value: f64| if row.arm == Arm::None { "-".to_owned() } else { format!("{value:.1}") };
             vec![
                 row.arm.label().to_owned(),
-                format!("{:.3e} ± {:.0e}", row.mse, row.mse_deviation),
-                format!("{:.4} ± {:.4}", row.max_error, row.max_error_deviation),
+                spread(format!("{:.3e}", row.mse), format!("{:.0e}", row.mse_deviation)),
+                spread(format!("{:.4}", row.max_error), format!("{:.4}", row.max_error_deviation)),
                 percent(row.mse_improvement),
                 percent(row.max_error_improvement),
                 format!("{:.3e}", row.mse_measured),
@@ -236,7 +245,7 @@ fn comparison_table(title: &str, comparison: &Comparison) -> Table {
     Table {
         title: format!("{title}: compensations compared"),
         caption: format!(
-            "Mean over {repetitions} repetitions ± standard deviation. Errors are those of the shaft itself, which the simulated rig knows; the mean square as \
+            "{of}. Errors are those of the shaft itself, which the simulated rig knows; the mean square as \
              measured contains the sensor's noise. Improvements are against the linear controller alone. The plant's friction is one of the models: \
              a ranking among observers says which is nearest to that plant, no more."
         ),

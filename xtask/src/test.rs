@@ -1,0 +1,78 @@
+//! `cargo xtask test`: every test of the project, with what they need made ready first.
+
+use std::path::Path;
+use std::process::Command;
+use std::{env, time::Instant};
+
+use anyhow::{Context, ensure};
+
+use crate::python_env;
+
+/// Random cases a property test runs through: in the short tier, and in the full one.
+const CASES: [(&str, &str); 2] = [("short", "500"), ("full", "50000")];
+
+/// Arguments of `cargo xtask test`.
+#[derive(Debug, clap::Args)]
+pub struct Test {
+    /// Long tiers whole: a hundred times the random cases, the whole protocol of `frictionlab run`
+    #[arg(long)]
+    full: bool,
+}
+
+impl Test {
+    /// Runs the tests.
+    ///
+    /// # Errors
+    /// Whatever does not build or does not pass.
+    pub fn run(&self) -> anyhow::Result<()> {
+        let started = Instant::now();
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+        let target =
+            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        prepare_python();
+
+        let (tier, cases) = CASES[usize::from(self.full)];
+        // The program is built with the features of the whole workspace, so that the tests use it as it is instead of building it once more.
+        cargo(root, &["build", "--workspace", "--locked"], &[])?;
+        let program = target.join("debug").join(format!("frictionlab{}", env::consts::EXE_SUFFIX));
+        let program = program.to_str().context("the target folder's path must be text")?;
+        let mut environment = vec![("FRICTIONLAB_BIN", program), ("PROPTEST_CASES", cases)];
+        if self.full {
+            environment.push(("FRICTION_FULL", "1"));
+        }
+        cargo(root, &["test", "--workspace", "--locked"], &environment)?;
+        println!(
+            "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
+            started.elapsed().as_secs_f64()
+        );
+        Ok(())
+    }
+}
+
+/// Without the environment the tests that need it say that they are skipped.
+fn prepare_python() {
+    println!("Python environment for the tests (first time: about two minutes) ...");
+    match python_env::prepare() {
+        Ok(environment) => {
+            for (half, what) in [(environment.bag_tools, "rosbags"), (environment.rclpy, "rclpy")] {
+                if let Err(error) = half {
+                    println!("no {what}: {error:#}");
+                }
+            }
+        }
+        Err(error) => println!("no Python environment: {error:#}"),
+    }
+}
+
+fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> anyhow::Result<()> {
+    println!("cargo {}", arguments.join(" "));
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let status = Command::new(cargo)
+        .args(arguments)
+        .current_dir(root)
+        .envs(environment.iter().copied())
+        .status()
+        .context("cargo does not start")?;
+    ensure!(status.success(), "cargo {} failed", arguments.join(" "));
+    Ok(())
+}
