@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use experiment_runner::bag::BagReader;
+use msgs::friction_msgs::ExperimentStatus;
 use msgs::sensor_msgs::JointState;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -61,7 +62,10 @@ fn one_command_does_the_whole_job() {
 
     let bag = BagReader::open(&out.join("bag")).expect("a readable bag");
     let joints = bag.messages::<JointState>("/joint_states").expect("joint states");
-    assert_eq!(found["bag"]["messages"].as_u64().unwrap() / 6, joints.len() as u64);
+    // Six messages a cycle, and the status of the experiment.
+    let statuses = bag.messages::<ExperimentStatus>("/experiment_status").expect("statuses");
+    assert_eq!(found["bag"]["messages"], 6 * joints.len() + statuses.len());
+    assert!(statuses.iter().any(|(_, status)| status.stage == "compensation proposed"));
 
     // What was identified is where the next run starts.
     let parameters = out.join("parameters.yaml");

@@ -33,7 +33,7 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "FILE")]
     validate: Option<PathBuf>,
 
-    /// Folder for the results [default: identification-<name of FILE>].
+    /// Folder for the results [default: identification-NAME, after FILE].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 

@@ -117,6 +117,7 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     progress.finish();
     let outcome = outcome.map_err(|error| match error {
         error @ (RunError::Describe { .. } | RunError::Identification(_)) => anyhow::Error::new(error),
+        error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
         error => BadInput(error.to_string()).into(),
     })?;
     if !args.quiet {
