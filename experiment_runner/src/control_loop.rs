@@ -59,4 +59,12 @@ impl ControlLoop {
         let stamp_ns = self.start_ns + (measurement.time * 1e9).round() as u64;
         Ok(CycleSample { stamp_ns, measurement, reference, estimate, command, truth })
     }
+
+    /// Leaves the motor at zero volts.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses.
+    pub fn stop(&mut self) -> Result<(), RigError> {
+        self.rig.apply(0.0)
+    }
 }

@@ -13,7 +13,7 @@ use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use rig_driver::SimulationOptions;
 
-use super::{BadInput, Interrupted};
+use super::{BadInput, Interrupted, model_name};
 use crate::{
     live::{self, LiveError, LiveOptions},
     protocol::TrackingProtocol,
@@ -37,6 +37,9 @@ pub struct LiveArgs {
     /// The observer's friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub model: ModelName,
+    /// Parameters of the observer's model: a parameters.yaml of an earlier run [default: the thesis's test bed]
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Option<PathBuf>,
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
@@ -84,10 +87,6 @@ pub enum ReferenceArg {
     Sine,
     /// A constant velocity
     Constant,
-}
-
-fn model_name(text: &str) -> Result<ModelName, String> {
-    text.parse().map_err(|error: friction_model::ModelError| error.to_string())
 }
 
 /// Runs it.
@@ -139,7 +138,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         test_bed,
         mode,
         reference: reference(args)?,
-        observer: AnyModel::test_bed(args.model),
+        observer: super::run::compensators(args.parameters.as_deref())?.get(args.model),
         compensate: !args.no_compensation,
         seed: args.seed,
         duration: args.duration,

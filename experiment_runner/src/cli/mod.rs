@@ -15,3 +15,8 @@ pub struct BadInput(pub String);
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Interrupted(pub String);
+
+/// A model's name on the command line.
+fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
+    text.parse().map_err(|e: friction_model::ModelError| e.to_string())
+}

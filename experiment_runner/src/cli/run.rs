@@ -1,7 +1,7 @@
 //! `frictionlab run`: experiments on the test bed.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -11,7 +11,7 @@ use controller::ControllerOptions;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
-use super::{BadInput, Interrupted};
+use super::{BadInput, Interrupted, model_name};
 use crate::progress::Progress;
 use crate::protocol::{ConstantVelocityProtocol, TrackingProtocol};
 use crate::run::{
@@ -94,10 +94,6 @@ pub enum FrictionArg {
     AsVolts,
 }
 
-fn model_name(text: &str) -> Result<ModelName, String> {
-    text.parse().map_err(|e: friction_model::ModelError| e.to_string())
-}
-
 /// Runs it.
 ///
 /// # Errors
@@ -152,19 +148,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     };
     let mut controller = ControllerOptions::default();
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
-    let compensators = match &args.parameters {
-        None => Compensators::default(),
-        Some(file) => {
-            let say = |what: String| {
-                BadInput(format!(
-                    "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` writes it",
-                    file.display()
-                ))
-            };
-            let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
-            read_parameter_file(&text).map_err(say)?
-        }
-    };
+    let compensators = compensators(args.parameters.as_deref())?;
     let mut constant_velocity =
         if args.quick { ConstantVelocityProtocol::quick() } else { ConstantVelocityProtocol::default() };
     let mut velocity_tracking = TrackingProtocol::velocity();
@@ -192,6 +176,19 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
             .jobs
             .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
     })
+}
+
+/// The models of a parameter file, or the test bed's where none is given.
+pub(super) fn compensators(file: Option<&Path>) -> Result<Compensators, BadInput> {
+    let Some(file) = file else { return Ok(Compensators::default()) };
+    let say = |what: String| {
+        BadInput(format!(
+            "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` writes it",
+            file.display()
+        ))
+    };
+    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    read_parameter_file(&text).map_err(say)
 }
 
 /// The first folder `runs/EXPERIMENT-N` that is not there yet.

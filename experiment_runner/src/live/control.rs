@@ -81,6 +81,10 @@ impl Task {
             }
             done += 1;
         }
+        // However the loop ended, the motor does not keep its last voltage.
+        if let Err(error) = self.control_loop.stop() {
+            rig_error.get_or_insert(error);
+        }
         let timing = stopwatch.timing(self.counters.overruns.load(Ordering::Relaxed));
         Done { timing, priority, stopped, rig_error }
     }
