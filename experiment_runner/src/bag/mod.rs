@@ -21,6 +21,7 @@
 //! ```
 
 mod error;
+mod guard;
 mod metadata;
 mod reader;
 #[cfg(test)]

@@ -14,7 +14,7 @@ use mcap::{
 };
 use msgs::{RosMessage, cdr};
 
-use super::BagError;
+use super::{BagError, guard::guarded};
 
 /// No record or chunk of a sane bag is larger; a file that claims one is damaged.
 const LARGEST_RECORD: usize = 1 << 28;
@@ -54,7 +54,7 @@ impl BagReader {
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         let mut files = Vec::new();
         for file in files_of(path)? {
-            let (summary, counts) = inspect(&file)?;
+            let (summary, counts) = guarded(&file, || inspect(&file))?;
             for (id, channel) in &summary.channels {
                 let type_name = channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default();
                 let topic = topics.entry(channel.topic.clone()).or_insert_with(|| TopicInfo {
@@ -97,22 +97,33 @@ impl BagReader {
         }
         let mut messages = Vec::new();
         for file in &self.files {
-            for message in message_reader(&file.path)? {
-                let message = message.map_err(|error| damaged(&file.path, error))?;
-                if message.channel.topic != topic {
-                    continue;
-                }
-                let decoded = cdr::decode(&message.data).map_err(|source| BagError::Message {
-                    path: self.path.clone(),
-                    topic: topic.into(),
-                    index: messages.len(),
-                    source,
-                })?;
-                messages.push((message.log_time, decoded));
-            }
+            guarded(&file.path, || self.read_topic(&file.path, topic, &mut messages))?;
         }
         messages.sort_by_key(|(log_time, _)| *log_time);
         Ok(messages)
+    }
+
+    /// Adds the messages of a topic in one file.
+    fn read_topic<M: RosMessage>(
+        &self,
+        file: &Path,
+        topic: &str,
+        messages: &mut Vec<(u64, M)>,
+    ) -> Result<(), BagError> {
+        for message in message_reader(file)? {
+            let message = message.map_err(|error| damaged(file, error))?;
+            if message.channel.topic != topic {
+                continue;
+            }
+            let decoded = cdr::decode(&message.data).map_err(|source| BagError::Message {
+                path: self.path.clone(),
+                topic: topic.into(),
+                index: messages.len(),
+                source,
+            })?;
+            messages.push((message.log_time, decoded));
+        }
+        Ok(())
     }
 
     /// Named texts that were kept with the bag; `None` if there are none of that name.
@@ -249,7 +260,9 @@ fn record(path: &Path, offset: u64, length: u64) -> Result<mcap::records::Record
     let Some(length) = length else { return Err(damaged(path, McapError::BadIndex)) };
     let mut bytes = vec![0; length];
     file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(&mut bytes)).map_err(read_error(path))?;
-    mcap::parse_record(bytes[0], &bytes[9..])
-        .map(mcap::records::Record::into_owned)
-        .map_err(|e| damaged(path, e))
+    guarded(path, || {
+        mcap::parse_record(bytes[0], &bytes[9..])
+            .map(mcap::records::Record::into_owned)
+            .map_err(|e| damaged(path, e))
+    })
 }
