@@ -9,6 +9,7 @@ pub mod identify;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod messages;
+pub mod output;
 pub mod progress;
 pub mod protocol;
 pub mod recording;

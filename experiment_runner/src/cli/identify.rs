@@ -7,6 +7,7 @@ use friction_ident::Conditioning;
 
 use super::BadInput;
 use crate::identify::{self, Settings};
+use crate::output::write_all;
 use crate::recording::rosbag::{self, Motor};
 use crate::recording::table::{self, Columns};
 use crate::recording::{AxisKind, Column, Recording};
@@ -140,7 +141,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
     ];
     let folder = args.out.clone().unwrap_or_else(|| default_folder(&args.file));
-    identify::output::write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
     if !args.quiet {
         use std::io::Write;
         let mut out = std::io::stdout().lock();

@@ -207,7 +207,7 @@ fn summary(outcome: &Outcome) -> String {
             text += &match (p.estimate.unidentifiable, p.estimate.standard_error) {
                 (Some(reason), _) => format!("  {:<4} not identifiable from these data: {reason}\n", p.name),
                 (None, Some(error)) => {
-                    format!("  {:<4} {:.5} ± {error:.5} {}\n", p.name, p.estimate.value, p.unit)
+                    format!("  {:<4} {:.5} ± {error:.0e} {}\n", p.name, p.estimate.value, p.unit)
                 }
                 (None, None) => {
                     format!("  {:<4} {:.5} {} (at its bound)\n", p.name, p.estimate.value, p.unit)

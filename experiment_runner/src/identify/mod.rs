@@ -4,7 +4,6 @@
 //! parameter file, [`terminal`] the text, and [`output`] puts files on the disk all at once or not at all.
 
 pub mod document;
-pub mod output;
 pub mod page;
 pub mod parameters;
 pub mod quantity;

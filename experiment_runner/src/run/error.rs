@@ -6,7 +6,7 @@ use friction_ident::IdentError;
 use rig_driver::RigError;
 
 use crate::bag::BagError;
-use crate::identify::output::OutputError;
+use crate::output::OutputError;
 use crate::test_bed::TestBedError;
 
 /// A run that could not be started or finished.

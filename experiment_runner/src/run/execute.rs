@@ -17,7 +17,7 @@ use super::results::{
 use super::trace::Trace;
 use super::{Compensators, RunError, RunOptions, page, parameter_file};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
-use crate::identify::output::{OutputError, write_all};
+use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
 use crate::protocol::TrackingProtocol;
 use crate::report::render_page;
