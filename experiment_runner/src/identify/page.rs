@@ -118,7 +118,7 @@ fn over_time(found: &Identification, predictions: &[(&str, &Prediction)]) -> Fig
     let mut force = Vec::new();
     let mut residual = Vec::new();
     if let Some((_, first)) = predictions.first() {
-        force.push(line("measured".to_owned(), &first.time, first.measured.clone(), LineStyle::Faint));
+        force.push(line("measured".to_owned(), &first.time, first.measured.clone(), LineStyle::Solid));
     }
     for (name, prediction) in predictions {
         force.push(line(
