@@ -1,147 +1,109 @@
-//! Any model, chosen while the program runs.
+//! Any model, chosen while the program runs: presets, parameters by name, and both directions.
 
-use serde::{Deserialize, Serialize};
-
-use crate::{
-    Coulomb, FrictionModel, Internals, LuGre, ModelName, Proposed, Stepper, Stribeck, TimeStep, Viscous,
-};
-
-/// A friction model chosen by name. In files: the name, with the parameters under it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum AnyModel {
-    /// Coulomb's model.
-    Coulomb(Coulomb),
-    /// Viscous friction.
-    Viscous(Viscous),
-    /// The static Stribeck model.
-    Stribeck(Stribeck),
-    /// LuGre.
-    LuGre(LuGre),
-    /// The thesis's proposed model.
-    Proposed(Proposed),
-}
-
-/// Runs the same expression on whichever model there is.
-macro_rules! each {
-    ($any:ident, $self:expr, $model:ident => $body:expr) => {
-        match $self {
-            $any::Coulomb($model) => $body,
-            $any::Viscous($model) => $body,
-            $any::Stribeck($model) => $body,
-            $any::LuGre($model) => $body,
-            $any::Proposed($model) => $body,
-        }
-    };
-}
+use crate::{AnyModel, AnyParameters, ModelError, ModelName};
 
 impl AnyModel {
     /// The model of that name with the parameters of the thesis's test bed.
+    ///
+    /// # Panics
+    /// Never: a test builds every preset.
     #[must_use]
     pub fn test_bed(name: ModelName) -> Self {
-        match name {
-            ModelName::Coulomb => Self::Coulomb(Coulomb::test_bed()),
-            ModelName::Viscous => Self::Viscous(Viscous::test_bed()),
-            ModelName::Stribeck => Self::Stribeck(Stribeck::test_bed()),
-            ModelName::LuGre => Self::LuGre(LuGre::test_bed()),
-            ModelName::Proposed => Self::Proposed(Proposed::test_bed()),
-        }
+        AnyParameters::test_bed(name).try_into().expect("constants within range")
     }
 
-    /// Which model it is.
+    /// The model of that name with the parameters of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds every preset.
     #[must_use]
-    pub const fn name(&self) -> ModelName {
-        match self {
-            Self::Coulomb(_) => ModelName::Coulomb,
-            Self::Viscous(_) => ModelName::Viscous,
-            Self::Stribeck(_) => ModelName::Stribeck,
-            Self::LuGre(_) => ModelName::LuGre,
-            Self::Proposed(_) => ModelName::Proposed,
-        }
+    pub fn chapter_3(name: ModelName) -> Self {
+        AnyParameters::chapter_3(name).try_into().expect("constants within range")
     }
 
-    /// The force after a long time at constant `velocity`, see [`FrictionModel::steady_state`].
+    /// Its parameters.
     #[must_use]
-    pub fn steady_state(&self, velocity: f64) -> f64 {
-        each!(AnyModel, self, model => model.steady_state(velocity))
+    pub fn parameters(&self) -> AnyParameters {
+        (*self).into()
     }
 
-    /// Starts the model at rest with the period `dt`.
+    /// `forward` against forward motion and `backward` against backward motion, see [`crate::Asymmetric`].
+    ///
+    /// # Errors
+    /// [`ModelError::TwoModels`] if they are of different models, or asymmetric themselves.
+    pub fn asymmetric(forward: &Self, backward: &Self) -> Result<Self, ModelError> {
+        AnyParameters::asymmetric(forward.parameters(), backward.parameters())?.try_into()
+    }
+
+    /// The value of the parameter `name`, of an asymmetric contact the forward one; `None` if there is none of that name or
+    /// if it is a list.
     #[must_use]
-    pub fn start(&self, dt: TimeStep) -> AnyStepper {
-        match *self {
-            Self::Coulomb(model) => AnyStepper::Coulomb(Stepper::new(model, dt)),
-            Self::Viscous(model) => AnyStepper::Viscous(Stepper::new(model, dt)),
-            Self::Stribeck(model) => AnyStepper::Stribeck(Stepper::new(model, dt)),
-            Self::LuGre(model) => AnyStepper::LuGre(Stepper::new(model, dt)),
-            Self::Proposed(model) => AnyStepper::Proposed(Stepper::new(model, dt)),
-        }
-    }
-}
-
-/// A running model of any kind: a [`Stepper`] chosen while the program runs.
-#[derive(Debug, Clone)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "the reversal stack lives in place: the step path does not allocate"
-)]
-pub enum AnyStepper {
-    /// Coulomb's model.
-    Coulomb(Stepper<Coulomb>),
-    /// Viscous friction.
-    Viscous(Stepper<Viscous>),
-    /// The static Stribeck model.
-    Stribeck(Stepper<Stribeck>),
-    /// LuGre.
-    LuGre(Stepper<LuGre>),
-    /// The thesis's proposed model.
-    Proposed(Stepper<Proposed>),
-}
-
-impl AnyStepper {
-    /// The friction now at `velocity`; the state then advances by one period. See [`Stepper::step`].
-    #[inline]
-    pub fn step(&mut self, velocity: f64) -> f64 {
-        each!(AnyStepper, self, stepper => stepper.step(velocity))
+    pub fn parameter(&self, name: &str) -> Option<f64> {
+        let (forward, _) = self.parameters().sides();
+        let (mut value, mut count) = (None, 0);
+        forward.each(name, &mut |x| (value, count) = (Some(x), count + 1));
+        value.filter(|_| count == 1)
     }
 
-    /// Back to rest.
-    pub fn reset(&mut self) {
-        each!(AnyStepper, self, stepper => stepper.reset());
-    }
-
-    /// The inner quantities at `velocity`.
-    #[inline]
-    #[must_use]
-    pub fn internals(&self, velocity: f64) -> Internals {
-        each!(AnyStepper, self, stepper => stepper.internals(velocity))
-    }
-
-    /// Which model runs.
-    #[must_use]
-    pub const fn name(&self) -> ModelName {
-        match self {
-            Self::Coulomb(_) => ModelName::Coulomb,
-            Self::Viscous(_) => ModelName::Viscous,
-            Self::Stribeck(_) => ModelName::Stribeck,
-            Self::LuGre(_) => ModelName::LuGre,
-            Self::Proposed(_) => ModelName::Proposed,
-        }
+    /// The same model with the parameter `name` multiplied by `factor`, in both directions. A name that the model does not
+    /// have changes nothing.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the model does not accept it.
+    pub fn scaled(&self, name: &str, factor: f64) -> Result<Self, ModelError> {
+        let mut parameters = self.parameters();
+        parameters.scale(name, factor);
+        parameters.try_into()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{FrictionModel, Presets, Proposed, ProposedParameters, Stepper, TimeStep};
 
     #[test]
-    fn a_model_reads_back_from_a_file() {
+    fn every_preset_reads_back_from_a_file() {
         for name in ModelName::ALL {
-            let model = AnyModel::test_bed(name);
-            assert_eq!(model.name(), name);
+            for model in [AnyModel::test_bed(name), AnyModel::chapter_3(name)] {
+                assert_eq!(model.name(), name);
+                let text = serde_json::to_string(&model).unwrap();
+                assert!(text.starts_with(&format!("{{\"{name}\":")), "{text}");
+                assert_eq!(serde_json::from_str::<AnyModel>(&text).unwrap(), model);
+            }
+        }
+    }
+
+    #[test]
+    fn an_asymmetric_model_reads_back_from_a_file() {
+        for name in ModelName::ALL {
+            let model = AnyModel::asymmetric(&AnyModel::test_bed(name), &AnyModel::chapter_3(name)).unwrap();
             let text = serde_json::to_string(&model).unwrap();
-            assert!(text.starts_with(&format!("{{\"{name}\":")), "{text}");
+            assert!(text.starts_with(&format!("{{\"asymmetric\":{{\"{name}\":{{\"forward\":")), "{text}");
             assert_eq!(serde_json::from_str::<AnyModel>(&text).unwrap(), model);
+            assert_eq!(model.name(), name);
+            assert_eq!(model.steady_state(-0.3), AnyModel::chapter_3(name).steady_state(-0.3));
+        }
+        let two = [ModelName::LuGre, ModelName::Proposed].map(AnyModel::test_bed);
+        assert!(AnyModel::asymmetric(&two[0], &two[1]).unwrap_err().to_string().contains("lugre"));
+    }
+
+    #[test]
+    fn every_parameter_has_a_row_and_can_be_scaled() {
+        for name in ModelName::ALL {
+            let parameters = AnyParameters::test_bed(name);
+            assert!(!parameters.table().is_empty());
+            for row in parameters.table() {
+                let (mut before, mut after) = (Vec::new(), Vec::new());
+                parameters.each(row.name, &mut |x| before.push(x));
+                let mut scaled = parameters;
+                assert!(scaled.scale(row.name, 2.0), "{name}.{}", row.name);
+                scaled.each(row.name, &mut |x| after.push(x));
+                assert_eq!(after, before.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), "{name}.{}", row.name);
+                assert!(before.iter().all(|&x| row.range.holds(x)), "{name}.{}", row.name);
+                assert!(!before.is_empty() || row.optional, "{name}.{}", row.name);
+                assert!(row.meaning.len() > 10, "{name}.{}: {}", row.name, row.meaning);
+            }
         }
     }
 
@@ -157,6 +119,7 @@ mod tests {
         let dt = TimeStep::new(1e-3).unwrap();
         let mut any = AnyModel::test_bed(ModelName::Proposed).start(dt);
         let mut own = Stepper::new(Proposed::test_bed(), dt);
+        assert_eq!(*own.model().parameters(), ProposedParameters::test_bed());
         for k in 0..2000 {
             let v = 0.3 * (0.0031 * f64::from(k)).sin();
             assert_eq!(any.step(v), own.step(v));

@@ -11,20 +11,32 @@
 //!
 //! It gives the direction and the size of sliding friction. It knows no pre-sliding displacement, no static level above
 //! the kinetic one and no dependence on speed; at zero velocity a simulator needs the applied force (see
-//! [`FrictionModel::breakaway`]).
+//! [`FrictionModel::holding`]).
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::{bounded, sign};
-use crate::parameter::Check;
-use crate::{Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, TimeStep};
+use crate::parameter::{built_from, parameters};
+use crate::{
+    Evaluation, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
+};
 
-/// Parameters of [`Coulomb`] as files carry them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CoulombParameters {
-    /// Kinetic friction F_c [N or N m], above zero.
-    pub f_c: f64,
+parameters! {
+    /// Parameters of [`Coulomb`] as files carry them.
+    CoulombParameters {
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+    }
+}
+
+impl Presets for CoulombParameters {
+    fn test_bed() -> Self {
+        Self { f_c: 0.0925 }
+    }
+    fn chapter_3() -> Self {
+        Self { f_c: 1.0 }
+    }
 }
 
 /// Coulomb friction with valid parameters.
@@ -34,40 +46,27 @@ pub struct Coulomb {
     parameters: CoulombParameters,
 }
 
-impl Coulomb {
-    /// The test bed's kinetic level (thesis Table 4.13).
-    #[must_use]
-    pub const fn test_bed() -> Self {
-        Self { parameters: CoulombParameters { f_c: 0.0925 } }
-    }
-
-    /// The parameters.
-    #[must_use]
-    pub const fn parameters(&self) -> &CoulombParameters {
-        &self.parameters
-    }
-}
-
 impl TryFrom<CoulombParameters> for Coulomb {
     type Error = ModelError;
 
     fn try_from(parameters: CoulombParameters) -> Result<Self, ModelError> {
-        Check(ModelName::Coulomb).positive("f_c", parameters.f_c, "N m")?;
+        parameters.check(ModelName::Coulomb)?;
         Ok(Self { parameters })
     }
 }
 
-impl From<Coulomb> for CoulombParameters {
-    fn from(model: Coulomb) -> Self {
-        model.parameters
-    }
-}
+built_from!(Coulomb, CoulombParameters);
 
 impl FrictionModel for Coulomb {
     const NAME: ModelName = ModelName::Coulomb;
+    type Parameters = CoulombParameters;
     type Continuous = [f64; 0];
     type Memory = ();
     type Discrete = ();
+
+    fn parameters(&self) -> &CoulombParameters {
+        &self.parameters
+    }
 
     fn rest(&self) -> State<[f64; 0], ()> {
         State { continuous: [], memory: () }
@@ -77,7 +76,7 @@ impl FrictionModel for Coulomb {
         Evaluation { force: self.steady_state(velocity), rates: [] }
     }
 
-    fn commit(&self, _: &mut State<[f64; 0], ()>) {}
+    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, _: TimeStep) {}
 
@@ -94,8 +93,8 @@ impl FrictionModel for Coulomb {
         Internals { deflection: 0.0, gamma: self.parameters.f_c, regime }
     }
 
-    fn breakaway(&self) -> Option<f64> {
-        Some(self.parameters.f_c)
+    fn holding(&self, _: f64) -> Option<Holding> {
+        Some(Holding::up_to(self.parameters.f_c))
     }
 }
 
@@ -109,6 +108,6 @@ mod tests {
         assert_eq!(model.steady_state(1e-9), 0.7);
         assert_eq!(model.steady_state(-3.0), -0.7);
         assert_eq!(model.steady_state(0.0), 0.0);
-        assert_eq!(model.breakaway(), Some(0.7));
+        assert_eq!(model.holding(0.0), Some(Holding::up_to(0.7)));
     }
 }

@@ -12,10 +12,17 @@
 //! Equation numbers in the model files are those of the 2017 thesis on position and velocity drives subject to friction
 //! (A. C. Nnaji), with its misprints corrected where a file says so.
 
+#![cfg_attr(not(feature = "std"), no_std)]
+
 mod any_model;
+mod asymmetric;
+mod body;
+mod catalogue;
 mod coulomb;
+mod elements;
 mod error;
 mod hysteresis;
+pub mod load_dependent;
 mod lugre;
 mod model;
 mod name;
@@ -27,13 +34,23 @@ mod stribeck;
 mod stribeck_curve;
 mod viscous;
 
-pub use any_model::{AnyModel, AnyStepper};
+pub use asymmetric::Asymmetric;
+pub use body::{Body, Drive, Moment};
+pub use catalogue::{
+    AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
+    ModelName, ModelVisitor,
+};
 pub use coulomb::{Coulomb, CoulombParameters};
+pub use elements::Elements;
 pub use error::ModelError;
 pub use hysteresis::{Hysteresis, VirginCurve};
+pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
-pub use model::{ContinuousState, Evaluation, FrictionModel, Internals, Regime, State, TimeStep};
-pub use name::ModelName;
+pub use model::{
+    ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED, Regime, State,
+    TimeStep,
+};
+pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Proposed, ProposedParameters};
 pub use stepper::Stepper;
 pub use stribeck::{Stribeck, StribeckParameters};

@@ -10,6 +10,7 @@
 //! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
 //! | `sigma0` | N/m or N m/rad | > 0 | bristle stiffness |
 //! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping |
+//! | `v_d` | m/s or rad/s | > 0, may be left out | micro-damping falls as `sigma1 exp(-(v/v_d)^2)` |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
 //! Steady state `F = sgn(v) g(v) + f_v v`; gives stick-slip, pre-sliding displacement and lag. It drifts under small
@@ -18,34 +19,60 @@
 //! Fixed-step form: the exact solution for a velocity held over the period,
 //! `z <- z_s + (z - z_s) exp(-sigma0 |v| dt / g)` with `z_s = sgn(v) g(v) / sigma0`; stable at any period.
 
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
 use crate::model::bounded;
-use crate::parameter::Check;
-use crate::stribeck_curve::gaussian;
+use crate::parameter::{built_from, parameters};
+use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    StribeckCurve, TimeStep,
 };
 
-/// Parameters of [`LuGre`] as files carry them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LuGreParameters {
-    /// Static friction F_s [N or N m], at least `f_c`.
-    pub f_s: f64,
-    /// Kinetic friction F_c [N or N m], above zero.
-    pub f_c: f64,
-    /// Stribeck velocity v_s [m/s or rad/s], above zero.
-    pub v_s: f64,
-    /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-    #[serde(default = "gaussian")]
-    pub delta: f64,
-    /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
-    pub sigma0: f64,
-    /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
-    pub sigma1: f64,
-    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-    pub f_v: f64,
+parameters! {
+    /// Parameters of [`LuGre`] as files carry them.
+    LuGreParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
+        sigma0: f64, Stiffness, Range::Positive;
+        /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
+        sigma1: f64, Damping, Range::NonNegative;
+        /// Speed v_d at which the micro-damping has fallen to 1/e [m/s or rad/s], above zero; constant damping if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        v_d: Option<f64>, Speed, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for LuGreParameters {
+    /// Table 4.14 with the consistent sigma_1.
+    fn test_bed() -> Self {
+        Self {
+            f_s: 0.0994,
+            f_c: 0.0929,
+            v_s: 0.1407,
+            delta: 2.0,
+            sigma0: 16.469,
+            sigma1: 0.2494,
+            v_d: None,
+            f_v: 0.0403,
+        }
+    }
+    fn chapter_3() -> Self {
+        let sigma1 = 1e5f64.sqrt();
+        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, v_d: None, f_v: 0.0 }
+    }
 }
 
 /// LuGre with valid parameters. State: `[z]`.
@@ -57,41 +84,16 @@ pub struct LuGre {
 }
 
 impl LuGre {
-    /// The default set of the thesis's chapter 3 (N, m, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn chapter_3() -> Self {
-        let sigma1 = 1e5f64.sqrt();
-        LuGreParameters { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, f_v: 0.0 }
-            .try_into()
-            .expect("constants within range")
-    }
-
-    /// The test bed (thesis Table 4.14 with the consistent sigma_1; N m, rad, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        LuGreParameters {
-            f_s: 0.0994,
-            f_c: 0.0929,
-            v_s: 0.1407,
-            delta: 2.0,
-            sigma0: 16.469,
-            sigma1: 0.2494,
-            f_v: 0.0403,
+    /// `sigma1(v)`: constant, or falling as `sigma1 exp(-(v/v_d)^2)`.
+    #[inline]
+    fn damping(&self, velocity: f64) -> f64 {
+        match self.parameters.v_d {
+            None => self.parameters.sigma1,
+            Some(v_d) => {
+                let r = velocity / v_d;
+                self.parameters.sigma1 * (-r * r).exp()
+            }
         }
-        .try_into()
-        .expect("constants within range")
-    }
-
-    /// The parameters.
-    #[must_use]
-    pub const fn parameters(&self) -> &LuGreParameters {
-        &self.parameters
     }
 }
 
@@ -99,27 +101,25 @@ impl TryFrom<LuGreParameters> for LuGre {
     type Error = ModelError;
 
     fn try_from(p: LuGreParameters) -> Result<Self, ModelError> {
-        let check = Check(ModelName::LuGre);
+        p.check(ModelName::LuGre)?;
         let curve = StribeckCurve::new(ModelName::LuGre, p.f_s, p.f_c, p.v_s, p.delta)?;
-        check.positive("sigma0", p.sigma0, "N m/rad")?;
-        check.non_negative("sigma1", p.sigma1, "N m s/rad")?;
-        check.non_negative("f_v", p.f_v, "N m s/rad")?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-impl From<LuGre> for LuGreParameters {
-    fn from(model: LuGre) -> Self {
-        model.parameters
-    }
-}
+built_from!(LuGre, LuGreParameters);
 
 impl FrictionModel for LuGre {
     const NAME: ModelName = ModelName::LuGre;
+    type Parameters = LuGreParameters;
     type Continuous = [f64; 1];
     type Memory = ();
     /// The period [s].
     type Discrete = f64;
+
+    fn parameters(&self) -> &LuGreParameters {
+        &self.parameters
+    }
 
     fn rest(&self) -> State<[f64; 1], ()> {
         State { continuous: [0.0], memory: () }
@@ -129,10 +129,13 @@ impl FrictionModel for LuGre {
     fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
         let p = &self.parameters;
         let z_rate = velocity - p.sigma0 * velocity.abs() * z / self.curve.level(velocity);
-        Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        Evaluation {
+            force: p.sigma0 * z + self.damping(velocity) * z_rate + p.f_v * velocity,
+            rates: [z_rate],
+        }
     }
 
-    fn commit(&self, _: &mut State<[f64; 1], ()>) {}
+    fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, dt: TimeStep) -> f64 {
         dt.seconds()
@@ -148,7 +151,7 @@ impl FrictionModel for LuGre {
         let rate = p.sigma0 * v.abs() / g;
         let z_steady = (g / p.sigma0).copysign(v);
         state.continuous = [z_steady + (z - z_steady) * (-rate * dt).exp()];
-        p.sigma0 * z + p.sigma1 * (v - rate * z) + p.f_v * v
+        p.sigma0 * z + self.damping(v) * (v - rate * z) + p.f_v * v
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {
@@ -162,6 +165,16 @@ impl FrictionModel for LuGre {
         let loaded = self.parameters.sigma0 * z * crate::model::sign(velocity);
         let regime = if loaded >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+        let [z] = state.continuous;
+        Some(0.5 * self.parameters.sigma0 * z * z)
     }
 }
 

@@ -1,10 +1,10 @@
 //! The one trait behind which every friction model stands.
 
-use std::fmt::Debug;
+use core::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ModelError, ModelName};
+use crate::{ModelError, ModelName, ParameterSet};
 
 /// Velocities beyond this magnitude are cut to it by the fixed-step form [m/s or rad/s].
 pub const MAX_SPEED: f64 = 1e6;
@@ -24,6 +24,14 @@ impl<const N: usize> ContinuousState for [f64; N] {
             *s += h * r;
         }
         sum
+    }
+}
+
+/// Two states side by side, for instance of the two directions of an asymmetric contact.
+impl<A: ContinuousState, B: ContinuousState> ContinuousState for (A, B) {
+    #[inline]
+    fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
+        (self.0.plus_scaled(&rate.0, h), self.1.plus_scaled(&rate.1, h))
     }
 }
 
@@ -87,6 +95,39 @@ impl TimeStep {
     }
 }
 
+/// How a model that is discontinuous at zero velocity holds there. A simulator treats the sticking as an event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Holding {
+    /// Speeds up to this one count as standing still [m/s or rad/s]; zero for all models but Karnopp's.
+    pub band: f64,
+    /// Largest force that is held against motion forward [N or N m].
+    pub forward: f64,
+    /// Largest force that is held against motion backward, as a magnitude [N or N m].
+    pub backward: f64,
+}
+
+impl Holding {
+    /// Holds up to `level` both ways at exactly zero velocity.
+    #[must_use]
+    pub const fn up_to(level: f64) -> Self {
+        Self { band: 0.0, forward: level, backward: level }
+    }
+
+    /// Whether the contact stays where it is at `velocity` under the sum `applied` of all other forces.
+    #[inline]
+    #[must_use]
+    pub fn holds(&self, velocity: f64, applied: f64) -> bool {
+        velocity.abs() <= self.band && applied <= self.forward && applied >= -self.backward
+    }
+
+    /// The friction while standing still: it balances `applied` as far as the levels allow (thesis eqs. 2.7, 2.8, 2.13).
+    #[inline]
+    #[must_use]
+    pub fn force(&self, applied: f64) -> f64 {
+        between(-self.backward, self.forward, applied)
+    }
+}
+
 /// A friction model with valid parameters.
 ///
 /// `F` opposes motion. For the derivative form use [`evaluate`](Self::evaluate) in the stages of an integrator and
@@ -94,12 +135,17 @@ impl TimeStep {
 pub trait FrictionModel: Clone + Debug {
     /// The model's name.
     const NAME: ModelName;
+    /// Its parameters as files carry them.
+    type Parameters: ParameterSet;
     /// Continuous states, `[f64; N]`.
     type Continuous: ContinuousState;
     /// Discrete memory; `()` for most models.
     type Memory: Clone + Debug + PartialEq;
     /// Coefficients of the fixed-step form that depend on the period only.
     type Discrete: Clone + Debug;
+
+    /// The parameters.
+    fn parameters(&self) -> &Self::Parameters;
 
     /// The state at rest, unloaded and having rested long: `z = 0`, `gamma = F_s`.
     fn rest(&self) -> State<Self::Continuous, Self::Memory>;
@@ -112,8 +158,9 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> Evaluation<Self::Continuous>;
 
-    /// Accepts a step: projects the states onto their bounds and lets the memory know where they arrived.
-    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>);
+    /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds and lets the memory know
+    /// where they arrived.
+    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64);
 
     /// Coefficients of the fixed-step form for the period `dt`.
     fn discretise(&self, dt: TimeStep) -> Self::Discrete;
@@ -135,12 +182,27 @@ pub trait FrictionModel: Clone + Debug {
     /// The inner quantities at this state and velocity.
     fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: f64) -> Internals;
 
-    /// For models that are discontinuous at zero velocity: the largest force that holds the contact there. A simulator
-    /// must treat their sticking as an event. `None` for models that describe pre-sliding themselves.
-    fn breakaway(&self) -> Option<f64> {
+    /// The part of the force that is viscous, `f_v v`: what is left is the contact's. Zero for models without such a term.
+    fn viscous(&self, _velocity: f64) -> f64 {
+        0.0
+    }
+
+    /// How a model that is discontinuous at zero velocity holds there, where the applied force changes at `force_rate`
+    /// [N/s or N m/s]. `None` for models that describe pre-sliding themselves.
+    fn holding(&self, _force_rate: f64) -> Option<Holding> {
+        None
+    }
+
+    /// Energy stored in the deflected bristles [J], where the model defines one.
+    fn stored_energy(&self, _state: &State<Self::Continuous, Self::Memory>) -> Option<f64> {
         None
     }
 }
+
+/// A [`FrictionModel`] that can be built from its parameters: every model of this crate.
+pub trait FromParameters: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
+
+impl<M> FromParameters for M where M: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
 
 /// A velocity that the fixed-step forms can be stepped with.
 #[inline]

@@ -1,45 +1,358 @@
-//! Checks that every parameter passes before a model exists.
+//! Parameters: their names, units and ranges in one table per model, and the checks that every set passes before a
+//! model exists.
 
-use crate::{ModelError, ModelName};
+use core::fmt;
 
-/// Checks the parameters of one model, naming it in the error.
-#[derive(Clone, Copy)]
-pub(crate) struct Check(pub(crate) ModelName);
+use serde::Serialize;
 
-impl Check {
-    /// Finite and above zero.
-    pub(crate) fn positive(
-        self,
-        parameter: &'static str,
-        value: f64,
-        unit: &'static str,
-    ) -> Result<(), ModelError> {
-        self.require(value > 0.0, parameter, value, unit, "a finite number above zero")
+use crate::{Elements, ModelError, ModelName};
+
+/// Unit of a parameter, for a linear axis and for a rotary one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// N or N m
+    Force,
+    /// N/m or N m/rad
+    Stiffness,
+    /// N s/m or N m s/rad
+    Damping,
+    /// m or rad
+    Deflection,
+    /// m/s or rad/s
+    Speed,
+    /// s/m or s/rad
+    PerSpeed,
+    /// m/s^2 or rad/s^2
+    Acceleration,
+    /// N/s or N m/s
+    ForceRate,
+    /// s
+    Time,
+    /// A pure number
+    None,
+}
+
+impl Unit {
+    /// The unit on a linear axis; empty for a pure number.
+    #[must_use]
+    pub const fn linear(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Stiffness => "N/m",
+            Self::Damping => "N s/m",
+            Self::Deflection => "m",
+            Self::Speed => "m/s",
+            Self::PerSpeed => "s/m",
+            Self::Acceleration => "m/s^2",
+            Self::ForceRate => "N/s",
+            Self::Time => "s",
+            Self::None => "",
+        }
     }
 
-    /// Finite and not below zero.
-    pub(crate) fn non_negative(
-        self,
-        parameter: &'static str,
-        value: f64,
-        unit: &'static str,
-    ) -> Result<(), ModelError> {
-        self.require(value >= 0.0, parameter, value, unit, "a finite number, zero or more")
-    }
-
-    /// Any condition, described by `expected`. A value that is not finite never passes.
-    pub(crate) fn require(
-        self,
-        holds: bool,
-        parameter: &'static str,
-        value: f64,
-        unit: &'static str,
-        expected: &'static str,
-    ) -> Result<(), ModelError> {
-        if holds && value.is_finite() {
-            Ok(())
-        } else {
-            Err(ModelError::OutOfRange { model: self.0, parameter, value, unit, expected })
+    /// The unit on a rotary axis; empty for a pure number.
+    #[must_use]
+    pub const fn rotary(self) -> &'static str {
+        match self {
+            Self::Force => "N m",
+            Self::Stiffness => "N m/rad",
+            Self::Damping => "N m s/rad",
+            Self::Deflection => "rad",
+            Self::Speed => "rad/s",
+            Self::PerSpeed => "s/rad",
+            Self::Acceleration => "rad/s^2",
+            Self::ForceRate => "N m/s",
+            Self::Time => "s",
+            Self::None => "",
         }
     }
 }
+
+/// Values a parameter may take. None of them allows a value that is not finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Range {
+    /// Any number.
+    Any,
+    /// Above zero.
+    Positive,
+    /// Zero or more.
+    NonNegative,
+    /// Above the first, at most the second.
+    Within(f64, f64),
+    /// From the first to the second, both allowed.
+    FromTo(f64, f64),
+    /// A condition in words, for conditions between parameters.
+    Such(&'static str),
+}
+
+impl Range {
+    /// Whether `value` lies in the range; conditions in words hold for every finite number.
+    #[must_use]
+    pub fn holds(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any | Self::Such(_) => true,
+                Self::Positive => value > 0.0,
+                Self::NonNegative => value >= 0.0,
+                Self::Within(low, high) => value > low && value <= high,
+                Self::FromTo(low, high) => value >= low && value <= high,
+            }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Any => f.write_str("a finite number"),
+            Self::Positive => f.write_str("a finite number above zero"),
+            Self::NonNegative => f.write_str("a finite number, zero or more"),
+            Self::Within(low, high) => write!(f, "above {low} and at most {high}"),
+            Self::FromTo(low, high) => write!(f, "from {low} to {high}"),
+            Self::Such(condition) => f.write_str(condition),
+        }
+    }
+}
+
+/// One row of a model's parameter table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Name in files.
+    pub name: &'static str,
+    /// What it is, in a sentence; with its unit in brackets.
+    pub meaning: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// What each of its values must satisfy; conditions between parameters are checked when the model is built.
+    pub range: Range,
+    /// Whether a file may leave it out.
+    pub optional: bool,
+}
+
+/// What a parameter's field can hold: one number, a list with one number an element, or a whole number.
+pub trait Value {
+    /// Calls `f` with every number.
+    fn each(&self, f: &mut dyn FnMut(f64));
+
+    /// Multiplies every number by `factor`. Whole numbers are rounded.
+    fn scale(&mut self, factor: f64);
+
+    /// Becomes `value`; false for a list, which one number does not determine.
+    fn set(&mut self, value: f64) -> bool;
+}
+
+impl Value for f64 {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        f(*self);
+    }
+    fn scale(&mut self, factor: f64) {
+        *self *= factor;
+    }
+    fn set(&mut self, value: f64) -> bool {
+        *self = value;
+        true
+    }
+}
+
+impl Value for Option<f64> {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        if let Some(value) = self {
+            f(*value);
+        }
+    }
+    fn scale(&mut self, factor: f64) {
+        if let Some(value) = self {
+            *value *= factor;
+        }
+    }
+    fn set(&mut self, value: f64) -> bool {
+        *self = Some(value);
+        true
+    }
+}
+
+impl<const CAPACITY: usize> Value for Elements<CAPACITY> {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        self.iter().copied().for_each(f);
+    }
+    fn scale(&mut self, factor: f64) {
+        self.iter_mut().for_each(|value| *value *= factor);
+    }
+    fn set(&mut self, _: f64) -> bool {
+        false
+    }
+}
+
+impl Value for u32 {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        f(f64::from(*self));
+    }
+    fn scale(&mut self, factor: f64) {
+        // A float becomes a whole number by saturation: nothing overflows.
+        *self = (f64::from(*self) * factor + 0.5) as u32;
+    }
+    fn set(&mut self, value: f64) -> bool {
+        *self = (value + 0.5) as u32;
+        true
+    }
+}
+
+/// The parameters of a model as files carry them: plain numbers, not yet checked against each other.
+pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
+    /// One row a field, in the order of the fields.
+    const TABLE: &'static [Parameter];
+
+    /// Calls `f` with every number of the parameter `name`; not at all if there is none of that name.
+    fn each(&self, name: &str, f: &mut dyn FnMut(f64));
+
+    /// Multiplies the parameter `name` by `factor`; false if there is none of that name.
+    fn scale(&mut self, name: &str, factor: f64) -> bool;
+
+    /// Sets the parameter `name` to `value`; false if there is none of that name, or if it is a list.
+    fn set(&mut self, name: &str, value: f64) -> bool;
+
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] for the first that lies outside.
+    fn check(&self, model: ModelName) -> Result<(), ModelError> {
+        let mut outcome = Ok(());
+        for row in Self::TABLE {
+            self.each(row.name, &mut |value| {
+                if outcome.is_ok() && !row.range.holds(value) {
+                    outcome = Err(row.refusal(model, value, row.range));
+                }
+            });
+        }
+        outcome
+    }
+
+    /// Checks a condition between parameters: an error naming `parameter` unless `holds`.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`].
+    fn require(
+        model: ModelName,
+        holds: bool,
+        parameter: &'static str,
+        value: f64,
+        condition: &'static str,
+    ) -> Result<(), ModelError> {
+        if holds {
+            return Ok(());
+        }
+        let unit = Self::TABLE.iter().find(|row| row.name == parameter).map_or(Unit::None, |row| row.unit);
+        Err(ModelError::OutOfRange { model, parameter, value, unit, expected: Range::Such(condition) })
+    }
+}
+
+impl Parameter {
+    fn refusal(&self, model: ModelName, value: f64, expected: Range) -> ModelError {
+        ModelError::OutOfRange { model, parameter: self.name, value, unit: self.unit, expected }
+    }
+}
+
+/// Declares the parameters of a model: the struct that files carry and its [`ParameterSet`] table in one place.
+///
+/// A field is its documentation (with the unit in brackets), a serde attribute where it may be left out, then
+/// `name: type, Unit, Range;`.
+macro_rules! parameters {
+    (
+        $(#[doc = $about:literal])+
+        $set:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $(#[serde($($serde:tt)+)])?
+                $field:ident: $kind:ty, $unit:ident, $range:expr;
+            )*
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $set {
+            $(
+                $(#[doc = $doc])+
+                $(#[serde($($serde)+)])?
+                pub $field: $kind,
+            )*
+        }
+
+        impl $crate::ParameterSet for $set {
+            const TABLE: &'static [$crate::Parameter] = &[
+                $($crate::Parameter {
+                    name: stringify!($field),
+                    meaning: concat!($($doc),+).trim_ascii(),
+                    unit: $crate::Unit::$unit,
+                    range: $range,
+                    optional: !concat!("" $(, stringify!($($serde)+))?).is_empty(),
+                },)*
+            ];
+
+            fn each(&self, name: &str, f: &mut dyn FnMut(f64)) {
+                match name {
+                    $(stringify!($field) => $crate::Value::each(&self.$field, f),)*
+                    _ => {}
+                }
+            }
+
+            fn scale(&mut self, name: &str, factor: f64) -> bool {
+                match name {
+                    $(stringify!($field) => $crate::Value::scale(&mut self.$field, factor),)*
+                    _ => return false,
+                }
+                true
+            }
+
+            fn set(&mut self, name: &str, value: f64) -> bool {
+                match name {
+                    $(stringify!($field) => $crate::Value::set(&mut self.$field, value),)*
+                    _ => false,
+                }
+            }
+        }
+    };
+}
+
+/// Parameter sets that every model has.
+pub trait Presets: ParameterSet {
+    /// The thesis's test bed (tables 4.13 to 4.16, harmonised; N m, rad, s), or for models that it does not fit there, the values that
+    /// give the same levels.
+    fn test_bed() -> Self;
+
+    /// The default set of the thesis's chapter 3 (N, m, s), likewise.
+    fn chapter_3() -> Self;
+}
+
+/// Ties a model to its parameters: back from the model for files, and the presets as models.
+macro_rules! built_from {
+    ($model:ident, $set:ty) => {
+        impl From<$model> for $set {
+            fn from(model: $model) -> Self {
+                model.parameters
+            }
+        }
+
+        impl $model {
+            /// With the parameters of the thesis's test bed, see [`Presets`](crate::Presets).
+            ///
+            /// # Panics
+            /// Never: a test builds it.
+            #[must_use]
+            pub fn test_bed() -> Self {
+                <$set as $crate::Presets>::test_bed().try_into().expect("constants within range")
+            }
+
+            /// With the default parameters of the thesis's chapter 3 (N, m, s), see [`Presets`](crate::Presets).
+            ///
+            /// # Panics
+            /// Never: a test builds it.
+            #[must_use]
+            pub fn chapter_3() -> Self {
+                <$set as $crate::Presets>::chapter_3().try_into().expect("constants within range")
+            }
+        }
+    };
+}
+
+pub(crate) use {built_from, parameters};

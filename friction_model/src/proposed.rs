@@ -29,39 +29,61 @@
 //! `dz = dt sat-between(v, (-gamma - F_hyst) / (sigma + k dt), (gamma - F_hyst) / (sigma + k dt))`, which can neither
 //! overshoot nor oscillate at any period.
 
-use std::f64::consts::FRAC_PI_2;
+use core::f64::consts::FRAC_PI_2;
 
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
 use crate::model::{between, bounded, saturate};
-use crate::parameter::Check;
-use crate::stribeck_curve::gaussian;
+use crate::parameter::{built_from, parameters};
+use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, Regime, State, StribeckCurve,
-    TimeStep, VirginCurve,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep, VirginCurve,
 };
 
-/// Parameters of [`Proposed`] as files carry them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ProposedParameters {
-    /// Static friction F_s [N or N m], at least `f_c`.
-    pub f_s: f64,
-    /// Kinetic friction F_c [N or N m], above zero.
-    pub f_c: f64,
-    /// Stribeck velocity v_s [m/s or rad/s], above zero.
-    pub v_s: f64,
-    /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-    #[serde(default = "gaussian")]
-    pub delta: f64,
-    /// Micro-damping sigma [N s/m or N m s/rad], above zero.
-    pub sigma: f64,
-    /// Time constant of the lag [s], above zero.
-    pub tau: f64,
-    /// Breakaway deflection Z_b [m or rad], above zero.
-    pub z_b: f64,
-    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-    pub f_v: f64,
+parameters! {
+    /// Parameters of [`Proposed`] as files carry them.
+    ProposedParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Micro-damping sigma [N s/m or N m s/rad], above zero.
+        sigma: f64, Damping, Range::Positive;
+        /// Time constant of the lag [s], above zero.
+        tau: f64, Time, Range::Positive;
+        /// Breakaway deflection Z_b [m or rad], above zero.
+        z_b: f64, Deflection, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for ProposedParameters {
+    /// Table 4.13 with the consistent sigma.
+    fn test_bed() -> Self {
+        Self {
+            f_s: 0.0994,
+            f_c: 0.0925,
+            v_s: 0.1407,
+            delta: 2.0,
+            sigma: 0.3213,
+            tau: 0.0011,
+            z_b: 0.006,
+            f_v: 0.0403,
+        }
+    }
+    fn chapter_3() -> Self {
+        let sigma = 1e5f64.sqrt();
+        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma, tau: 0.002, z_b: 0.001, f_v: 0.0 }
+    }
 }
 
 /// The proposed model with valid parameters. State: `[gamma, z]` and the reversal points.
@@ -89,6 +111,15 @@ impl VirginCurve for Sine {
         self.f_s * (self.wave_number * z).sin()
     }
 
+    fn slope(&self, z: f64) -> f64 {
+        // The sine ends flat: the cosine's rounding there is not a slope.
+        if z.abs() >= self.z_b { 0.0 } else { self.f_s * self.wave_number * (self.wave_number * z).cos() }
+    }
+
+    fn integral(&self, z: f64) -> f64 {
+        self.f_s * (1.0 - (self.wave_number * z).cos()) / self.wave_number
+    }
+
     #[inline]
     fn limit(&self) -> f64 {
         self.z_b
@@ -96,53 +127,6 @@ impl VirginCurve for Sine {
 }
 
 impl Proposed {
-    /// The default set of the thesis's chapter 3 (N, m, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn chapter_3() -> Self {
-        let sigma = 1e5f64.sqrt();
-        ProposedParameters {
-            f_s: 1.5,
-            f_c: 1.0,
-            v_s: 0.01,
-            delta: 2.0,
-            sigma,
-            tau: 0.002,
-            z_b: 0.001,
-            f_v: 0.0,
-        }
-        .try_into()
-        .expect("constants within range")
-    }
-
-    /// The test bed (thesis Table 4.13 with the consistent sigma; N m, rad, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        ProposedParameters {
-            f_s: 0.0994,
-            f_c: 0.0925,
-            v_s: 0.1407,
-            delta: 2.0,
-            sigma: 0.3213,
-            tau: 0.0011,
-            z_b: 0.006,
-            f_v: 0.0403,
-        }
-        .try_into()
-        .expect("constants within range")
-    }
-
-    /// The parameters.
-    #[must_use]
-    pub const fn parameters(&self) -> &ProposedParameters {
-        &self.parameters
-    }
-
     /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and returns `F_hyst` there.
     pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
         memory.commit(&self.sine, z)
@@ -159,36 +143,20 @@ impl TryFrom<ProposedParameters> for Proposed {
     type Error = ModelError;
 
     fn try_from(p: ProposedParameters) -> Result<Self, ModelError> {
-        let check = Check(ModelName::Proposed);
-        let curve = StribeckCurve::new(ModelName::Proposed, p.f_s, p.f_c, p.v_s, p.delta)?;
-        check.positive("sigma", p.sigma, "N m s/rad")?;
-        check.positive("tau", p.tau, "s")?;
-        check.positive("z_b", p.z_b, "rad")?;
-        check.non_negative("f_v", p.f_v, "N m s/rad")?;
+        let name = ModelName::Proposed;
+        p.check(name)?;
+        let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
         let sine = Sine { f_s: p.f_s, z_b: p.z_b, wave_number: FRAC_PI_2 / p.z_b };
-        check.require(
-            (sine.f_s * sine.wave_number).is_finite(),
-            "z_b",
-            p.z_b,
-            "rad",
-            "large enough for a finite stiffness",
-        )?;
-        check.require(
-            (1.0 / p.sigma).is_finite(),
-            "sigma",
-            p.sigma,
-            "N m s/rad",
-            "large enough to divide by",
-        )?;
+        let stiffness = sine.f_s * sine.wave_number;
+        let steep = "large enough for a finite stiffness";
+        ProposedParameters::require(name, stiffness.is_finite(), "z_b", p.z_b, steep)?;
+        let divisor = "large enough to divide by";
+        ProposedParameters::require(name, (1.0 / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
         Ok(Self { parameters: p, curve, sine, inverse_sigma: 1.0 / p.sigma })
     }
 }
 
-impl From<Proposed> for ProposedParameters {
-    fn from(model: Proposed) -> Self {
-        model.parameters
-    }
-}
+built_from!(Proposed, ProposedParameters);
 
 /// Coefficients of the fixed-step form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,9 +170,14 @@ pub struct ProposedDiscrete {
 
 impl FrictionModel for Proposed {
     const NAME: ModelName = ModelName::Proposed;
+    type Parameters = ProposedParameters;
     type Continuous = [f64; 2];
     type Memory = Hysteresis;
     type Discrete = ProposedDiscrete;
+
+    fn parameters(&self) -> &ProposedParameters {
+        &self.parameters
+    }
 
     fn rest(&self) -> State<[f64; 2], Hysteresis> {
         State { continuous: [self.parameters.f_s, 0.0], memory: Hysteresis::default() }
@@ -225,7 +198,7 @@ impl FrictionModel for Proposed {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 2], Hysteresis>) {
+    fn commit(&self, state: &mut State<[f64; 2], Hysteresis>, _: f64, _: f64) {
         let [gamma, z] = state.continuous;
         let z = saturate(self.sine.z_b, z);
         state.continuous = [gamma.clamp(self.parameters.f_c, self.parameters.f_s), z];
@@ -271,6 +244,15 @@ impl FrictionModel for Proposed {
         let trial = state.memory.peek(&self.sine, z) + self.parameters.sigma * velocity;
         let regime = if trial.abs() > gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; 2], Hysteresis>) -> Option<f64> {
+        Some(state.memory.stored_energy(&self.sine))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The derivative form under a prescribed velocity: classical Runge-Kutta of fourth order.
 
+use crate::body::sum;
 use crate::{ContinuousState, FrictionModel, State};
 
 /// Advances `state` by `dt` [s] under a velocity given at the start, the middle and the end of the step, commits, and returns the
@@ -19,11 +20,7 @@ pub fn step<M: FrictionModel>(
     let k2 = model.evaluate(&x.plus_scaled(&k1, 0.5 * dt), memory, v_mid).rates;
     let k3 = model.evaluate(&x.plus_scaled(&k2, 0.5 * dt), memory, v_mid).rates;
     let k4 = model.evaluate(&x.plus_scaled(&k3, dt), memory, v1).rates;
-    state.continuous = x
-        .plus_scaled(&k1, dt / 6.0)
-        .plus_scaled(&k2, dt / 3.0)
-        .plus_scaled(&k3, dt / 3.0)
-        .plus_scaled(&k4, dt / 6.0);
-    model.commit(state);
+    state.continuous = sum(&x, [&k1, &k2, &k3, &k4], dt);
+    model.commit(state, v1, dt);
     model.evaluate(&state.continuous, &state.memory, v1).force
 }

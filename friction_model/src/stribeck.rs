@@ -19,27 +19,37 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::bounded;
-use crate::parameter::Check;
-use crate::stribeck_curve::gaussian;
+use crate::parameter::{built_from, parameters};
+use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
 };
 
-/// Parameters of [`Stribeck`] as files carry them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StribeckParameters {
-    /// Static friction F_s [N or N m], at least `f_c`.
-    pub f_s: f64,
-    /// Kinetic friction F_c [N or N m], above zero.
-    pub f_c: f64,
-    /// Stribeck velocity v_s [m/s or rad/s], above zero.
-    pub v_s: f64,
-    /// Shape exponent, above 0 and at most 10; 2 if left out.
-    #[serde(default = "gaussian")]
-    pub delta: f64,
-    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-    pub f_v: f64,
+parameters! {
+    /// Parameters of [`Stribeck`] as files carry them.
+    StribeckParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for StribeckParameters {
+    fn test_bed() -> Self {
+        Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, f_v: 0.0403 }
+    }
+    fn chapter_3() -> Self {
+        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, f_v: 0.0 }
+    }
 }
 
 /// The static Stribeck model with valid parameters.
@@ -50,46 +60,28 @@ pub struct Stribeck {
     curve: StribeckCurve,
 }
 
-impl Stribeck {
-    /// The test bed (thesis Table 4.13).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        StribeckParameters { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, f_v: 0.0403 }
-            .try_into()
-            .expect("constants within range")
-    }
-
-    /// The parameters.
-    #[must_use]
-    pub const fn parameters(&self) -> &StribeckParameters {
-        &self.parameters
-    }
-}
-
 impl TryFrom<StribeckParameters> for Stribeck {
     type Error = ModelError;
 
     fn try_from(p: StribeckParameters) -> Result<Self, ModelError> {
+        p.check(ModelName::Stribeck)?;
         let curve = StribeckCurve::new(ModelName::Stribeck, p.f_s, p.f_c, p.v_s, p.delta)?;
-        Check(ModelName::Stribeck).non_negative("f_v", p.f_v, "N m s/rad")?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-impl From<Stribeck> for StribeckParameters {
-    fn from(model: Stribeck) -> Self {
-        model.parameters
-    }
-}
+built_from!(Stribeck, StribeckParameters);
 
 impl FrictionModel for Stribeck {
     const NAME: ModelName = ModelName::Stribeck;
+    type Parameters = StribeckParameters;
     type Continuous = [f64; 0];
     type Memory = ();
     type Discrete = ();
+
+    fn parameters(&self) -> &StribeckParameters {
+        &self.parameters
+    }
 
     fn rest(&self) -> State<[f64; 0], ()> {
         State { continuous: [], memory: () }
@@ -99,7 +91,7 @@ impl FrictionModel for Stribeck {
         Evaluation { force: self.steady_state(velocity), rates: [] }
     }
 
-    fn commit(&self, _: &mut State<[f64; 0], ()>) {}
+    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, _: TimeStep) {}
 
@@ -118,8 +110,13 @@ impl FrictionModel for Stribeck {
         Internals { deflection: 0.0, gamma: self.curve.level(velocity), regime }
     }
 
-    fn breakaway(&self) -> Option<f64> {
-        Some(self.parameters.f_s)
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn holding(&self, _: f64) -> Option<Holding> {
+        Some(Holding::up_to(self.parameters.f_s))
     }
 }
 

@@ -1,7 +1,9 @@
 //! The level at which a contact slides, as a function of speed.
 
-use crate::parameter::Check;
-use crate::{ModelError, ModelName};
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+
+use crate::{ModelError, ModelName, Range, Unit};
 
 /// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs. 2.9 to 2.11 with
 /// the absolute value inside the power.
@@ -21,19 +23,29 @@ impl StribeckCurve {
     /// # Errors
     /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and `0 < delta <= 10`.
     pub fn new(model: ModelName, f_s: f64, f_c: f64, v_s: f64, delta: f64) -> Result<Self, ModelError> {
-        let check = Check(model);
-        check.positive("f_s", f_s, "N m")?;
-        check.positive("f_c", f_c, "N m")?;
-        check.require(
-            f_c <= f_s,
-            "f_c",
-            f_c,
-            "N m",
-            "at most f_s: kinetic friction does not exceed static friction",
-        )?;
-        check.positive("v_s", v_s, "rad/s")?;
-        check.require(1.0 / v_s < f64::INFINITY, "v_s", v_s, "rad/s", "large enough to divide by")?;
-        check.require(delta > 0.0 && delta <= 10.0, "delta", delta, "", "above 0 and at most 10")?;
+        let positive = [("f_s", f_s, Unit::Force), ("f_c", f_c, Unit::Force), ("v_s", v_s, Unit::Speed)];
+        let refusal = |parameter, value, unit, expected| ModelError::OutOfRange {
+            model,
+            parameter,
+            value,
+            unit,
+            expected,
+        };
+        for (parameter, value, unit) in positive {
+            if !Range::Positive.holds(value) {
+                return Err(refusal(parameter, value, unit, Range::Positive));
+            }
+        }
+        if f_c > f_s {
+            let expected = Range::Such("at most f_s: kinetic friction does not exceed static friction");
+            return Err(refusal("f_c", f_c, Unit::Force, expected));
+        }
+        if 1.0 / v_s == f64::INFINITY {
+            return Err(refusal("v_s", v_s, Unit::Speed, Range::Such("large enough to divide by")));
+        }
+        if !SHAPE.holds(delta) {
+            return Err(refusal("delta", delta, Unit::None, SHAPE));
+        }
         Ok(Self { f_s, f_c, inverse_v_s: 1.0 / v_s, v_s, delta })
     }
 
@@ -77,6 +89,9 @@ impl StribeckCurve {
         self.delta
     }
 }
+
+/// Shape exponents.
+pub(crate) const SHAPE: Range = Range::Within(0.0, 10.0);
 
 /// The shape exponent that parameter files may leave out.
 pub(crate) const fn gaussian() -> f64 {

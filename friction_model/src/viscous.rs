@@ -13,15 +13,28 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::bounded;
-use crate::parameter::Check;
-use crate::{Evaluation, FrictionModel, Internals, ModelError, ModelName, Regime, State, TimeStep};
+use crate::parameter::{built_from, parameters};
+use crate::{
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    TimeStep,
+};
 
-/// Parameters of [`Viscous`] as files carry them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ViscousParameters {
-    /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-    pub f_v: f64,
+parameters! {
+    /// Parameters of [`Viscous`] as files carry them.
+    ViscousParameters {
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for ViscousParameters {
+    fn test_bed() -> Self {
+        Self { f_v: 0.0403 }
+    }
+    /// The viscous coefficient of the thesis's velocity example (section 5.4): chapter 3 has none.
+    fn chapter_3() -> Self {
+        Self { f_v: 0.0176 }
+    }
 }
 
 /// Viscous friction with valid parameters.
@@ -31,40 +44,27 @@ pub struct Viscous {
     parameters: ViscousParameters,
 }
 
-impl Viscous {
-    /// The test bed's viscous coefficient (thesis Table 4.13).
-    #[must_use]
-    pub const fn test_bed() -> Self {
-        Self { parameters: ViscousParameters { f_v: 0.0403 } }
-    }
-
-    /// The parameters.
-    #[must_use]
-    pub const fn parameters(&self) -> &ViscousParameters {
-        &self.parameters
-    }
-}
-
 impl TryFrom<ViscousParameters> for Viscous {
     type Error = ModelError;
 
     fn try_from(parameters: ViscousParameters) -> Result<Self, ModelError> {
-        Check(ModelName::Viscous).non_negative("f_v", parameters.f_v, "N m s/rad")?;
+        parameters.check(ModelName::Viscous)?;
         Ok(Self { parameters })
     }
 }
 
-impl From<Viscous> for ViscousParameters {
-    fn from(model: Viscous) -> Self {
-        model.parameters
-    }
-}
+built_from!(Viscous, ViscousParameters);
 
 impl FrictionModel for Viscous {
     const NAME: ModelName = ModelName::Viscous;
+    type Parameters = ViscousParameters;
     type Continuous = [f64; 0];
     type Memory = ();
     type Discrete = ();
+
+    fn parameters(&self) -> &ViscousParameters {
+        &self.parameters
+    }
 
     fn rest(&self) -> State<[f64; 0], ()> {
         State { continuous: [], memory: () }
@@ -74,7 +74,7 @@ impl FrictionModel for Viscous {
         Evaluation { force: self.steady_state(velocity), rates: [] }
     }
 
-    fn commit(&self, _: &mut State<[f64; 0], ()>) {}
+    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, _: TimeStep) {}
 
@@ -88,6 +88,10 @@ impl FrictionModel for Viscous {
 
     fn internals(&self, _: &State<[f64; 0], ()>, _: f64) -> Internals {
         Internals { deflection: 0.0, gamma: 0.0, regime: Regime::Slip }
+    }
+
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
     }
 }
 

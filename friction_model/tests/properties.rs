@@ -17,7 +17,7 @@ prop_compose! {
 prop_compose! {
     fn any_lugre()((f_s, f_c, v_s, delta) in stribeck_levels(), log_sigma0 in 0.0..6.0f64, sigma1 in 0.0..300.0f64,
                    f_v in 0.0..1.0f64) -> LuGre {
-        LuGreParameters { f_s, f_c, v_s, delta, sigma0: 10f64.powf(log_sigma0), sigma1, f_v }.try_into().unwrap()
+        LuGreParameters { f_s, f_c, v_s, delta, sigma0: 10f64.powf(log_sigma0), sigma1, v_d: None, f_v }.try_into().unwrap()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible from a seed.
 
-use friction_model::{AnyModel, FrictionModel};
+use friction_model::{AnyModel, FrictionModel, ModelVisitor};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
@@ -148,13 +148,24 @@ impl SimulationOptions {
     /// # Errors
     /// [`RigError`] names the option that is out of range.
     pub fn build(self, model: AnyModel) -> Result<Box<dyn Rig + Send>, RigError> {
-        Ok(match model {
-            AnyModel::Coulomb(model) => Box::new(SimulatedRig::new(self, model)?),
-            AnyModel::Viscous(model) => Box::new(SimulatedRig::new(self, model)?),
-            AnyModel::Stribeck(model) => Box::new(SimulatedRig::new(self, model)?),
-            AnyModel::LuGre(model) => Box::new(SimulatedRig::new(self, model)?),
-            AnyModel::Proposed(model) => Box::new(SimulatedRig::new(self, model)?),
-        })
+        model.visit(Build(self))
+    }
+}
+
+/// Builds the rig around a model whose type is known.
+struct Build(SimulationOptions);
+
+impl ModelVisitor for Build {
+    type Output = Result<Box<dyn Rig + Send>, RigError>;
+
+    fn visit<M>(self, model: M) -> Self::Output
+    where
+        M: FrictionModel<Continuous: Send + Sync, Memory: Send + Sync, Discrete: Send + Sync>
+            + Send
+            + Sync
+            + 'static,
+    {
+        Ok(Box::new(SimulatedRig::new(self.0, model)?))
     }
 }
 

@@ -3,10 +3,7 @@
 use std::collections::BTreeMap;
 
 use friction_ident::StribeckValues;
-use friction_model::{
-    AnyModel, CoulombParameters, LuGreParameters, ModelError, ModelName, ProposedParameters,
-    StribeckParameters, ViscousParameters,
-};
+use friction_model::{AnyModel, ModelError, ModelName};
 use serde::Serialize;
 
 /// One parameter set for each model.
@@ -40,20 +37,13 @@ impl Compensators {
     pub fn with_static(&self, found: &StribeckValues) -> Result<Self, ModelError> {
         let StribeckValues { f_s, f_c, v_s, f_v, delta } = *found;
         let models = self.0.iter().map(|(name, model)| {
-            let model = match model {
-                AnyModel::Coulomb(_) => AnyModel::Coulomb(CoulombParameters { f_c }.try_into()?),
-                AnyModel::Viscous(_) => AnyModel::Viscous(ViscousParameters { f_v }.try_into()?),
-                AnyModel::Stribeck(_) => {
-                    AnyModel::Stribeck(StribeckParameters { f_s, f_c, v_s, delta, f_v }.try_into()?)
-                }
-                AnyModel::LuGre(m) => AnyModel::LuGre(
-                    LuGreParameters { f_s, f_c, v_s, delta, f_v, ..*m.parameters() }.try_into()?,
-                ),
-                AnyModel::Proposed(m) => AnyModel::Proposed(
-                    ProposedParameters { f_s, f_c, v_s, delta, f_v, ..*m.parameters() }.try_into()?,
-                ),
-            };
-            Ok((*name, model))
+            let mut parameters = model.parameters();
+            for (parameter, value) in
+                [("f_s", f_s), ("f_c", f_c), ("v_s", v_s), ("f_v", f_v), ("delta", delta)]
+            {
+                parameters.set(parameter, value);
+            }
+            Ok((*name, parameters.try_into()?))
         });
         models.collect::<Result<_, _>>().map(Self)
     }
@@ -71,7 +61,7 @@ mod tests {
             let expected = found.torque(0.2);
             assert!((models.get(name).steady_state(0.2) - expected).abs() < 1e-15, "{name}");
         }
-        let AnyModel::Proposed(model) = models.get(ModelName::Proposed) else { panic!() };
-        assert_eq!((model.parameters().sigma, model.parameters().z_b), (0.3213, 0.006));
+        let model = models.get(ModelName::Proposed);
+        assert_eq!((model.parameter("sigma"), model.parameter("z_b")), (Some(0.3213), Some(0.006)));
     }
 }

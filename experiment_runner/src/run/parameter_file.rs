@@ -31,7 +31,7 @@ struct Node<P> {
 #[serde(untagged)]
 enum Entry {
     Choice(ModelName),
-    Parameters(BTreeMap<String, f64>),
+    Parameters(serde_json::Value),
 }
 
 #[derive(Debug, Serialize)]
@@ -96,10 +96,9 @@ pub(super) fn render(
 }
 
 /// A model's parameters by name.
-fn parameters(model: &AnyModel) -> Result<BTreeMap<String, f64>, RunError> {
-    let text = serde_json::to_string(model).map_err(|e| describe(&e))?;
-    let named: BTreeMap<ModelName, BTreeMap<String, f64>> =
-        serde_json::from_str(&text).map_err(|e| describe(&e))?;
+fn parameters(model: &AnyModel) -> Result<serde_json::Value, RunError> {
+    let named: BTreeMap<String, serde_json::Value> =
+        serde_json::to_value(model).and_then(serde_json::from_value).map_err(|e| describe(&e))?;
     Ok(named.into_values().next().unwrap_or_default())
 }
 
@@ -131,8 +130,11 @@ pub fn read(text: &str) -> Result<Compensators, String> {
             name.parse::<ModelName>().map_err(|e| e.to_string())?;
             continue;
         }
-        let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
-        let model = serde_json::from_value::<AnyModel>(serde_json::json!({ name.as_str(): value }))
+        let name = match key.as_str() {
+            "asymmetric" => key,
+            _ => key.parse::<ModelName>().map_err(|e| e.to_string())?.as_str(),
+        };
+        let model = serde_json::from_value::<AnyModel>(serde_json::json!({ name: value }))
             .map_err(|e| format!("in `{name}`: {e}"))?;
         models.set(model);
     }

@@ -72,22 +72,7 @@ pub struct Parameter {
 /// The plant's value of the static parameters `f_s`, `f_c`, `v_s`, `f_v`, as far as its model has them.
 #[must_use]
 pub(super) fn static_truth(plant: &AnyModel) -> [Option<f64>; 4] {
-    match plant {
-        AnyModel::Coulomb(m) => [None, Some(m.parameters().f_c), None, None],
-        AnyModel::Viscous(m) => [None, None, None, Some(m.parameters().f_v)],
-        AnyModel::Stribeck(m) => {
-            let p = m.parameters();
-            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
-        }
-        AnyModel::LuGre(m) => {
-            let p = m.parameters();
-            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
-        }
-        AnyModel::Proposed(m) => {
-            let p = m.parameters();
-            [p.f_s, p.f_c, p.v_s, p.f_v].map(Some)
-        }
-    }
+    ["f_s", "f_c", "v_s", "f_v"].map(|name| plant.parameter(name))
 }
 
 /// Compensations of one task side by side.

@@ -1,0 +1,112 @@
+//! A short list of numbers that lives in place: parameters of models with several elements.
+
+use core::ops::{Deref, DerefMut};
+
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
+#[derive(Debug, Clone, Copy)]
+pub struct Elements<const CAPACITY: usize = 16> {
+    length: usize,
+    values: [f64; CAPACITY],
+}
+
+impl<const CAPACITY: usize> Elements<CAPACITY> {
+    /// The numbers of `values`; `None` if there are more than `CAPACITY`.
+    #[must_use]
+    pub fn from_slice(values: &[f64]) -> Option<Self> {
+        let mut list = Self { length: values.len(), values: [0.0; CAPACITY] };
+        list.values.get_mut(..values.len())?.copy_from_slice(values);
+        Some(list)
+    }
+
+    /// `length` numbers, at most `CAPACITY`, each computed from its index.
+    #[must_use]
+    pub fn from_fn(length: usize, f: impl FnMut(usize) -> f64) -> Self {
+        Self { length: length.min(CAPACITY), values: core::array::from_fn(f) }
+    }
+
+    /// The first `N` numbers, with `padding` where there are fewer.
+    #[must_use]
+    pub fn padded<const N: usize>(&self, padding: f64) -> [f64; N] {
+        core::array::from_fn(|i| self.get(i).copied().unwrap_or(padding))
+    }
+}
+
+impl<const N: usize, const CAPACITY: usize> From<[f64; N]> for Elements<CAPACITY> {
+    /// The array's numbers, as many as there is room for.
+    fn from(values: [f64; N]) -> Self {
+        Self::from_fn(N, |i| values.get(i).copied().unwrap_or(0.0))
+    }
+}
+
+impl<const CAPACITY: usize> Deref for Elements<CAPACITY> {
+    type Target = [f64];
+    fn deref(&self) -> &[f64] {
+        self.values.get(..self.length).unwrap_or(&self.values)
+    }
+}
+
+impl<const CAPACITY: usize> DerefMut for Elements<CAPACITY> {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        let length = self.length.min(CAPACITY);
+        &mut self.values[..length]
+    }
+}
+
+impl<const CAPACITY: usize> PartialEq for Elements<CAPACITY> {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl<const CAPACITY: usize> Serialize for Elements<CAPACITY> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct List<const CAPACITY: usize>;
+
+        impl<'de, const CAPACITY: usize> Visitor<'de> for List<CAPACITY> {
+            type Value = Elements<CAPACITY>;
+
+            fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                write!(f, "a list of at most {CAPACITY} numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+                let mut elements = Elements { length: 0, values: [0.0; CAPACITY] };
+                while let Some(value) = list.next_element()? {
+                    let Some(place) = elements.values.get_mut(elements.length) else {
+                        return Err(A::Error::invalid_length(elements.length + 1, &self));
+                    };
+                    *place = value;
+                    elements.length += 1;
+                }
+                Ok(elements)
+            }
+        }
+
+        deserializer.deserialize_seq(List)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_reads_back_and_a_longer_one_is_refused() {
+        let list = Elements::<4>::from([1.0, 2.5]);
+        assert_eq!(serde_json::to_string(&list).unwrap(), "[1.0,2.5]");
+        assert_eq!(serde_json::from_str::<Elements<4>>("[1.0,2.5]").unwrap(), list);
+        let message = serde_json::from_str::<Elements<2>>("[1, 2, 3]").unwrap_err().to_string();
+        assert!(message.contains("at most 2 numbers"), "{message}");
+        assert_eq!(Elements::<2>::from_slice(&[1.0, 2.0, 3.0]), None);
+        assert_eq!(list.padded::<3>(7.0), [1.0, 2.5, 7.0]);
+    }
+}
