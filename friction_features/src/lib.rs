@@ -1,0 +1,1 @@
+//! What tells friction models apart, computed.
