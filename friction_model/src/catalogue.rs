@@ -317,7 +317,13 @@ macro_rules! models {
 models! {
     Coulomb "coulomb" "Coulomb" CoulombParameters: Coulomb(Coulomb);
     Viscous "viscous" "Viscous" ViscousParameters: Viscous(Viscous);
+    CoulombViscous "coulomb_viscous" "Coulomb and viscous" CoulombViscousParameters: CoulombViscous(CoulombViscous);
+    Stiction "stiction" "Stiction" StictionParameters: Stiction(Stiction);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
+    RateDependentStiction "rate_dependent_stiction" "Rate-dependent stiction" RateDependentStictionParameters:
+        RateDependentStiction(RateDependentStiction);
+    Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
+    TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
 }

@@ -19,19 +19,25 @@ mod asymmetric;
 mod body;
 mod catalogue;
 mod coulomb;
+mod coulomb_viscous;
 mod elements;
 mod error;
 mod hysteresis;
+mod karnopp;
 pub mod load_dependent;
 mod lugre;
+mod memoryless;
 mod model;
 mod name;
 mod parameter;
 mod proposed;
+mod rate_dependent_stiction;
 pub mod rk4;
 mod stepper;
+mod stiction;
 mod stribeck;
 mod stribeck_curve;
+mod two_line;
 mod viscous;
 
 pub use asymmetric::Asymmetric;
@@ -41,9 +47,11 @@ pub use catalogue::{
     ModelName, ModelVisitor,
 };
 pub use coulomb::{Coulomb, CoulombParameters};
+pub use coulomb_viscous::{CoulombViscous, CoulombViscousParameters};
 pub use elements::Elements;
 pub use error::ModelError;
 pub use hysteresis::{Hysteresis, VirginCurve};
+pub use karnopp::{Karnopp, KarnoppParameters};
 pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
 pub use model::{
@@ -52,7 +60,10 @@ pub use model::{
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Proposed, ProposedParameters};
+pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
 pub use stepper::Stepper;
+pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
+pub use two_line::{TwoLine, TwoLineParameters};
 pub use viscous::{Viscous, ViscousParameters};
