@@ -316,8 +316,14 @@ macro_rules! models {
 models! {
     Coulomb "coulomb" "Coulomb" CoulombParameters: Coulomb(Coulomb);
     Viscous "viscous" "Viscous" ViscousParameters: Viscous(Viscous);
+    CoulombViscous "coulomb_viscous" "Coulomb and viscous" CoulombViscousParameters: CoulombViscous(CoulombViscous);
+    Stiction "stiction" "Stiction" StictionParameters: Stiction(Stiction);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
     Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
+    RateDependentStiction "rate_dependent_stiction" "Rate-dependent stiction" RateDependentStictionParameters:
+        RateDependentStiction(RateDependentStiction);
+    Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
+    TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
     Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);

@@ -3,9 +3,7 @@
 mod arbitrary;
 
 use arbitrary::{model, model_of, period, velocities};
-use friction_model::{
-    AnyModel, AnyParameters, FrictionModel, ModelName, State, Stepper, TimeStep,
-};
+use friction_model::{AnyModel, AnyParameters, FrictionModel, ModelName, State, Stepper, TimeStep};
 use proptest::prelude::*;
 
 /// Models whose force without the viscous part never exceeds the static level.

@@ -14,17 +14,24 @@ impl Stops {
     /// Those of `sin(pi z / 2)`.
     fn of_the_sine(n: u32) -> Self {
         let k = std::f64::consts::FRAC_PI_2;
-        Self((0..n).map(|i| {
-            let r = (f64::from(i) + 0.5) / f64::from(n);
-            (r, k * k * (k * r).sin() / f64::from(n), 0.0)
-        }).collect())
+        Self(
+            (0..n)
+                .map(|i| {
+                    let r = (f64::from(i) + 0.5) / f64::from(n);
+                    (r, k * k * (k * r).sin() / f64::from(n), 0.0)
+                })
+                .collect(),
+        )
     }
 
     fn move_by(&mut self, dz: f64) -> f64 {
-        self.0.iter_mut().map(|(r, weight, stop)| {
-            *stop = (*stop + dz).clamp(-*r, *r);
-            *weight * *stop
-        }).sum()
+        self.0
+            .iter_mut()
+            .map(|(r, weight, stop)| {
+                *stop = (*stop + dz).clamp(-*r, *r);
+                *weight * *stop
+            })
+            .sum()
     }
 }
 

@@ -7,8 +7,9 @@ mod arbitrary;
 
 use arbitrary::{model, model_of, velocities};
 use friction_model::{
-    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, GmsParameters, Hysteresis,
-    Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, Proposed, State, Stepper, TimeStep, rk4,
+    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, GmsParameters,
+    Hysteresis, Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, Proposed, State,
+    Stepper, TimeStep, rk4,
 };
 use proptest::prelude::*;
 

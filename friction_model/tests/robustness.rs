@@ -73,7 +73,10 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
                 // Its sliding is random around the mean.
                 let n = 200_000;
                 let mean = (0..n).map(|_| stepper.step(0.1)).sum::<f64>() / f64::from(n);
-                assert!((mean / expected - 1.0).abs() < 0.05, "{name} at {dt} s: mean {mean} is not {expected}");
+                assert!(
+                    (mean / expected - 1.0).abs() < 0.05,
+                    "{name} at {dt} s: mean {mean} is not {expected}"
+                );
                 continue;
             }
             for _ in 0..5000 {

@@ -36,7 +36,8 @@ pub fn model_of(names: &'static [ModelName]) -> impl Strategy<Value = AnyModel> 
 
 /// Any model at all, with random parameters; now and then with other parameters backward.
 pub fn any_model() -> impl Strategy<Value = AnyModel> {
-    let one = prop::sample::select(&ModelName::ALL[..]).prop_flat_map(|name| (model(name), model(name), 0..4u8));
+    let one =
+        prop::sample::select(&ModelName::ALL[..]).prop_flat_map(|name| (model(name), model(name), 0..4u8));
     one.prop_map(|(forward, backward, choice)| match choice {
         0 => AnyModel::asymmetric(&forward, &backward).unwrap_or(forward),
         _ => forward,
