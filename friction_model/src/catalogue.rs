@@ -320,6 +320,8 @@ models! {
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
+    ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
+    BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
 }
 
 /// Parameters for each direction.

@@ -16,6 +16,7 @@
 
 mod any_model;
 mod asymmetric;
+mod bengisu_akay;
 mod body;
 mod catalogue;
 mod coulomb;
@@ -28,6 +29,7 @@ mod model;
 mod name;
 mod parameter;
 mod proposed;
+mod reset_integrator;
 pub mod rk4;
 mod stepper;
 mod stribeck;
@@ -35,6 +37,7 @@ mod stribeck_curve;
 mod viscous;
 
 pub use asymmetric::Asymmetric;
+pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
 pub use body::{Body, Drive, Moment};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
@@ -52,6 +55,7 @@ pub use model::{
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Proposed, ProposedParameters};
+pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
 pub use stepper::Stepper;
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
