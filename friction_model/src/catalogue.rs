@@ -322,6 +322,7 @@ models! {
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
     ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
 }
 
 /// Parameters for each direction.

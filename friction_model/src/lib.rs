@@ -17,6 +17,7 @@
 mod any_model;
 mod asymmetric;
 mod bengisu_akay;
+mod bliman_sorine;
 mod body;
 mod catalogue;
 mod coulomb;
@@ -38,6 +39,7 @@ mod viscous;
 
 pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
+pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
