@@ -319,11 +319,14 @@ models! {
     CoulombViscous "coulomb_viscous" "Coulomb and viscous" CoulombViscousParameters: CoulombViscous(CoulombViscous);
     Stiction "stiction" "Stiction" StictionParameters: Stiction(Stiction);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
-    Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
     RateDependentStiction "rate_dependent_stiction" "Rate-dependent stiction" RateDependentStictionParameters:
         RateDependentStiction(RateDependentStiction);
     Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
     TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
+    BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
+    Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
+    BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
     Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);

@@ -16,6 +16,8 @@
 
 mod any_model;
 mod asymmetric;
+mod bengisu_akay;
+mod bliman_sorine;
 mod body;
 mod catalogue;
 mod coulomb;
@@ -37,6 +39,7 @@ mod parameter;
 mod proposed;
 mod proposed_linear;
 mod rate_dependent_stiction;
+mod reset_integrator;
 pub mod rk4;
 mod stepper;
 mod stiction;
@@ -48,6 +51,8 @@ mod viscous;
 mod xiong;
 
 pub use asymmetric::Asymmetric;
+pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
+pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
@@ -74,6 +79,7 @@ pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParamet
 pub use proposed::{Proposed, ProposedParameters};
 pub use proposed_linear::ProposedLinear;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
+pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
 pub use stepper::Stepper;
 pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};

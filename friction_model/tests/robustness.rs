@@ -20,7 +20,7 @@ proptest! {
     /// With equal parameters both ways. The bristle model draws its bonds at random: odd on average only.
     #[test]
     fn forces_are_odd_in_the_motion(model in any_model(), dt in period(), path in velocities()) {
-        prop_assume!(!matches!(model, AnyModel::Asymmetric(_)) && model.name() != ModelName::Bristle);
+        prop_assume!(!matches!(model, AnyModel::Asymmetric(_)) && model.name().as_str() != "bristle");
         let (mut there, mut back) = (model.start(dt), model.start(dt));
         for v in path {
             prop_assert_eq!(there.step(v), -back.step(-v));
@@ -30,7 +30,7 @@ proptest! {
     /// An asymmetric contact seen from the other side is the one with its directions exchanged.
     #[test]
     fn exchanging_directions_mirrors_the_force(model in any_model(), dt in period(), path in velocities()) {
-        prop_assume!(model.name() != ModelName::Bristle);
+        prop_assume!(model.name().as_str() != "bristle");
         let (forward, backward) = model.parameters().sides();
         let sides = [forward, backward].map(|side| AnyModel::try_from(side).unwrap());
         let mut there = AnyModel::asymmetric(&sides[0], &sides[1]).unwrap().start(dt);
@@ -69,7 +69,7 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
                 assert!(stepper.step(v).is_finite(), "{name} at {v}");
             }
             let expected = model.steady_state(0.1);
-            if name == ModelName::Bristle {
+            if name.as_str() == "bristle" {
                 // Its sliding is random around the mean.
                 let n = 200_000;
                 let mean = (0..n).map(|_| stepper.step(0.1)).sum::<f64>() / f64::from(n);
