@@ -76,7 +76,6 @@ pub use model::{
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
-pub use proposed::{Proposed, ProposedParameters};
 pub use proposed_linear::ProposedLinear;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};

@@ -5,10 +5,10 @@
 
 mod arbitrary;
 
-use arbitrary::{model, model_of, velocities};
+use arbitrary::{config, model, model_of, velocities};
 use friction_model::{
-    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, GmsParameters,
-    Hysteresis, Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, Proposed, State,
+    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, Leuven,
+    LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, ParameterSet, Proposed, State,
     Stepper, TimeStep, rk4,
 };
 use proptest::prelude::*;
@@ -54,6 +54,8 @@ fn with_viscous_part(model: &AnyModel, part: f64) -> AnyModel {
 }
 
 proptest! {
+    #![proptest_config(config())]
+
     #[test]
     fn static_models_dahl_and_xiong_are_passive(
         model in model_of(&[
@@ -95,8 +97,10 @@ proptest! {
             for v in [v, -v, 0.1 * v, 10.0 * v] {
                 let now = model.evaluate(continuous, memory, v);
                 let stored = memory.force() * now.rates[1];
+                // z' is a small difference of forces over sigma.
+                let rounding = 1e-15 * memory.force() * memory.force() / model.parameters().sigma;
                 let scale = (now.force * v).abs() + stored.abs();
-                prop_assert!(now.force * v - stored >= ROUNDING * scale, "at {v}");
+                prop_assert!(now.force * v - stored >= ROUNDING * scale - rounding, "at {v}");
             }
         }
     }
@@ -150,7 +154,7 @@ fn work_per_cycle<M: FrictionModel>(model: &M, [slow, t_slow]: [f64; 2], [fast, 
         work = 0.0;
         for (v, duration) in [(slow, t_slow), (fast, t_fast)] {
             // Fine enough for the fastest relaxation, 1e5 per metre of travel.
-            let n = (duration / 1e-7f64.max(2e-8 / v)).ceil().min(20_000.0).max(200.0);
+            let n = (duration / 1e-7f64.max(2e-8 / v)).ceil().clamp(200.0, 20_000.0);
             let dt = duration / n;
             let mut before = model.evaluate(&state.continuous, &state.memory, v).force;
             for _ in 0..n as u32 {
@@ -201,33 +205,18 @@ fn so_does_leuven() {
 /// travel. No viscous coefficient mends that for all motions: GMS is not passive.
 #[test]
 fn gms_gives_energy() {
-    let model = Gms::<10>::try_from(GmsParameters { f_v: 0.0, ..*Gms::chapter_3().parameters() }).unwrap();
-    // Travel enough for all elements to slip, then alternate.
-    let work = work_per_cycle(&model, [0.001, 20.0], [1.0, 0.05]);
-    println!("settled with long cycles: {work} J");
-    let mut best: (f64, f64, f64) = (f64::INFINITY, 0.0, 0.0);
-    for t_fast in [1e-4, 3e-4, 1e-3, 3e-3, 1e-2] {
-        for ratio in [5.0, 10.0, 20.0, 40.0, 80.0] {
-            let work = work_per_cycle(&model, [0.001, ratio * t_fast], [1.0, t_fast]);
-            if work < best.0 {
-                best = (work, t_fast, ratio);
-            }
-        }
-    }
-    println!("{best:?}");
-    assert!(best.0 < 0.0);
+    let alternate = |damping: f64| {
+        let mut p = *Gms::chapter_3().parameters();
+        p.scale("sigma1", damping);
+        work_per_cycle(&Gms::<10>::try_from(p).unwrap(), [0.001, 0.4], [1.0, 0.01])
+    };
+    assert!(alternate(1.0) < -1e-4, "{} J", alternate(1.0));
+    assert!(alternate(3.0) < -1e-2, "{} J with three times the damping", alternate(3.0));
+    assert!(alternate(0.0) > 1e-3, "{} J without damping, forward only", alternate(0.0));
 }
 
 #[test]
 fn a_cycle_through_the_whole_range_costs_energy() {
     // The same alternation takes energy from the passive models.
     assert!(work_per_cycle(&Proposed::chapter_3(), [0.001, 5.0], [1.0, 1e-4]) > 0.0);
-}
-
-/// Used by the tests above only: that the memory's type is what it says.
-#[test]
-fn an_empty_memory_stores_nothing() {
-    let model = Proposed::chapter_3();
-    assert_eq!(model.stored_energy(&model.rest()), Some(0.0));
-    assert_eq!(Hysteresis::default().force(), 0.0);
 }

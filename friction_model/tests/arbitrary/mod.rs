@@ -3,6 +3,18 @@
 
 use friction_model::{AnyModel, AnyParameters, ModelName, TimeStep};
 use proptest::prelude::*;
+use proptest::test_runner::FileFailurePersistence;
+
+/// Two thousand cases, unless `PROPTEST_CASES` says otherwise; what once failed is kept in a file beside the test and tried again first.
+pub fn config() -> ProptestConfig {
+    let cases =
+        if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 2000 };
+    ProptestConfig {
+        cases,
+        failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
+        ..ProptestConfig::default()
+    }
+}
 
 /// Valid parameters of one model, each up to a factor of 30 from one of the presets. A factor that would make the set invalid is
 /// left out; the levels and the shares of elements keep their order and their sum.
@@ -42,6 +54,12 @@ pub fn any_model() -> impl Strategy<Value = AnyModel> {
         0 => AnyModel::asymmetric(&forward, &backward).unwrap_or(forward),
         _ => forward,
     })
+}
+
+/// Any symmetric model but the bristles, whose bonds are drawn at random: they are odd on average only.
+pub fn odd_model() -> impl Strategy<Value = AnyModel> {
+    let names: Vec<_> = ModelName::ALL.into_iter().filter(|&name| name.as_str() != "bristle").collect();
+    prop::sample::select(names).prop_flat_map(model)
 }
 
 /// Velocities over many decades, both signs, as a sampled motion may throw at an observer.
