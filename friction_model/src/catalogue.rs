@@ -95,7 +95,6 @@ macro_rules! models {
 
         /// A running [`Asymmetric`] contact of any kind.
         #[derive(Debug, Clone)]
-        #[expect(clippy::large_enum_variant, reason = "states live in place: the step path does not allocate")]
         pub enum AsymmetricStepper {
             $($(#[doc = $title] $variant(Stepper<Asymmetric<$model>>),)+)+
         }
@@ -318,8 +317,14 @@ models! {
     Coulomb "coulomb" "Coulomb" CoulombParameters: Coulomb(Coulomb);
     Viscous "viscous" "Viscous" ViscousParameters: Viscous(Viscous);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
+    Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
+    ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
+    Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);
+    Gms "gms" "GMS" GmsParameters: Gms(Gms<4>), Gms16(Gms<16>);
+    Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong<4>), Xiong16(Xiong<16>);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
+    ProposedLinear "proposed_linear" "Proposed, straight branches" ProposedParameters: ProposedLinear(ProposedLinear);
 }
 
 /// Parameters for each direction.

@@ -19,20 +19,27 @@ mod asymmetric;
 mod body;
 mod catalogue;
 mod coulomb;
+mod dahl;
+mod elasto_plastic;
 mod elements;
 mod error;
+mod gms;
 mod hysteresis;
+mod leuven;
 pub mod load_dependent;
 mod lugre;
 mod model;
 mod name;
 mod parameter;
 mod proposed;
+mod proposed_linear;
 pub mod rk4;
 mod stepper;
 mod stribeck;
 mod stribeck_curve;
+mod virgin_curve;
 mod viscous;
+mod xiong;
 
 pub use asymmetric::Asymmetric;
 pub use body::{Body, Drive, Moment};
@@ -41,9 +48,13 @@ pub use catalogue::{
     ModelName, ModelVisitor,
 };
 pub use coulomb::{Coulomb, CoulombParameters};
+pub use dahl::{Dahl, DahlParameters};
+pub use elasto_plastic::{ElastoPlastic, ElastoPlasticParameters};
 pub use elements::Elements;
 pub use error::ModelError;
+pub use gms::{Gms, GmsParameters};
 pub use hysteresis::{Hysteresis, VirginCurve};
+pub use leuven::{Leuven, LeuvenParameters};
 pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
 pub use model::{
@@ -51,8 +62,11 @@ pub use model::{
     TimeStep,
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
-pub use proposed::{Proposed, ProposedParameters};
+pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
+pub use proposed_linear::ProposedLinear;
 pub use stepper::Stepper;
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
+pub use virgin_curve::{Line, Sine};
 pub use viscous::{Viscous, ViscousParameters};
+pub use xiong::{Xiong, XiongDiscrete, XiongParameters};
