@@ -2,3 +2,23 @@
 
 pub mod describing_function;
 pub mod limit_cycle;
+mod breakaway;
+mod contact;
+mod frictional_lag;
+mod non_drift;
+mod non_local_memory;
+mod settle;
+mod steady_state;
+mod stick_slip;
+mod thinned;
+mod time_scales;
+
+pub use breakaway::{Breakaway, BreakawayCourse, BreakawaySettings, breakaway};
+pub use contact::{Contact, FreeBody, Prescribed};
+pub use frictional_lag::{FrictionalLag, FrictionalLagCourse, FrictionalLagSettings, frictional_lag};
+pub use non_drift::{NonDrift, NonDriftCourse, NonDriftSettings, non_drift};
+pub use non_local_memory::{NonLocalMemory, NonLocalMemoryCourse, NonLocalMemorySettings, non_local_memory};
+pub use settle::{Evidence, Figure, Settling, settle};
+pub use steady_state::{SteadyState, SteadyStateCurve, SteadyStateSettings, steady_state};
+pub use stick_slip::{Motion, StickSlip, StickSlipCourse, StickSlipSettings, stick_slip};
+pub use time_scales::TimeScales;
