@@ -324,6 +324,7 @@ models! {
         RateDependentStiction(RateDependentStiction);
     Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
     TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
+    RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
 }

@@ -32,6 +32,7 @@ mod name;
 mod parameter;
 mod proposed;
 mod rate_dependent_stiction;
+mod rbf_network;
 pub mod rk4;
 mod stepper;
 mod stiction;
@@ -61,6 +62,7 @@ pub use model::{
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Proposed, ProposedParameters};
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
+pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
 pub use stepper::Stepper;
 pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
