@@ -1,10 +1,10 @@
 //! What tells friction models apart, computed.
 
-pub mod describing_function;
-pub mod limit_cycle;
 mod breakaway;
 mod contact;
+pub mod describing_function;
 mod frictional_lag;
+pub mod limit_cycle;
 mod non_drift;
 mod non_local_memory;
 mod settle;

@@ -323,6 +323,7 @@ models! {
         RateDependentStiction(RateDependentStiction);
     Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
     TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
+    RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
     ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);

@@ -60,7 +60,7 @@ proptest! {
     fn static_models_dahl_and_xiong_are_passive(
         model in model_of(&[
             ModelName::Coulomb, ModelName::Viscous, ModelName::CoulombViscous, ModelName::Stiction, ModelName::Stribeck,
-            ModelName::RateDependentStiction, ModelName::Karnopp, ModelName::TwoLine,
+            ModelName::RateDependentStiction, ModelName::Karnopp, ModelName::TwoLine, ModelName::RbfNetwork,
             ModelName::BengisuAkay, ModelName::Dahl, ModelName::Xiong,
         ]),
         path in velocities(),
