@@ -121,13 +121,22 @@ impl FrictionModel for Dahl {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
-        let p = &self.parameters;
-        let w = 1.0 - z * self.inverse_z_c * sign(velocity);
-        let slope = if p.delta == 1.0 { w } else { w.abs().powf(p.delta) * sign(w) };
-        Evaluation { force: p.sigma0 * z + p.f_v * velocity, rates: [velocity * slope] }
+    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, &())
     }
 
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let direction = sign(velocity);
+        move |&[z], ()| {
+            let w = 1.0 - z * self.inverse_z_c * direction;
+            let slope = if p.delta == 1.0 { w } else { w.abs().powf(p.delta) * sign(w) };
+            Evaluation { force: p.sigma0 * z + p.f_v * velocity, rates: [velocity * slope] }
+        }
+    }
+
+    #[inline]
     fn commit(&self, state: &mut State<[f64; 1], ()>, _: f64, _: f64) {
         let [z] = state.continuous;
         state.continuous = [saturate(self.z_c, z)];

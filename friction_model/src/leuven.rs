@@ -141,12 +141,20 @@ impl FrictionModel for Leuven {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, memory)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &Hysteresis) -> Evaluation<[f64; 1]> {
         let p = &self.parameters;
-        let hysteresis = memory.peek(&self.sine, z);
-        let (elastic, _) = self.elastic_part(hysteresis, velocity, self.curve.level(velocity));
-        let z_rate = velocity * elastic;
-        Evaluation { force: hysteresis + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        let g = self.curve.level(velocity);
+        move |&[z], memory| {
+            let hysteresis = memory.peek(&self.sine, z);
+            let (elastic, _) = self.elastic_part(hysteresis, velocity, g);
+            let z_rate = velocity * elastic;
+            Evaluation { force: hysteresis + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        }
     }
 
     #[inline]

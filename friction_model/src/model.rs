@@ -170,6 +170,15 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> Evaluation<Self::Continuous>;
 
+    /// [`evaluate`](Self::evaluate) at one velocity: what depends on the velocity alone is computed here, and not again for each state.
+    #[inline]
+    fn at(
+        &self,
+        velocity: f64,
+    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+        move |state, memory| self.evaluate(state, memory, velocity)
+    }
+
     /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds and lets the memory know
     /// where they arrived.
     fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64);

@@ -1,0 +1,282 @@
+/* Models with one or two bristles: Dahl and LuGre, their relatives and forerunners. */
+#include "peer.h"
+
+/* ---- Dahl ---------------------------------------------------------------------------------------- */
+
+struct dahl {
+    double sigma0, delta, f_v, z_c, inverse_z_c, dt;
+    double x[1];
+};
+
+static void dahl_start(struct dahl *m)
+{
+    *m = (struct dahl){.sigma0 = 16.469, .delta = 0.5 * gaussian, .f_v = 0.0403, .dt = period};
+    m->z_c = 0.0929 / m->sigma0;
+    m->inverse_z_c = 1.0 / m->z_c;
+}
+
+static inline double dahl_step(struct dahl *m, double v)
+{
+    v = bounded(v);
+    double z = m->x[0];
+    double strain = fabs(v) * m->inverse_z_c * m->dt;
+    double end = copysign(m->z_c, v);
+    if (m->delta == 1.0) {
+        m->x[0] = end + (z - end) * exp(-strain);
+    } else if (v != 0.0) {
+        double e = 1.0 - m->delta;
+        double left = pow(1.0 - z / end, e) - e * strain;
+        double w = left > 0.0 ? pow(left, 1.0 / e) : 0.0;
+        m->x[0] = saturate(m->z_c, end * (1.0 - w));
+    }
+    return m->sigma0 * z + m->f_v * v;
+}
+
+static inline double dahl_level(const struct dahl *m, double v)
+{
+    return sign(v) * m->inverse_z_c;
+}
+
+static inline void dahl_rates(const struct dahl *m, const double *x, double v, double per_z, double *rates)
+{
+    double w = 1.0 - x[0] * per_z;
+    rates[0] = v * (m->delta == 1.0 ? w : pow(fabs(w), m->delta) * sign(w));
+}
+
+static inline double dahl_arrive(struct dahl *m, double v, double per_z)
+{
+    (void)per_z;
+    m->x[0] = saturate(m->z_c, m->x[0]);
+    return m->sigma0 * m->x[0] + m->f_v * v;
+}
+
+RK4(dahl, struct dahl, 1)
+DYNAMIC(dahl, struct dahl)
+
+/* ---- LuGre, exact for a held velocity ------------------------------------------------------------ */
+
+struct lugre {
+    struct curve curve;
+    double sigma0, sigma1, v_d, f_v, dt;
+    double x[1];
+};
+
+static void lugre_start(struct lugre *m)
+{
+    *m = (struct lugre){.sigma0 = 16.469, .sigma1 = 0.2494, .f_v = 0.0403, .dt = period};
+    m->curve = stribeck_curve(0.0994, 0.0929, 0.1407);
+}
+
+/* Falls with speed if v_d is above zero. */
+static inline double lugre_damping(const struct lugre *m, double v)
+{
+    double r = v / m->v_d;
+    return m->v_d > 0.0 ? m->sigma1 * exp(-r * r) : m->sigma1;
+}
+
+static inline double lugre_step(struct lugre *m, double v)
+{
+    v = bounded(v);
+    double z = m->x[0];
+    double g = level(&m->curve, v);
+    double rate = m->sigma0 * fabs(v) / g;
+    double z_steady = copysign(g / m->sigma0, v);
+    m->x[0] = z_steady + (z - z_steady) * exp(-rate * m->dt);
+    return m->sigma0 * z + lugre_damping(m, v) * (v - rate * z) + m->f_v * v;
+}
+
+static inline double lugre_level(const struct lugre *m, double v)
+{
+    return level(&m->curve, v);
+}
+
+static inline void lugre_rates(const struct lugre *m, const double *x, double v, double g, double *rates)
+{
+    rates[0] = v - m->sigma0 * fabs(v) * x[0] / g;
+}
+
+static inline double lugre_arrive(struct lugre *m, double v, double g)
+{
+    double rate;
+    lugre_rates(m, m->x, v, g, &rate);
+    return m->sigma0 * m->x[0] + lugre_damping(m, v) * rate + m->f_v * v;
+}
+
+RK4(lugre, struct lugre, 1)
+DYNAMIC(lugre, struct lugre)
+
+/* ---- Elasto-plastic ------------------------------------------------------------------------------ */
+
+struct elasto_plastic {
+    struct curve curve;
+    double sigma0, sigma1, z_ba, f_v, dt;
+    double x[1];
+};
+
+static void elasto_plastic_start(struct elasto_plastic *m)
+{
+    *m = (struct elasto_plastic){.sigma0 = 16.469, .sigma1 = 0.2494, .f_v = 0.0403, .dt = period};
+    m->curve = stribeck_curve(0.0994, 0.0929, 0.1407);
+    m->z_ba = 0.7 * 0.0929 / 16.469;
+}
+
+static inline double elasto_plastic_alpha(const struct elasto_plastic *m, double z, double v, double z_ss)
+{
+    double deflection = fabs(z);
+    if (sign(v) != sign(z) || deflection <= m->z_ba)
+        return 0.0;
+    if (deflection >= z_ss)
+        return 1.0;
+    return 0.5 * sin(PI * (deflection - 0.5 * (z_ss + m->z_ba)) / (z_ss - m->z_ba)) + 0.5;
+}
+
+static inline double elasto_plastic_level(const struct elasto_plastic *m, double v)
+{
+    return level(&m->curve, v) / m->sigma0;
+}
+
+static inline double elasto_plastic_step(struct elasto_plastic *m, double v)
+{
+    v = bounded(v);
+    double z = m->x[0];
+    double z_ss = elasto_plastic_level(m, v);
+    double rate = elasto_plastic_alpha(m, z, v, z_ss) * fabs(v) / z_ss;
+    double next;
+    if (rate > 0.0) {
+        double end = v / rate;
+        next = end + (z - end) * exp(-rate * m->dt);
+    } else {
+        next = z + v * m->dt;
+    }
+    double outward = sign(v);
+    if (outward * next > z_ss && outward * z <= z_ss)
+        next = outward * z_ss;
+    m->x[0] = next;
+    return m->sigma0 * z + m->sigma1 * (v - rate * z) + m->f_v * v;
+}
+
+static inline void elasto_plastic_rates(const struct elasto_plastic *m, const double *x, double v, double z_ss,
+                                        double *rates)
+{
+    rates[0] = v - elasto_plastic_alpha(m, x[0], v, z_ss) * fabs(v) * x[0] / z_ss;
+}
+
+static inline double elasto_plastic_arrive(struct elasto_plastic *m, double v, double z_ss)
+{
+    double rate;
+    elasto_plastic_rates(m, m->x, v, z_ss, &rate);
+    return m->sigma0 * m->x[0] + m->sigma1 * rate + m->f_v * v;
+}
+
+RK4(elasto_plastic, struct elasto_plastic, 1)
+DYNAMIC(elasto_plastic, struct elasto_plastic)
+
+/* ---- Bliman and Sorine, second order ------------------------------------------------------------- */
+
+struct bliman_sorine {
+    double f_1, f_2, fast, slow, f_v, dt;
+    double x[2];
+};
+
+static void bliman_sorine_start(struct bliman_sorine *m)
+{
+    double f_s = 0.0994, f_c = 0.0925, stiffness = 0.0994 * (PI / 2.0) / 0.006, excess = f_s - f_c;
+    *m = (struct bliman_sorine){.f_v = 0.0403, .dt = period};
+    m->f_2 = 2.0 * (excess + sqrt(excess * f_s));
+    m->f_1 = f_c + m->f_2;
+    double eps_f = (2.0 * m->f_1 - m->f_2) / stiffness;
+    m->fast = 1.0 / (0.5 * eps_f);
+    m->slow = 1.0 / eps_f;
+}
+
+static inline double bliman_sorine_step(struct bliman_sorine *m, double v)
+{
+    v = bounded(v);
+    double end_1 = m->f_1 * sign(v), end_2 = -m->f_2 * sign(v);
+    double x_1 = m->x[0], x_2 = m->x[1];
+    double distance = fabs(v) * m->dt;
+    if (distance > 0.0) {
+        m->x[0] = end_1 + (x_1 - end_1) * exp(-distance * m->fast);
+        m->x[1] = end_2 + (x_2 - end_2) * exp(-distance * m->slow);
+    }
+    return x_1 + x_2 + m->f_v * v;
+}
+
+static inline double bliman_sorine_level(const struct bliman_sorine *m, double v)
+{
+    (void)m;
+    return sign(v);
+}
+
+static inline void bliman_sorine_rates(const struct bliman_sorine *m, const double *x, double v, double direction,
+                                       double *rates)
+{
+    rates[0] = fabs(v) * m->fast * (m->f_1 * direction - x[0]);
+    rates[1] = fabs(v) * m->slow * (-m->f_2 * direction - x[1]);
+}
+
+static inline double bliman_sorine_arrive(struct bliman_sorine *m, double v, double direction)
+{
+    (void)direction;
+    m->x[0] = saturate(m->f_1, m->x[0]);
+    m->x[1] = saturate(m->f_2, m->x[1]);
+    return m->x[0] + m->x[1] + m->f_v * v;
+}
+
+RK4(bliman_sorine, struct bliman_sorine, 2)
+DYNAMIC(bliman_sorine, struct bliman_sorine)
+
+/* ---- Reset integrator ---------------------------------------------------------------------------- */
+
+struct reset_integrator {
+    double sigma0, sigma1, a, p_0, f_v, dt;
+    double x[1];
+};
+
+static void reset_integrator_start(struct reset_integrator *m)
+{
+    *m = (struct reset_integrator){.sigma1 = 0.3213, .f_v = 0.0403, .dt = period};
+    m->p_0 = 0.0994 / (0.0994 * (PI / 2.0) / 0.006);
+    m->sigma0 = 0.0925 / m->p_0;
+    m->a = 0.0994 / 0.0925 - 1.0;
+}
+
+static inline double reset_integrator_level(const struct reset_integrator *m, double v)
+{
+    (void)m, (void)v;
+    return 0.0;
+}
+
+static inline void reset_integrator_rates(const struct reset_integrator *m, const double *x, double v, double none,
+                                          double *rates)
+{
+    (void)none;
+    int slides = (v > 0.0 && x[0] >= m->p_0) || (v < 0.0 && x[0] <= -m->p_0);
+    rates[0] = slides ? 0.0 : v;
+}
+
+static inline double reset_integrator_force(const struct reset_integrator *m, double v)
+{
+    double rate, p = m->x[0];
+    reset_integrator_rates(m, m->x, v, 0.0, &rate);
+    double weight = fabs(p) < m->p_0 ? 1.0 + m->a : 1.0;
+    return m->sigma0 * saturate(m->p_0, p) * weight + m->sigma1 * rate + m->f_v * v;
+}
+
+static inline double reset_integrator_step(struct reset_integrator *m, double v)
+{
+    v = bounded(v);
+    double force = reset_integrator_force(m, v);
+    m->x[0] = saturate(m->p_0, m->x[0] + v * m->dt);
+    return force;
+}
+
+static inline double reset_integrator_arrive(struct reset_integrator *m, double v, double none)
+{
+    (void)none;
+    m->x[0] = saturate(m->p_0, m->x[0]);
+    return reset_integrator_force(m, v);
+}
+
+RK4(reset_integrator, struct reset_integrator, 1)
+DYNAMIC(reset_integrator, struct reset_integrator)
