@@ -323,6 +323,7 @@ models! {
     ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
     BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
+    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
 }
 
 /// Parameters for each direction.

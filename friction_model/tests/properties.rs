@@ -1,8 +1,8 @@
 //! What must hold for every valid parameter set and every motion.
 
 use friction_model::{
-    AnyModel, FrictionModel, Hysteresis, LuGre, LuGreParameters, ModelName, Proposed, ProposedParameters,
-    Stepper, Stribeck, StribeckParameters, TimeStep,
+    AnyModel, AnyStepper, Bristle, BristleParameters, FrictionModel, Hysteresis, LuGre, LuGreParameters,
+    ModelName, Proposed, ProposedParameters, Stepper, Stribeck, StribeckParameters, TimeStep,
 };
 use proptest::prelude::*;
 
@@ -40,7 +40,24 @@ fn period() -> impl Strategy<Value = TimeStep> {
     (-5.0..=-2.0f64).prop_map(|e| TimeStep::new(10f64.powf(e).min(0.01)).unwrap())
 }
 
+prop_compose! {
+    fn any_bristle()(bonds in 1..=128u32, sigma0 in 1e-3..1e3f64, log_delta_s in -8.0..0.0f64, seed in any::<u32>(), f_v in 0.0..1.0f64)
+        -> Bristle {
+        BristleParameters { bonds, sigma0, delta_s: 10f64.powf(log_delta_s), seed, f_v }.try_into().unwrap()
+    }
+}
+
 proptest! {
+    #[test]
+    fn the_bristles_never_pull_more_than_all_of_them_can(model in any_bristle(), dt in period(), path in velocities()) {
+        let f_v = model.parameters().f_v;
+        let mut stepper = Stepper::new(model, dt);
+        for v in path {
+            let sliding = stepper.step(v) - f_v * v;
+            prop_assert!(sliding.abs() <= model.bound() * (1.0 + 1e-12) + 1e-15 * (f_v * v).abs());
+        }
+    }
+
     #[test]
     fn proposed_is_bounded_by_static_friction(model in any_proposed(), dt in period(), path in velocities()) {
         let p = *model.parameters();
@@ -181,6 +198,11 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
             ] {
                 assert!(stepper.step(v).is_finite(), "{name} at {v}");
             }
+            if name == ModelName::Bristle {
+                // Its friction is random: it has no steady state to come back to, but a bound and a mean.
+                the_bristles_keep_their_bound_and_their_mean(&mut stepper);
+                continue;
+            }
             for _ in 0..5000 {
                 stepper.step(0.1);
             }
@@ -188,6 +210,20 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
             assert!((force - expected).abs() < 1e-9, "{name} at {dt} s: {force} is not {expected}");
         }
     }
+}
+
+fn the_bristles_keep_their_bound_and_their_mean(stepper: &mut AnyStepper) {
+    let model = Bristle::test_bed();
+    let (v, steps) = (2.0, 20_000);
+    let viscous = model.viscous(v);
+    let mut sum = 0.0;
+    for _ in 0..steps {
+        let force = stepper.step(v);
+        assert!((force - viscous).abs() <= model.bound() * (1.0 + 1e-12), "{force}");
+        sum += force;
+    }
+    let (mean, expected) = (sum / f64::from(steps) - viscous, model.steady_state(v) - viscous);
+    assert!((mean / expected - 1.0).abs() < 0.01, "{mean} is not {expected} in the mean");
 }
 
 /// A tiny reproducible sequence in [-1, 1) (Knuth's 64-bit linear congruence): no dependency for one test.
