@@ -335,6 +335,7 @@ models! {
     Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong<4>), Xiong16(Xiong<16>);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
     ProposedLinear "proposed_linear" "Proposed, straight branches" ProposedParameters: ProposedLinear(ProposedLinear);
+    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
 }
 
 /// Parameters for each direction.

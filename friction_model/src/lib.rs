@@ -19,6 +19,7 @@ mod asymmetric;
 mod bengisu_akay;
 mod bliman_sorine;
 mod body;
+mod bristle;
 mod catalogue;
 mod coulomb;
 mod coulomb_viscous;
@@ -55,6 +56,7 @@ pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
 pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
+pub use bristle::{Bonds, Bristle, BristleParameters, MAX_BONDS};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
     ModelName, ModelVisitor,
