@@ -325,6 +325,7 @@ models! {
     TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
     RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
     ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
     BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
@@ -335,7 +336,6 @@ models! {
     Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong<4>), Xiong16(Xiong<16>);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
     ProposedLinear "proposed_linear" "Proposed, straight branches" ProposedParameters: ProposedLinear(ProposedLinear);
-    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
 }
 
 /// Parameters for each direction.

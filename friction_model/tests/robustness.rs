@@ -69,7 +69,7 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
                 assert!(stepper.step(v).is_finite(), "{name} at {v}");
             }
             let expected = model.steady_state(0.1);
-            if name.as_str() == "bristle" {
+            if name == ModelName::Bristle {
                 // Its sliding is random around the mean.
                 let n = 200_000;
                 let mean = (0..n).map(|_| stepper.step(0.1)).sum::<f64>() / f64::from(n);

@@ -50,7 +50,8 @@ pub struct FeaturesArgs {
 pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let chosen = |name: &ModelName| args.model.is_empty() || args.model.contains(name);
     let models: Vec<ModelName> = ModelName::ALL.into_iter().filter(chosen).collect();
-    let workers = args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers =
+        args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let folder = args.out.clone().unwrap_or_else(|| super::run::first_free("features"));
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);

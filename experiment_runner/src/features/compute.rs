@@ -86,8 +86,12 @@ pub fn compute(
 
 /// The example of the thesis's section 3.4.2.
 fn limit_cycle_of_the_thesis() -> Result<LimitCycleStudy, HarmonicError> {
-    use limit_cycle::{Grid, PidLoop, Schedule, study, thesis_contact};
-    study(&PidLoop::thesis(), &thesis_contact(), &Grid::default(), &Schedule::default())
+    use limit_cycle::{Grid, PidLoop, Schedule, Span, study, thesis_contact};
+    let grid = Grid {
+        amplitude: Span { from: 1e-5, to: 10.0, points: 400 },
+        angular_frequency: Span { from: 0.01, to: 100.0, points: 400 },
+    };
+    study(&thesis_contact(), &PidLoop::thesis(), &grid, &Schedule::default())
 }
 
 fn of_model(name: ModelName) -> ModelFeatures {

@@ -36,8 +36,12 @@ impl ModelVisitor for Measure {
     fn visit<M: FrictionModel>(self, model: M) -> Describing {
         let [from, to] = AMPLITUDES;
         let sampling = Sampling { steps: 4000, settling: 2, scheme: Scheme::FixedStep };
-        let mut found =
-            Describing { angular_frequency: FREQUENCY, amplitude: Vec::new(), re: Vec::new(), im: Vec::new() };
+        let mut found = Describing {
+            angular_frequency: FREQUENCY,
+            amplitude: Vec::new(),
+            re: Vec::new(),
+            im: Vec::new(),
+        };
         for k in 0..POINTS {
             let amplitude = from * (to / from).powf(f64::from(k) / f64::from(POINTS - 1));
             // Amplitude and frequency are positive constants: there is nothing to refuse.

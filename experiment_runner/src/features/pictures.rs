@@ -19,7 +19,10 @@ fn panels(
             .collect();
         Panel { y_label: format!("{title}: {y_label}"), traces }
     };
-    [panel(false, "static"), panel(true, "dynamic")].into_iter().filter(|panel| !panel.traces.is_empty()).collect()
+    [panel(false, "static"), panel(true, "dynamic")]
+        .into_iter()
+        .filter(|panel| !panel.traces.is_empty())
+        .collect()
 }
 
 fn line(name: &str, x: Vec<f64>, y: Vec<f64>) -> Trace {
@@ -227,7 +230,10 @@ pub(super) fn describing(models: &[ModelFeatures]) -> Figure {
 pub(super) fn nyquist(study: &LimitCycleStudy) -> Figure {
     // The part of both curves in which they could meet.
     let near = |re: &[f64], im: &[f64]| {
-        re.iter().zip(im).map(|(&re, &im)| if re.hypot(im) < 2.0 { (re, im) } else { (f64::NAN, f64::NAN) }).unzip()
+        re.iter()
+            .zip(im)
+            .map(|(&re, &im)| if re.hypot(im) < 2.0 { (re, im) } else { (f64::NAN, f64::NAN) })
+            .unzip()
     };
     let curve = |name: &str, re: &[f64], im: &[f64], style| {
         let (x, y) = near(re, im);
@@ -238,11 +244,7 @@ pub(super) fn nyquist(study: &LimitCycleStudy) -> Figure {
         .cycles
         .iter()
         .filter_map(|cycle| {
-            let nearest = study
-                .nyquist
-                .parameter
-                .iter()
-                .position(|&w| w >= cycle.angular_frequency)?;
+            let nearest = study.nyquist.parameter.iter().position(|&w| w >= cycle.angular_frequency)?;
             Some((study.nyquist.re[nearest], study.nyquist.im[nearest]))
         })
         .unzip();

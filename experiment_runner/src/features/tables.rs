@@ -192,8 +192,12 @@ pub(super) fn breakaway(models: &[ModelFeatures]) -> Table {
         .collect();
     Table {
         title: "Breakaway against force rate".to_owned(),
-        caption: format!("At {rates} N/s. The displacement is that of the largest friction at the middle rate."),
-        columns: ["model", "largest friction [N]", "applied force at 1 mm/s [N]", "displacement [m]"].map(str::to_owned).to_vec(),
+        caption: format!(
+            "At {rates} N/s. The displacement is that of the largest friction at the middle rate."
+        ),
+        columns: ["model", "largest friction [N]", "applied force at 1 mm/s [N]", "displacement [m]"]
+            .map(str::to_owned)
+            .to_vec(),
         rows,
         highlight: None,
     }
@@ -214,7 +218,9 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Table {
         .collect();
     Table {
         title: "Frictional lag: area of the loop".to_owned(),
-        caption: "Test-bed parameters, velocity 1 - 0.95 cos(wt) rad/s. Models that are not listed have no lag.".to_owned(),
+        caption:
+            "Test-bed parameters, velocity 1 - 0.95 cos(wt) rad/s. Models that are not listed have no lag."
+                .to_owned(),
         columns: std::iter::once("model".to_owned()).chain(frequencies).collect(),
         rows,
         highlight: None,
@@ -226,7 +232,13 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
         found.iter().map(of).collect::<Vec<_>>().join(" / ")
     };
     let accelerations = models.first().map_or_else(String::new, |model| {
-        model.features.zero_crossing.iter().map(|z| z.acceleration.to_string()).collect::<Vec<_>>().join(" / ")
+        model
+            .features
+            .zero_crossing
+            .iter()
+            .map(|z| z.acceleration.to_string())
+            .collect::<Vec<_>>()
+            .join(" / ")
     });
     let rows = models
         .iter()
@@ -298,7 +310,12 @@ pub(super) fn limit_cycle(study: &LimitCycleStudy) -> Table {
             .iter()
             .map(|c| {
                 let kind = if c.stable { "stable" } else { "unstable" };
-                format!("A {:.4} m, w {:.4} rad/s, period {:.2} s ({kind})", c.amplitude, c.angular_frequency, std::f64::consts::TAU / c.angular_frequency)
+                format!(
+                    "A {:.4} m, w {:.4} rad/s, period {:.2} s ({kind})",
+                    c.amplitude,
+                    c.angular_frequency,
+                    std::f64::consts::TAU / c.angular_frequency
+                )
             })
             .collect::<Vec<_>>()
             .join("; "),
