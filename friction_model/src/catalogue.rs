@@ -324,6 +324,7 @@ models! {
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
     BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
     Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
+    Armstrong "armstrong" "Armstrong" ArmstrongParameters: Armstrong(Armstrong);
 }
 
 /// Parameters for each direction.

@@ -15,6 +15,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod any_model;
+mod armstrong;
 mod asymmetric;
 mod bengisu_akay;
 mod bliman_sorine;
@@ -22,6 +23,7 @@ mod body;
 mod bristle;
 mod catalogue;
 mod coulomb;
+mod delay_line;
 mod elements;
 mod error;
 mod hysteresis;
@@ -38,6 +40,7 @@ mod stribeck;
 mod stribeck_curve;
 mod viscous;
 
+pub use armstrong::{Armstrong, ArmstrongParameters, Dwelling};
 pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
 pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};

@@ -203,6 +203,15 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
                 the_bristles_keep_their_bound_and_their_mean(&mut stepper);
                 continue;
             }
+            if name == ModelName::Armstrong {
+                // Its Stribeck friction is that of the last dwell: the steady state is that of a slip after a long rest.
+                for _ in 0..5000 {
+                    stepper.step(0.1);
+                }
+                let (force, rested) = (stepper.step(0.1), AnyModel::test_bed(name).steady_state(0.1));
+                assert!(force < rested + 1e-12 && force >= 0.0925 + 0.0403 * 0.1, "{force}");
+                stepper.reset();
+            }
             for _ in 0..5000 {
                 stepper.step(0.1);
             }
