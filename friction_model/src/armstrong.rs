@@ -86,7 +86,7 @@ impl Presets for ArmstrongParameters {
 
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dwelling {
+pub struct ArmstrongMemory {
     /// The velocity, for its delayed value.
     past: DelayLine,
     /// Direction of the slip; zero while stuck.
@@ -107,7 +107,7 @@ pub struct Armstrong {
 impl Armstrong {
     /// `F_s(gamma, t_2)`, which the stuck contact has `ahead` [s] of the last sample.
     #[inline]
-    fn risen(&self, memory: &Dwelling, ahead: f64) -> f64 {
+    fn risen(&self, memory: &ArmstrongMemory, ahead: f64) -> f64 {
         let ArmstrongParameters { f_s, f_c, gamma, .. } = self.parameters;
         let dwell = memory.dwell + ahead;
         memory.stribeck + (f_s - f_c - memory.stribeck) * (dwell / (dwell + gamma))
@@ -115,7 +115,7 @@ impl Armstrong {
 
     /// The level that holds now: of breakaway while stuck, of sliding in a slip.
     #[inline]
-    fn level(&self, memory: &Dwelling, velocity: f64, ahead: f64) -> f64 {
+    fn level(&self, memory: &ArmstrongMemory, velocity: f64, ahead: f64) -> f64 {
         let ArmstrongParameters { f_c, v_s, .. } = self.parameters;
         if memory.slip == 0.0 {
             f_c + self.risen(memory, ahead)
@@ -127,7 +127,7 @@ impl Armstrong {
 
     /// Lets `elapsed` [s] go by, to a moment at which the velocity is `velocity`, and changes between sticking and sliding.
     #[inline]
-    fn advance(&self, state: &mut State<[f64; 2], Dwelling>, velocity: f64, elapsed: f64) {
+    fn advance(&self, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64, elapsed: f64) {
         let ArmstrongParameters { f_c, k_t, .. } = self.parameters;
         let memory = &mut state.memory;
         let [x, _] = state.continuous;
@@ -172,7 +172,7 @@ impl FrictionModel for Armstrong {
     const NAME: ModelName = ModelName::Armstrong;
     type Parameters = ArmstrongParameters;
     type Continuous = [f64; 2];
-    type Memory = Dwelling;
+    type Memory = ArmstrongMemory;
     /// The period [s].
     type Discrete = f64;
 
@@ -180,15 +180,20 @@ impl FrictionModel for Armstrong {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 2], Dwelling> {
+    fn rest(&self) -> State<[f64; 2], ArmstrongMemory> {
         let p = &self.parameters;
         let past = DelayLine::new(p.tau_l, 0.0);
-        let memory = Dwelling { past, slip: 0.0, stribeck: p.f_s - p.f_c, dwell: 0.0 };
+        let memory = ArmstrongMemory { past, slip: 0.0, stribeck: p.f_s - p.f_c, dwell: 0.0 };
         State { continuous: [0.0, 0.0], memory }
     }
 
     #[inline]
-    fn evaluate(&self, &[x, ahead]: &[f64; 2], memory: &Dwelling, velocity: f64) -> Evaluation<[f64; 2]> {
+    fn evaluate(
+        &self,
+        &[x, ahead]: &[f64; 2],
+        memory: &ArmstrongMemory,
+        velocity: f64,
+    ) -> Evaluation<[f64; 2]> {
         let level = self.level(memory, velocity, ahead);
         if memory.slip == 0.0 {
             return Evaluation { force: saturate(level, self.parameters.k_t * x), rates: [velocity, 1.0] };
@@ -199,7 +204,7 @@ impl FrictionModel for Armstrong {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 2], Dwelling>, velocity: f64, dt: f64) {
+    fn commit(&self, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64, dt: f64) {
         self.advance(state, velocity, dt);
     }
 
@@ -209,7 +214,7 @@ impl FrictionModel for Armstrong {
 
     /// The period goes by at the beginning of the next step, when it is known where the velocity went.
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 2], Dwelling>, velocity: f64) -> f64 {
+    fn step(&self, dt: &f64, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64) -> f64 {
         let v = bounded(velocity);
         let [_, elapsed] = state.continuous;
         self.advance(state, v, elapsed);
@@ -225,7 +230,7 @@ impl FrictionModel for Armstrong {
         sign(velocity) * (f_c + (f_s - f_c) / (1.0 + r * r)) + f_v * velocity
     }
 
-    fn internals(&self, state: &State<[f64; 2], Dwelling>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[f64; 2], ArmstrongMemory>, velocity: f64) -> Internals {
         let [x, ahead] = state.continuous;
         let gamma = self.level(&state.memory, velocity, ahead);
         let regime = if state.memory.slip == 0.0 { Regime::Stick } else { Regime::Slip };
@@ -239,7 +244,7 @@ impl FrictionModel for Armstrong {
     }
 
     /// Of the spring; in a slip, as much as at its breakaway.
-    fn stored_energy(&self, state: &State<[f64; 2], Dwelling>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[f64; 2], ArmstrongMemory>) -> Option<f64> {
         let [x, ahead] = state.continuous;
         let k_t = self.parameters.k_t;
         let most =

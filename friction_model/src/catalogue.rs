@@ -325,6 +325,7 @@ models! {
     BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
     Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
     Armstrong "armstrong" "Armstrong" ArmstrongParameters: Armstrong(Armstrong);
+    Wojewoda "wojewoda" "Wojewoda" WojewodaParameters: Wojewoda(Wojewoda);
 }
 
 /// Parameters for each direction.

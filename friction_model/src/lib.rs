@@ -39,13 +39,14 @@ mod stepper;
 mod stribeck;
 mod stribeck_curve;
 mod viscous;
+mod wojewoda;
 
-pub use armstrong::{Armstrong, ArmstrongParameters, Dwelling};
+pub use armstrong::{Armstrong, ArmstrongMemory, ArmstrongParameters};
 pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
 pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
-pub use bristle::{Bonds, Bristle, BristleParameters, MAX_BONDS};
+pub use bristle::{Bristle, BristleMemory, BristleParameters, MAX_BONDS};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
     ModelName, ModelVisitor,
@@ -67,3 +68,4 @@ pub use stepper::Stepper;
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
 pub use viscous::{Viscous, ViscousParameters};
+pub use wojewoda::{Wojewoda, WojewodaMemory, WojewodaParameters};
