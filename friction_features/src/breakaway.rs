@@ -53,7 +53,7 @@ pub struct Breakaway {
     /// Largest friction up to the displacement `within` [N or N m].
     pub friction_max: f64,
     /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not fall by a
-    /// thousandth of its largest value afterwards.
+    /// thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
     pub displacement: Option<f64>,
     /// Applied force when the velocity first exceeds the threshold [N or N m]; `None` if it never does.
     pub applied_at_threshold: Option<f64>,
@@ -84,9 +84,10 @@ pub fn breakaway(contact: &Contact, settings: &BreakawaySettings) -> Vec<Breakaw
 }
 
 fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales, rate: f64) -> Breakaway {
-    // The whole fall of friction accelerates over the whole displacement.
+    // The velocity that the whole excess of the load would give over the whole displacement: twice what it comes to. So the first
+    // step is short of the limit of stability, and the second is accurate.
     let excess = (settings.limit - scales.lowest_level).max(0.0);
-    let fastest = (2.0 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);
+    let fastest = (0.5 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);
     let first = scales.body(settings.inertia, fastest).min(1e-3 * settings.limit / rate);
     let (mut result, evidence) = with_step(
         settings.step,
@@ -101,6 +102,10 @@ fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales,
         },
     );
     result.evidence = evidence;
+    if contact.holding(rate).is_some() {
+        // Breakaway is an event there; the body has moved by a fraction of the step it falls in.
+        result.displacement = result.displacement.map(|_| 0.0);
+    }
     result
 }
 

@@ -4,6 +4,9 @@
 //! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there; then it oscillates
 //! in triangles about its mean. Real contacts deflect and come back. A model whose bristles always yield a little, LuGre's, moves on
 //! with every cycle.
+//!
+//! Bristles without damping (Dahl) let the body ring on them for the whole run, excited by every corner of the triangles. Its position at the end of a cycle then
+//! depends on the phase of that ringing, and the drift does not settle however small the step; the evidence says so.
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};

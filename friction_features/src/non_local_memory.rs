@@ -14,6 +14,7 @@
 //! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling one; the two rising
 //!   legs may differ by a constant alone. The error is what else they differ by, over the height of a leg.
 
+use friction_model::ModelName;
 use serde::{Deserialize, Serialize};
 
 use crate::settle::with_step;
@@ -34,10 +35,25 @@ pub struct NonLocalMemorySettings {
     pub step: Option<f64>,
 }
 
+impl NonLocalMemorySettings {
+    /// The amplitudes with which the thesis's chapter 3 sets have been compared; the rule for models without one.
+    #[must_use]
+    pub fn chapter_3(name: ModelName) -> Self {
+        let amplitude = match name {
+            ModelName::LuGre | ModelName::ElastoPlastic => Some(2.4e-5),
+            ModelName::Gms => Some(3e-3),
+            ModelName::Xiong => Some(3e-5),
+            ModelName::Proposed => Some(6e-4),
+            _ => None,
+        };
+        Self { amplitude, ..Self::default() }
+    }
+}
+
 impl Default for NonLocalMemorySettings {
-    /// 10 s per amplitude; the first turn at 80 % of the static level.
+    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic contact is no longer elastic.
     fn default() -> Self {
-        Self { amplitude: None, level: 0.8, duration: 10.0, step: None }
+        Self { amplitude: None, level: 0.95, duration: 10.0, step: None }
     }
 }
 
@@ -50,6 +66,8 @@ pub struct NonLocalMemory {
     pub tips: [f64; 6],
     /// Force at the first arrival at .5 minus force at -.1 [N or N m].
     pub loop_height: f64,
+    /// Work that the inner loop takes up, `.5 -> -.1 -> .5` [J]. Zero if the contact is elastic there: then neither a gap nor an error can show.
+    pub loop_work: f64,
     /// Closure gap over the height of the loop.
     pub closure_gap: f64,
     /// Wiping-out error [N or N m].
@@ -137,8 +155,14 @@ fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalM
     let mut course = Thinned::new();
     course.offer([0.0, 0.0]);
     let mut tips = [0.0; 6];
+    let mut loop_work = 0.0;
+    let mut before = (0.0, 0.0);
     pace.along(contact, &WITH_LOOP, &mut |leg, displacement, force| {
         tips[leg] = force;
+        if leg == 3 || leg == 4 {
+            loop_work += 0.5 * (force + before.1) * (displacement - before.0);
+        }
+        before = (displacement, force);
         course.offer([displacement, force]);
     });
     let mut without = 0.0;
@@ -159,6 +183,7 @@ fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalM
         amplitude,
         tips,
         loop_height,
+        loop_work,
         closure_gap: (at_second - at_first) / loop_height,
         wiping_out_error: at_end - without,
         congruency_error: (high - low) / leg_height,

@@ -1,7 +1,7 @@
 //! Curves of a few hundred points from runs of any length.
 
 /// Most rows that are kept.
-const CAPACITY: usize = 800;
+const CAPACITY: usize = 500;
 
 /// Keeps every n-th row of a run whose length need not be known: when full, every second row goes and n doubles. So between half
 /// of the capacity and all of it are left, evenly spaced, with the first row among them.

@@ -9,11 +9,11 @@
 //!
 //! | time constant | what relaxes with it |
 //! |---|---|
-//! | `g_min / (k v_max)` | bristles of a contact that slides, LuGre's `g / (sigma0 abs(v))` |
+//! | `d / k` | bristles that slip, where the model has a parameter `sigma` (Xiong and the proposed model) |
+//! | `g_min / (k v_max)` | bristles that slide in all other models, LuGre's `g / (sigma0 abs(v))` |
 //! | `m / d` | velocity of the body against the damping of its bristles |
 //! | `sqrt(m / k)` | oscillation of the body on its bristles, divided by 2 pi |
 //! | `tau` | sliding level, where the model has a parameter of that name |
-//! | `d / k` | bristles that slip, where the model has a parameter `sigma` (Xiong and the proposed model) |
 
 use crate::Contact;
 
@@ -74,12 +74,13 @@ impl TimeScales {
     /// Shortest time constant under a prescribed velocity of at most `speed` [m/s or rad/s]; infinite for static models.
     #[must_use]
     pub fn prescribed(&self, speed: f64) -> f64 {
-        let sliding = if self.stiffness > 0.0 && self.lowest_level > 0.0 {
+        let slips = self.slip < f64::INFINITY;
+        let bristles = if !slips && self.stiffness > 0.0 && self.lowest_level > 0.0 {
             self.lowest_level / (self.stiffness * speed)
         } else {
-            f64::INFINITY
+            self.slip
         };
-        sliding.min(self.lag).min(self.slip)
+        bristles.min(self.lag)
     }
 
     /// Shortest time constant of a body of `inertia` [kg or kg m^2] that moves at most at `speed` [m/s or rad/s].

@@ -58,7 +58,7 @@ pub fn any_model() -> impl Strategy<Value = AnyModel> {
 
 /// Any symmetric model but the bristles, whose bonds are drawn at random: they are odd on average only.
 pub fn odd_model() -> impl Strategy<Value = AnyModel> {
-    let names: Vec<_> = ModelName::ALL.into_iter().filter(|&name| name.as_str() != "bristle").collect();
+    let names: Vec<_> = ModelName::ALL.into_iter().filter(|&name| name != ModelName::Bristle).collect();
     prop::sample::select(names).prop_flat_map(model)
 }
 
