@@ -179,9 +179,8 @@ impl FrictionModel for Leuven {
         let steepening = if r > 1.0 { r.powf(p.n - 1.0) } else { 1.0 };
         let travel = v * dt;
         let fall = p.n * steepening * self.sine.stiffness() / g;
-        let z_next = saturate(p.z_b, z + travel * elastic / (1.0 + travel.abs() * fall));
-        state.memory.commit(&self.sine, z_next);
-        state.continuous = [z_next];
+        state.memory.commit(&self.sine, z + travel * elastic / (1.0 + travel.abs() * fall));
+        state.continuous = [state.memory.deflection()];
         hysteresis + p.sigma1 * v * elastic + p.f_v * v
     }
 

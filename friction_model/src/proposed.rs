@@ -252,9 +252,8 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
         let contact = saturate(gamma, hysteresis + p.sigma * v);
         let slowest = (-gamma - hysteresis) * discrete.implicit_gain;
         let fastest = (gamma - hysteresis) * discrete.implicit_gain;
-        let z_next = saturate(self.parameters.z_b, z + discrete.dt * between(slowest, fastest, v));
-        state.memory.commit(&self.virgin, z_next);
-        state.continuous = [g + (gamma - g) * discrete.gamma_decay, z_next];
+        state.memory.commit(&self.virgin, z + discrete.dt * between(slowest, fastest, v));
+        state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
         contact + p.f_v * v
     }
 

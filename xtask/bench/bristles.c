@@ -40,7 +40,7 @@ static inline double dahl_level(const struct dahl *m, double v)
 static inline void dahl_rates(const struct dahl *m, const double *x, double v, double per_z, double *rates)
 {
     double w = 1.0 - x[0] * per_z;
-    rates[0] = v * (m->delta == 1.0 ? w : pow(fabs(w), m->delta) * sign(w));
+    rates[0] = m->delta == 1.0 ? v - v * per_z * x[0] : v * pow(fabs(w), m->delta) * sign(w);
 }
 
 static inline double dahl_arrive(struct dahl *m, double v, double per_z)
