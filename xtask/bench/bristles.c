@@ -1,4 +1,6 @@
 /* Models with one or two bristles: Dahl and LuGre, their relatives and forerunners. */
+#include <stdint.h>
+
 #include "peer.h"
 
 /* ---- Dahl ---------------------------------------------------------------------------------------- */
@@ -280,3 +282,128 @@ static inline double reset_integrator_arrive(struct reset_integrator *m, double 
 
 RK4(reset_integrator, struct reset_integrator, 1)
 DYNAMIC(reset_integrator, struct reset_integrator)
+
+/* ---- Haessig and Friedland's bristle model: bonds that snap and are made anew at random ------------- */
+
+#define MOST_BONDS 128
+#define MOST_SNAPS 64
+
+/* PCG32, O'Neill's generator, seeded as Rust's rand_core seeds it from one number. */
+struct pcg32 {
+    uint64_t state, increment;
+};
+
+static inline uint32_t pcg32_output(uint64_t state)
+{
+    uint32_t rotation = (uint32_t)(state >> 59), shifted = (uint32_t)(((state >> 18) ^ state) >> 27);
+    return shifted >> rotation | shifted << (-rotation & 31);
+}
+
+static inline uint32_t pcg32_next(struct pcg32 *random)
+{
+    uint64_t state = random->state;
+    random->state = state * 6364136223846793005u + random->increment;
+    return pcg32_output(state);
+}
+
+static struct pcg32 pcg32_seeded(uint64_t seed)
+{
+    uint64_t words[4];
+    for (int i = 0; i < 4; i++) {
+        seed = seed * 6364136223846793005u + 11634580027462260723u;
+        words[i] = pcg32_output(seed);
+    }
+    struct pcg32 random = {.increment = words[2] | words[3] << 32 | 1};
+    random.state = (words[0] | words[1] << 32) + random.increment;
+    pcg32_next(&random);
+    return random;
+}
+
+/* In (0, 1), neither end included. */
+static inline double uniform(struct pcg32 *random)
+{
+    return (pcg32_next(random) + 0.5) * 0x1p-32;
+}
+
+struct bristle {
+    double sigma0, end, f_v, dt;
+    int bonds;
+    double x[1];
+    /* Travel in the present direction, extension of each bond. */
+    double run, extension[MOST_BONDS];
+    struct pcg32 random;
+};
+
+static void bristle_start(struct bristle *m)
+{
+    double stiffness = 0.0994 * (PI / 2.0) / 0.006;
+    *m = (struct bristle){.bonds = 100, .f_v = 0.0403, .dt = period, .random = pcg32_seeded(1)};
+    m->sigma0 = 2.0 * stiffness / m->bonds;
+    m->end = 1.5 * 0.0925 / stiffness;
+    for (int i = 0; i < m->bonds; i++)
+        m->extension[i] = m->end * ((2.0 * i + 1.0 - m->bonds) / m->bonds);
+}
+
+static inline double bristle_force(const struct bristle *m, double v)
+{
+    double sum = 0.0;
+    for (int i = 0; i < m->bonds; i++)
+        sum += saturate(m->end, m->extension[i] + m->x[0]);
+    return m->sigma0 * sum + m->f_v * v;
+}
+
+/* The extension of a bond after a travel forward, in which it snaps as often as it must. */
+static inline double travelled(struct pcg32 *random, double end, double u, double travel)
+{
+    if (travel > 20.0 * end)
+        return end * (2.0 * sqrt(uniform(random)) - 1.0);
+    for (int i = 0; i < MOST_SNAPS; i++) {
+        if (u + travel < end)
+            return u + travel;
+        travel -= end - u;
+        u = end * (2.0 * uniform(random) - 1.0);
+    }
+    return u;
+}
+
+static inline void bristle_travel(struct bristle *m, double travel)
+{
+    m->x[0] = 0.0;
+    if (travel == 0.0 || travel != travel)
+        return;
+    m->run = saturate(2.0 * m->end, (m->run * travel > 0.0 ? m->run : 0.0) + travel);
+    double direction = sign(travel);
+    for (int i = 0; i < m->bonds; i++)
+        m->extension[i] =
+            direction * travelled(&m->random, m->end, direction * m->extension[i], fabs(travel));
+}
+
+static inline double bristle_step(struct bristle *m, double v)
+{
+    v = bounded(v);
+    double force = bristle_force(m, v);
+    bristle_travel(m, m->x[0] + v * m->dt);
+    return force;
+}
+
+static inline double bristle_level(const struct bristle *m, double v)
+{
+    (void)m, (void)v;
+    return 0.0;
+}
+
+static inline void bristle_rates(const struct bristle *m, const double *x, double v, double none, double *rates)
+{
+    (void)m, (void)x, (void)none;
+    rates[0] = v;
+}
+
+static inline double bristle_arrive(struct bristle *m, double v, double none)
+{
+    (void)none;
+    bristle_travel(m, m->x[0]);
+    return bristle_force(m, v);
+}
+
+RK4(bristle, struct bristle, 1)
+DYNAMIC(bristle, struct bristle)

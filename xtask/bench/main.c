@@ -18,7 +18,7 @@ double velocity[SAMPLES], period, gaussian;
     X(coulomb) X(viscous) X(coulomb_viscous) X(stiction) X(stribeck) X(rate_dependent_stiction)        \
     X(karnopp) X(two_line) X(rbf_network) X(bengisu_akay) X(reset_integrator) X(dahl)                  \
     X(bliman_sorine) X(lugre) X(elasto_plastic) X(leuven) X(gms) X(xiong) X(proposed)                  \
-    X(proposed_linear)
+    X(proposed_linear) X(wojewoda) X(armstrong) X(bristle)
 
 #define DECLARE(model) void measure_##model(long steps);
 MODELS(DECLARE)

@@ -18,15 +18,15 @@ extern double velocity[SAMPLES];
 /* Period [s], and the Gaussian shape exponent: numbers that the compiler cannot know. */
 extern double period, gaussian;
 
-static inline double saturate(double bound, double x)
-{
-    return x > bound ? bound : x < -bound ? -bound : x;
-}
-
 static inline double between(double low, double high, double x)
 {
     x = x > high ? high : x;
     return x < low ? low : x;
+}
+
+static inline double saturate(double bound, double x)
+{
+    return between(-bound, bound, x);
 }
 
 static inline double sign(double v)
