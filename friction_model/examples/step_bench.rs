@@ -68,7 +68,9 @@ impl ModelVisitor for Measure<'_> {
             });
         }
         let mut stepper = Stepper::new(model, dt);
+        let mut known = stepper.clone();
         measure(M::NAME, "exact", steps, |steps| run_exact(&mut stepper, velocity, steps));
+        measure(M::NAME, "known", steps, |steps| run_known(&mut known, velocity, steps));
     }
 }
 
@@ -97,10 +99,19 @@ fn run_exact<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, 
 }
 
 #[inline(never)]
+fn run_known<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..steps {
+        sum += black_box(&mut *stepper).step(velocity[k % SAMPLES]);
+    }
+    sum
+}
+
+#[inline(never)]
 fn run_chosen(stepper: &mut AnyStepper, velocity: &Velocities, steps: usize) -> f64 {
     let mut sum = 0.0;
     for k in 0..steps {
-        sum += stepper.step(velocity[k % SAMPLES]);
+        sum += black_box(&mut *stepper).step(velocity[k % SAMPLES]);
     }
     sum
 }
