@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, identify, run};
+use experiment_runner::cli::{BadInput, Interrupted, features, identify, run};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -21,6 +21,7 @@ enum Command {
     Run(run::RunArgs),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
+    Features(features::FeaturesArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
 }
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        Command::Features(args) => features::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
     };

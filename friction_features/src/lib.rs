@@ -2,8 +2,10 @@
 
 mod breakaway;
 mod contact;
+pub mod describing_function;
 mod features;
 mod frictional_lag;
+pub mod limit_cycle;
 mod non_drift;
 mod non_local_memory;
 mod sensitivity;

@@ -316,8 +316,19 @@ macro_rules! models {
 models! {
     Coulomb "coulomb" "Coulomb" CoulombParameters: Coulomb(Coulomb);
     Viscous "viscous" "Viscous" ViscousParameters: Viscous(Viscous);
+    CoulombViscous "coulomb_viscous" "Coulomb and viscous" CoulombViscousParameters: CoulombViscous(CoulombViscous);
+    Stiction "stiction" "Stiction" StictionParameters: Stiction(Stiction);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
+    RateDependentStiction "rate_dependent_stiction" "Rate-dependent stiction" RateDependentStictionParameters:
+        RateDependentStiction(RateDependentStiction);
+    Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
+    TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
+    RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
+    BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
+    ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
+    BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
     Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);

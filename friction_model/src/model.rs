@@ -14,6 +14,9 @@ pub trait ContinuousState: Copy + Debug + PartialEq {
     /// `self + h * rate`, element by element.
     #[must_use]
     fn plus_scaled(&self, rate: &Self, h: f64) -> Self;
+
+    /// Calls `f` with every state in its order: for recorders that do not know the model.
+    fn each(&self, f: &mut dyn FnMut(f64));
 }
 
 impl<const N: usize> ContinuousState for [f64; N] {
@@ -25,6 +28,10 @@ impl<const N: usize> ContinuousState for [f64; N] {
         }
         sum
     }
+
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        self.iter().copied().for_each(f);
+    }
 }
 
 /// Two states side by side, for instance of the two directions of an asymmetric contact.
@@ -32,6 +39,11 @@ impl<A: ContinuousState, B: ContinuousState> ContinuousState for (A, B) {
     #[inline]
     fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
         (self.0.plus_scaled(&rate.0, h), self.1.plus_scaled(&rate.1, h))
+    }
+
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        self.0.each(f);
+        self.1.each(f);
     }
 }
 
@@ -233,6 +245,13 @@ pub(crate) fn between(low: f64, high: f64, x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn states_side_by_side_are_seen_in_their_order() {
+        let mut seen = Vec::new();
+        ([1.0, 2.0], [3.0]).each(&mut |state| seen.push(state));
+        assert_eq!(seen, [1.0, 2.0, 3.0]);
+    }
 
     #[test]
     fn time_steps_are_validated() {
