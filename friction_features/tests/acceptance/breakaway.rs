@@ -97,6 +97,13 @@ fn static_models_break_away_at_their_level_without_moving_first() {
     assert!(dahl.iter().all(|result| result.displacement.is_none()));
 }
 
+/// `F_c + (F_s - F_c) exp(-r / t_s)`: at .05, .1 and .2 N/s, with t_s = .1 N/s.
+#[test]
+fn rate_dependent_stiction_breaks_away_at_the_level_of_its_rate() {
+    let results = found(&chapter_3(ModelName::RateDependentStiction));
+    assert_breaks_away("rate-dependent stiction", &results, [1.30327, 1.18394, 1.06767], None);
+}
+
 /// Under Coulomb friction the body obeys `m x'' = r t`, t counted from breakaway: the velocity is `r t^2 / 2`.
 #[test]
 fn the_load_at_a_velocity_is_that_of_the_closed_form() {

@@ -6,6 +6,7 @@ mod drift;
 mod frictional_lag;
 mod memory;
 mod sensitivity;
+mod snapshot;
 mod steady_state;
 mod stick_slip;
 mod whole;

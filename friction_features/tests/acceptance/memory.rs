@@ -132,6 +132,14 @@ fn lugre_and_dahl_follow_their_closed_form() {
     }
 }
 
+/// The reset integrator is a linear spring short of breakaway: its loops close because they are no loops.
+#[test]
+fn the_reset_integrator_has_no_loops() {
+    let result = memory(ModelName::ResetIntegrator);
+    assert_eq!((result.closure_gap, result.wiping_out_error, result.congruency_error), (0.0, 0.0, 0.0));
+    assert!(result.loop_opening < 1e-12, "{}", result.loop_opening);
+}
+
 #[test]
 fn the_amplitude_of_the_rule_carries_the_level_asked_for() {
     for name in [ModelName::LuGre, ModelName::Proposed, ModelName::Gms, ModelName::Xiong] {
@@ -145,7 +153,9 @@ fn the_amplitude_of_the_rule_carries_the_level_asked_for() {
 
 #[test]
 fn models_without_pre_sliding_have_no_memory() {
-    for name in [ModelName::Coulomb, ModelName::Viscous, ModelName::Stribeck] {
+    for name in
+        [ModelName::Coulomb, ModelName::Viscous, ModelName::Stiction, ModelName::Stribeck, ModelName::Karnopp]
+    {
         assert_eq!(
             non_local_memory(&chapter_3(name), &NonLocalMemorySettings::chapter_3(name)),
             None,

@@ -16,10 +16,7 @@ fn at_step(name: ModelName, step: f64) -> StickSlip {
 /// all of the circle but twice the angle `atan(a w / v0)`. Then the spring must be stretched by `2 a` at the speed v0 until it breaks away again.
 #[test]
 fn two_levels_give_the_cycle_of_the_closed_form() {
-    // A Stribeck velocity far below every velocity of the cycle.
-    let contact = chapter_3_with(ModelName::Stribeck, &[("v_s", 1e-9)]);
-    let result =
-        stick_slip(&contact, &StickSlipSettings { step: Some(1e-5), ..StickSlipSettings::default() });
+    let result = at_step(ModelName::Stiction, 1e-5);
     let (m, k, v0, f_s, f_c) = (1.0f64, 2.0f64, 0.1f64, 1.5f64, 1.0f64);
     let (w, a) = ((k / m).sqrt(), (f_s - f_c) / k);
     let slip = (2.0 * PI - 2.0 * (a * w / v0).atan()) / w;
@@ -36,6 +33,25 @@ fn two_levels_give_the_cycle_of_the_closed_form() {
     let rest = (stick + 2.0 * angle / w) / (slip + stick);
     assert_relative("share of rest", result.share_of_rest.unwrap(), rest, 2e-4);
     assert_eq!(result.motion, Motion::StickSlip);
+}
+
+/// The same cycle from Karnopp's model, with a Stribeck velocity far below every velocity of the cycle.
+#[test]
+fn karnopps_model_gives_the_cycle_of_two_levels() {
+    let contact = chapter_3_with(ModelName::Karnopp, &[("v_s", 1e-9)]);
+    let result =
+        stick_slip(&contact, &StickSlipSettings { step: Some(1e-4), ..StickSlipSettings::default() });
+    let printed = [7.6117, 1.51963, 0.48031, 0.46746, 1.5000];
+    let found = [
+        result.period.unwrap(),
+        result.spring_max,
+        result.spring_min,
+        result.velocity_max,
+        result.friction_max,
+    ];
+    for (value, printed) in found.into_iter().zip(printed) {
+        assert_relative("Karnopp, two levels", value, printed, 5e-4);
+    }
 }
 
 /// Without a static level above the kinetic one nothing makes it stick: from rest the mass swings about v0 for ever and touches zero once a period.
@@ -56,7 +72,8 @@ fn viscous_friction_ends_in_smooth_sliding() {
 }
 
 /// Model, step [s]; period [s], largest and smallest spring force [N], peak velocity [m/s], largest friction [N]; tolerance.
-const TABLE: [(ModelName, f64, [f64; 5], f64); 6] = [
+const TABLE: [(ModelName, f64, [f64; 5], f64); 7] = [
+    (ModelName::Karnopp, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
     (ModelName::Stribeck, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
     (ModelName::LuGre, 1e-5, [7.8867, 1.547867, 0.452133, 0.487401, 1.4975], 5e-4),
     (ModelName::ElastoPlastic, 1e-5, [7.8876, 1.547987, 0.452013, 0.487485, 1.4976], 5e-4),
