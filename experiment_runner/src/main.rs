@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, identify, models, run, simulate};
+use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, run, simulate};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -21,6 +21,7 @@ enum Command {
     Run(run::RunArgs),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
+    Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Simulate(simulate::SimulateArgs),
     #[cfg(feature = "ros")]
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         #[cfg(feature = "ros")]

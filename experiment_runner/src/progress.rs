@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Progress of a run, in seconds of rig time.
+/// Progress of long work, counted in seconds of rig time or in pieces.
 #[derive(Debug, Clone)]
 pub struct Progress(ProgressBar);
 
@@ -12,9 +12,17 @@ impl Progress {
     /// A bar over `rig_seconds` in the terminal, or nothing at all if `quiet`. Where the output is no terminal nothing is drawn.
     #[must_use]
     pub fn new(rig_seconds: f64, quiet: bool) -> Self {
+        Self::counting(rig_seconds.ceil() as u64, "s of rig time", quiet)
+    }
+
+    /// A bar over `length` of `what`.
+    #[must_use]
+    pub fn counting(length: u64, what: &str, quiet: bool) -> Self {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(rig_seconds.ceil() as u64), target);
-        let style = "{msg:34!} {bar:28.cyan/blue} {percent:>3} %  {pos}/{len} s of rig time  {eta} left";
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        let style = &format!(
+            "{{msg:34!}} {{bar:28.cyan/blue}} {{percent:>3}} %  {{pos}}/{{len}} {what}  {{eta}} left"
+        );
         // A template that does not parse would leave indicatif's plain bar; a test keeps it parsing.
         if let Ok(style) = ProgressStyle::with_template(style) {
             bar.set_style(style.progress_chars("━╸─"));

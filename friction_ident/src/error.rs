@@ -1,5 +1,7 @@
 //! What can be wrong with a recording or with what it says.
 
+use friction_model::{ModelError, ModelName, Range};
+
 use crate::rigid_axis::AxisTerm;
 
 /// Why an identification was refused.
@@ -106,7 +108,7 @@ pub enum IdentError {
     Exponent(f64),
     /// The points do not span enough speeds.
     #[error(
-        "the steady points have {found} different speeds, but a Stribeck curve needs at least {needed}; measure at more speeds"
+        "the steady points have {found} different speeds, but the curve needs at least {needed}; measure at more speeds"
     )]
     TooFewSpeeds {
         /// How many it needs.
@@ -122,9 +124,61 @@ pub enum IdentError {
         /// The best Coulomb level.
         f_c: f64,
     },
+    /// The best fit is not a curve that friction can have.
+    #[error(
+        "the best fit is no {model} friction: {parameter} is {value}, but must be {expected}; check the sign of the torque, or measure at more and higher speeds"
+    )]
+    NotAModel {
+        /// The model.
+        model: ModelName,
+        /// Its parameter.
+        parameter: &'static str,
+        /// The best value.
+        value: f64,
+        /// What friction allows.
+        expected: Range,
+    },
+    /// The points lie on one straight line as well as on two.
+    #[error(
+        "the points show no bend: the slope changes by {change:.3e}, which is not clear of its standard error {standard_error:.3e}; measure at more low speeds, or use Coulomb and viscous friction"
+    )]
+    NoBend {
+        /// The best change of the slope.
+        change: f64,
+        /// Its standard error; zero where the points lie on a line exactly.
+        standard_error: f64,
+    },
+    /// The number of radial basis functions is out of range.
+    #[error("the number of centres must lie between 3 and 32, but is {0}")]
+    CentreCount(usize),
+    /// The radial basis functions cannot be placed there.
+    #[error(
+        "the centres must span speeds with 0 < smallest < largest, but smallest is {smallest} and largest {largest}"
+    )]
+    CentreSpan {
+        /// First centre above zero.
+        smallest: f64,
+        /// Last centre.
+        largest: f64,
+    },
+    /// The weight of the ridge is out of range.
+    #[error("the ridge must be a positive number, but is {0}; 1e-10 suits most data")]
+    Ridge(f64),
     /// The nonlinear solver stopped without a result.
     #[error("the least squares solver gave up: {0}; check the points for outliers")]
     NoConvergence(String),
+}
+
+impl From<ModelError> for IdentError {
+    /// What a model says to fitted parameters.
+    fn from(error: ModelError) -> Self {
+        match error {
+            ModelError::OutOfRange { model, parameter, value, expected, .. } => {
+                Self::NotAModel { model, parameter, value, expected }
+            }
+            other => Self::NoConvergence(other.to_string()),
+        }
+    }
 }
 
 fn join(terms: &[AxisTerm]) -> String {

@@ -13,31 +13,14 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::confidence::student_95;
+use crate::steady_point::{Needed, check_points};
 
 mod fit;
 #[cfg(test)]
 mod tests;
 
+pub use crate::steady_point::SteadyPoint;
 pub use fit::fit_stribeck;
-
-/// One steady point: the mean friction at a constant velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SteadyPoint {
-    /// Velocity \[rad/s or m/s\], either sign.
-    pub velocity: f64,
-    /// Friction \[N m or N\]; positive opposes positive velocity.
-    pub torque: f64,
-    /// Standard deviation of `torque`, for all points or for none. Only the ratios count: the overall scale is
-    /// taken from the scatter around the curve.
-    pub deviation: Option<f64>,
-}
-
-impl SteadyPoint {
-    /// A point without a standard deviation of its own.
-    pub fn new(velocity: f64, torque: f64) -> Self {
-        Self { velocity, torque, deviation: None }
-    }
-}
 
 /// What is not estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -246,45 +229,8 @@ impl StribeckFit {
 
 /// Checks the points and returns the slowest and fastest speed.
 fn check(points: &[SteadyPoint], options: &StribeckOptions) -> Result<(f64, f64), IdentError> {
-    const NEEDED: usize = 8;
     if !(0.1..=10.0).contains(&options.delta) {
         return Err(IdentError::Exponent(options.delta));
     }
-    if points.len() < NEEDED {
-        return Err(IdentError::TooFewSamples {
-            what: "a Stribeck curve",
-            needed: NEEDED,
-            found: points.len(),
-            lower: "nothing",
-        });
-    }
-    for (index, point) in points.iter().enumerate() {
-        for (channel, value) in [("the velocity", point.velocity), ("the torque", point.torque)] {
-            if !value.is_finite() {
-                return Err(IdentError::NotFinite { channel, index, value });
-            }
-        }
-        match point.deviation {
-            Some(value) if !(value > 0.0 && value.is_finite()) => {
-                return Err(IdentError::StandardDeviation { index, value });
-            }
-            None if points.iter().any(|other| other.deviation.is_some()) => {
-                return Err(IdentError::MixedDeviations { index });
-            }
-            _ => {}
-        }
-    }
-    if points.iter().all(|point| point.torque == 0.0) {
-        return Err(IdentError::ZeroForce);
-    }
-    let mut speeds: Vec<_> =
-        points.iter().map(|point| point.velocity.abs()).filter(|&speed| speed > 0.0).collect();
-    speeds.sort_by(f64::total_cmp);
-    // Repetitions at one speed differ by a rounding at most; closer than a millionth counts as the same.
-    speeds.dedup_by(|a, b| *a <= *b * (1.0 + 1e-6));
-    const SPEEDS: usize = 5;
-    match (speeds.first(), speeds.last()) {
-        (Some(&slowest), Some(&fastest)) if speeds.len() >= SPEEDS => Ok((slowest, fastest)),
-        _ => Err(IdentError::TooFewSpeeds { needed: SPEEDS, found: speeds.len() }),
-    }
+    check_points(points, &Needed { what: "a Stribeck curve", points: 8, speeds: 5, lower: "nothing" })
 }

@@ -95,7 +95,6 @@ macro_rules! models {
 
         /// A running [`Asymmetric`] contact of any kind.
         #[derive(Debug, Clone)]
-        #[expect(clippy::large_enum_variant, reason = "states live in place: the step path does not allocate")]
         pub enum AsymmetricStepper {
             $($(#[doc = $title] $variant(Stepper<Asymmetric<$model>>),)+)+
         }
@@ -317,9 +316,26 @@ macro_rules! models {
 models! {
     Coulomb "coulomb" "Coulomb" CoulombParameters: Coulomb(Coulomb);
     Viscous "viscous" "Viscous" ViscousParameters: Viscous(Viscous);
+    CoulombViscous "coulomb_viscous" "Coulomb and viscous" CoulombViscousParameters: CoulombViscous(CoulombViscous);
+    Stiction "stiction" "Stiction" StictionParameters: Stiction(Stiction);
     Stribeck "stribeck" "Stribeck" StribeckParameters: Stribeck(Stribeck);
+    RateDependentStiction "rate_dependent_stiction" "Rate-dependent stiction" RateDependentStictionParameters:
+        RateDependentStiction(RateDependentStiction);
+    Karnopp "karnopp" "Karnopp" KarnoppParameters: Karnopp(Karnopp);
+    TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
+    RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
+    BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
+    ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
+    Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);
+    BlimanSorine "bliman_sorine" "Bliman-Sorine" BlimanSorineParameters: BlimanSorine(BlimanSorine);
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
+    ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
+    Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);
+    Gms "gms" "GMS" GmsParameters: Gms(Gms<4>), Gms16(Gms<16>);
+    Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong<4>), Xiong16(Xiong<16>);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
+    ProposedLinear "proposed_linear" "Proposed, straight branches" ProposedParameters: ProposedLinear(ProposedLinear);
 }
 
 /// Parameters for each direction.

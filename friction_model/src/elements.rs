@@ -5,8 +5,10 @@ use core::ops::{Deref, DerefMut};
 use serde::de::{Error, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::{ModelError, ModelName, Range, Unit};
+
 /// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Elements<const CAPACITY: usize = 16> {
     length: usize,
     values: [f64; CAPACITY],
@@ -25,12 +27,6 @@ impl<const CAPACITY: usize> Elements<CAPACITY> {
     #[must_use]
     pub fn from_fn(length: usize, f: impl FnMut(usize) -> f64) -> Self {
         Self { length: length.min(CAPACITY), values: core::array::from_fn(f) }
-    }
-
-    /// The first `N` numbers, with `padding` where there are fewer.
-    #[must_use]
-    pub fn padded<const N: usize>(&self, padding: f64) -> [f64; N] {
-        core::array::from_fn(|i| self.get(i).copied().unwrap_or(padding))
     }
 }
 
@@ -52,6 +48,12 @@ impl<const CAPACITY: usize> DerefMut for Elements<CAPACITY> {
     fn deref_mut(&mut self) -> &mut [f64] {
         let length = self.length.min(CAPACITY);
         &mut self.values[..length]
+    }
+}
+
+impl<const CAPACITY: usize> core::fmt::Debug for Elements<CAPACITY> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
     }
 }
 
@@ -95,6 +97,39 @@ impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
     }
 }
 
+/// Checks the lists of a model with elements: the shares sum to 1, there is room for all of them, and every other list is as long.
+///
+/// Printed shares are rounded, so their sum may be off by a thousandth.
+pub(crate) fn check(
+    model: ModelName,
+    room: usize,
+    shares: &'static str,
+    share: &[f64],
+    others: &[(&'static str, &[f64])],
+) -> Result<(), ModelError> {
+    let length = |parameter, given, expected| ModelError::Elements { model, parameter, given, expected };
+    if share.is_empty() || share.len() > room {
+        return Err(length(shares, share.len(), if share.is_empty() { 1 } else { room }));
+    }
+    for (parameter, list) in others {
+        if list.len() != share.len() {
+            return Err(length(*parameter, list.len(), share.len()));
+        }
+    }
+    let sum: f64 = share.iter().sum();
+    if (sum - 1.0).abs() > 1e-3 {
+        let expected = Range::Such("such that all sum to 1 (the value given is their sum)");
+        return Err(ModelError::OutOfRange {
+            model,
+            parameter: shares,
+            value: sum,
+            unit: Unit::None,
+            expected,
+        });
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +142,5 @@ mod tests {
         let message = serde_json::from_str::<Elements<2>>("[1, 2, 3]").unwrap_err().to_string();
         assert!(message.contains("at most 2 numbers"), "{message}");
         assert_eq!(Elements::<2>::from_slice(&[1.0, 2.0, 3.0]), None);
-        assert_eq!(list.padded::<3>(7.0), [1.0, 2.5, 7.0]);
     }
 }

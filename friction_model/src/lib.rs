@@ -16,34 +16,61 @@
 
 mod any_model;
 mod asymmetric;
+mod bengisu_akay;
+mod bliman_sorine;
 mod body;
+mod bristle;
 mod catalogue;
 mod coulomb;
+mod coulomb_viscous;
+mod dahl;
+mod elasto_plastic;
 mod elements;
 mod error;
+mod gms;
 mod hysteresis;
+mod karnopp;
+mod leuven;
 pub mod load_dependent;
 mod lugre;
+mod memoryless;
 mod model;
 mod name;
 mod parameter;
 mod proposed;
+mod proposed_linear;
+mod rate_dependent_stiction;
+mod rbf_network;
+mod reset_integrator;
 pub mod rk4;
 mod stepper;
+mod stiction;
 mod stribeck;
 mod stribeck_curve;
+mod two_line;
+mod virgin_curve;
 mod viscous;
+mod xiong;
 
 pub use asymmetric::Asymmetric;
+pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
+pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
+pub use bristle::{Bonds, Bristle, BristleParameters, MAX_BONDS};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
     ModelName, ModelVisitor,
 };
 pub use coulomb::{Coulomb, CoulombParameters};
+pub use coulomb_viscous::{CoulombViscous, CoulombViscousParameters};
+pub use dahl::{Dahl, DahlParameters};
+pub use elasto_plastic::{ElastoPlastic, ElastoPlasticParameters};
 pub use elements::Elements;
 pub use error::ModelError;
+pub use gms::{Gms, GmsParameters};
 pub use hysteresis::{Hysteresis, VirginCurve};
+pub use karnopp::{Karnopp, KarnoppParameters};
+pub use leuven::{Leuven, LeuvenParameters};
 pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
 pub use model::{
@@ -51,8 +78,16 @@ pub use model::{
     TimeStep,
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
-pub use proposed::{Proposed, ProposedParameters};
+pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
+pub use proposed_linear::ProposedLinear;
+pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
+pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
+pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
 pub use stepper::Stepper;
+pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
+pub use two_line::{TwoLine, TwoLineParameters};
+pub use virgin_curve::{Line, Sine};
 pub use viscous::{Viscous, ViscousParameters};
+pub use xiong::{Xiong, XiongDiscrete, XiongParameters};

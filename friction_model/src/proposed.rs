@@ -29,15 +29,16 @@
 //! `dz = dt sat-between(v, (-gamma - F_hyst) / (sigma + k dt), (gamma - F_hyst) / (sigma + k dt))`, which can neither
 //! overshoot nor oscillate at any period.
 
-use core::f64::consts::FRAC_PI_2;
+use core::fmt::Debug;
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
 use crate::model::{between, bounded, saturate};
-use crate::parameter::{built_from, parameters};
+use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::virgin_curve::Sine;
 use crate::{
     Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
     Regime, State, StribeckCurve, TimeStep, VirginCurve,
@@ -86,77 +87,94 @@ impl Presets for ProposedParameters {
     }
 }
 
-/// The proposed model with valid parameters. State: `[gamma, z]` and the reversal points.
+/// The structure of the proposed model over a virgin curve: [`Proposed`] with the thesis's sine, [`ProposedLinear`] with a
+/// straight line. State: `[gamma, z]` and the reversal points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ProposedParameters", into = "ProposedParameters")]
-pub struct Proposed {
+#[serde(try_from = "ProposedParameters", into = "ProposedParameters", bound = "C: Branch")]
+pub struct NonDrift<C> {
     parameters: ProposedParameters,
     curve: StribeckCurve,
-    sine: Sine,
+    virgin: C,
     inverse_sigma: f64,
 }
 
-/// The virgin curve `F_s sin(pi z / (2 Z_b))`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Sine {
-    f_s: f64,
-    z_b: f64,
-    /// `pi / (2 Z_b)`.
-    wave_number: f64,
+/// The proposed model with valid parameters.
+pub type Proposed = NonDrift<Sine>;
+
+/// A virgin curve that [`NonDrift`] can be built over.
+pub trait Branch: VirginCurve + Copy + Debug + PartialEq {
+    /// Name of the model with this curve.
+    const NAME: ModelName;
+
+    /// The curve that ends at the force `f_s` and the deflection `z_b`.
+    fn new(f_s: f64, z_b: f64) -> Self;
+
+    /// Its steepest slope [N/m or N m/rad].
+    fn stiffness(&self) -> f64;
 }
 
-impl VirginCurve for Sine {
+impl Branch for Sine {
+    const NAME: ModelName = ModelName::Proposed;
+    fn new(f_s: f64, z_b: f64) -> Self {
+        Self::new(f_s, z_b)
+    }
     #[inline]
-    fn force(&self, z: f64) -> f64 {
-        self.f_s * (self.wave_number * z).sin()
-    }
-
-    fn slope(&self, z: f64) -> f64 {
-        // The sine ends flat: the cosine's rounding there is not a slope.
-        if z.abs() >= self.z_b { 0.0 } else { self.f_s * self.wave_number * (self.wave_number * z).cos() }
-    }
-
-    fn integral(&self, z: f64) -> f64 {
-        self.f_s * (1.0 - (self.wave_number * z).cos()) / self.wave_number
-    }
-
-    #[inline]
-    fn limit(&self) -> f64 {
-        self.z_b
+    fn stiffness(&self) -> f64 {
+        self.stiffness()
     }
 }
 
-impl Proposed {
+impl<C: Branch> NonDrift<C> {
+    /// With the parameters of the thesis's test bed.
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn test_bed() -> Self {
+        ProposedParameters::test_bed().try_into().expect("constants within range")
+    }
+
+    /// With the default parameters of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn chapter_3() -> Self {
+        ProposedParameters::chapter_3().try_into().expect("constants within range")
+    }
+
     /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and returns `F_hyst` there.
     pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
-        memory.commit(&self.sine, z)
+        memory.commit(&self.virgin, z)
     }
 
-    /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` [N/m or N m/rad].
+    /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` for the sine, `F_s / Z_b` for the line [N/m or N m/rad].
     #[must_use]
     pub fn stiffness(&self) -> f64 {
-        self.sine.f_s * self.sine.wave_number
+        self.virgin.stiffness()
     }
 }
 
-impl TryFrom<ProposedParameters> for Proposed {
+impl<C: Branch> TryFrom<ProposedParameters> for NonDrift<C> {
     type Error = ModelError;
 
     fn try_from(p: ProposedParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Proposed;
-        p.check(name)?;
-        let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
-        let sine = Sine { f_s: p.f_s, z_b: p.z_b, wave_number: FRAC_PI_2 / p.z_b };
-        let stiffness = sine.f_s * sine.wave_number;
+        p.check(C::NAME)?;
+        let curve = StribeckCurve::new(C::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
+        let virgin = C::new(p.f_s, p.z_b);
         let steep = "large enough for a finite stiffness";
-        ProposedParameters::require(name, stiffness.is_finite(), "z_b", p.z_b, steep)?;
+        ProposedParameters::require(C::NAME, virgin.stiffness().is_finite(), "z_b", p.z_b, steep)?;
         let divisor = "large enough to divide by";
-        ProposedParameters::require(name, (1.0 / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
-        Ok(Self { parameters: p, curve, sine, inverse_sigma: 1.0 / p.sigma })
+        ProposedParameters::require(C::NAME, (1.0 / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
+        Ok(Self { parameters: p, curve, virgin, inverse_sigma: 1.0 / p.sigma })
     }
 }
 
-built_from!(Proposed, ProposedParameters);
+impl<C> From<NonDrift<C>> for ProposedParameters {
+    fn from(model: NonDrift<C>) -> Self {
+        model.parameters
+    }
+}
 
 /// Coefficients of the fixed-step form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,8 +186,8 @@ pub struct ProposedDiscrete {
     implicit_gain: f64,
 }
 
-impl FrictionModel for Proposed {
-    const NAME: ModelName = ModelName::Proposed;
+impl<C: Branch> FrictionModel for NonDrift<C> {
+    const NAME: ModelName = C::NAME;
     type Parameters = ProposedParameters;
     type Continuous = [f64; 2];
     type Memory = Hysteresis;
@@ -186,7 +204,7 @@ impl FrictionModel for Proposed {
     #[inline]
     fn evaluate(&self, &[gamma, z]: &[f64; 2], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 2]> {
         let p = &self.parameters;
-        let hysteresis = memory.peek(&self.sine, z);
+        let hysteresis = memory.peek(&self.virgin, z);
         let contact = saturate(gamma, hysteresis + p.sigma * velocity);
         Evaluation {
             force: contact + p.f_v * velocity,
@@ -200,9 +218,9 @@ impl FrictionModel for Proposed {
     #[inline]
     fn commit(&self, state: &mut State<[f64; 2], Hysteresis>, _: f64, _: f64) {
         let [gamma, z] = state.continuous;
-        let z = saturate(self.sine.z_b, z);
-        state.continuous = [gamma.clamp(self.parameters.f_c, self.parameters.f_s), z];
-        state.memory.commit(&self.sine, z);
+        let z = saturate(self.parameters.z_b, z);
+        state.continuous = [between(self.parameters.f_c, self.parameters.f_s, gamma), z];
+        state.memory.commit(&self.virgin, z);
     }
 
     fn discretise(&self, dt: TimeStep) -> ProposedDiscrete {
@@ -229,8 +247,8 @@ impl FrictionModel for Proposed {
         let contact = saturate(gamma, hysteresis + p.sigma * v);
         let slowest = (-gamma - hysteresis) * discrete.implicit_gain;
         let fastest = (gamma - hysteresis) * discrete.implicit_gain;
-        let z_next = saturate(self.sine.z_b, z + discrete.dt * between(slowest, fastest, v));
-        state.memory.commit(&self.sine, z_next);
+        let z_next = saturate(self.parameters.z_b, z + discrete.dt * between(slowest, fastest, v));
+        state.memory.commit(&self.virgin, z_next);
         state.continuous = [g + (gamma - g) * discrete.gamma_decay, z_next];
         contact + p.f_v * v
     }
@@ -241,7 +259,7 @@ impl FrictionModel for Proposed {
 
     fn internals(&self, state: &State<[f64; 2], Hysteresis>, velocity: f64) -> Internals {
         let [gamma, z] = state.continuous;
-        let trial = state.memory.peek(&self.sine, z) + self.parameters.sigma * velocity;
+        let trial = state.memory.peek(&self.virgin, z) + self.parameters.sigma * velocity;
         let regime = if trial.abs() > gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
     }
@@ -252,7 +270,7 @@ impl FrictionModel for Proposed {
     }
 
     fn stored_energy(&self, state: &State<[f64; 2], Hysteresis>) -> Option<f64> {
-        Some(state.memory.stored_energy(&self.sine))
+        Some(state.memory.stored_energy(&self.virgin))
     }
 }
 

@@ -1,6 +1,8 @@
 //! Pointwise comparison with an independent implementation (see `reference/README.md`).
 
-use friction_model::{FrictionModel, Hysteresis, LuGre, Proposed, Stepper, TimeStep, rk4};
+use friction_model::{
+    ElastoPlastic, FrictionModel, Gms, Hysteresis, LuGre, Proposed, Stepper, TimeStep, Xiong, rk4,
+};
 
 /// A column of a reference file by name.
 fn column(text: &str, name: &str) -> Vec<f64> {
@@ -58,6 +60,33 @@ fn proposed_follows_the_reference() {
 }
 
 #[test]
+fn elasto_plastic_follows_the_reference() {
+    let reference = column(include_str!("reference/ref_ch3.csv"), "EP");
+    assert!(largest_difference(&ElastoPlastic::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6);
+}
+
+/// Elements change regime at the end of a step: both implementations are of first order in it there.
+#[test]
+fn gms_follows_the_reference() {
+    let reference = column(include_str!("reference/ref_ch3.csv"), "GMS10");
+    let difference = largest_difference(&Gms::chapter_3(), chapter_3_velocity, &reference, 2000);
+    assert!(difference < 1e-4, "{difference} N");
+    let reference = column(include_str!("reference/ref_testbed.csv"), "GMS");
+    let difference = largest_difference(&Gms::test_bed(), test_bed_velocity, &reference, 1000);
+    assert!(difference < 1e-4, "{difference} N m");
+}
+
+#[test]
+fn xiong_follows_the_reference() {
+    let reference = column(include_str!("reference/ref_ch3.csv"), "Xiong10");
+    let difference = largest_difference(&Xiong::chapter_3(), chapter_3_velocity, &reference, 1000);
+    assert!(difference < 1e-6, "{difference} N");
+    let reference = column(include_str!("reference/ref_testbed.csv"), "Xiong");
+    let difference = largest_difference(&Xiong::test_bed(), test_bed_velocity, &reference, 1000);
+    assert!(difference < 1e-6, "{difference} N m");
+}
+
+#[test]
 fn the_hysteresis_follows_the_reference() {
     let text = include_str!("reference/ref_hyst.csv");
     let (z, expected) = (column(text, "z_over_Zb"), column(text, "F_over_Fs"));
@@ -80,7 +109,6 @@ fn fixed_step_error<M: FrictionModel>(model: M, column_name: &str, dt: f64) -> f
     for (k, expected) in reference.iter().enumerate() {
         for j in 0..steps {
             let t = (k * steps + j) as f64 * dt;
-
             let force = stepper.step(test_bed_velocity(t));
             if j == 0 {
                 worst = worst.max((force - expected).abs());
@@ -92,17 +120,15 @@ fn fixed_step_error<M: FrictionModel>(model: M, column_name: &str, dt: f64) -> f
 
 #[test]
 fn the_fixed_step_form_converges_to_the_reference() {
+    fn both<M: FrictionModel>(model: &M, column: &str) -> (f64, f64) {
+        (fixed_step_error(model.clone(), column, 1e-3), fixed_step_error(model.clone(), column, 1e-4))
+    }
     for (at_1_ms, at_a_tenth) in [
-        (
-            fixed_step_error(LuGre::test_bed(), "LuGre", 1e-3),
-            fixed_step_error(LuGre::test_bed(), "LuGre", 1e-4),
-        ),
-        (
-            fixed_step_error(Proposed::test_bed(), "Proposed", 1e-3),
-            fixed_step_error(Proposed::test_bed(), "Proposed", 1e-4),
-        ),
+        both(&LuGre::test_bed(), "LuGre"),
+        both(&Proposed::test_bed(), "Proposed"),
+        both(&Gms::test_bed(), "GMS"),
+        both(&Xiong::test_bed(), "Xiong"),
     ] {
-        println!("{at_1_ms} {at_a_tenth}");
         assert!(at_1_ms < 0.02 * 0.0994, "at 1 ms: {at_1_ms} N m");
         assert!(at_a_tenth < 0.15 * at_1_ms, "{at_a_tenth} is not a tenth of {at_1_ms}");
     }

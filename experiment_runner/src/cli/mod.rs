@@ -1,5 +1,6 @@
 //! The `frictionlab` command, one file a subcommand.
 
+pub mod features;
 pub mod identify;
 #[cfg(feature = "ros")]
 pub mod live;

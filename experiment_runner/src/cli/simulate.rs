@@ -83,7 +83,7 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let (folder, name) = destination(args)?;
     let settings = Settings { scheme: args.scheme, dt: args.dt, load_gain: args.load_gain };
 
-    let progress = Progress::new(motion.duration(), args.quiet);
+    let progress = Progress::counting(motion.duration().ceil() as u64, "s of motion", args.quiet);
     progress.stage(model.name().title());
     let result = simulate(&model, &motion, &settings, &mut |seconds| progress.advance(seconds));
     progress.finish();

@@ -187,7 +187,7 @@ mod tests {
         let line = |start: &str| text.lines().find(|line| line.trim_start().starts_with(start)).unwrap();
         assert_eq!(
             line("f_s:").trim_start(),
-            "f_s: 0.0994      # Static friction F_s [N m; > 0, at least f_c]"
+            "f_s: 0.0994     # Static friction F_s [N m; > 0, at least f_c]"
         );
         assert!(line("# v_d:").contains("left out"), "optional parameters wait in comments");
         assert!(example(ModelName::LuGre, Preset::Chapter3).contains("Bristle stiffness sigma_0 [N/m; > 0]"));

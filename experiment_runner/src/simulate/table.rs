@@ -54,13 +54,11 @@ impl<'a> Table<'a> {
         let inner = model.internals(state, v);
         let text = &mut self.text;
         push(text, t);
-        for value in
-            [Some(v), load.map(|(_, load)| load), Some(force), Some(inner.deflection), Some(inner.gamma)]
-        {
-            if let Some(value) = value {
-                text.push(',');
-                push(text, value);
-            }
+        let shown =
+            [Some(v), load.map(|(_, load)| load), Some(force), Some(inner.deflection), Some(inner.gamma)];
+        for value in shown.into_iter().flatten() {
+            text.push(',');
+            push(text, value);
         }
         text.push_str(match inner.regime {
             Regime::Stick => ",stick",

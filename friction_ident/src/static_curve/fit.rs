@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, Dyn};
 use super::{SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Unidentifiable, check};
 use crate::IdentError;
 use crate::least_squares;
+use crate::steady_point::relative_weights;
 
 /// Trial Stribeck velocities of the scan.
 const TRIALS: usize = 80;
@@ -92,13 +93,10 @@ struct Data {
 
 impl Data {
     fn new(points: &[SteadyPoint]) -> Self {
-        // Weights are relative: their mean square is one, so that the residual keeps its unit.
-        let inverse = |point: &SteadyPoint| point.deviation.map_or(1.0, |deviation| 1.0 / deviation);
-        let mean: f64 = points.iter().map(|point| inverse(point).powi(2)).sum::<f64>() / points.len() as f64;
         Self {
             velocity: points.iter().map(|point| point.velocity).collect(),
             torque: points.iter().map(|point| point.torque).collect(),
-            weight: points.iter().map(|point| inverse(point) / mean.sqrt()).collect(),
+            weight: relative_weights(points),
         }
     }
 

@@ -1,0 +1,73 @@
+//! `frictionlab features`: what tells friction models apart.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+
+use anyhow::Context;
+use friction_model::ModelName;
+
+use super::{BadInput, Interrupted, model_name};
+use crate::features::{FeaturesOptions, compute, page, summary};
+use crate::output::write_all;
+use crate::progress::Progress;
+use crate::report::render_page;
+
+/// Compute what tells friction models apart and draw it in one report
+///
+/// For each model: stick-slip, drift, hysteresis and its memory, breakaway against force rate, frictional
+/// lag, steady sliding, reversal, sensitivity to each parameter, and the describing function. Then the
+/// thesis's position loop that hunts, simulated and predicted. Parameters are those of the thesis's
+/// chapter 3; steps are halved until the figures hold to 1e-4.
+///
+///   frictionlab features
+///   frictionlab features --model lugre,gms,proposed --out runs/three
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct FeaturesArgs {
+    /// Models, separated by commas [default: all]; `frictionlab models` lists them.
+    #[arg(long, short, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
+    model: Vec<ModelName>,
+
+    /// Folder for report.html and features.json [default: runs/features-N].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Threads [default: all cores]; the results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+
+    /// No progress bar and no summary.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs it.
+///
+/// # Errors
+/// [`BadInput`] if the folder cannot be written, [`Interrupted`] after ctrl-C.
+pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
+    let chosen = |name: &ModelName| args.model.is_empty() || args.model.contains(name);
+    let models: Vec<ModelName> = ModelName::ALL.into_iter().filter(chosen).collect();
+    let workers =
+        args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let folder = args.out.clone().unwrap_or_else(|| super::run::first_free("features"));
+    let cancel = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&cancel);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+
+    let progress = Progress::counting(models.len() as u64 + 1, "models", args.quiet);
+    let outcome = compute(&FeaturesOptions { models, workers }, &progress, &cancel);
+    progress.finish();
+    let Some(results) = outcome? else {
+        return Err(Interrupted("stopped before the end; nothing was written".to_owned()).into());
+    };
+    let json = serde_json::to_string_pretty(&results).context("cannot describe the results")?;
+    write_all(&folder, &[("report.html", render_page(&page(&results))), ("features.json", json)])
+        .map_err(|error| BadInput(format!("{error}; --out DIR names another folder")))?;
+    if !args.quiet {
+        println!("{}\nReport  {}", summary(&results), folder.join("report.html").display());
+    }
+    Ok(())
+}

@@ -1,0 +1,249 @@
+//! The elasto-plastic model (Dupont, Hayward, Armstrong, Altpeter 2002): LuGre that does not drift.
+//!
+//! ```text
+//! z' = v - alpha(z, v) sigma0 |v| z / g(v)          (thesis eq. 2.22 with g in units of force; with 2.20's g it has sigma0 twice)
+//! F  = sigma0 z + sigma1 z' + f_v v
+//! alpha = 0                                          if sgn v != sgn z, or |z| <= z_ba
+//!         1                                          if |z| >= z_ss = g(v) / sigma0
+//!         1/2 sin( pi (|z| - (z_ss + z_ba)/2) / (z_ss - z_ba) ) + 1/2      between      (eq. 2.23 with |z|)
+//! ```
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `sigma0` | N/m or N m/rad | > 0 | bristle stiffness |
+//! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping |
+//! | `z_ba` | m or rad | > 0, below `f_c / sigma0` | deflection up to which the contact is purely elastic |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! `z_ba` must lie below the sliding deflection at every speed, that is below `F_c / sigma0`; .7 of it is usual. Below `sigma0 z_ba` the contact is a
+//! spring: it does not drift there, and it has no hysteresis there either. Above, inner loops do not close. Everything else is as in LuGre:
+//! steady state `sgn(v) g(v) + f_v v`, stick-slip, lag.
+//!
+//! Fixed-step form: the exact solution for velocity and `alpha` held over the period; a deflection that moves outward stops at `z_ss`, which it
+//! could otherwise overshoot from within the elastic range.
+
+use core::f64::consts::PI;
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, sign};
+use crate::parameter::{built_from, parameters};
+use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::{
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    StribeckCurve, TimeStep,
+};
+
+parameters! {
+    /// Parameters of [`ElastoPlastic`] as files carry them.
+    ElastoPlasticParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
+        sigma0: f64, Stiffness, Range::Positive;
+        /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
+        sigma1: f64, Damping, Range::NonNegative;
+        /// Deflection z_ba up to which the contact is elastic [m or rad], above zero and below `f_c / sigma0`.
+        z_ba: f64, Deflection, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for ElastoPlasticParameters {
+    /// LuGre's Table 4.14 with `z_ba = .7 F_c / sigma0`.
+    fn test_bed() -> Self {
+        Self {
+            f_s: 0.0994,
+            f_c: 0.0929,
+            v_s: 0.1407,
+            delta: 2.0,
+            sigma0: 16.469,
+            sigma1: 0.2494,
+            z_ba: 0.7 * 0.0929 / 16.469,
+            f_v: 0.0403,
+        }
+    }
+    fn chapter_3() -> Self {
+        let sigma1 = 1e5f64.sqrt();
+        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, z_ba: 0.7e-5, f_v: 0.0 }
+    }
+}
+
+/// The elasto-plastic model with valid parameters. State: `[z]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ElastoPlasticParameters", into = "ElastoPlasticParameters")]
+pub struct ElastoPlastic {
+    parameters: ElastoPlasticParameters,
+    curve: StribeckCurve,
+}
+
+built_from!(ElastoPlastic, ElastoPlasticParameters);
+
+impl TryFrom<ElastoPlasticParameters> for ElastoPlastic {
+    type Error = ModelError;
+
+    fn try_from(p: ElastoPlasticParameters) -> Result<Self, ModelError> {
+        let name = ModelName::ElastoPlastic;
+        p.check(name)?;
+        let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
+        let elastic = p.z_ba < p.f_c / p.sigma0;
+        let below = "below f_c / sigma0, the deflection at which the contact slides fully";
+        ElastoPlasticParameters::require(name, elastic, "z_ba", p.z_ba, below)?;
+        Ok(Self { parameters: p, curve })
+    }
+}
+
+impl ElastoPlastic {
+    /// The part of the motion that is plastic, from 0 (elastic) to 1 (sliding), where the sliding deflection is `z_ss`.
+    #[inline]
+    fn alpha(&self, z: f64, velocity: f64, z_ss: f64) -> f64 {
+        let z_ba = self.parameters.z_ba;
+        let deflection = z.abs();
+        if sign(velocity) != sign(z) || deflection <= z_ba {
+            0.0
+        } else if deflection >= z_ss {
+            1.0
+        } else {
+            0.5 * (PI * (deflection - 0.5 * (z_ss + z_ba)) / (z_ss - z_ba)).sin() + 0.5
+        }
+    }
+}
+
+impl FrictionModel for ElastoPlastic {
+    const NAME: ModelName = ModelName::ElastoPlastic;
+    type Parameters = ElastoPlasticParameters;
+    type Continuous = [f64; 1];
+    type Memory = ();
+    /// The period [s].
+    type Discrete = f64;
+
+    fn parameters(&self) -> &ElastoPlasticParameters {
+        &self.parameters
+    }
+
+    fn rest(&self) -> State<[f64; 1], ()> {
+        State { continuous: [0.0], memory: () }
+    }
+
+    #[inline]
+    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let z_ss = self.curve.level(velocity) / p.sigma0;
+        let z_rate = velocity - self.alpha(z, velocity, z_ss) * velocity.abs() * z / z_ss;
+        Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+    }
+
+    fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
+
+    fn discretise(&self, dt: TimeStep) -> f64 {
+        dt.seconds()
+    }
+
+    #[inline]
+    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+        let p = &self.parameters;
+        let v = bounded(velocity);
+        let [z] = state.continuous;
+        let z_ss = self.curve.level(v) / p.sigma0;
+        // Rate at which z relaxes while velocity and alpha are held [1/s].
+        let rate = self.alpha(z, v, z_ss) * v.abs() / z_ss;
+        let next = if rate > 0.0 {
+            let z_end = v / rate;
+            z_end + (z - z_end) * (-rate * dt).exp()
+        } else {
+            z + v * dt
+        };
+        let outward = sign(v);
+        let overshoots = outward * next > z_ss && outward * z <= z_ss;
+        state.continuous = [if overshoots { outward * z_ss } else { next }];
+        p.sigma0 * z + p.sigma1 * (v - rate * z) + p.f_v * v
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    /// Slip once more than half of the motion is plastic.
+    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+        let [z] = state.continuous;
+        let gamma = self.curve.level(velocity);
+        let alpha = self.alpha(z, velocity, gamma / self.parameters.sigma0);
+        Internals { deflection: z, gamma, regime: if alpha > 0.5 { Regime::Slip } else { Regime::Stick } }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+        let [z] = state.continuous;
+        Some(0.5 * self.parameters.sigma0 * z * z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Stepper, rk4};
+
+    #[test]
+    fn reaches_the_stribeck_curve() {
+        for model in [ElastoPlastic::chapter_3(), ElastoPlastic::test_bed()] {
+            for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+                let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+                // The slowest needs a travel of many sliding deflections of 6 mrad.
+                for _ in 0..200_000 {
+                    stepper.step(v);
+                }
+                let error = stepper.step(v) - model.steady_state(v);
+                assert!(error.abs() < 1e-9, "v {v}: {error}");
+            }
+        }
+    }
+
+    /// Below z_ba it is a spring with a damper: the deflection is the displacement, exactly.
+    #[test]
+    fn below_z_ba_the_bristle_follows_the_displacement() {
+        let model = ElastoPlastic::test_bed();
+        let z_ba = model.parameters().z_ba;
+        let mut state = model.rest();
+        let velocity = |t: f64| 0.9 * z_ba * 7.0 * (7.0 * t).cos();
+        for k in 0..3000 {
+            let t = 1e-3 * f64::from(k);
+            rk4::step(&model, &mut state, [velocity(t), velocity(t + 5e-4), velocity(t + 1e-3)], 1e-3);
+            let displacement = 0.9 * z_ba * (7.0 * (t + 1e-3)).sin();
+            assert!((state.continuous[0] - displacement).abs() < 1e-8 * z_ba);
+        }
+    }
+
+    /// The switch of eq. 2.23 is odd: the printed form without |z| is not.
+    #[test]
+    fn the_plastic_part_is_the_same_on_both_sides() {
+        let model = ElastoPlastic::chapter_3();
+        for z in [0.75e-5, 0.9e-5, 1.2e-5, 2e-5] {
+            let z_ss = 1.4e-5;
+            assert_eq!(model.alpha(z, 0.01, z_ss), model.alpha(-z, -0.01, z_ss));
+            assert_eq!(model.alpha(z, -0.01, z_ss), 0.0);
+        }
+        assert!((model.alpha(1.05e-5, 0.01, 1.4e-5) - 0.5).abs() < 1e-12, "half plastic half way");
+    }
+
+    #[test]
+    fn an_elastic_range_beyond_sliding_is_refused() {
+        let p = ElastoPlasticParameters { z_ba: 0.7 * 1.5e-5, ..ElastoPlasticParameters::chapter_3() };
+        let message = ElastoPlastic::try_from(p).unwrap_err().to_string();
+        assert!(message.contains("elasto_plastic.z_ba must be below f_c / sigma0"), "{message}");
+    }
+}

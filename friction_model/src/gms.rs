@@ -1,0 +1,335 @@
+//! The generalised Maxwell-slip model, GMS (Lampaert, Al-Bender, Swevers 2003): elements that stick and slip side by side.
+//!
+//! ```text
+//! element i sticks:  z_i' = v                                            until |z_i| reaches W_i(v) = alpha_i g(v) / sigma0_i
+//! element i slips:   z_i' = C_i ( sgn v - sigma0_i z_i / (alpha_i g(v)) )        until v changes sign      (thesis eq. 2.28, corrected)
+//! F = sum_i ( sigma0_i z_i + sigma1_i z_i' ) + f_v v,     sum_i alpha_i = 1
+//! ```
+//!
+//! The printed 2.28 has the wrong fixed point for `v < 0`. `C_i` is a speed here; the original's common attraction `C_0` [N/s] is `C_i = C_0 alpha_i / sigma0_i`.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `alpha` | - | > 0, sum 1 | share of each element |
+//! | `sigma0` | N/m or N m/rad | > 0 | stiffness of each element |
+//! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping of each element |
+//! | `c` | m/s or rad/s | > 0 | attraction of each element: how fast it follows the Stribeck curve in slip |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! In pre-sliding each element is a stop, so the hysteresis has non-local memory: inner loops close and are wiped out, and it does not drift. In
+//! sliding it lags. The `sigma1 z'` term jumps when an element begins to slip or sticks: with the thesis's chapter 3 set the force peaks at
+//! 2.08 N, above `F_s` = 1.5 N, and the loop of frictional lag runs the wrong way round. That is the model, not an error of integration; with `sigma1 = 0`
+//! neither happens.
+//!
+//! Fixed-step form: the exact solution of each regime for a held velocity, with the change from stick to slip at the end of the period it falls in.
+//! In the derivative form too, elements change regime at the end of an accepted step, so the error is of first order in the step.
+//!
+//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry nothing.
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, sign};
+use crate::parameter::parameters;
+use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::{
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
+};
+
+parameters! {
+    /// Parameters of [`Gms`] as files carry them; the lists have one number an element, at most 16.
+    GmsParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Share alpha of each element, above zero; they sum to 1.
+        alpha: Elements, None, Range::Positive;
+        /// Stiffness sigma_0 of each element [N/m or N m/rad], above zero.
+        sigma0: Elements, Stiffness, Range::Positive;
+        /// Micro-damping sigma_1 of each element [N s/m or N m s/rad], zero or more.
+        sigma1: Elements, Damping, Range::NonNegative;
+        /// Attraction C of each element [m/s or rad/s], above zero.
+        c: Elements, Speed, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for GmsParameters {
+    /// Table 4.15, shares made to sum to 1, with the viscous coefficient of the other models.
+    fn test_bed() -> Self {
+        let sum = 0.2841 + 3.0 * 0.2341;
+        Self {
+            f_s: 0.1035,
+            f_c: 0.0921,
+            v_s: 0.1,
+            delta: 2.0,
+            alpha: [0.2841, 0.2341, 0.2341, 0.2341].map(|share| share / sum).into(),
+            sigma0: [7.9605, 4.8757, 2.6039, 1.0290].into(),
+            sigma1: [0.1611, 0.1173, 0.0749, 0.0321].into(),
+            c: [0.2998; 4].into(),
+            f_v: 0.0403,
+        }
+    }
+
+    /// Ten elements.
+    fn chapter_3() -> Self {
+        let alpha = |i| 0.0955 + 0.001 * i as f64;
+        Self {
+            f_s: 1.5,
+            f_c: 1.0,
+            v_s: 0.01,
+            delta: 2.0,
+            alpha: Elements::from_fn(10, alpha),
+            sigma0: Elements::from_fn(10, |i| 10.0 + 8.0 * i as f64),
+            sigma1: Elements::from_fn(10, |i| 10.0 + 5.0 * i as f64),
+            c: Elements::from_fn(10, |i| 0.1 * alpha(i)),
+            f_v: 0.0,
+        }
+    }
+}
+
+/// GMS with valid parameters and room for `N` elements. State: `[z_i]`, and in which direction each element slips.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "GmsParameters", into = "GmsParameters")]
+pub struct Gms<const N: usize> {
+    parameters: GmsParameters,
+    curve: StribeckCurve,
+    elements: [Element; N],
+}
+
+/// One element; all zero for one that carries nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Element {
+    sigma0: f64,
+    sigma1: f64,
+    /// `alpha / sigma0`: W per unit of g.
+    width: f64,
+    /// `sigma0 / alpha`.
+    inverse_width: f64,
+    c: f64,
+}
+
+impl<const N: usize> From<Gms<N>> for GmsParameters {
+    fn from(model: Gms<N>) -> Self {
+        model.parameters
+    }
+}
+
+impl Gms<4> {
+    /// With the four elements of the thesis's test bed.
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn test_bed() -> Self {
+        GmsParameters::test_bed().try_into().expect("constants within range")
+    }
+}
+
+impl Gms<10> {
+    /// With the ten elements of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn chapter_3() -> Self {
+        GmsParameters::chapter_3().try_into().expect("constants within range")
+    }
+}
+
+impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
+    type Error = ModelError;
+
+    fn try_from(p: GmsParameters) -> Result<Self, ModelError> {
+        let model = ModelName::Gms;
+        p.check(model)?;
+        let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
+        crate::elements::check(
+            model,
+            N,
+            "alpha",
+            &p.alpha,
+            &[("sigma0", &p.sigma0), ("sigma1", &p.sigma1), ("c", &p.c)],
+        )?;
+        let mut elements = [Element::default(); N];
+        let lists = p.alpha.iter().zip(p.sigma0.iter()).zip(p.sigma1.iter().zip(p.c.iter()));
+        for (element, ((&alpha, &sigma0), (&sigma1, &c))) in elements.iter_mut().zip(lists) {
+            *element = Element { sigma0, sigma1, width: alpha / sigma0, inverse_width: sigma0 / alpha, c };
+            let usable = element.width > 0.0 && element.inverse_width.is_finite();
+            GmsParameters::require(
+                model,
+                usable,
+                "sigma0",
+                sigma0,
+                "such that alpha / sigma0 is a finite width",
+            )?;
+        }
+        Ok(Self { parameters: p, curve, elements })
+    }
+}
+
+impl<const N: usize> FrictionModel for Gms<N> {
+    const NAME: ModelName = ModelName::Gms;
+    type Parameters = GmsParameters;
+    type Continuous = [f64; N];
+    /// Direction in which each element slips: -1, 1, or 0 while it sticks.
+    type Memory = [f64; N];
+    /// The period [s].
+    type Discrete = f64;
+
+    fn parameters(&self) -> &GmsParameters {
+        &self.parameters
+    }
+
+    fn rest(&self) -> State<[f64; N], [f64; N]> {
+        State { continuous: [0.0; N], memory: [0.0; N] }
+    }
+
+    #[inline]
+    fn evaluate(&self, z: &[f64; N], slips: &[f64; N], velocity: f64) -> Evaluation<[f64; N]> {
+        let inverse_g = 1.0 / self.curve.level(velocity);
+        let direction = sign(velocity);
+        let mut force = self.parameters.f_v * velocity;
+        let mut rates = [velocity; N];
+        for (((element, &z), &slips), rate) in self.elements.iter().zip(z).zip(slips).zip(&mut rates) {
+            if slips * direction > 0.0 {
+                *rate = element.c * (direction - z * element.inverse_width * inverse_g);
+            }
+            force += element.sigma0 * z + element.sigma1 * *rate;
+        }
+        Evaluation { force, rates }
+    }
+
+    #[inline]
+    fn commit(&self, state: &mut State<[f64; N], [f64; N]>, velocity: f64, _: f64) {
+        let g = self.curve.level(velocity);
+        let direction = sign(velocity);
+        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory) {
+            if *slips == 0.0 {
+                if direction != 0.0 && direction * *z >= element.width * g {
+                    *slips = direction;
+                    *z = direction * element.width * g;
+                }
+            } else if *slips != direction {
+                *slips = 0.0;
+            }
+        }
+    }
+
+    fn discretise(&self, dt: TimeStep) -> f64 {
+        dt.seconds()
+    }
+
+    #[inline]
+    fn step(&self, dt: &f64, state: &mut State<[f64; N], [f64; N]>, velocity: f64) -> f64 {
+        let v = bounded(velocity);
+        let g = self.curve.level(v);
+        let inverse_g = 1.0 / g;
+        let direction = sign(v);
+        let mut force = self.parameters.f_v * v;
+        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory) {
+            if *slips * direction > 0.0 {
+                // Rate at which the element relaxes towards W [1/s].
+                let relaxation = element.c * element.inverse_width * inverse_g;
+                let rest = direction * element.width * g;
+                force += element.sigma0 * *z + element.sigma1 * (element.c * direction - relaxation * *z);
+                *z = rest + (*z - rest) * (-relaxation * dt).exp();
+            } else {
+                force += element.sigma0 * *z + element.sigma1 * v;
+                *z += v * dt;
+                let width = element.width * g;
+                let slides = direction != 0.0 && direction * *z >= width;
+                *slips = if slides { direction } else { 0.0 };
+                *z = if slides { direction * width } else { *z };
+            }
+        }
+        force
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    /// The mean deflection, weighted by the shares; slip once all elements slip.
+    fn internals(&self, state: &State<[f64; N], [f64; N]>, velocity: f64) -> Internals {
+        let alpha = &self.parameters.alpha;
+        let deflection = alpha.iter().zip(&state.continuous).map(|(alpha, z)| alpha * z).sum();
+        let direction = sign(velocity);
+        let all = state.memory.iter().take(alpha.len()).all(|slips| slips * direction > 0.0);
+        let regime = if all { Regime::Slip } else { Regime::Stick };
+        Internals { deflection, gamma: self.curve.level(velocity), regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; N], [f64; N]>) -> Option<f64> {
+        Some(
+            self.elements
+                .iter()
+                .zip(&state.continuous)
+                .map(|(element, z)| 0.5 * element.sigma0 * z * z)
+                .sum(),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Stepper;
+
+    #[test]
+    fn reaches_the_stribeck_curve() {
+        fn check<const N: usize>(model: Gms<N>) {
+            for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+                let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+                for _ in 0..200_000 {
+                    stepper.step(v);
+                }
+                assert!((stepper.step(v) - model.steady_state(v)).abs() < 1e-9, "v {v}");
+            }
+        }
+        check(Gms::test_bed());
+        check(Gms::chapter_3());
+    }
+
+    /// Room for elements that are not there changes nothing.
+    #[test]
+    fn empty_elements_carry_nothing() {
+        let dt = TimeStep::new(1e-3).unwrap();
+        let mut four = Stepper::new(Gms::test_bed(), dt);
+        let mut sixteen = Stepper::new(Gms::<16>::try_from(GmsParameters::test_bed()).unwrap(), dt);
+        for k in 0..5000 {
+            let v = 0.3 * (0.003 * f64::from(k)).sin() + 0.1 * (0.02 * f64::from(k)).sin();
+            assert_eq!(four.step(v), sixteen.step(v));
+            assert!(sixteen.state().continuous[4..].iter().all(|z| z.abs() < 1e3));
+        }
+    }
+
+    #[test]
+    fn lists_must_match_and_shares_sum_to_one() {
+        let p = GmsParameters { c: [0.3; 3].into(), ..GmsParameters::test_bed() };
+        let message = Gms::<4>::try_from(p).unwrap_err().to_string();
+        assert!(message.contains("c has 3 elements, but 4 are expected"), "{message}");
+        let p = GmsParameters { alpha: [0.3; 4].into(), ..GmsParameters::test_bed() };
+        let message = Gms::<4>::try_from(p).unwrap_err().to_string();
+        assert!(message.contains("gms.alpha must be such that all sum to 1"), "{message}");
+        assert!(
+            Gms::<4>::try_from(GmsParameters::chapter_3()).is_err(),
+            "ten elements do not fit in four places"
+        );
+    }
+}

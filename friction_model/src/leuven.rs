@@ -1,0 +1,251 @@
+//! The Leuven model (Swevers, Al-Bender, Ganseman, Prajogo 2000), as modified by Lampaert, Swevers and Al-Bender (2002).
+//!
+//! ```text
+//! z' = v (1 - sgn(r) |r|^n),     r = F_h(z) / s(v),   s(v) = sgn(v) g(v)
+//! F  = F_h(z) + sigma1 z' + f_v v
+//! F_h : virgin curve f_h sin(pi z / (2 z_b)), |z| <= z_b, with the memory of [`crate::Hysteresis`]
+//! ```
+//!
+//! Thesis eqs. 2.24 to 2.26. The original's transition force `r = F_d / (s(v) - F_b)` jumps where branches meet; the modified form used here is continuous.
+//! The virgin curve is free (any odd concave one); here it is the sine of the proposed model.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `f_h` | N or N m | >= `f_s` | end of the virgin curve |
+//! | `z_b` | m or rad | > 0 | deflection at the end of the virgin curve |
+//! | `n` | - | \[1, 20\], 2 if left out | how sharply pre-sliding turns into sliding |
+//! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! The hysteresis has non-local memory in `z`, where inner loops close exactly. In the displacement `x` they close only as `n` grows, because the
+//! bristles slip a little in pre-sliding too: so for small `n` the model drifts. Steady state `sgn(v) g(v) + f_v v` for every `n`, since `r` tends to 1.
+//! Use it where the measured pre-sliding curve is to be reproduced and its inner loops matter more than a strictly closed displacement.
+//!
+//! Fixed-step form: a linearly implicit step with the steepest possible fall of the rate, `B = n rho^(n-1) k / g` per travel, where `k = f_h pi / (2 z_b)` and
+//! `rho = max(1, |r|)`: `dz = v dt h / (1 + |v| dt B)` with `h = 1 - sgn(r)|r|^n`. It never passes the sliding deflection, at any period.
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, saturate, sign};
+use crate::parameter::{built_from, parameters};
+use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::virgin_curve::Sine;
+use crate::{
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
+};
+
+parameters! {
+    /// Parameters of [`Leuven`] as files carry them.
+    LeuvenParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// End of the virgin curve f_h [N or N m], at least `f_s`.
+        f_h: f64, Force, Range::Positive;
+        /// Deflection z_b at the end of the virgin curve [m or rad], above zero.
+        z_b: f64, Deflection, Range::Positive;
+        /// Exponent n of the transition to sliding, from 1 to 20; 2 if left out.
+        #[serde(default = "gaussian")]
+        n: f64, None, Range::FromTo(1.0, 20.0);
+        /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
+        sigma1: f64, Damping, Range::NonNegative;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for LeuvenParameters {
+    /// The virgin curve and levels of the proposed model's Table 4.13.
+    fn test_bed() -> Self {
+        Self {
+            f_s: 0.0994,
+            f_c: 0.0925,
+            v_s: 0.1407,
+            delta: 2.0,
+            f_h: 0.0994,
+            z_b: 0.006,
+            n: 2.0,
+            sigma1: 0.3213,
+            f_v: 0.0403,
+        }
+    }
+    fn chapter_3() -> Self {
+        let sigma1 = 1e5f64.sqrt();
+        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, f_h: 1.5, z_b: 0.001, n: 2.0, sigma1, f_v: 0.0 }
+    }
+}
+
+/// The modified Leuven model with valid parameters. State: `[z]` and the reversal points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "LeuvenParameters", into = "LeuvenParameters")]
+pub struct Leuven {
+    parameters: LeuvenParameters,
+    curve: StribeckCurve,
+    sine: Sine,
+}
+
+built_from!(Leuven, LeuvenParameters);
+
+impl TryFrom<LeuvenParameters> for Leuven {
+    type Error = ModelError;
+
+    fn try_from(p: LeuvenParameters) -> Result<Self, ModelError> {
+        let name = ModelName::Leuven;
+        p.check(name)?;
+        let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
+        let reaches = "at least f_s: otherwise the bristles cannot carry the sliding level";
+        LeuvenParameters::require(name, p.f_h >= p.f_s, "f_h", p.f_h, reaches)?;
+        let sine = Sine::new(p.f_h, p.z_b);
+        let steep = "large enough for a finite stiffness";
+        LeuvenParameters::require(name, sine.stiffness().is_finite(), "z_b", p.z_b, steep)?;
+        Ok(Self { parameters: p, curve, sine })
+    }
+}
+
+impl Leuven {
+    /// `h = 1 - sgn(r) |r|^n`, the part of the motion that deflects the bristles, and `|r|`.
+    #[inline]
+    fn elastic_part(&self, hysteresis: f64, velocity: f64, g: f64) -> (f64, f64) {
+        let r = hysteresis * sign(velocity) / g;
+        let magnitude = r.abs();
+        let n = self.parameters.n;
+        let power = if n == 2.0 { magnitude * magnitude } else { magnitude.powf(n) };
+        (1.0 - sign(r) * power, magnitude)
+    }
+}
+
+impl FrictionModel for Leuven {
+    const NAME: ModelName = ModelName::Leuven;
+    type Parameters = LeuvenParameters;
+    type Continuous = [f64; 1];
+    type Memory = Hysteresis;
+    /// The period [s].
+    type Discrete = f64;
+
+    fn parameters(&self) -> &LeuvenParameters {
+        &self.parameters
+    }
+
+    fn rest(&self) -> State<[f64; 1], Hysteresis> {
+        State { continuous: [0.0], memory: Hysteresis::default() }
+    }
+
+    #[inline]
+    fn evaluate(&self, &[z]: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let hysteresis = memory.peek(&self.sine, z);
+        let (elastic, _) = self.elastic_part(hysteresis, velocity, self.curve.level(velocity));
+        let z_rate = velocity * elastic;
+        Evaluation { force: hysteresis + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+    }
+
+    #[inline]
+    fn commit(&self, state: &mut State<[f64; 1], Hysteresis>, _: f64, _: f64) {
+        let z = saturate(self.parameters.z_b, state.continuous[0]);
+        state.continuous = [z];
+        state.memory.commit(&self.sine, z);
+    }
+
+    fn discretise(&self, dt: TimeStep) -> f64 {
+        dt.seconds()
+    }
+
+    #[inline]
+    fn step(&self, dt: &f64, state: &mut State<[f64; 1], Hysteresis>, velocity: f64) -> f64 {
+        let p = &self.parameters;
+        let v = bounded(velocity);
+        let g = self.curve.level(v);
+        let [z] = state.continuous;
+        let hysteresis = state.memory.force();
+        let (elastic, r) = self.elastic_part(hysteresis, v, g);
+        let steepening = if r > 1.0 { r.powf(p.n - 1.0) } else { 1.0 };
+        let travel = v * dt;
+        let fall = p.n * steepening * self.sine.stiffness() / g;
+        let z_next = saturate(p.z_b, z + travel * elastic / (1.0 + travel.abs() * fall));
+        state.memory.commit(&self.sine, z_next);
+        state.continuous = [z_next];
+        hysteresis + p.sigma1 * v * elastic + p.f_v * v
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    /// Slip once more than half of the motion passes under the bristles.
+    fn internals(&self, state: &State<[f64; 1], Hysteresis>, velocity: f64) -> Internals {
+        let [z] = state.continuous;
+        let gamma = self.curve.level(velocity);
+        let (elastic, _) = self.elastic_part(state.memory.peek(&self.sine, z), velocity, gamma);
+        let regime = if elastic.abs() < 0.5 { Regime::Slip } else { Regime::Stick };
+        Internals { deflection: z, gamma, regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; 1], Hysteresis>) -> Option<f64> {
+        Some(state.memory.stored_energy(&self.sine))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Stepper, rk4};
+
+    fn with_exponent(n: f64) -> Leuven {
+        LeuvenParameters { n, ..LeuvenParameters::chapter_3() }.try_into().unwrap()
+    }
+
+    /// With a virgin curve that ends flat at the static level, slow sliding comes close to its end: the approach takes long.
+    #[test]
+    fn reaches_the_stribeck_curve_for_every_exponent() {
+        for n in [1.0, 2.0, 5.0, 10.0, 20.0] {
+            for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+                let model = with_exponent(n);
+                let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+                for _ in 0..300_000 {
+                    stepper.step(v);
+                }
+                let error = stepper.step(v) - model.steady_state(v);
+                assert!(error.abs() < 1e-9, "n {n}, v {v}: {error}");
+            }
+        }
+    }
+
+    /// Force at the second arrival at the inner loop's start minus the first, over the loop's height: closes as n grows.
+    #[test]
+    fn inner_loops_close_in_displacement_only_as_the_exponent_grows() {
+        let gap = |n: f64| {
+            let model = with_exponent(n);
+            let (mut state, mut x, mut at_turns) = (model.rest(), 0.0, Vec::new());
+            let steps = 20_000;
+            let amplitude = 6e-4;
+            for turn in [1.0, -0.5, 0.5, -0.1, 0.5] {
+                let v: f64 = (turn * amplitude - x) / f64::abs(turn * amplitude - x) * amplitude / 10.0;
+                let dt = (turn * amplitude - x) / v / f64::from(steps);
+                let force = (0..steps).map(|_| rk4::step(&model, &mut state, [v; 3], dt)).last().unwrap();
+                at_turns.push(force);
+                x = turn * amplitude;
+            }
+            (at_turns[4] - at_turns[2]) / (at_turns[2] - at_turns[3])
+        };
+        // An independent implementation, whose settings are not known, has -10.2 %, -3.4 %, -.14 % and -3e-5; here -9.74 %, -3.20 %, -.132 %.
+        for (n, figure) in [(1.0, -0.102), (2.0, -0.034), (5.0, -1.4e-3)] {
+            assert!((gap(n) / figure - 1.0).abs() < 0.07, "n {n}: {}", gap(n));
+        }
+        assert!(gap(10.0).abs() < 3e-5 && gap(20.0).abs() < 1e-8);
+    }
+}

@@ -1,0 +1,282 @@
+//! A network of radial basis functions: the friction-speed curve as a sum of bells.
+//!
+//! ```text
+//! F = sgn(v) max(0, w_0 + sum_i w_i exp(-(|v| - c_i)^2 / (2 b_i^2)))    v != 0
+//! F = sat(F(0+), F_e)                                                   v = 0
+//! ```
+//!
+//! Thesis section 2.3.1 (neural networks), without an equation. With centres and widths given, the force is linear in the weights, so
+//! that training is a linear least squares problem.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `w0` | N or N m | >= 0 | level far from all centres |
+//! | `weights` | N or N m | any | heights `w_i` of the bells |
+//! | `centres` | m/s or rad/s | >= 0 | speeds `c_i` of the bells |
+//! | `widths` | m/s or rad/s | > 0 | widths `b_i` of the bells |
+//!
+//! One to 32 bells. The level at standstill must be above zero. Between the centres a sum of bells may dip below zero, where the friction would
+//! push: the model is cut to zero there.
+//!
+//! It reproduces any smooth curve between the speeds it was trained with, including those that no Stribeck curve fits. **Beyond the
+//! last centre it falls back to `w0`**, within three widths or so, whatever the friction does there: a network trained on viscous friction up to
+//! 4 rad/s knows nothing of 10 rad/s. Below the slowest training speed it extrapolates too, and the level at which it holds,
+//! `F(0+)`, is such an extrapolation unless breakaway was among the training points. Its parameters have no physical meaning. It has no
+//! pre-sliding displacement, no lag and no memory.
+//!
+//! Use it to compensate friction whose curve was measured densely over all the speeds that will occur. Training is in the
+//! `friction_ident` crate.
+//!
+//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be known (see
+//! [`FrictionModel::holding`]).
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::memoryless::memoryless;
+use crate::model::sign;
+use crate::parameter::{built_from, parameters};
+use crate::{
+    Elements, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State,
+};
+
+/// Most bells that a network can have.
+const CAPACITY: usize = 32;
+
+parameters! {
+    /// Parameters of [`RbfNetwork`] as files carry them: three lists of the same length.
+    RbfNetworkParameters {
+        /// Level w_0 far from all centres [N or N m], zero or more.
+        w0: f64, Force, Range::NonNegative;
+        /// Heights w_i of the bells [N or N m], of any sign.
+        weights: Elements<32>, Force, Range::Any;
+        /// Speeds c_i on which the bells are centred [m/s or rad/s], zero or more.
+        centres: Elements<32>, Speed, Range::NonNegative;
+        /// Widths b_i of the bells [m/s or rad/s], above zero.
+        widths: Elements<32>, Speed, Range::Positive;
+    }
+}
+
+#[rustfmt::skip]
+impl Presets for RbfNetworkParameters {
+    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above standstill and at the thesis's 80 speeds of .03 to
+    /// 4 rad/s: the rms error is 7.3e-4 N m there, and `F(0+)` .1016 N m. From 5 rad/s on the true friction is higher.
+    fn test_bed() -> Self {
+        Self {
+            w0: 0.291279804329,
+            weights: Elements::from([
+                -0.112960839812, 0.017753751056, -0.043246133603, -0.0442151002617, -0.0515929315715,
+                -0.0528600634885, -0.060075609887, -0.0564031150168, -0.0789119771417,
+                -0.00334031266961,
+            ]),
+            centres: Elements::from([
+                0.0, 0.05, 0.0864681670102, 0.149534878122, 0.258600136306, 0.4472135955,
+                0.773394797299, 1.33748060995, 2.31298993509, 4.0,
+            ]),
+            widths: Elements::from([
+                0.05, 0.0432340835051, 0.0497674390611, 0.086065984648, 0.148839358689, 0.257397330496,
+                0.445133507226, 0.769797568894, 1.33125969502, 1.68701006491,
+            ]),
+        }
+    }
+    /// Ten bells trained on chapter 3's Stribeck curve every .001 m/s from standstill to .1 m/s: the rms error is 6.8e-4 N, and
+    /// `F(0+)` 1.498 N. Beyond, the curve is flat, and `w_0` is its level.
+    fn chapter_3() -> Self {
+        Self {
+            w0: 1.00000170386,
+            weights: Elements::from([
+                0.468827273315, 0.00333533219587, 0.0927414779034, 0.163389198338, 0.164569790741,
+                0.0984312484219, 0.0047456432803, -0.00019261592281, -3.36846558e-7, 3.775589783e-6,
+            ]),
+            centres: Elements::from([
+                0.0, 0.002, 0.00299069756244, 0.004472135955, 0.00668740304976, 0.01, 0.0149534878122,
+                0.022360679775, 0.0334370152488, 0.05,
+            ]),
+            widths: Elements::from([
+                0.002, 0.00149534878122, 0.0012360679775, 0.00184835274366, 0.0027639320225,
+                0.00413304238122, 0.0061803398875, 0.0092417637183, 0.0138196601125, 0.0165629847512,
+            ]),
+        }
+    }
+}
+
+/// A network of radial basis functions with valid parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RbfNetworkParameters", into = "RbfNetworkParameters")]
+pub struct RbfNetwork {
+    parameters: RbfNetworkParameters,
+    /// `1 / b_i`.
+    inverse_widths: Elements<32>,
+}
+
+impl RbfNetwork {
+    /// `w_0` and the bells at a speed, before negative levels are cut.
+    #[inline]
+    fn sum(&self, speed: f64) -> f64 {
+        let p = &self.parameters;
+        let bells = p.weights.iter().zip(p.centres.iter()).zip(self.inverse_widths.iter());
+        bells.fold(p.w0, |sum, ((weight, centre), inverse_width)| {
+            let r = (speed - centre) * inverse_width;
+            sum + weight * (-0.5 * r * r).exp()
+        })
+    }
+
+    /// The friction of a contact that slides at a speed of this magnitude, zero or more; at zero speed `F(0+)`.
+    #[inline]
+    fn level(&self, velocity: f64) -> f64 {
+        let sum = self.sum(velocity.abs());
+        if sum > 0.0 { sum } else { 0.0 }
+    }
+}
+
+impl TryFrom<RbfNetworkParameters> for RbfNetwork {
+    type Error = ModelError;
+
+    fn try_from(p: RbfNetworkParameters) -> Result<Self, ModelError> {
+        let model = ModelName::RbfNetwork;
+        let expected = p.weights.len();
+        if !(1..=CAPACITY).contains(&expected) {
+            let (given, expected) = (expected, expected.clamp(1, CAPACITY));
+            return Err(ModelError::Elements { model, parameter: "weights", given, expected });
+        }
+        for (parameter, list) in [("centres", &p.centres), ("widths", &p.widths)] {
+            if list.len() != expected {
+                return Err(ModelError::Elements { model, parameter, given: list.len(), expected });
+            }
+        }
+        p.check(model)?;
+        let largest = p.weights.iter().fold(p.w0, |sum, weight| sum + weight.abs());
+        let finite = "small enough for a finite sum of all weights";
+        RbfNetworkParameters::require(model, largest.is_finite(), "weights", largest, finite)?;
+        let inverse_widths =
+            Elements::from_fn(expected, |i| p.widths.get(i).map_or(0.0, |width| 1.0 / width));
+        for (width, inverse) in p.widths.iter().zip(inverse_widths.iter()) {
+            let divisor = "large enough to divide by";
+            RbfNetworkParameters::require(model, inverse.is_finite(), "widths", *width, divisor)?;
+        }
+        let network = Self { parameters: p, inverse_widths };
+        let still = network.sum(0.0);
+        let positive = "such that the level at standstill is above zero";
+        RbfNetworkParameters::require(model, still > 0.0, "weights", still, positive)?;
+        Ok(network)
+    }
+}
+
+built_from!(RbfNetwork, RbfNetworkParameters);
+
+impl FrictionModel for RbfNetwork {
+    const NAME: ModelName = ModelName::RbfNetwork;
+    memoryless!(RbfNetworkParameters);
+
+    #[inline]
+    fn steady_state(&self, velocity: f64) -> f64 {
+        sign(velocity) * self.level(velocity)
+    }
+
+    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
+        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: 0.0, gamma: self.level(velocity), regime }
+    }
+
+    fn holding(&self, _: f64) -> Option<Holding> {
+        Some(Holding::up_to(self.level(0.0)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MAX_SPEED, Stribeck};
+
+    fn network(w0: f64, weights: &[f64], centres: &[f64], widths: &[f64]) -> Result<RbfNetwork, ModelError> {
+        let list = |numbers| Elements::from_slice(numbers).unwrap();
+        let (weights, centres, widths) = (list(weights), list(centres), list(widths));
+        RbfNetworkParameters { w0, weights, centres, widths }.try_into()
+    }
+
+    #[test]
+    fn is_a_sum_of_bells() {
+        let model = network(0.3, &[0.5, -0.1], &[0.0, 2.0], &[1.0, 0.5]).unwrap();
+        for v in [0.01, 0.7, 1.9, 2.0, 5.0] {
+            let expected = 0.3 + 0.5 * f64::exp(-v * v / 2.0) - 0.1 * f64::exp(-(v - 2.0) * (v - 2.0) / 0.5);
+            assert!((model.steady_state(v) - expected).abs() < 1e-15, "{v}");
+            assert_eq!(model.steady_state(-v), -model.steady_state(v));
+        }
+        let still = 0.8 - 0.1 * f64::exp(-8.0);
+        assert!((model.holding(0.0).unwrap().forward - still).abs() < 1e-15);
+        assert_eq!(model.steady_state(0.0), 0.0);
+    }
+
+    /// Root mean square of the difference between two curves at the speeds.
+    fn rms(a: &RbfNetwork, b: &Stribeck, speeds: impl Iterator<Item = f64>) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for v in speeds {
+            sum += (a.steady_state(v) - b.steady_state(v)).powi(2);
+            count += 1.0;
+        }
+        f64::sqrt(sum / count)
+    }
+
+    #[test]
+    fn the_presets_lie_on_the_stribeck_curves_and_fall_back_beyond_their_speeds() {
+        let model = RbfNetwork::test_bed();
+        let slow = (0..30).map(|i| 0.03 + 0.47 * f64::from(i) / 29.0);
+        let fast = (0..50).map(|i| 0.55 + 3.45 * f64::from(i) / 49.0);
+        let error = rms(&model, &Stribeck::test_bed(), core::iter::once(1e-9).chain(slow).chain(fast));
+        assert!((error - 7.32e-4).abs() < 1e-6, "{error}");
+        assert!((model.holding(0.0).unwrap().forward - 0.1016).abs() < 1e-5);
+        // At 12 rad/s the friction is .576 N m; the network says what it says at infinity.
+        assert!((model.steady_state(12.0) - model.parameters().w0).abs() < 1e-6);
+
+        let model = RbfNetwork::chapter_3();
+        let speeds = (0..=100).map(|i| f64::max(1e-9, 1e-3 * f64::from(i)));
+        let error = rms(&model, &Stribeck::chapter_3(), speeds);
+        assert!((error - 6.77e-4).abs() < 1e-6, "{error}");
+        let between = (0..4000).map(|i| 2.5e-5 * (f64::from(i) + 0.5));
+        assert!(rms(&model, &Stribeck::chapter_3(), between) < 1.5e-3);
+        assert!((model.holding(0.0).unwrap().forward - 1.49824).abs() < 1e-5);
+        assert!((model.steady_state(1.0) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn never_pushes_and_stays_finite() {
+        let model = network(0.1, &[-0.5, 0.2], &[2.0, 0.0], &[0.5, 0.3]).unwrap();
+        assert!(model.sum(2.0) < -0.3);
+        assert_eq!((model.steady_state(2.0), model.steady_state(-2.0)), (0.0, 0.0));
+        for v in [f64::MIN_POSITIVE, 1e-3, 1.0, 3.0, MAX_SPEED, f64::INFINITY] {
+            assert!(model.steady_state(v) >= 0.0 && model.steady_state(v).is_finite(), "{v}");
+        }
+    }
+
+    #[test]
+    fn lists_of_different_lengths_and_impossible_numbers_are_refused() {
+        let elements = |outcome: Result<RbfNetwork, ModelError>| match outcome {
+            Err(ModelError::Elements { parameter, given, expected, .. }) => (parameter, given, expected),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(elements(network(1.0, &[1.0, 1.0], &[0.0], &[1.0, 1.0])), ("centres", 1, 2));
+        assert_eq!(elements(network(1.0, &[1.0], &[0.0], &[1.0, 1.0])), ("widths", 2, 1));
+        assert_eq!(elements(network(1.0, &[], &[], &[])), ("weights", 0, 1));
+        for (w0, weight, centre, width, parameter) in [
+            (-0.1, 1.0, 0.0, 1.0, "w0"),
+            (1.0, f64::NAN, 0.0, 1.0, "weights"),
+            (1.0, -1.0, 0.0, 1.0, "weights"),
+            (1e308, f64::MAX, 0.0, 1.0, "weights"),
+            (1.0, 1.0, -1.0, 1.0, "centres"),
+            (1.0, 1.0, 0.0, 0.0, "widths"),
+            (1.0, 1.0, 0.0, 1e-310, "widths"),
+        ] {
+            let message = network(w0, &[weight], &[centre], &[width]).unwrap_err().to_string();
+            assert!(message.starts_with(&format!("rbf_network.{parameter} must be")), "{message}");
+        }
+        assert!(network(1.0, &[0.01; 32], &[1.0; 32], &[1.0; 32]).is_ok());
+        let text = format!(
+            r#"{{"w0":1,"weights":{list},"centres":{list},"widths":{list}}}"#,
+            list = format!("[{}1]", "1,".repeat(32))
+        );
+        let message = serde_json::from_str::<RbfNetwork>(&text).unwrap_err().to_string();
+        assert!(message.contains("at most 32 numbers"), "{message}");
+    }
+}

@@ -1,0 +1,330 @@
+//! Xiong's multistate model (Xiong, Kikuuwe, Yamamoto 2013): Maxwell-slip elements that lag and need no switches.
+//!
+//! ```text
+//! gamma' = (g(v) - gamma) / tau
+//! c_i    = sat(lambda_i gamma, K_i z_i + sigma_i v)
+//! z_i'   = (c_i - K_i z_i) / sigma_i
+//! F      = sum_i c_i + f_v v,      sum_i lambda_i = 1           (thesis eqs. 2.29 to 2.32; 2.32 forgets f_v v)
+//! ```
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s`, `f_c`, `v_s`, `delta` | | | Stribeck curve `g`, see [`StribeckCurve`] |
+//! | `tau` | s | > 0 | time constant of the lag |
+//! | `lambda` | - | > 0, sum 1 | share of each element |
+//! | `k` | N/m or N m/rad | > 0 | stiffness of each element |
+//! | `sigma` | N s/m or N m s/rad | > 0 | micro-damping of each element |
+//! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
+//!
+//! While an element sticks, `z_i' = v`; while it slips, `z_i` relaxes to `+-lambda_i gamma / K_i` with the time constant `sigma_i / K_i`. It has hysteresis with
+//! non-local memory, does not drift, never exceeds `F_s + f_v |v|`, and dissipates. In steady gross sliding `F = gamma + f_v v`, exactly as the proposed
+//! model: measurements of frictional lag cannot tell the two apart. Its virgin curve is a polygon with as many corners as elements.
+//!
+//! Fixed-step form: `gamma` exactly for a held velocity, each `z_i` by an implicit step of its limited rate, see [`crate::Proposed`]; it can neither overshoot
+//! nor oscillate at any period, and has no branches.
+//!
+//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry nothing.
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{between, bounded, saturate};
+use crate::parameter::parameters;
+use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::{
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
+};
+
+parameters! {
+    /// Parameters of [`Xiong`] as files carry them; the lists have one number an element, at most 16.
+    XiongParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Stribeck velocity v_s [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
+        #[serde(default = "gaussian")]
+        delta: f64, None, SHAPE;
+        /// Time constant of the lag [s], above zero.
+        tau: f64, Time, Range::Positive;
+        /// Share lambda of each element, above zero; they sum to 1.
+        lambda: Elements, None, Range::Positive;
+        /// Stiffness K of each element [N/m or N m/rad], above zero.
+        k: Elements, Stiffness, Range::Positive;
+        /// Micro-damping sigma of each element [N s/m or N m s/rad], above zero.
+        sigma: Elements, Damping, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for XiongParameters {
+    /// Table 4.16 with the consistent `F_s`, `lambda_4` and `f_v`.
+    fn test_bed() -> Self {
+        let sum = 3.0 * 0.2998 + 0.1005;
+        Self {
+            f_s: 0.10057,
+            f_c: 0.0924,
+            v_s: 0.13121,
+            delta: 2.0,
+            tau: 0.0124,
+            lambda: [0.2998, 0.2998, 0.2998, 0.1005].map(|share| share / sum).into(),
+            k: [10.9915, 2.7836, 1.9866, 0.7792].into(),
+            sigma: [0.1964, 0.0788, 0.0603, 0.0227].into(),
+            f_v: 0.0403,
+        }
+    }
+
+    /// Ten elements.
+    fn chapter_3() -> Self {
+        Self {
+            f_s: 1.5,
+            f_c: 1.0,
+            v_s: 0.01,
+            delta: 2.0,
+            tau: 0.002,
+            lambda: Elements::from_fn(10, |i| 0.0955 + 0.001 * i as f64),
+            k: Elements::from_fn(10, |i| 1000.0 + 800.0 * i as f64),
+            sigma: Elements::from_fn(10, |i| 5.0 + 2.5 * i as f64),
+            f_v: 0.0,
+        }
+    }
+}
+
+/// Xiong's model with valid parameters and room for `N` elements. State: `([gamma], [z_i])`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "XiongParameters", into = "XiongParameters")]
+pub struct Xiong<const N: usize> {
+    parameters: XiongParameters,
+    curve: StribeckCurve,
+    elements: [Element; N],
+}
+
+/// One element; one that carries nothing has neither share nor stiffness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Element {
+    lambda: f64,
+    k: f64,
+    sigma: f64,
+    inverse_sigma: f64,
+}
+
+impl Element {
+    const NONE: Self = Self { lambda: 0.0, k: 0.0, sigma: 1.0, inverse_sigma: 1.0 };
+}
+
+impl<const N: usize> From<Xiong<N>> for XiongParameters {
+    fn from(model: Xiong<N>) -> Self {
+        model.parameters
+    }
+}
+
+impl Xiong<4> {
+    /// With the four elements of the thesis's test bed.
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn test_bed() -> Self {
+        XiongParameters::test_bed().try_into().expect("constants within range")
+    }
+}
+
+impl Xiong<10> {
+    /// With the ten elements of the thesis's chapter 3 (N, m, s).
+    ///
+    /// # Panics
+    /// Never: a test builds it.
+    #[must_use]
+    pub fn chapter_3() -> Self {
+        XiongParameters::chapter_3().try_into().expect("constants within range")
+    }
+}
+
+impl<const N: usize> TryFrom<XiongParameters> for Xiong<N> {
+    type Error = ModelError;
+
+    fn try_from(p: XiongParameters) -> Result<Self, ModelError> {
+        let model = ModelName::Xiong;
+        p.check(model)?;
+        let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
+        crate::elements::check(model, N, "lambda", &p.lambda, &[("k", &p.k), ("sigma", &p.sigma)])?;
+        let mut elements = [Element::NONE; N];
+        let lists = p.lambda.iter().zip(p.k.iter()).zip(p.sigma.iter());
+        for (element, ((&lambda, &k), &sigma)) in elements.iter_mut().zip(lists) {
+            *element = Element { lambda, k, sigma, inverse_sigma: 1.0 / sigma };
+            let usable = element.inverse_sigma.is_finite();
+            XiongParameters::require(model, usable, "sigma", sigma, "large enough to divide by")?;
+        }
+        Ok(Self { parameters: p, curve, elements })
+    }
+}
+
+/// Coefficients of the fixed-step form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct XiongDiscrete<const N: usize> {
+    dt: f64,
+    /// `exp(-dt / tau)`.
+    gamma_decay: f64,
+    /// `1 / (sigma_i + K_i dt)`.
+    implicit_gain: [f64; N],
+}
+
+impl<const N: usize> FrictionModel for Xiong<N> {
+    const NAME: ModelName = ModelName::Xiong;
+    type Parameters = XiongParameters;
+    type Continuous = ([f64; 1], [f64; N]);
+    type Memory = ();
+    type Discrete = XiongDiscrete<N>;
+
+    fn parameters(&self) -> &XiongParameters {
+        &self.parameters
+    }
+
+    fn rest(&self) -> State<Self::Continuous, ()> {
+        State { continuous: ([self.parameters.f_s], [0.0; N]), memory: () }
+    }
+
+    #[inline]
+    fn evaluate(
+        &self,
+        &([gamma], z): &Self::Continuous,
+        (): &(),
+        velocity: f64,
+    ) -> Evaluation<Self::Continuous> {
+        let mut force = self.parameters.f_v * velocity;
+        let mut rates = [0.0; N];
+        for ((element, z), rate) in self.elements.iter().zip(z).zip(&mut rates) {
+            let elastic = element.k * z;
+            let contact = saturate(element.lambda * gamma, elastic + element.sigma * velocity);
+            force += contact;
+            *rate = (contact - elastic) * element.inverse_sigma;
+        }
+        let gamma_rate = (self.curve.level(velocity) - gamma) / self.parameters.tau;
+        Evaluation { force, rates: ([gamma_rate], rates) }
+    }
+
+    #[inline]
+    fn commit(&self, state: &mut State<Self::Continuous, ()>, _: f64, _: f64) {
+        let ([gamma], _) = &mut state.continuous;
+        *gamma = between(self.parameters.f_c, self.parameters.f_s, *gamma);
+    }
+
+    fn discretise(&self, dt: TimeStep) -> XiongDiscrete<N> {
+        let dt = dt.seconds();
+        XiongDiscrete {
+            dt,
+            gamma_decay: (-dt / self.parameters.tau).exp(),
+            implicit_gain: self.elements.map(|element| 1.0 / (element.sigma + element.k * dt)),
+        }
+    }
+
+    #[inline]
+    fn step(
+        &self,
+        discrete: &XiongDiscrete<N>,
+        state: &mut State<Self::Continuous, ()>,
+        velocity: f64,
+    ) -> f64 {
+        let v = bounded(velocity);
+        let g = self.curve.level(v);
+        let ([gamma], z) = &mut state.continuous;
+        let mut force = self.parameters.f_v * v;
+        for ((element, z), gain) in self.elements.iter().zip(z).zip(&discrete.implicit_gain) {
+            let level = element.lambda * *gamma;
+            let elastic = element.k * *z;
+            force += saturate(level, elastic + element.sigma * v);
+            *z += discrete.dt * between((-level - elastic) * gain, (level - elastic) * gain, v);
+        }
+        *gamma = g + (*gamma - g) * discrete.gamma_decay;
+        force
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.curve.signed_level(velocity) + self.parameters.f_v * velocity
+    }
+
+    /// The mean deflection, weighted by the shares; slip once all elements slip.
+    fn internals(&self, state: &State<Self::Continuous, ()>, velocity: f64) -> Internals {
+        let ([gamma], z) = state.continuous;
+        let present = || self.elements.iter().zip(&z).take(self.parameters.lambda.len());
+        let deflection = present().map(|(element, z)| element.lambda * z).sum();
+        let slips = |element: &Element, z: f64| {
+            (element.k * z + element.sigma * velocity).abs() > element.lambda * gamma
+        };
+        let all = present().all(|(element, &z)| slips(element, z));
+        let regime = if all { Regime::Slip } else { Regime::Stick };
+        Internals { deflection, gamma, regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<Self::Continuous, ()>) -> Option<f64> {
+        let (_, z) = &state.continuous;
+        Some(self.elements.iter().zip(z).map(|(element, z)| 0.5 * element.k * z * z).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Proposed, ProposedParameters, Stepper, rk4};
+
+    #[test]
+    fn reaches_the_stribeck_curve() {
+        fn check<const N: usize>(model: Xiong<N>) {
+            for v in [0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5, -0.02] {
+                let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+                for _ in 0..50_000 {
+                    stepper.step(v);
+                }
+                assert!((stepper.step(v) - model.steady_state(v)).abs() < 1e-9, "v {v}");
+            }
+        }
+        check(Xiong::test_bed());
+        check(Xiong::chapter_3());
+    }
+
+    /// In unidirectional gross sliding `F = gamma + f_v v` in both models: lag cannot tell them apart.
+    #[test]
+    fn in_gross_sliding_it_is_the_proposed_model() {
+        let xiong = Xiong::chapter_3();
+        let p = *xiong.parameters();
+        let proposed: Proposed = ProposedParameters {
+            f_s: p.f_s,
+            f_c: p.f_c,
+            v_s: p.v_s,
+            tau: p.tau,
+            ..ProposedParameters::chapter_3()
+        }
+        .try_into()
+        .unwrap();
+        let (mut a, mut b) = (xiong.rest(), proposed.rest());
+        let velocity = |t: f64| 0.02 * (1.0 - 0.95 * (2.0 * t).cos());
+        for k in 0..40_000 {
+            let t = 1e-4 * f64::from(k);
+            let v = [velocity(t), velocity(t + 5e-5), velocity(t + 1e-4)];
+            let difference = rk4::step(&xiong, &mut a, v, 1e-4) - rk4::step(&proposed, &mut b, v, 1e-4);
+            assert!(t < 1.0 || difference.abs() < 1e-14, "at {t} s: {difference}");
+        }
+    }
+
+    /// Room for elements that are not there changes nothing but the last digits of the sum.
+    #[test]
+    fn empty_elements_carry_nothing() {
+        let dt = TimeStep::new(1e-3).unwrap();
+        let mut four = Stepper::new(Xiong::test_bed(), dt);
+        let mut sixteen = Stepper::new(Xiong::<16>::try_from(XiongParameters::test_bed()).unwrap(), dt);
+        for k in 0..5000 {
+            let v = 0.3 * (0.003 * f64::from(k)).sin() + 0.1 * (0.02 * f64::from(k)).sin();
+            assert!((four.step(v) - sixteen.step(v)).abs() < 1e-16);
+        }
+    }
+}
