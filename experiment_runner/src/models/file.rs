@@ -38,10 +38,17 @@ pub fn example(name: ModelName, preset: Preset) -> String {
             (line, format!("{meaning} [{said}]"))
         })
         .collect();
-    let width = rows.iter().map(|(line, _)| line.chars().count()).max().unwrap_or(0).min(40);
+    // A long list has its comment above it; the others stand beside each other.
+    let is_short = |line: &str| line.chars().count() <= 40;
+    let width =
+        rows.iter().map(|(line, _)| line.chars().count()).filter(|&width| width <= 40).max().unwrap_or(0);
     for (line, comment) in rows {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{line:<width$}  # {comment}");
+        let _ = if is_short(&line) {
+            writeln!(text, "{line:<width$}  # {comment}")
+        } else {
+            writeln!(text, "  # {comment}\n{line}")
+        };
     }
     text
 }
@@ -191,6 +198,13 @@ mod tests {
         );
         assert!(line("# v_d:").contains("left out"), "optional parameters wait in comments");
         assert!(example(ModelName::LuGre, Preset::Chapter3).contains("Bristle stiffness sigma_0 [N/m; > 0]"));
+        let lists = example(ModelName::Gms, Preset::Chapter3);
+        assert!(lists.contains("; they sum to 1 [> 0]\n  alpha: [0.0955, "), "{lists}");
+        let whole = example(ModelName::Bristle, Preset::TestBed);
+        assert!(
+            whole.contains("  bonds: 100 "),
+            "ROS takes whole numbers without a point for integers: {whole}"
+        );
     }
 
     #[test]

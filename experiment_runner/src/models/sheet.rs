@@ -98,7 +98,8 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The meaning of a parameter without its unit and its range, and what of the range names other parameters.
+/// The meaning of a parameter without its unit and its range, and what of the range the table cannot say: other parameters, and
+/// ends that are not allowed.
 pub(super) fn explained(meaning: &str) -> (String, Vec<String>) {
     let meaning = meaning.trim().trim_end_matches('.');
     let without_unit = match (meaning.find(" ["), meaning.find(']')) {
@@ -113,8 +114,8 @@ pub(super) fn explained(meaning: &str) -> (String, Vec<String>) {
         if kept.is_empty() || !is_range(said) {
             kept.extend(separator.into_iter().flat_map(|separator| [separator, ' ']));
             kept.push_str(said);
-        } else if said.contains('`') {
-            conditions.push(said.replace('`', ""));
+        } else if said.contains('`') || said.starts_with("between ") || said.starts_with("neither ") {
+            conditions.push(said.trim_start_matches("above zero and ").replace('`', ""));
         }
         separator = clause.chars().last();
     }
@@ -138,7 +139,9 @@ pub(super) fn range(row: &Parameter, conditions: &[String]) -> String {
         Range::FromTo(low, high) => format!("{low} to {high}"),
         Range::Such(condition) => condition.to_owned(),
     };
-    [range].into_iter().chain(conditions.iter().cloned()).collect::<Vec<_>>().join(", ")
+    // Words about both ends say more than the table.
+    let table = (!conditions.iter().any(|said| said.starts_with("between "))).then_some(range);
+    table.into_iter().chain(conditions.iter().cloned()).collect::<Vec<_>>().join(", ")
 }
 
 fn unit(unit: &str) -> String {
@@ -214,6 +217,8 @@ mod tests {
             words("delta "),
             "delta - - > 0 and <= 10 2 Shape exponent of the Stribeck curve; 2 if left out"
         );
+        let eta = model(ModelName::BlimanSorine, Preset::TestBed);
+        assert!(eta.contains(" between 0 and 1, neither allowed ") && !eta.contains("<= 1"), "{eta}");
         assert!(words("PARAMETER ").contains("TEST BED"));
         assert!(model(ModelName::Proposed, Preset::Chapter3).contains(" 316.228 "));
     }
@@ -227,7 +232,12 @@ mod tests {
                 "Share of each element; they sum to 1",
                 &[],
             ),
-            ("Ratio eta, between 0 and 1, neither allowed.", "Ratio eta", &[]),
+            (
+                "Ratio eta, between 0 and 1, neither allowed.",
+                "Ratio eta",
+                &["between 0 and 1", "neither allowed"],
+            ),
+            ("Deflection [m], above zero and below `f_c / sigma0`.", "Deflection", &["below f_c / sigma0"]),
             ("Level [N], at most `f_s`, from rest.", "Level", &["at most f_s"]),
             ("First, and second [m]", "First, and second", &[]),
         ] {
