@@ -1,12 +1,13 @@
-//! Drift: whether a body that rests under a load creeps away when the load oscillates below breakaway (thesis section 3.6.1,
-//! figure 3.27).
+//! Drift: whether a body that rests under a load creeps away when the load oscillates below breakaway (thesis
+//! section 3.6.1, figure 3.27).
 //!
-//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there; then it oscillates
-//! in triangles about its mean. Real contacts deflect and come back. A model whose bristles always yield a little, LuGre's, moves on
-//! with every cycle.
+//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there;
+//! then it oscillates in triangles about its mean. Real contacts deflect and come back. A model whose bristles
+//! always yield a little, LuGre's, moves on with every cycle.
 //!
-//! Bristles without damping (Dahl) let the body ring on them for the whole run, excited by every corner of the triangles. Its position at the end of a cycle then
-//! depends on the phase of that ringing, and the drift does not settle however small the step; the evidence says so.
+//! Bristles without damping (Dahl) let the body ring on them for the whole run, excited by every corner of the
+//! triangles. Its position at the end of a cycle then depends on the phase of that ringing, and the drift does not
+//! settle however small the step; the evidence says so.
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};
@@ -81,8 +82,8 @@ impl NonDriftSettings {
 /// Drift of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonDrift {
-    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped bristles creep for the first cycles until
-    /// they have reached their closed loop: that is no drift.
+    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped bristles creep for the
+    /// first cycles until they have reached their closed loop: that is no drift.
     pub drift: f64,
     /// Mean displacement per cycle over the last ten cycles [m or rad].
     pub drift_per_cycle: f64,

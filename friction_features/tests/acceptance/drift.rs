@@ -51,7 +51,8 @@ fn models_with_true_pre_sliding_do_not_drift() {
     }
 }
 
-/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are still unloading. The science gives two digits.
+/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are still unloading.
+/// The science gives two digits.
 #[test]
 fn damped_bristles_creep_for_the_first_cycles_only() {
     assert_close("proposed", drift(ModelName::Proposed).drift, -1.4e-6, 0.06e-6);
