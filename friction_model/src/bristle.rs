@@ -101,7 +101,7 @@ impl Presets for BristleParameters {
 
 /// What a bristle contact remembers: every bond's extension and the random numbers to come.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bonds {
+pub struct BristleMemory {
     /// Extensions [m or rad]; those beyond the number of bonds are not used.
     extensions: [f64; MAX_BONDS],
     random: Pcg32,
@@ -133,14 +133,14 @@ impl Bristle {
 
     /// Sum of the extensions after a further `travel`.
     #[inline]
-    fn sum(&self, bonds: &Bonds, travel: f64) -> f64 {
+    fn sum(&self, bonds: &BristleMemory, travel: f64) -> f64 {
         let end = self.parameters.delta_s;
         bonds.extensions.iter().take(self.count).map(|u| saturate(end, u + travel)).sum()
     }
 
     /// Lets every bond travel.
     #[inline]
-    fn travel(&self, bonds: &mut Bonds, travel: f64) {
+    fn travel(&self, bonds: &mut BristleMemory, travel: f64) {
         if travel == 0.0 || travel.is_nan() {
             return;
         }
@@ -198,7 +198,7 @@ impl FrictionModel for Bristle {
     const NAME: ModelName = ModelName::Bristle;
     type Parameters = BristleParameters;
     type Continuous = [f64; 1];
-    type Memory = Bonds;
+    type Memory = BristleMemory;
     /// The period [s].
     type Discrete = f64;
 
@@ -206,24 +206,24 @@ impl FrictionModel for Bristle {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], Bonds> {
+    fn rest(&self) -> State<[f64; 1], BristleMemory> {
         let n = f64::from(self.parameters.bonds);
         let mut extensions = [0.0; MAX_BONDS];
         for (i, u) in (0u32..).zip(extensions.iter_mut().take(self.count)) {
             *u = self.parameters.delta_s * ((2.0 * f64::from(i) + 1.0 - n) / n);
         }
         let random = Pcg32::seed_from_u64(u64::from(self.parameters.seed));
-        State { continuous: [0.0], memory: Bonds { extensions, random, run: 0.0 } }
+        State { continuous: [0.0], memory: BristleMemory { extensions, random, run: 0.0 } }
     }
 
     #[inline]
-    fn evaluate(&self, &[travel]: &[f64; 1], bonds: &Bonds, velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, &[travel]: &[f64; 1], bonds: &BristleMemory, velocity: f64) -> Evaluation<[f64; 1]> {
         let force = self.parameters.sigma0 * self.sum(bonds, travel) + self.parameters.f_v * velocity;
         Evaluation { force, rates: [velocity] }
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], Bonds>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[f64; 1], BristleMemory>, _: f64, _: f64) {
         let [travel] = state.continuous;
         self.travel(&mut state.memory, travel);
         state.continuous = [0.0];
@@ -234,7 +234,7 @@ impl FrictionModel for Bristle {
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], Bonds>, velocity: f64) -> f64 {
+    fn step(&self, dt: &f64, state: &mut State<[f64; 1], BristleMemory>, velocity: f64) -> f64 {
         let v = bounded(velocity);
         let force = self.evaluate(&state.continuous, &state.memory, v).force;
         let [travel] = state.continuous;
@@ -249,7 +249,7 @@ impl FrictionModel for Bristle {
     }
 
     /// The mean extension. Slip once the contact has travelled `2 delta_s` in one direction: by then every bond has snapped.
-    fn internals(&self, state: &State<[f64; 1], Bonds>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[f64; 1], BristleMemory>, velocity: f64) -> Internals {
         let [travel] = state.continuous;
         let deflection = self.sum(&state.memory, travel) / f64::from(self.parameters.bonds);
         let run = state.memory.run * sign(velocity);
@@ -263,7 +263,7 @@ impl FrictionModel for Bristle {
     }
 
     /// `sigma0/2 sum_i u_i^2`. At rest it is not zero: the bonds hold each other.
-    fn stored_energy(&self, state: &State<[f64; 1], Bonds>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[f64; 1], BristleMemory>) -> Option<f64> {
         let [travel] = state.continuous;
         let end = self.parameters.delta_s;
         let extensions = state.memory.extensions.iter().take(self.count);

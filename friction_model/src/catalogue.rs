@@ -325,6 +325,8 @@ models! {
     TwoLine "two_line" "Two lines" TwoLineParameters: TwoLine(TwoLine);
     RbfNetwork "rbf_network" "RBF network" RbfNetworkParameters: RbfNetwork(RbfNetwork);
     BengisuAkay "bengisu_akay" "Bengisu-Akay" BengisuAkayParameters: BengisuAkay(BengisuAkay);
+    Wojewoda "wojewoda" "Wojewoda" WojewodaParameters: Wojewoda(Wojewoda);
+    Armstrong "armstrong" "Armstrong, seven parameters" ArmstrongParameters: Armstrong(Armstrong);
     Bristle "bristle" "Bristle" BristleParameters: Bristle(Bristle);
     ResetIntegrator "reset_integrator" "Reset integrator" ResetIntegratorParameters: ResetIntegrator(ResetIntegrator);
     Dahl "dahl" "Dahl" DahlParameters: Dahl(Dahl);

@@ -15,6 +15,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 mod any_model;
+mod armstrong;
 mod asymmetric;
 mod bengisu_akay;
 mod bliman_sorine;
@@ -24,6 +25,7 @@ mod catalogue;
 mod coulomb;
 mod coulomb_viscous;
 mod dahl;
+mod delay_line;
 mod elasto_plastic;
 mod elements;
 mod error;
@@ -50,13 +52,15 @@ mod stribeck_curve;
 mod two_line;
 mod virgin_curve;
 mod viscous;
+mod wojewoda;
 mod xiong;
 
+pub use armstrong::{Armstrong, ArmstrongMemory, ArmstrongParameters};
 pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
 pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
-pub use bristle::{Bonds, Bristle, BristleParameters, MAX_BONDS};
+pub use bristle::{Bristle, BristleMemory, BristleParameters, MAX_BONDS};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
     ModelName, ModelVisitor,
@@ -90,4 +94,5 @@ pub use stribeck_curve::StribeckCurve;
 pub use two_line::{TwoLine, TwoLineParameters};
 pub use virgin_curve::{Line, Sine};
 pub use viscous::{Viscous, ViscousParameters};
+pub use wojewoda::{Wojewoda, WojewodaMemory, WojewodaParameters};
 pub use xiong::{Xiong, XiongDiscrete, XiongParameters};

@@ -16,8 +16,8 @@
 //!
 //! It reproduces breakaway forces that fall as the ramp gets faster, from `F_s` to `F_c`, as experiments with ramps show. Sliding is at the
 //! kinetic level: a curve of the velocity alone that started above `F_c` would stop the contact again wherever a fast ramp had broken it
-//! loose below that start. It has no falling characteristic, no pre-sliding displacement, no lag and no memory. In the dynamic models with
-//! a lag the same effect comes out by itself, but smaller.
+//! loose below that start. It has no falling characteristic, no pre-sliding displacement, no lag and no memory. In LuGre and the proposed
+//! model the same effect comes out by itself, but smaller.
 //!
 //! Use it to study breakaway under ramps, or where the breakaway level was measured at several rates. The rate of a measured force is
 //! noisy, and noise counts as a fast ramp: the level then falls towards `F_c`.

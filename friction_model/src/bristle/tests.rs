@@ -104,7 +104,8 @@ fn stores_no_more_than_was_put_in() {
     let model = bristle(100, 5);
     let mut state = model.rest();
     let at_rest = model.stored_energy(&state).unwrap();
-    let force = |state: &State<[f64; 1], Bonds>| model.evaluate(&state.continuous, &state.memory, 0.0).force;
+    let force =
+        |state: &State<[f64; 1], BristleMemory>| model.evaluate(&state.continuous, &state.memory, 0.0).force;
     let (mut work, mut slid) = (0.0, 0.0);
     for k in 0..400_000 {
         let travel = 5e-5 * (2e-4 * f64::from(k)).sin();

@@ -1,0 +1,242 @@
+//! Hysteretic dry friction after Wojewoda, Stefanski, Wiercigroch and Kapitaniak: a characteristic that the sign of the acceleration splits
+//! in two, on a spring.
+//!
+//! ```text
+//! stuck:     z' = v,  F = k_t z + f_v v           until k_t |z| reaches F_s
+//! sliding:   |k_t z| <= g,  z' = v below that,  F = k_t z + f_v v
+//! g = F_c + [(F_s + F_d)/2 - F_c + w (F_s - F_d)/2] exp(-|v|/v_s)
+//! w = sat(1, a sgn v / a_0)        without a_0: w = sgn(a sgn v)         a: acceleration
+//! ```
+//!
+//! So a contact that speeds up follows the upper branch `F_c + (F_s - F_c) exp(-|v|/v_s)`, one that slows down the lower
+//! branch `F_c + (F_d - F_c) exp(-|v|/v_s)`, and at constant velocity it lies midway: force over velocity is a loop.
+//!
+//! **What is from the papers and what is not.** J. Wojewoda, A. Stefanski, M. Wiercigroch and T. Kapitaniak, "Hysteretic effects of dry
+//! friction: modelling and experimental studies", Philosophical Transactions of the Royal Society A 366 (2008), 747-765; and A. Stefanski, J. Wojewoda,
+//! M. Wiercigroch and T. Kapitaniak, "Chaos caused by non-reversible dry friction", Chaos, Solitons and Fractals 16 (2003), 661-664. For this
+//! file only the abstract and the opening of the first could be read, of the second the title: **not their equations**. The abstract has that
+//! measured friction shows hysteresis, and that a simple model captures it; the title calls the characteristic non-reversible. At second hand, and
+//! not checked, is that the sign of the acceleration chooses the branch and that a spring precedes sliding. Reconstructed here are the
+//! exponential shape, `F_d`, the level midway at zero acceleration, the width `a_0`, and the rules of sticking. Parameters and figures of the
+//! papers cannot be carried over.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `f_s` | N or N m | >= `f_c` | static friction, and the upper branch at low speed |
+//! | `f_c` | N or N m | > 0 | kinetic friction at high speed |
+//! | `f_d` | N or N m | (0, `f_s`], `f_c` if left out | the lower branch at low speed |
+//! | `v_s` | m/s or rad/s | > 0 | speed over which the branches approach each other |
+//! | `k_t` | N/m or N m/rad | > 0 | stiffness of the contact |
+//! | `a_0` | m/s^2 or rad/s^2 | > 0, may be left out | acceleration at which a branch is reached; a jump at zero if left out |
+//! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
+//!
+//! It sticks again where the velocity changes its sign or is zero: the spring goes on from where it is, and has to reach `F_s`
+//! once more. Steady state: `sgn v [F_c + ((F_s + F_d)/2 - F_c) exp(-|v|/v_s)] + f_v v`.
+//!
+//! Use it where friction measured over velocity shows a loop and no memory is wanted beyond the last velocity. The loop does not depend on
+//! how fast the velocity changes (with `a_0` left out), which tells it from a lag. A measured velocity's noise changes the sign of the
+//! acceleration all the time: choose `a_0` above the noise. It does not drift; its pre-sliding is a spring without hysteresis.
+//! It is passive with the storage `k_t z^2 / 2`, since a changing level only ever cuts the deflection. Bound: `|F - f_v v| <= F_s`.
+//!
+//! Fixed-step form: `a` is the change of the velocity since the last step over the period; `z` advances under the held velocity,
+//! and is cut to the level at the next step. In the derivative form `a` is that of the last accepted step.
+
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
+use serde::{Deserialize, Serialize};
+
+use crate::model::{bounded, saturate, sign};
+use crate::parameter::{built_from, parameters};
+use crate::{
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    TimeStep,
+};
+
+parameters! {
+    /// Parameters of [`Wojewoda`] as files carry them.
+    WojewodaParameters {
+        /// Static friction F_s [N or N m], at least `f_c`.
+        f_s: f64, Force, Range::Positive;
+        /// Kinetic friction F_c at high speed [N or N m], above zero.
+        f_c: f64, Force, Range::Positive;
+        /// Friction F_d at low speed while slowing down [N or N m], above zero, at most `f_s`; `f_c` if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        f_d: Option<f64>, Force, Range::Positive;
+        /// Speed v_s over which the branches approach each other [m/s or rad/s], above zero.
+        v_s: f64, Speed, Range::Positive;
+        /// Stiffness k_t of the contact [N/m or N m/rad], above zero.
+        k_t: f64, Stiffness, Range::Positive;
+        /// Acceleration a_0 at which a branch is reached [m/s^2 or rad/s^2], above zero; a jump at zero if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        a_0: Option<f64>, Acceleration, Range::Positive;
+        /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
+        #[serde(default)]
+        f_v: f64, Damping, Range::NonNegative;
+    }
+}
+
+impl Presets for WojewodaParameters {
+    /// Levels, Stribeck velocity, stiffness and viscous friction of table 4.13; the lower branch is flat.
+    fn test_bed() -> Self {
+        let k_t = 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006;
+        Self { f_s: 0.0994, f_c: 0.0925, f_d: None, v_s: 0.1407, k_t, a_0: None, f_v: 0.0403 }
+    }
+    /// Levels, Stribeck velocity and stiffness (2356 N/m) of the proposed model; the lower branch is flat.
+    fn chapter_3() -> Self {
+        let k_t = 1.5 * core::f64::consts::FRAC_PI_2 / 0.001;
+        Self { f_s: 1.5, f_c: 1.0, f_d: None, v_s: 0.01, k_t, a_0: None, f_v: 0.0 }
+    }
+}
+
+/// What the contact remembers between steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WojewodaMemory {
+    /// At the last sample [m/s or rad/s].
+    velocity: f64,
+    /// Since the sample before [m/s^2 or rad/s^2].
+    acceleration: f64,
+    /// Direction of the slip; zero while stuck.
+    slip: f64,
+}
+
+/// The hysteretic model with valid parameters. State: `[z]`, the last velocity and acceleration, and whether it slides.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "WojewodaParameters", into = "WojewodaParameters")]
+pub struct Wojewoda {
+    parameters: WojewodaParameters,
+    /// `(F_s + F_d)/2 - F_c` and `(F_s - F_d)/2`.
+    midway: f64,
+    half_width: f64,
+}
+
+impl Wojewoda {
+    /// Level of sliding; `weight` is 1 on the upper branch, -1 on the lower one.
+    #[inline]
+    fn sliding(&self, velocity: f64, weight: f64) -> f64 {
+        let p = &self.parameters;
+        p.f_c + (self.midway + weight * self.half_width) * (-velocity.abs() / p.v_s).exp()
+    }
+
+    /// The most that the contact carries now.
+    #[inline]
+    fn level(&self, motion: &WojewodaMemory, velocity: f64) -> f64 {
+        if motion.slip == 0.0 {
+            return self.parameters.f_s;
+        }
+        let faster = if velocity < 0.0 { -motion.acceleration } else { motion.acceleration };
+        self.sliding(velocity, self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)))
+    }
+
+    /// Breaks away if the spring carries `F_s`.
+    #[inline]
+    fn break_away(&self, motion: &mut WojewodaMemory, z: f64) {
+        if motion.slip == 0.0 && self.parameters.k_t * z.abs() >= self.parameters.f_s {
+            motion.slip = sign(z);
+        }
+    }
+
+    /// Takes in a sample of the velocity, `elapsed` [s] after the last one.
+    #[inline]
+    fn sample(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, elapsed: f64) {
+        let motion = &mut state.memory;
+        let [z] = state.continuous;
+        motion.acceleration = (velocity - motion.velocity) / elapsed;
+        motion.velocity = velocity;
+        self.break_away(motion, z);
+        if velocity * motion.slip <= 0.0 {
+            motion.slip = 0.0;
+        }
+        state.continuous = [saturate(self.level(motion, velocity) / self.parameters.k_t, z)];
+    }
+}
+
+impl TryFrom<WojewodaParameters> for Wojewoda {
+    type Error = ModelError;
+
+    fn try_from(p: WojewodaParameters) -> Result<Self, ModelError> {
+        let name = ModelName::Wojewoda;
+        p.check(name)?;
+        let require = WojewodaParameters::require;
+        let condition = "at most f_s: kinetic friction does not exceed static friction";
+        require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        let f_d = p.f_d.unwrap_or(p.f_c);
+        require(name, f_d <= p.f_s, "f_d", f_d, "at most f_s: the lower branch lies below the upper one")?;
+        require(name, (p.f_s / p.k_t).is_finite(), "k_t", p.k_t, "large enough for a finite deflection")?;
+        let (midway, half_width) = (0.5 * p.f_s + 0.5 * f_d - p.f_c, 0.5 * p.f_s - 0.5 * f_d);
+        Ok(Self { parameters: p, midway, half_width })
+    }
+}
+
+built_from!(Wojewoda, WojewodaParameters);
+
+impl FrictionModel for Wojewoda {
+    const NAME: ModelName = ModelName::Wojewoda;
+    type Parameters = WojewodaParameters;
+    type Continuous = [f64; 1];
+    type Memory = WojewodaMemory;
+    /// The period [s].
+    type Discrete = f64;
+
+    fn parameters(&self) -> &WojewodaParameters {
+        &self.parameters
+    }
+
+    fn rest(&self) -> State<[f64; 1], WojewodaMemory> {
+        State { continuous: [0.0], memory: WojewodaMemory { velocity: 0.0, acceleration: 0.0, slip: 0.0 } }
+    }
+
+    #[inline]
+    fn evaluate(&self, &[z]: &[f64; 1], motion: &WojewodaMemory, velocity: f64) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let (level, spring) = (self.level(motion, velocity), p.k_t * z);
+        let at_the_end = motion.slip != 0.0 && spring.abs() >= level && spring * velocity > 0.0;
+        let rate = if at_the_end { 0.0 } else { velocity };
+        Evaluation { force: saturate(level, spring) + p.f_v * velocity, rates: [rate] }
+    }
+
+    #[inline]
+    fn commit(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, dt: f64) {
+        self.sample(state, velocity, dt);
+    }
+
+    fn discretise(&self, dt: TimeStep) -> f64 {
+        dt.seconds()
+    }
+
+    #[inline]
+    fn step(&self, dt: &f64, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64) -> f64 {
+        let v = bounded(velocity);
+        self.sample(state, v, *dt);
+        let [z] = state.continuous;
+        let force = self.evaluate(&[z], &state.memory, v).force;
+        self.break_away(&mut state.memory, z + v * dt);
+        state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z + v * dt)];
+        force
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        sign(velocity) * self.sliding(velocity, 0.0) + self.parameters.f_v * velocity
+    }
+
+    fn internals(&self, state: &State<[f64; 1], WojewodaMemory>, velocity: f64) -> Internals {
+        let [z] = state.continuous;
+        let gamma = self.level(&state.memory, velocity);
+        let regime = if state.memory.slip == 0.0 { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: saturate(gamma / self.parameters.k_t, z), gamma, regime }
+    }
+
+    #[inline]
+    fn viscous(&self, velocity: f64) -> f64 {
+        self.parameters.f_v * velocity
+    }
+
+    fn stored_energy(&self, state: &State<[f64; 1], WojewodaMemory>) -> Option<f64> {
+        let [z] = state.continuous;
+        let level = self.level(&state.memory, state.memory.velocity);
+        let z = saturate(level / self.parameters.k_t, z);
+        Some(0.5 * self.parameters.k_t * z * z)
+    }
+}
+
+#[cfg(test)]
+mod tests;
