@@ -61,6 +61,16 @@ fn damped_bristles_creep_for_the_first_cycles_only() {
     assert_close("elasto-plastic", drift(ModelName::ElastoPlastic).drift, 0.0, 1e-12);
 }
 
+/// The spring of a stuck contact without damping rings, and its position at any instant says nothing about drift.
+#[test]
+fn ringing_is_not_taken_for_drift() {
+    for name in [ModelName::Armstrong, ModelName::Wojewoda] {
+        let result = drift(name);
+        assert!(result.drift.abs() > 1e-4, "{name} rings: {}", result.drift);
+        assert!(result.drift_per_cycle.abs() < 1e-7, "{name}: {}", result.drift_per_cycle);
+    }
+}
+
 #[test]
 fn static_models_rest_exactly() {
     for name in [ModelName::Coulomb, ModelName::Stribeck] {
