@@ -185,7 +185,7 @@ pub(super) fn lag_areas(models: &[ModelFeatures]) -> Figure {
     Figure {
         title: "Frictional lag: area of the loop against frequency".to_owned(),
         caption: "A first-order lag grows in proportion to the frequency as long as it is short. A negative area is a loop that runs the wrong way round: the \
-                  damping of GMS's slipping elements does that."
+                  damping term of the Leuven model does that here, that of GMS with the set of chapter 3."
             .to_owned(),
         x_label: "angular frequency [rad/s]".to_owned(),
         log_x: true,
