@@ -2,10 +2,11 @@
 //!
 //! Two measures are in use, and they disagree about what the rate does:
 //!
-//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs. It falls with the rate: while the
-//!   contact breaks away the body gains speed, and friction is already on the falling part of the Stribeck curve;
-//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as well, and whether it rises or falls with
-//!   the rate depends on the Stribeck velocity.
+//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs. It falls with the
+//!   rate: while the contact breaks away the body gains speed, and friction is already on the falling part of the
+//!   Stribeck curve;
+//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as well, and whether
+//!   it rises or falls with the rate depends on the Stribeck velocity.
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};
@@ -53,8 +54,8 @@ pub struct Breakaway {
     pub rate: f64,
     /// Largest friction up to the displacement `within` [N or N m].
     pub friction_max: f64,
-    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not fall by a
-    /// thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
+    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not
+    /// fall by a thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
     pub displacement: Option<f64>,
     /// Applied force when the velocity first exceeds the threshold [N or N m]; `None` if it never does.
     pub applied_at_threshold: Option<f64>,
@@ -85,8 +86,8 @@ pub fn breakaway(contact: &Contact, settings: &BreakawaySettings) -> Vec<Breakaw
 }
 
 fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales, rate: f64) -> Breakaway {
-    // The velocity that the whole excess of a load a fifth above breakaway would give over the whole displacement: twice what it comes to. So the first
-    // step is short of the limit of stability, and the second is accurate.
+    // The velocity that the whole excess of a load a fifth above breakaway would give over the whole displacement:
+    // twice what it comes to. So the first step is short of the limit of stability, and the second is accurate.
     let load = settings.limit.min(1.2 * scales.highest_level);
     let excess = (load - scales.lowest_level).max(0.0);
     let fastest = (0.5 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);

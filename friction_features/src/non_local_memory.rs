@@ -7,12 +7,15 @@
 //! 1, -.5, .5, -.1, .5, .8     times the amplitude
 //! ```
 //!
-//! so that `.5 -> -.1 -> .5` is an inner loop. The speed must be the same everywhere: a change of the damping force would look like a gap.
+//! so that `.5 -> -.1 -> .5` is an inner loop. The speed must be the same everywhere: a change of the damping force
+//! would look like a gap.
 //!
-//! * Closure gap: force at the second arrival at .5 minus that at the first, over the height of the loop (force at .5 minus force at -.1).
+//! * Closure gap: force at the second arrival at .5 minus that at the first, over the height of the loop (force at
+//!   .5 minus force at -.1).
 //! * Wiping-out error: force at .8 minus the force there when the inner loop is left out (`1, -.5, .8`).
-//! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling one; the two rising
-//!   legs may differ by a constant alone. The error is what else they differ by, over the height of a leg.
+//! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling
+//!   one; the two rising legs may differ by a constant alone. The error is what else they differ by, over the height
+//!   of a leg.
 
 use friction_model::ModelName;
 use serde::{Deserialize, Serialize};
@@ -31,7 +34,8 @@ pub struct NonLocalMemorySettings {
     pub level: f64,
     /// Time for a displacement of A_1 [s].
     pub duration: f64,
-    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided into equal steps of at most this size.
+    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided into equal steps of
+    /// at most this size.
     pub step: Option<f64>,
 }
 
@@ -51,7 +55,8 @@ impl NonLocalMemorySettings {
 }
 
 impl Default for NonLocalMemorySettings {
-    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic contact is no longer elastic.
+    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic
+    /// contact is no longer elastic.
     fn default() -> Self {
         Self { amplitude: None, level: 0.95, duration: 10.0, step: None }
     }
@@ -68,8 +73,8 @@ pub struct NonLocalMemory {
     pub loop_height: f64,
     /// Work that the inner loop takes up, `.5 -> -.1 -> .5` [J].
     pub loop_work: f64,
-    /// How much the two legs of the inner loop differ by more than a constant, over its height. Zero if the contact is elastic there, apart from its
-    /// damping: then neither a gap nor an error can show, and their absence says nothing.
+    /// How much the two legs of the inner loop differ by more than a constant, over its height. Zero if the contact
+    /// is elastic there, apart from its damping: then neither a gap nor an error can show, and their absence says nothing.
     pub loop_opening: f64,
     /// Closure gap over the height of the loop.
     pub closure_gap: f64,
@@ -223,7 +228,8 @@ impl Pace {
         }
     }
 
-    /// Calls `each` with the number of the leg, the displacement and the force, at the start of each leg and after every step.
+    /// Calls `each` with the number of the leg, the displacement and the force, at the start of each leg and after
+    /// every step.
     fn along(&self, contact: &Contact, turns: &[i32], each: &mut dyn FnMut(usize, f64, f64)) {
         let mut motion = contact.prescribed();
         let mut here = 0;

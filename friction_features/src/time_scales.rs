@@ -1,11 +1,13 @@
 //! How fast a contact can change, and with that the step that its integration starts with.
 //!
-//! A Runge-Kutta step must be shorter than 2.78 times the shortest time constant, and a fraction of it to be accurate. LuGre with
-//! stiff bristles is the warning: just beyond the limit it does not blow up, it gives a wrong period of stick-slip. So the
-//! time constants are taken from the model itself, and [`crate::settle`] then halves the step until the figures hold.
+//! A Runge-Kutta step must be shorter than 2.78 times the shortest time constant, and a fraction of it to be
+//! accurate. LuGre with stiff bristles is the warning: just beyond the limit it does not blow up, it gives a wrong
+//! period of stick-slip. So the time constants are taken from the model itself, and [`crate::settle`] then halves
+//! the step until the figures hold.
 //!
-//! Stiffness `k` and damping `d` are measured, not looked up: the force's slope along an infinitesimal motion from rest, and its
-//! ratio to the velocity at the motion's start. So the rule needs no list of models and their parameters' names:
+//! Stiffness `k` and damping `d` are measured, not looked up: the force's slope along an infinitesimal motion from
+//! rest, and its ratio to the velocity at the motion's start. So the rule needs no list of models and their
+//! parameters' names:
 //!
 //! | time constant | what relaxes with it |
 //! |---|---|
@@ -20,8 +22,8 @@ use crate::Contact;
 /// Velocity [m/s or rad/s] and duration [s] of the infinitesimal motion: a deflection of 1e-15, far below every breakaway.
 const PROBE: (f64, f64) = (1e-9, 1e-6);
 
-/// No time constant counts as shorter than this [s]: an experiment of a minute would take too many steps. Where that is too long for a model, the evidence
-/// says that its figures do not hold.
+/// No time constant counts as shorter than this [s]: an experiment of a minute would take too many steps. Where that
+/// is too long for a model, the evidence says that its figures do not hold.
 const SHORTEST: f64 = 1e-6;
 
 /// The quantities that make up a contact's time constants.
@@ -83,7 +85,8 @@ impl TimeScales {
         Self { stiffness, damping, highest_level: highest, lowest_level: lowest, lag, slip }
     }
 
-    /// Shortest time constant, at least 1 us, under a prescribed velocity of at most `speed` [m/s or rad/s]; infinite for static models.
+    /// Shortest time constant, at least 1 us, under a prescribed velocity of at most `speed` [m/s or rad/s];
+    /// infinite for static models.
     #[must_use]
     pub fn prescribed(&self, speed: f64) -> f64 {
         let slips = self.slip < f64::INFINITY;
@@ -95,7 +98,8 @@ impl TimeScales {
         bristles.min(self.lag).max(SHORTEST)
     }
 
-    /// Shortest time constant, at least 1 us, of a body of `inertia` [kg or kg m^2] that moves at most at `speed` [m/s or rad/s].
+    /// Shortest time constant, at least 1 us, of a body of `inertia` [kg or kg m^2] that moves at most at `speed`
+    /// [m/s or rad/s].
     #[must_use]
     pub fn body(&self, inertia: f64, speed: f64) -> f64 {
         let damped = if self.damping > 0.0 { inertia / self.damping } else { f64::INFINITY };

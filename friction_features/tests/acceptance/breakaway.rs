@@ -53,7 +53,8 @@ fn the_steps_found_by_halving_give_the_same() {
     assert_breaks_away("GMS", &found(&chapter_3(ModelName::Gms)), [1.4070, 1.4365, 1.4348], None);
 }
 
-/// With a small Stribeck velocity both measures fall with the rate, with a larger one they go apart: the thesis's two statements.
+/// With a small Stribeck velocity both measures fall with the rate, with a larger one they go apart: the thesis's
+/// two statements.
 #[test]
 fn friction_falls_with_the_rate_and_the_load_at_a_velocity_may_do_either() {
     let steep = chapter_3_with(ModelName::Proposed, &[("v_s", 0.001), ("sigma", 1000.0)]);

@@ -51,13 +51,24 @@ fn models_with_true_pre_sliding_do_not_drift() {
     }
 }
 
-/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are still unloading. The science gives two digits.
+/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are still unloading.
+/// The science gives two digits.
 #[test]
 fn damped_bristles_creep_for_the_first_cycles_only() {
     assert_close("proposed", drift(ModelName::Proposed).drift, -1.4e-6, 0.06e-6);
     assert_close("GMS", drift(ModelName::Gms).drift, -1.9e-5, 0.06e-5);
     assert_close("Xiong", drift(ModelName::Xiong).drift, 0.0, 1e-12);
     assert_close("elasto-plastic", drift(ModelName::ElastoPlastic).drift, 0.0, 1e-12);
+}
+
+/// The spring of a stuck contact without damping rings, and its position at any instant says nothing about drift.
+#[test]
+fn ringing_is_not_taken_for_drift() {
+    for name in [ModelName::Armstrong, ModelName::Wojewoda] {
+        let result = drift(name);
+        assert!(result.drift.abs() > 1e-4, "{name} rings: {}", result.drift);
+        assert!(result.drift_per_cycle.abs() < 1e-7, "{name}: {}", result.drift_per_cycle);
+    }
 }
 
 #[test]

@@ -55,9 +55,9 @@ fn finely(contact: &Contact, settings: &FrictionalLagSettings, step: f64) -> Vec
     frictional_lag(contact, &FrictionalLagSettings { step: Some(step), ..settings.clone() })
 }
 
-/// A first-order lag of `g(v(t))`, exactly: `g` along the period is an even function of the phase, `sum_n g_n cos(n w t)`, and each harmonic comes through
-/// the lag as `g_n (cos + n w tau sin) / (1 + (n w tau)^2)`. The area of the loop against `-amplitude cos` takes the first sine alone; its width at
-/// the phase p is twice the sum of the sines.
+/// A first-order lag of `g(v(t))`, exactly: `g` along the period is an even function of the phase, `sum_n g_n cos(n
+/// w t)`, and each harmonic comes through the lag as `g_n (cos + n w tau sin) / (1 + (n w tau)^2)`. The area of the
+/// loop against `-amplitude cos` takes the first sine alone; its width at the phase p is twice the sum of the sines.
 struct FirstOrderLag {
     area: f64,
     widest: f64,

@@ -1,5 +1,5 @@
-//! The features against the figures of an independent implementation (`expected_results.md`, sections 5 and 11), against closed forms, and
-//! against what the models cannot show.
+//! The features against the figures of an independent implementation (`expected_results.md`, sections 5 and 11),
+//! against closed forms, and against what the models cannot show.
 
 mod breakaway;
 mod drift;

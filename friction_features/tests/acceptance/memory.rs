@@ -53,7 +53,8 @@ fn loops_of_models_with_non_local_memory_close_are_wiped_out_and_congruent() {
     }
 }
 
-/// With small loops the elasto-plastic contact is elastic in the inner loop: no gap, but no test either, and the opening tells.
+/// With small loops the elasto-plastic contact is elastic in the inner loop: no gap, but no test either, and the
+/// opening tells.
 #[test]
 fn an_elastic_inner_loop_is_told_by_its_opening() {
     let result = at_amplitude(ModelName::ElastoPlastic, 1.3e-5);
@@ -67,8 +68,8 @@ fn an_elastic_inner_loop_is_told_by_its_opening() {
     assert!(opening > 0.01, "{opening}");
 }
 
-/// The proposed model's tips: the virgin sine, Masing's doubled branches, and `sigma v` on top. The printed tips were sampled up to 1.2 ms
-/// before the turns, which at 60 um/s is up to 1.3e-4 N.
+/// The proposed model's tips: the virgin sine, Masing's doubled branches, and `sigma v` on top. The printed tips
+/// were sampled up to 1.2 ms before the turns, which at 60 um/s is up to 1.3e-4 N.
 #[test]
 fn the_proposed_model_turns_at_masings_tips() {
     let (f_s, z_b, a1) = (1.5, 1e-3, 6e-4);
@@ -96,8 +97,8 @@ fn the_proposed_model_turns_at_masings_tips() {
     }
 }
 
-/// The work of a closed loop of half-width `a` is `8 F_s (2 Z_b / pi) (1 - cos(pi a / 2 Z_b)) - 4 a F_s sin(pi a / 2 Z_b)`, and damping adds
-/// `sigma v` both ways.
+/// The work of a closed loop of half-width `a` is `8 F_s (2 Z_b / pi) (1 - cos(pi a / 2 Z_b)) - 4 a F_s sin(pi a / 2
+/// Z_b)`, and damping adds `sigma v` both ways.
 #[test]
 fn the_inner_loop_takes_up_masings_work() {
     let (f_s, z_b, a1, sigma) = (1.5, 1e-3, 6e-4, 1.0);
@@ -112,7 +113,8 @@ fn the_inner_loop_takes_up_masings_work() {
     assert_relative("work", result.loop_work, masing + damping, 1e-5);
 }
 
-/// At constant speed LuGre and Dahl have the closed form `f <- s g + (f - s g) exp(-sigma0 |dx| / g)` for `f = sigma0 z` along a leg in direction `s`.
+/// At constant speed LuGre and Dahl have the closed form `f <- s g + (f - s g) exp(-sigma0 |dx| / g)` for `f =
+/// sigma0 z` along a leg in direction `s`.
 #[test]
 fn lugre_and_dahl_follow_their_closed_form() {
     let sigma1 = 1e5f64.sqrt();

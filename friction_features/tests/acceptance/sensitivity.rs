@@ -13,8 +13,8 @@ fn elasticities(of: &Sensitivity, parameter: &str) -> Elasticities {
     of.parameters.iter().find(|p| p.parameter == parameter).unwrap().elasticities.unwrap()
 }
 
-/// Parameter; printed elasticities of the breakaway force, the breakaway displacement and the lag; half a unit of each printed last digit, and
-/// a fifth of it for what the independent implementation's steps may add.
+/// Parameter; printed elasticities of the breakaway force, the breakaway displacement and the lag; half a unit of
+/// each printed last digit, and a fifth of it for what the independent implementation's steps may add.
 type Row = (&'static str, [(f64, f64); 3]);
 
 #[track_caller]
@@ -77,8 +77,8 @@ const GMS: [Row; 4] = [
     ("v_s", [(0.11, 0.01), (0.59, 0.01), (0.31, 0.01)]),
 ];
 
-/// Contacts of doubled level break away too when the ramp goes far enough: the force is then proportional to the level, and so are the
-/// displacements of an elastic loading.
+/// Contacts of doubled level break away too when the ramp goes far enough: the force is then proportional to the
+/// level, and so are the displacements of an elastic loading.
 #[test]
 fn shares_scale_breakaway_in_proportion() {
     let xiong = of(ModelName::Xiong);
@@ -91,8 +91,9 @@ fn shares_scale_breakaway_in_proportion() {
     assert_close("rms of GMS", gms.rms_elasticity.unwrap(), 0.712, 0.002);
 }
 
-/// The printed figures for the shares, +.67 and +.66 for the force: the ramp ended at 1.9 N, short of the doubled level of 3 N, so the contact never broke
-/// away and the "breakaway" displacement was that of an elastic contact under 1.9 N. Here such a contact has no displacement at breakaway.
+/// The printed figures for the shares, +.67 and +.66 for the force: the ramp ended at 1.9 N, short of the doubled
+/// level of 3 N, so the contact never broke away and the "breakaway" displacement was that of an elastic contact
+/// under 1.9 N. Here such a contact has no displacement at breakaway.
 #[test]
 fn the_printed_figures_for_the_shares_are_those_of_a_contact_that_did_not_break_away() {
     let breakaway = BreakawaySettings { limit: 1.9, rates: vec![0.1], ..BreakawaySettings::default() };

@@ -1,6 +1,8 @@
-//! Every figure of every model as it was when it was last looked at, for what the independent implementation says nothing about.
+//! Every figure of every model as it was when it was last looked at, for what the independent implementation says
+//! nothing about.
 //!
-//! Regenerate with `UPDATE_SNAPSHOTS=1 cargo test -p friction_features --test acceptance snapshot`, and read the difference before keeping it.
+//! Regenerate with `UPDATE_SNAPSHOTS=1 cargo test -p friction_features --test acceptance snapshot`, and read the
+//! difference before keeping it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -18,7 +20,8 @@ use serde::Deserialize;
 struct Entry {
     /// The figure; null where the model has none.
     value: Option<f64>,
-    /// The step it was found with, and what the last halving changed; null for figures that are not integrated with one step.
+    /// The step it was found with, and what the last halving changed; null for figures that are not integrated with
+    /// one step.
     step: Option<f64>,
     change: Option<f64>,
 }

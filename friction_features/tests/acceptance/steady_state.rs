@@ -15,7 +15,8 @@ fn every_model_settles_at_the_force_it_promises_in_both_forms() {
     }
 }
 
-/// The bonds of the bristle model snap at random: its force has the standard deviation `sqrt(2 / N)` of the mean, here .14, for ever.
+/// The bonds of the bristle model snap at random: its force has the standard deviation `sqrt(2 / N)` of the mean,
+/// here .14, for ever.
 #[test]
 fn the_bristle_model_never_settles() {
     let result = steady_state(&chapter_3(ModelName::Bristle), &SteadyStateSettings::default());

@@ -11,9 +11,10 @@ fn at_step(name: ModelName, step: f64) -> StickSlip {
     stick_slip(&chapter_3(name), &StickSlipSettings { step: Some(step), ..StickSlipSettings::default() })
 }
 
-/// Mass on a spring between two levels: while it slips, `m x'' = K (v0 t - x) - F_c`, so in the frame of the spring's end it swings harmonically
-/// about the stretch `F_c / K`. It starts at rest with `a = (F_s - F_c) / K` more than that, and comes to rest again when it has swung through
-/// all of the circle but twice the angle `atan(a w / v0)`. Then the spring must be stretched by `2 a` at the speed v0 until it breaks away again.
+/// Mass on a spring between two levels: while it slips, `m x'' = K (v0 t - x) - F_c`, so in the frame of the
+/// spring's end it swings harmonically about the stretch `F_c / K`. It starts at rest with `a = (F_s - F_c) / K`
+/// more than that, and comes to rest again when it has swung through all of the circle but twice the angle `atan(a w
+/// / v0)`. Then the spring must be stretched by `2 a` at the speed v0 until it breaks away again.
 #[test]
 fn two_levels_give_the_cycle_of_the_closed_form() {
     let result = at_step(ModelName::Stiction, 1e-5);
@@ -28,7 +29,8 @@ fn two_levels_give_the_cycle_of_the_closed_form() {
     assert_relative("smallest spring force", result.spring_min, f_c - k * radius, 1e-5);
     assert_relative("peak velocity", result.velocity_max, v0 + w * radius, 1e-5);
     assert_relative("largest friction", result.friction_max, f_s, 1e-5);
-    // At rest, and slower than v0/10 just after breakaway and just before rest: the angle from -v0 to -.9 v0 on the circle, twice.
+    // At rest, and slower than v0/10 just after breakaway and just before rest: the angle from -v0 to -.9 v0 on the
+    // circle, twice.
     let angle = (v0 / (w * radius)).asin() - (0.9 * v0 / (w * radius)).asin();
     let rest = (stick + 2.0 * angle / w) / (slip + stick);
     assert_relative("share of rest", result.share_of_rest.unwrap(), rest, 2e-4);
@@ -54,7 +56,8 @@ fn karnopps_model_gives_the_cycle_of_two_levels() {
     }
 }
 
-/// Without a static level above the kinetic one nothing makes it stick: from rest the mass swings about v0 for ever and touches zero once a period.
+/// Without a static level above the kinetic one nothing makes it stick: from rest the mass swings about v0 for ever
+/// and touches zero once a period.
 #[test]
 fn coulomb_friction_alone_does_not_stick() {
     let result = at_step(ModelName::Coulomb, 1e-4);
@@ -71,7 +74,8 @@ fn viscous_friction_ends_in_smooth_sliding() {
     assert_relative("spring", result.spring_max, 0.1, 1e-3);
 }
 
-/// Model, step [s]; period [s], largest and smallest spring force [N], peak velocity [m/s], largest friction [N]; tolerance.
+/// Model, step [s]; period [s], largest and smallest spring force [N], peak velocity [m/s], largest friction [N];
+/// tolerance.
 const TABLE: [(ModelName, f64, [f64; 5], f64); 7] = [
     (ModelName::Karnopp, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
     (ModelName::Stribeck, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
