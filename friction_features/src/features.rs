@@ -128,6 +128,7 @@ impl Features {
                     ("amplitude", Some(memory.amplitude)),
                     ("loop_height", Some(memory.loop_height)),
                     ("loop_work", Some(memory.loop_work)),
+                    ("loop_opening", Some(memory.loop_opening)),
                     ("closure_gap", Some(memory.closure_gap)),
                     ("wiping_out_error", Some(memory.wiping_out_error)),
                     ("congruency_error", Some(memory.congruency_error)),

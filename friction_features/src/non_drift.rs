@@ -60,7 +60,7 @@ impl Default for NonDriftSettings {
 }
 
 impl NonDriftSettings {
-    /// The applied force at `time` [N or N m]. Each triangle goes down first: the unloading goes on.
+    /// The applied force at `time` [N or N m]. Each triangle goes up first.
     #[must_use]
     pub fn force(&self, time: f64) -> f64 {
         if time <= self.ramp {
@@ -71,7 +71,7 @@ impl NonDriftSettings {
             self.hold
         } else {
             let phase = ((time - self.start) / self.period).fract();
-            // 0 -> -1 -> 1 -> 0 over a period.
+            // 0 -> 1 -> -1 -> 0 over a period.
             let triangle = 1.0 - (4.0 * (phase + 0.25).fract() - 2.0).abs();
             self.hold + self.amplitude * triangle
         }

@@ -17,21 +17,21 @@ use crate::{BreakawaySettings, Contact, FrictionalLagSettings, TimeScales, break
 pub struct SensitivitySettings {
     /// Factors on each parameter, below and above 1.
     pub factors: [f64; 2],
-    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if need be, to `reach` times the model's static level.
+    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if need be, by `reach`.
     pub breakaway: BreakawaySettings,
-    /// The ramp reaches at least this multiple of the static level, so that contacts with a higher one break away too.
+    /// The ramp reaches at least this multiple of the sliding level, so that contacts with a higher static one break away too.
     pub reach: f64,
     /// How the lag is measured; the first of its frequencies counts.
     pub lag: FrictionalLagSettings,
 }
 
 impl Default for SensitivitySettings {
-    /// Half and twice; breakaway at .1 N/s, at least to 1.2 times the static level; lag at .02 (1 - .95 cos 2t) m/s.
+    /// Half and twice; breakaway at .1 N/s, at least to four times the static level; lag at .02 (1 - .95 cos 2t) m/s.
     fn default() -> Self {
         Self {
             factors: [0.5, 2.0],
             breakaway: BreakawaySettings { rates: vec![0.1], ..BreakawaySettings::default() },
-            reach: 1.2,
+            reach: 4.0,
             lag: FrictionalLagSettings::chapter_3(),
         }
     }
@@ -79,7 +79,7 @@ pub struct ParameterSensitivity {
 pub struct Sensitivity {
     /// The model as it is.
     pub nominal: Response,
-    /// Each parameter that is not zero.
+    /// Each parameter that is not zero; but no seed of random numbers, of which there is no half.
     pub parameters: Vec<ParameterSensitivity>,
     /// Root mean square of the elasticities that exist with respect to the parameters that count: all but the levels `f_s` and `f_c`, the exponent
     /// `delta` and the viscous `f_v`, which most models share. `None` if there is none.
@@ -99,7 +99,7 @@ pub fn sensitivity(model: &AnyModel, settings: &SensitivitySettings) -> Sensitiv
         .filter(|row| {
             let mut acts = false;
             model.parameters().each(row.name, &mut |value| acts |= value != 0.0);
-            acts
+            acts && row.name != "seed"
         })
         .map(|row| of_parameter(model, row.name, settings))
         .collect();

@@ -90,14 +90,14 @@ pub fn settle<T>(
     (result, Evidence { step, change })
 }
 
-/// With the step that is given, or with the one that [`settle`] finds from `first`.
+/// With the step that is given, if it is above zero, or else with the one that [`settle`] finds from `first`.
 pub(crate) fn with_step<T>(
     given: Option<f64>,
     first: f64,
     mut run: impl FnMut(f64) -> T,
     figures: impl Fn(&T) -> Vec<Figure>,
 ) -> (T, Evidence) {
-    match given {
+    match given.filter(|&step| step > 0.0) {
         Some(step) => (run(step), Evidence { step, change: None }),
         None => settle(Settling::default(), first, run, figures),
     }

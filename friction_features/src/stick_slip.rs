@@ -104,11 +104,12 @@ const STICKING: f64 = 0.2;
 pub fn stick_slip(contact: &Contact, settings: &StickSlipSettings) -> StickSlip {
     let StickSlipSettings { inertia, stiffness, speed, duration, .. } = *settings;
     let scales = TimeScales::of(contact);
-    // The peak velocity of the closed form, and the rig's own oscillation at 2 pi / 500 of a radian.
+    // The peak velocity of the closed form, and a fraction of the rig's own oscillation; a small one where sticking is an event at the end of a step.
     let omega = (stiffness / inertia).sqrt();
     let a = (scales.highest_level - scales.lowest_level) / stiffness;
     let fastest = speed + (a * omega).hypot(speed);
-    let first = scales.body(inertia, fastest).min(0.0125 / omega).min(duration);
+    let fraction = if contact.holding(0.0).is_some() { 2.5e-4 } else { 1.25e-2 };
+    let first = scales.body(inertia, fastest).min(fraction / omega).min(duration);
     let force = |at: &Moment<1>| stiffness * (speed * at.time - at.position);
     let (mut result, evidence) = with_step(
         settings.step,

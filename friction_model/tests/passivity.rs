@@ -105,6 +105,26 @@ proptest! {
         }
     }
 
+    /// Leuven: `F v - F_h z' = F_h v sgn(r)|r|^n + v^2 [sigma1 (1 - sgn(r)|r|^n) + f_v]`, where `|r| <= F_s / F_c`.
+    #[test]
+    fn leuven_is_passive_with_enough_viscous_friction(model in model(ModelName::Leuven), path in velocities()) {
+        let [f_s, f_c, n, sigma1] = ["f_s", "f_c", "n", "sigma1"].map(|name| model.parameter(name).unwrap());
+        let mut parameters = model.parameters();
+        parameters.set("f_v", sigma1 * ((f_s / f_c).powf(n) - 1.0) * (1.0 + 1e-9));
+        let Ok(AnyModel::Leuven(model)) = AnyModel::try_from(parameters) else { return Ok(()) };
+        let mut stepper = Stepper::new(model, TimeStep::new(1e-3).unwrap());
+        for v in path {
+            stepper.step(v);
+            let State { continuous, memory } = stepper.state();
+            for v in [v, -v, 0.1 * v, 10.0 * v] {
+                let now = model.evaluate(continuous, memory, v);
+                let stored = memory.force() * now.rates[0];
+                let parts = (now.force * v).abs() + stored.abs() + sigma1 * (v * now.rates[0]).abs();
+                prop_assert!(now.force * v - stored >= ROUNDING * parts, "at {v}");
+            }
+        }
+    }
+
     /// Along any path the hysteresis takes at least what it stores, and over a closed one it takes energy.
     #[test]
     fn the_hysteresis_stores_no_more_than_it_takes(turns in prop::collection::vec(-1.0..1.0f64, 2..30)) {
