@@ -41,7 +41,8 @@ impl Compensators {
             // What must keep its place between the levels moves with them.
             for (level, found, tied) in [("f_s", f_s, "f_h"), ("f_c", f_c, "z_ba")] {
                 if let Some(before) = model.parameter(level) {
-                    parameters.scale(tied, found / before);
+                    // Not below by a rounding.
+                    parameters.scale(tied, found / before * (1.0 + 1e-12));
                 }
             }
             for (parameter, value) in
