@@ -1,53 +1,123 @@
-//! Nanoseconds a step of the fixed-step forms: the Rust side of `cargo xtask bench`.
+//! Nanoseconds a step of every model: the Rust side of `cargo xtask bench`.
 //!
-//! `step_bench STEPS` prints, for each model, its name, nanoseconds a step and the sum of all forces. The C
-//! side, `xtask/bench/peer.c`, does the same with the same velocities and parameters.
+//! `step_bench STEPS [MODEL ...]` prints, for each model and scheme, the model's name, the scheme, nanoseconds a step and the sum of
+//! all forces. The schemes:
+//!
+//! * `exact`: the fixed-step form, `Stepper::step`;
+//! * `chosen`: the same behind `AnyStepper::step`, which finds the model while the program runs;
+//! * `rk4`: the derivative form under classical Runge-Kutta, for models with states.
+//!
+//! The C side, `xtask/bench/`, does the same with the same velocities and parameters. Time is the processor's time of this thread: what other
+//! programs take is not counted.
 
 use std::f64::consts::PI;
 use std::hint::black_box;
 use std::io::Write;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::Duration;
 
-use friction_model::{FrictionModel, LuGre, Proposed, Stepper, Stribeck, TimeStep};
+use friction_model::{AnyModel, AnyStepper, FrictionModel, ModelName, ModelVisitor, Stepper, TimeStep, rk4};
+use rustix::time::{ClockId, clock_gettime};
 
 const SAMPLES: usize = 4096;
 
 fn main() -> ExitCode {
-    let steps =
-        std::env::args().nth(1).and_then(|text| text.parse().ok()).filter(|&steps: &usize| steps >= 10);
-    let (Some(steps), Ok(dt)) = (steps, TimeStep::new(1e-3)) else {
+    let mut arguments = std::env::args().skip(1);
+    let steps = arguments.next().and_then(|text| text.parse().ok()).filter(|&steps: &usize| steps >= 10);
+    let names = arguments.map(|text| text.parse()).collect::<Result<Vec<ModelName>, _>>();
+    let (Some(steps), Ok(mut names), Ok(dt)) = (steps, names, TimeStep::new(1e-3)) else {
         // Nothing is lost if nobody reads it.
-        let _ = writeln!(std::io::stderr(), "usage: step_bench STEPS (at least 10)");
+        let _ = writeln!(std::io::stderr(), "usage: step_bench STEPS [MODEL ...] (at least 10 steps)");
         return ExitCode::from(2);
     };
-    let velocity: [f64; SAMPLES] = std::array::from_fn(|i| {
+    if names.is_empty() {
+        names = ModelName::ALL.into();
+    }
+    let velocity = std::array::from_fn(|i| {
         let phase = 2.0 * PI * i as f64 / SAMPLES as f64;
         0.02 + 0.2 * (3.0 * phase).sin() + 0.01 * (41.0 * phase).sin()
     });
-    measure("stribeck", Stribeck::test_bed(), dt, &velocity, steps);
-    measure("lugre", LuGre::test_bed(), dt, &velocity, steps);
-    measure("proposed", Proposed::test_bed(), dt, &velocity, steps);
+    for name in names {
+        // Numbers that the compiler cannot know.
+        let (model, dt) = (black_box(AnyModel::test_bed(name)), black_box(dt));
+        model.visit(Measure { dt, velocity: &velocity, steps });
+        let mut stepper = model.start(dt);
+        measure(name, "chosen", steps, |steps| run_chosen(&mut stepper, &velocity, steps));
+    }
     ExitCode::SUCCESS
 }
 
+type Velocities = [f64; SAMPLES];
+
+/// Measures a model whose type is known at compile time.
+struct Measure<'a> {
+    dt: TimeStep,
+    velocity: &'a Velocities,
+    steps: usize,
+}
+
+impl ModelVisitor for Measure<'_> {
+    type Output = ();
+
+    fn visit<M: FrictionModel>(self, model: M) {
+        let Self { dt, velocity, steps } = self;
+        let mut state = model.rest();
+        if size_of_val(&state) > 0 {
+            measure(M::NAME, "rk4", steps, |steps| {
+                run_rk4(&model, &mut state, velocity, dt.seconds(), steps)
+            });
+        }
+        let mut stepper = Stepper::new(model, dt);
+        measure(M::NAME, "exact", steps, |steps| run_exact(&mut stepper, velocity, steps));
+    }
+}
+
 /// A first pass of a tenth of the steps, from which the state goes on, warms caches and clock.
-fn measure<M: FrictionModel>(name: &str, model: M, dt: TimeStep, velocity: &[f64; SAMPLES], steps: usize) {
-    // Numbers that the compiler cannot know.
-    let mut stepper = Stepper::new(black_box(model), black_box(dt));
-    let warm = run(&mut stepper, velocity, steps / 10);
-    let start = Instant::now();
-    let sum = run(&mut stepper, velocity, steps);
-    let nanoseconds = start.elapsed().as_secs_f64() / steps as f64 * 1e9;
+fn measure(name: ModelName, scheme: &str, steps: usize, mut run: impl FnMut(usize) -> f64) {
+    let warm = run(steps / 10);
+    let start = processor_time();
+    let sum = run(steps);
+    let nanoseconds = (processor_time() - start).as_secs_f64() / steps as f64 * 1e9;
     // A closed pipe shows in the reader.
-    let _ = writeln!(std::io::stdout(), "{name} {nanoseconds:.4} {:.17e}", warm + sum);
+    let _ = writeln!(std::io::stdout(), "{name} {scheme} {nanoseconds:.4} {:.17e}", warm + sum);
+}
+
+/// Processor time of this thread.
+fn processor_time() -> Duration {
+    clock_gettime(ClockId::ThreadCPUTime).try_into().unwrap_or_default()
 }
 
 #[inline(never)]
-fn run<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &[f64; SAMPLES], steps: usize) -> f64 {
+fn run_exact<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
     let mut sum = 0.0;
     for k in 0..steps {
         sum += stepper.step(velocity[k % SAMPLES]);
+    }
+    sum
+}
+
+#[inline(never)]
+fn run_chosen(stepper: &mut AnyStepper, velocity: &Velocities, steps: usize) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..steps {
+        sum += stepper.step(velocity[k % SAMPLES]);
+    }
+    sum
+}
+
+/// The samples are half a step apart: Runge-Kutta asks for the middle of a step too.
+#[inline(never)]
+fn run_rk4<M: FrictionModel>(
+    model: &M,
+    state: &mut friction_model::State<M::Continuous, M::Memory>,
+    velocity: &Velocities,
+    dt: f64,
+    steps: usize,
+) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..steps {
+        let v = [0, 1, 2].map(|i| velocity[(2 * k + i) % SAMPLES]);
+        sum += rk4::step(model, state, v, dt);
     }
     sum
 }

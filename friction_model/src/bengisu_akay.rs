@@ -120,6 +120,7 @@ impl FrictionModel for BengisuAkay {
         Evaluation { force: self.steady_state(velocity), rates: [] }
     }
 
+    #[inline]
     fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, _: TimeStep) {}

@@ -72,14 +72,17 @@ impl FrictionModel for Coulomb {
         State { continuous: [], memory: () }
     }
 
+    #[inline]
     fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
         Evaluation { force: self.steady_state(velocity), rates: [] }
     }
 
+    #[inline]
     fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, _: TimeStep) {}
 
+    #[inline]
     fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
         self.steady_state(bounded(velocity))
     }

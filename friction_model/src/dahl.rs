@@ -26,7 +26,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate, sign};
+use crate::model::{bounded, fused, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::SHAPE;
 use crate::{
@@ -121,13 +121,28 @@ impl FrictionModel for Dahl {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
-        let p = &self.parameters;
-        let w = 1.0 - z * self.inverse_z_c * sign(velocity);
-        let slope = if p.delta == 1.0 { w } else { w.abs().powf(p.delta) * sign(w) };
-        Evaluation { force: p.sigma0 * z + p.f_v * velocity, rates: [velocity * slope] }
+    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, &())
     }
 
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        // u per deflection, and how fast the rate falls with it for delta = 1 [1/s].
+        let per_z = self.inverse_z_c * sign(velocity);
+        let relaxation = velocity * per_z;
+        move |&[z], ()| {
+            let z_rate = if p.delta == 1.0 {
+                fused(-relaxation, z, velocity)
+            } else {
+                let w = 1.0 - z * per_z;
+                velocity * w.abs().powf(p.delta) * sign(w)
+            };
+            Evaluation { force: p.sigma0 * z + p.f_v * velocity, rates: [z_rate] }
+        }
+    }
+
+    #[inline]
     fn commit(&self, state: &mut State<[f64; 1], ()>, _: f64, _: f64) {
         let [z] = state.continuous;
         state.continuous = [saturate(self.z_c, z)];

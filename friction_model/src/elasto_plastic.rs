@@ -137,13 +137,21 @@ impl FrictionModel for ElastoPlastic {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
-        let p = &self.parameters;
-        let z_ss = self.curve.level(velocity) / p.sigma0;
-        let z_rate = velocity - self.alpha(z, velocity, z_ss) * velocity.abs() * z / z_ss;
-        Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, &())
     }
 
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let z_ss = self.curve.level(velocity) / p.sigma0;
+        move |&[z], ()| {
+            let z_rate = velocity - self.alpha(z, velocity, z_ss) * velocity.abs() * z / z_ss;
+            Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        }
+    }
+
+    #[inline]
     fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, dt: TimeStep) -> f64 {

@@ -197,17 +197,24 @@ impl<const N: usize> FrictionModel for Gms<N> {
 
     #[inline]
     fn evaluate(&self, z: &[f64; N], slips: &[f64; N], velocity: f64) -> Evaluation<[f64; N]> {
+        self.at(velocity)(z, slips)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; N], &[f64; N]) -> Evaluation<[f64; N]> {
         let inverse_g = 1.0 / self.curve.level(velocity);
         let direction = sign(velocity);
-        let mut force = self.parameters.f_v * velocity;
-        let mut rates = [velocity; N];
-        for (((element, &z), &slips), rate) in self.elements.iter().zip(z).zip(slips).zip(&mut rates) {
-            if slips * direction > 0.0 {
-                *rate = element.c * (direction - z * element.inverse_width * inverse_g);
+        move |z, slips| {
+            let mut force = self.parameters.f_v * velocity;
+            let mut rates = [velocity; N];
+            for (((element, &z), &slips), rate) in self.elements.iter().zip(z).zip(slips).zip(&mut rates) {
+                if slips * direction > 0.0 {
+                    *rate = element.c * (direction - z * element.inverse_width * inverse_g);
+                }
+                force += element.sigma0 * z + element.sigma1 * *rate;
             }
-            force += element.sigma0 * z + element.sigma1 * *rate;
+            Evaluation { force, rates }
         }
-        Evaluation { force, rates }
     }
 
     #[inline]

@@ -18,6 +18,12 @@ pub trait VirginCurve {
     /// Force on the virgin curve at deflection `z`, for `|z| <= limit`.
     fn force(&self, z: f64) -> f64;
 
+    /// `stretch f(shrink z)`; both factors are powers of two, or their negatives.
+    #[inline]
+    fn stretched(&self, stretch: f64, shrink: f64, z: f64) -> f64 {
+        stretch * self.force(shrink * z)
+    }
+
     /// Slope `f'(z)`, for `|z| <= limit`; even, and falling with `|z|`.
     fn slope(&self, z: f64) -> f64;
 
@@ -26,12 +32,6 @@ pub trait VirginCurve {
 
     /// Largest deflection: beyond it the contact slides and the memory is empty.
     fn limit(&self) -> f64;
-
-    /// Force on the branch that left `origin` in direction `s`, `travel = s (z - z_r) >= 0` away.
-    #[inline]
-    fn branch(&self, f_r: f64, s: f64, travel: f64) -> f64 {
-        f_r + 2.0 * s * self.force(0.5 * travel)
-    }
 }
 
 /// Deepest nesting kept. A noisy sine of 200 000 samples reaches a depth of 19; only a strictly nested sequence grows without end.
@@ -43,31 +43,72 @@ struct Point {
     f: f64,
 }
 
+/// A branch between two turns: the virgin curve, or its double from a reversal on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Course {
+    /// Direction: -1, 0 before the first motion, or 1.
+    s: f64,
+    /// The reversal from which it starts; zero for the virgin curve.
+    origin: Point,
+    /// Where it meets the point from which the previous branch started; infinitely far for the virgin curve.
+    closes_at: f64,
+    /// `s` for the virgin curve, `2 s` for a doubled one; and the inverse.
+    stretch: f64,
+    shrink: f64,
+}
+
+impl Course {
+    /// The branch in direction `s` with the reversals `points` behind it.
+    #[inline]
+    fn behind(points: &[Point], s: f64) -> Self {
+        match points {
+            [] => Self { s, origin: Point::default(), closes_at: s * f64::INFINITY, stretch: s, shrink: s },
+            [origin] => Self::from(*origin, -origin.z, s),
+            [.., start, origin] => Self::from(*origin, start.z, s),
+        }
+    }
+
+    #[inline]
+    fn from(origin: Point, closes_at: f64, s: f64) -> Self {
+        Self { s, origin, closes_at, stretch: 2.0 * s, shrink: 0.5 * s }
+    }
+
+    /// Whether it is still open at `z`; false before the first motion.
+    #[inline]
+    fn is_open_at(&self, z: f64) -> bool {
+        self.s * (z - self.closes_at) < 0.0
+    }
+
+    #[inline]
+    fn force(&self, curve: &impl VirginCurve, z: f64) -> f64 {
+        self.origin.f + curve.stretched(self.stretch, self.shrink, z - self.origin.z)
+    }
+}
+
 /// The memory of reversal points. Starts unloaded, with nothing to remember.
 ///
 /// When the stack is full the two innermost points, one closed loop, are dropped: the error is at most that loop.
 #[derive(Debug, Clone)]
 pub struct Hysteresis {
+    last: Point,
+    /// The present branch. It follows from the points, and is kept because most moves stay on it.
+    course: Course,
     /// Number of reversal points remembered.
     depth: usize,
-    /// Direction of the present branch: -1, 0 before the first motion, or 1.
-    direction: f64,
-    last: Point,
     points: [Point; CAPACITY],
 }
 
 impl Default for Hysteresis {
     fn default() -> Self {
-        Self { depth: 0, direction: 0.0, last: Point::default(), points: [Point::default(); CAPACITY] }
+        let (last, course) = (Point::default(), Course::default());
+        Self { last, course, depth: 0, points: [Point::default(); CAPACITY] }
     }
 }
 
 impl PartialEq for Hysteresis {
     /// Two memories are equal when they remember the same points; what lies above the stack's top does not count.
     fn eq(&self, other: &Self) -> bool {
-        self.direction == other.direction
-            && self.last == other.last
-            && self.points[..self.depth] == other.points[..other.depth]
+        self.course.s == other.course.s && self.last == other.last && self.reversals() == other.reversals()
     }
 }
 
@@ -78,20 +119,12 @@ impl Hysteresis {
     pub fn peek(&self, curve: &impl VirginCurve, z: f64) -> f64 {
         let z = saturate(curve.limit(), z);
         if z == self.last.z {
-            return self.last.f;
+            self.last.f
+        } else if self.goes_on_to(z) {
+            self.course.force(curve, z)
+        } else {
+            self.turn(z).0.force(curve, z)
         }
-        let s = self.towards(z);
-        let mut points = &self.points[..self.depth];
-        if self.reverses(s) {
-            // The branch that would start here, then those that are open behind it.
-            points = &points[..self.room()];
-            let closes_at = points.last().map_or(-self.last.z, |point| point.z);
-            if s * (z - closes_at) < 0.0 {
-                return curve.branch(self.last.f, s, s * (z - self.last.z));
-            }
-            points = &points[..points.len().saturating_sub(1)];
-        }
-        follow(curve, points, s, z).0
     }
 
     /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force there.
@@ -101,34 +134,61 @@ impl Hysteresis {
         if z == self.last.z {
             return self.last.f;
         }
-        let s = self.towards(z);
-        if self.reverses(s) {
-            let room = self.room();
-            self.points[room] = self.last;
-            self.depth = room + 1;
+        if !self.goes_on_to(z) {
+            self.take_turn(z);
         }
-        let (f, depth) = follow(curve, &self.points[..self.depth], s, z);
-        self.depth = depth;
-        self.direction = s;
+        let f = self.course.force(curve, z);
         self.last = Point { z, f };
         f
     }
 
-    /// Direction of a move to `z`, which differs from the last deflection.
+    /// Whether a move to `z` stays on the present branch.
     #[inline]
-    fn towards(&self, z: f64) -> f64 {
-        if z > self.last.z { 1.0 } else { -1.0 }
+    fn goes_on_to(&self, z: f64) -> bool {
+        self.course.s * (z - self.last.z) > 0.0 && self.course.is_open_at(z)
     }
 
-    #[inline]
-    fn reverses(&self, s: f64) -> bool {
-        self.direction != 0.0 && s != self.direction
+    #[inline(never)]
+    fn take_turn(&mut self, z: f64) {
+        let (course, depth) = self.turn(z);
+        (self.course, self.depth) = (course, depth);
+        // The reversal from which the new branch starts; an old one stands there already.
+        if let Some(top) = depth.checked_sub(1).and_then(|top| self.points.get_mut(top)) {
+            *top = course.origin;
+        }
     }
 
-    /// Where the next reversal point goes. A full stack loses its innermost loop for it.
+    /// The branch on which `z` lies, which differs from the last deflection, and how many reversals are behind it: a
+    /// branch that has reached the point where it closes is forgotten together with the one that it closes.
+    #[inline(never)]
+    fn turn(&self, z: f64) -> (Course, usize) {
+        let s = if z > self.last.z { 1.0 } else { -1.0 };
+        let mut points = self.reversals();
+        if self.course.s == -s {
+            // The branch that starts here, then those that are open behind it. A full stack loses its innermost loop for it.
+            if points.len() == CAPACITY {
+                points = without(points, 2);
+            }
+            let closes_at = points.last().map_or(-self.last.z, |point| point.z);
+            let course = Course::from(self.last, closes_at, s);
+            if course.is_open_at(z) {
+                return (course, points.len() + 1);
+            }
+            points = without(points, 1);
+        }
+        loop {
+            let course = Course::behind(points, s);
+            if points.is_empty() || course.is_open_at(z) {
+                return (course, points.len());
+            }
+            points = without(points, 2);
+        }
+    }
+
+    /// The reversal points remembered, the latest one last.
     #[inline]
-    fn room(&self) -> usize {
-        if self.depth < CAPACITY { self.depth } else { CAPACITY - 2 }
+    fn reversals(&self) -> &[Point] {
+        self.points.get(..self.depth).unwrap_or(&self.points)
     }
 
     /// Force at the last committed deflection.
@@ -160,10 +220,10 @@ impl Hysteresis {
             if r1 > r0 { 0.5 * (at(r1) - at(r0)) } else { 0.0 }
         };
         let z = self.last.z;
-        let mut side = self.direction;
+        let mut side = self.course.s;
         let mut energy = 0.0;
         let (mut from, mut cut_at) = (0.0, z);
-        for &Point { z: reversal, .. } in self.points[..self.depth].iter().rev() {
+        for &Point { z: reversal, .. } in self.reversals().iter().rev() {
             let to = 0.5 * (cut_at - reversal).abs();
             energy += share(from, to, side, z - cut_at);
             (from, cut_at, side) = (to, reversal, -side);
@@ -181,21 +241,10 @@ impl Hysteresis {
     }
 }
 
-/// Force at `z`, moving in direction `s`, with the reversals `points` behind, and how many of these are left: a branch
-/// that has reached the point where it closes is forgotten together with the one that it closes.
+/// `points` without its last `n`; all are gone where there are fewer.
 #[inline]
-fn follow(curve: &impl VirginCurve, mut points: &[Point], s: f64, z: f64) -> (f64, usize) {
-    loop {
-        let (top, closes_at, outer) = match points {
-            [] => return (curve.force(z), 0),
-            [top] => (top, -top.z, &[][..]),
-            [outer @ .., start, top] => (top, start.z, outer),
-        };
-        if s * (z - closes_at) < 0.0 {
-            return (curve.branch(top.f, s, s * (z - top.z)), points.len());
-        }
-        points = outer;
-    }
+fn without(points: &[Point], n: usize) -> &[Point] {
+    points.get(..points.len().saturating_sub(n)).unwrap_or(&[])
 }
 
 #[cfg(test)]

@@ -141,12 +141,20 @@ impl FrictionModel for Leuven {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, memory)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &Hysteresis) -> Evaluation<[f64; 1]> {
         let p = &self.parameters;
-        let hysteresis = memory.peek(&self.sine, z);
-        let (elastic, _) = self.elastic_part(hysteresis, velocity, self.curve.level(velocity));
-        let z_rate = velocity * elastic;
-        Evaluation { force: hysteresis + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        let g = self.curve.level(velocity);
+        move |&[z], memory| {
+            let hysteresis = memory.peek(&self.sine, z);
+            let (elastic, _) = self.elastic_part(hysteresis, velocity, g);
+            let z_rate = velocity * elastic;
+            Evaluation { force: hysteresis + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+        }
     }
 
     #[inline]
@@ -171,9 +179,8 @@ impl FrictionModel for Leuven {
         let steepening = if r > 1.0 { r.powf(p.n - 1.0) } else { 1.0 };
         let travel = v * dt;
         let fall = p.n * steepening * self.sine.stiffness() / g;
-        let z_next = saturate(p.z_b, z + travel * elastic / (1.0 + travel.abs() * fall));
-        state.memory.commit(&self.sine, z_next);
-        state.continuous = [z_next];
+        state.memory.commit(&self.sine, z + travel * elastic / (1.0 + travel.abs() * fall));
+        state.continuous = [state.memory.deflection()];
         hysteresis + p.sigma1 * v * elastic + p.f_v * v
     }
 

@@ -126,15 +126,24 @@ impl FrictionModel for LuGre {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, &())
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
         let p = &self.parameters;
-        let z_rate = velocity - p.sigma0 * velocity.abs() * z / self.curve.level(velocity);
-        Evaluation {
-            force: p.sigma0 * z + self.damping(velocity) * z_rate + p.f_v * velocity,
-            rates: [z_rate],
+        let g = self.curve.level(velocity);
+        move |&[z], ()| {
+            let z_rate = velocity - p.sigma0 * velocity.abs() * z / g;
+            Evaluation {
+                force: p.sigma0 * z + self.damping(velocity) * z_rate + p.f_v * velocity,
+                rates: [z_rate],
+            }
         }
     }
 
+    #[inline]
     fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
 
     fn discretise(&self, dt: TimeStep) -> f64 {

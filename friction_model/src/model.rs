@@ -24,7 +24,7 @@ impl<const N: usize> ContinuousState for [f64; N] {
     fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
         let mut sum = *self;
         for (s, r) in sum.iter_mut().zip(rate) {
-            *s += h * r;
+            *s = fused(h, *r, *s);
         }
         sum
     }
@@ -170,6 +170,12 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> Evaluation<Self::Continuous>;
 
+    /// [`evaluate`](Self::evaluate) at one velocity: what depends on the velocity alone is computed here, and not again for each state.
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+        move |state, memory| self.evaluate(state, memory, velocity)
+    }
+
     /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds and lets the memory know
     /// where they arrived.
     fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64);
@@ -220,6 +226,15 @@ impl<M> FromParameters for M where M: FrictionModel + TryFrom<Self::Parameters, 
 #[inline]
 pub(crate) fn bounded(velocity: f64) -> f64 {
     if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
+}
+
+/// `a b + c`: with one rounding where the program is built for a processor that has an instruction for it, as C compilers do.
+#[inline]
+pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
+    #[cfg(all(feature = "std", target_feature = "fma"))]
+    return a.mul_add(b, c);
+    #[cfg(not(all(feature = "std", target_feature = "fma")))]
+    return a * b + c;
 }
 
 /// `sgn v` with `sgn 0 = 0`.

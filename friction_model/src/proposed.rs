@@ -202,16 +202,21 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn evaluate(&self, &[gamma, z]: &[f64; 2], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 2]> {
+    fn evaluate(&self, state: &[f64; 2], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 2]> {
+        self.at(velocity)(state, memory)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 2], &Hysteresis) -> Evaluation<[f64; 2]> {
         let p = &self.parameters;
-        let hysteresis = memory.peek(&self.virgin, z);
-        let contact = saturate(gamma, hysteresis + p.sigma * velocity);
-        Evaluation {
-            force: contact + p.f_v * velocity,
-            rates: [
-                (self.curve.level(velocity) - gamma) / p.tau,
-                (contact - hysteresis) * self.inverse_sigma,
-            ],
+        let g = self.curve.level(velocity);
+        move |&[gamma, z], memory| {
+            let hysteresis = memory.peek(&self.virgin, z);
+            let contact = saturate(gamma, hysteresis + p.sigma * velocity);
+            Evaluation {
+                force: contact + p.f_v * velocity,
+                rates: [(g - gamma) / p.tau, (contact - hysteresis) * self.inverse_sigma],
+            }
         }
     }
 
@@ -247,9 +252,8 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
         let contact = saturate(gamma, hysteresis + p.sigma * v);
         let slowest = (-gamma - hysteresis) * discrete.implicit_gain;
         let fastest = (gamma - hysteresis) * discrete.implicit_gain;
-        let z_next = saturate(self.parameters.z_b, z + discrete.dt * between(slowest, fastest, v));
-        state.memory.commit(&self.virgin, z_next);
-        state.continuous = [g + (gamma - g) * discrete.gamma_decay, z_next];
+        state.memory.commit(&self.virgin, z + discrete.dt * between(slowest, fastest, v));
+        state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
         contact + p.f_v * v
     }
 

@@ -14,13 +14,14 @@ pub fn step<M: FrictionModel>(
     [v0, v_mid, v1]: [f64; 3],
     dt: f64,
 ) -> f64 {
+    let (start, middle, end) = (model.at(v0), model.at(v_mid), model.at(v1));
     let x = state.continuous;
     let memory = &state.memory;
-    let k1 = model.evaluate(&x, memory, v0).rates;
-    let k2 = model.evaluate(&x.plus_scaled(&k1, 0.5 * dt), memory, v_mid).rates;
-    let k3 = model.evaluate(&x.plus_scaled(&k2, 0.5 * dt), memory, v_mid).rates;
-    let k4 = model.evaluate(&x.plus_scaled(&k3, dt), memory, v1).rates;
+    let k1 = start(&x, memory).rates;
+    let k2 = middle(&x.plus_scaled(&k1, 0.5 * dt), memory).rates;
+    let k3 = middle(&x.plus_scaled(&k2, 0.5 * dt), memory).rates;
+    let k4 = end(&x.plus_scaled(&k3, dt), memory).rates;
     state.continuous = sum(&x, [&k1, &k2, &k3, &k4], dt);
     model.commit(state, v1, dt);
-    model.evaluate(&state.continuous, &state.memory, v1).force
+    end(&state.continuous, &state.memory).force
 }

@@ -36,6 +36,12 @@ impl VirginCurve for Sine {
         self.end * (self.wave_number * z).sin()
     }
 
+    /// The factors meet first, while `z` is still awaited.
+    #[inline]
+    fn stretched(&self, stretch: f64, shrink: f64, z: f64) -> f64 {
+        (stretch * self.end) * ((shrink * self.wave_number) * z).sin()
+    }
+
     fn slope(&self, z: f64) -> f64 {
         // The sine ends flat: the cosine's rounding there is not a slope.
         if z.abs() >= self.z_b { 0.0 } else { self.stiffness() * (self.wave_number * z).cos() }
@@ -77,6 +83,11 @@ impl VirginCurve for Line {
     #[inline]
     fn force(&self, z: f64) -> f64 {
         self.slope * z
+    }
+
+    #[inline]
+    fn stretched(&self, stretch: f64, shrink: f64, z: f64) -> f64 {
+        (stretch * shrink * self.slope) * z
     }
 
     fn slope(&self, _: f64) -> f64 {

@@ -190,22 +190,24 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn evaluate(
-        &self,
-        &([gamma], z): &Self::Continuous,
-        (): &(),
-        velocity: f64,
-    ) -> Evaluation<Self::Continuous> {
-        let mut force = self.parameters.f_v * velocity;
-        let mut rates = [0.0; N];
-        for ((element, z), rate) in self.elements.iter().zip(z).zip(&mut rates) {
-            let elastic = element.k * z;
-            let contact = saturate(element.lambda * gamma, elastic + element.sigma * velocity);
-            force += contact;
-            *rate = (contact - elastic) * element.inverse_sigma;
+    fn evaluate(&self, state: &Self::Continuous, (): &(), velocity: f64) -> Evaluation<Self::Continuous> {
+        self.at(velocity)(state, &())
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &()) -> Evaluation<Self::Continuous> {
+        let g = self.curve.level(velocity);
+        move |&([gamma], z), ()| {
+            let mut force = self.parameters.f_v * velocity;
+            let mut rates = [0.0; N];
+            for ((element, z), rate) in self.elements.iter().zip(z).zip(&mut rates) {
+                let elastic = element.k * z;
+                let contact = saturate(element.lambda * gamma, elastic + element.sigma * velocity);
+                force += contact;
+                *rate = (contact - elastic) * element.inverse_sigma;
+            }
+            Evaluation { force, rates: ([(g - gamma) / self.parameters.tau], rates) }
         }
-        let gamma_rate = (self.curve.level(velocity) - gamma) / self.parameters.tau;
-        Evaluation { force, rates: ([gamma_rate], rates) }
     }
 
     #[inline]
