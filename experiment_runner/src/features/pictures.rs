@@ -5,6 +5,7 @@ use friction_model::AnyModel;
 
 use super::ModelFeatures;
 use crate::report::figure::{Figure, LineStyle, Panel, Trace};
+use crate::report::palette::COLOURS;
 
 /// Models without pre-sliding are drawn above, those with bristles below.
 fn panels(
@@ -16,7 +17,7 @@ fn panels(
         let traces: Vec<Trace> = models
             .iter()
             .filter(|model| model.has_bristles() == bristles)
-            .filter_map(|model| trace(model).map(|(x, y)| line(model.features.name.title(), x, y)))
+            .filter_map(|model| trace(model).map(|(x, y)| of_model(models, model, x, y)))
             .collect();
         Panel { y_label: format!("{title}: {y_label}"), traces }
     };
@@ -28,6 +29,13 @@ fn panels(
 
 fn line(name: &str, x: Vec<f64>, y: Vec<f64>) -> Trace {
     Trace::Line { name: name.to_owned(), x, y, style: LineStyle::Solid }
+}
+
+/// A line of one of many models: where the colours begin anew, the stroke changes.
+fn of_model(models: &[ModelFeatures], model: &ModelFeatures, x: Vec<f64>, y: Vec<f64>) -> Trace {
+    let place = models.iter().position(|other| other.features.name == model.features.name).unwrap_or(0);
+    let style = [LineStyle::Solid, LineStyle::Dashed, LineStyle::Dotted][place / COLOURS % 3];
+    Trace::Line { name: model.features.name.title().to_owned(), x, y, style }
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -56,7 +64,7 @@ pub(super) fn drift(models: &[ModelFeatures]) -> Figure {
             .to_owned(),
         x_label: "time [s]".to_owned(),
         log_x: false,
-        panels: panels(models, "position over swing [-]", |model| {
+        panels: panels(models, "swings [-]", |model| {
             let found = &model.features.non_drift;
             // A rigid contact has no swing: it stays at zero.
             let unit = if found.swing > 0.0 { 1.0 / found.swing } else { 0.0 };
@@ -75,7 +83,7 @@ pub(super) fn memory(models: &[ModelFeatures]) -> Figure {
                 let found = model.features.non_local_memory.as_ref()?;
                 let x = scaled(&found.course.displacement, 1.0 / found.amplitude);
                 let y = scaled(&found.course.friction, 1.0 / found.tips[0]);
-                Some(line(model.features.name.title(), x, y))
+                Some(of_model(models, model, x, y))
             })
             .collect(),
     };
@@ -123,7 +131,7 @@ pub(super) fn breakaway_rates(models: &[ModelFeatures]) -> Figure {
                 let x = found.iter().map(|b| b.rate).collect();
                 let lowest = found.first().and_then(of).unwrap_or(f64::NAN);
                 let y = found.iter().map(|b| 100.0 * (of(b).unwrap_or(f64::NAN) / lowest - 1.0)).collect();
-                line(model.features.name.title(), x, y)
+                of_model(models, model, x, y)
             })
             .collect(),
     };
@@ -157,7 +165,7 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Figure {
             let x = there.clone().chain(there.rev()).collect();
             let y =
                 above(&course.growing).into_iter().chain(above(&course.falling).into_iter().rev()).collect();
-            Some(line(model.features.name.title(), x, y))
+            Some(of_model(models, model, x, y))
         })
         .collect();
     Figure {
@@ -179,7 +187,7 @@ pub(super) fn lag_areas(models: &[ModelFeatures]) -> Figure {
         .map(|model| {
             let found = &model.features.test_bed_lag;
             let (x, y) = found.iter().map(|lag| (lag.frequency, 1e6 * lag.area)).unzip();
-            line(model.features.name.title(), x, y)
+            of_model(models, model, x, y)
         })
         .collect();
     Figure {
@@ -237,7 +245,7 @@ pub(super) fn describing(models: &[ModelFeatures]) -> Figure {
                 let scale = |k: usize| model.describing.amplitude[k];
                 // Times the amplitude: forces, which stay on one scale over the decades.
                 let y = of(model).iter().enumerate().map(|(k, n)| n * scale(k)).collect();
-                line(model.features.name.title(), model.describing.amplitude.clone(), y)
+                of_model(models, model, model.describing.amplitude.clone(), y)
             })
             .collect(),
     };

@@ -17,6 +17,10 @@ fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
 }
 
+fn micrometres(value: Option<f64>) -> String {
+    number(value.map(|value| 1e6 * value), 2)
+}
+
 fn scientific(value: Option<f64>) -> String {
     match value {
         None => "-".to_owned(),
@@ -251,8 +255,8 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
             let steady = &model.features.steady_state;
             vec![
                 model.features.name.title().to_owned(),
-                each(found, |z| scientific(z.displacement_to_zero)),
-                each(found, |z| scientific(z.displacement_to_sliding)),
+                each(found, |z| micrometres(z.displacement_to_zero)),
+                each(found, |z| micrometres(z.displacement_to_sliding)),
                 each(found, |z| z.steepest.map_or_else(|| "jump".to_owned(), |rate| format!("{rate:.1}"))),
                 scientific(Some(steady.error)),
                 scientific(Some(steady.fixed_step_error)),
@@ -267,8 +271,8 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
         ),
         columns: [
             "model",
-            "to zero force [m]",
-            "to sliding [m]",
+            "to zero force [um]",
+            "to sliding [um]",
             "steepest [N/s]",
             "steady error [N]",
             "with fixed steps [N]",
