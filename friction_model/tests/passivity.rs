@@ -7,8 +7,8 @@ mod arbitrary;
 
 use arbitrary::{config, model, model_of, velocities};
 use friction_model::{
-    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, Leuven,
-    LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, ParameterSet, Proposed, State,
+    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, GmsParameters,
+    Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, ParameterSet, Proposed, State,
     Stepper, TimeStep, rk4,
 };
 use proptest::prelude::*;
@@ -270,6 +270,44 @@ fn gms_gives_energy() {
     assert!(alternate(1.0) < -1e-4, "{} J", alternate(1.0));
     assert!(alternate(3.0) < -1e-2, "{} J with three times the damping", alternate(3.0));
     assert!(alternate(0.0) > 1e-3, "{} J without damping, forward only", alternate(0.0));
+}
+
+/// An element is brought to the edge of slip slowly, let go by a burst of speed, and creeps on: it is drawn up to the static level without travel.
+/// On the way back it gives what it was never given, `1/2 sigma0 (W_s^2 - W_c^2)`, and no viscous friction acts on motions this slow.
+#[test]
+fn gms_gives_energy_whatever_its_viscous_friction() {
+    let p = GmsParameters {
+        f_s: 1.5,
+        f_c: 1.0,
+        v_s: 0.01,
+        delta: 2.0,
+        alpha: [1.0].into(),
+        sigma0: [1000.0].into(),
+        sigma1: [0.0].into(),
+        c: [0.1].into(),
+        f_v: 100.0,
+    };
+    let model = Gms::<1>::try_from(p).unwrap();
+    let (mut state, mut work, mut x) = (model.rest(), 0.0, 0.0);
+    let slow = 1e-5;
+    let mut go = |v: f64, duration: f64, dt: f64| {
+        let steps = (duration / dt).round();
+        for _ in 0..steps as u32 {
+            let before = model.evaluate(&state.continuous, &state.memory, v).force;
+            let after = rk4::step(&model, &mut state, [v; 3], dt);
+            work += 0.5 * (before + after) * v * dt;
+            x += v * dt;
+        }
+        (work, x, state.continuous[0])
+    };
+    go(slow, 0.999e-3 / slow, 1e-2);
+    go(0.05, 1e-4, 1e-4);
+    let (_, there, z) = go(slow, 0.5, 1e-3);
+    assert!((z - 1.5e-3).abs() < 1e-9 && there < 1.02e-3, "drawn up to {z} m within a travel of {there} m");
+    // Back until the spring is slack: the state it began in.
+    let (work, _, _) = go(-slow, 1.5e-3 / slow, 1e-2);
+    let gain = 0.5 * 1000.0 * (1.5e-3f64.powi(2) - 1e-3f64.powi(2));
+    assert!((work + gain).abs() < 0.1 * gain, "{work} J");
 }
 
 #[test]
