@@ -10,6 +10,7 @@ pub mod identify;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod messages;
+pub mod models;
 pub mod output;
 pub mod progress;
 pub mod protocol;
@@ -17,6 +18,7 @@ pub mod recording;
 pub mod report;
 pub mod run;
 pub mod sequencer;
+pub mod simulate;
 pub mod test_bed;
 pub mod tracking;
 pub mod waveform;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, features, identify, run};
+use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, run, simulate};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -22,6 +22,8 @@ enum Command {
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
     Features(features::FeaturesArgs),
+    Models(models::ModelsArgs),
+    Simulate(simulate::SimulateArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
 }
@@ -31,6 +33,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
         Command::Features(args) => features::execute(&args),
+        Command::Models(args) => models::execute(&args),
+        Command::Simulate(args) => simulate::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
     };

@@ -2,15 +2,17 @@
 //!
 //! Two measures are in use, and they disagree about what the rate does:
 //!
-//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs. It falls with the rate: while the
-//!   contact breaks away the body gains speed, and friction is already on the falling part of the Stribeck curve;
-//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as well, and whether it rises or falls with
-//!   the rate depends on the Stribeck velocity.
+//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs. It falls with the
+//!   rate: while the contact breaks away the body gains speed, and friction is already on the falling part of the
+//!   Stribeck curve;
+//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as well, and whether
+//!   it rises or falls with the rate depends on the Stribeck velocity.
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};
 
 use crate::settle::with_step;
+use crate::thinned::Thinned;
 use crate::{Contact, Evidence, Figure, TimeScales};
 
 /// The load.
@@ -52,8 +54,8 @@ pub struct Breakaway {
     pub rate: f64,
     /// Largest friction up to the displacement `within` [N or N m].
     pub friction_max: f64,
-    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not fall by a
-    /// thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
+    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not
+    /// fall by a thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
     pub displacement: Option<f64>,
     /// Applied force when the velocity first exceeds the threshold [N or N m]; `None` if it never does.
     pub applied_at_threshold: Option<f64>,
@@ -63,7 +65,7 @@ pub struct Breakaway {
     pub evidence: Evidence,
 }
 
-/// A record of the run with a point for every 300th of the load or of the displacement.
+/// A record of the run with a point for every 300th of the load or of the displacement, thinned to at most 500.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakawayCourse {
     /// Applied force [N or N m].
@@ -84,11 +86,12 @@ pub fn breakaway(contact: &Contact, settings: &BreakawaySettings) -> Vec<Breakaw
 }
 
 fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales, rate: f64) -> Breakaway {
-    // The velocity that the whole excess of the load would give over the whole displacement: twice what it comes to. So the first
-    // step is short of the limit of stability, and the second is accurate.
-    let excess = (settings.limit - scales.lowest_level).max(0.0);
+    // The velocity that the whole excess of a load a fifth above breakaway would give over the whole displacement:
+    // twice what it comes to. So the first step is short of the limit of stability, and the second is accurate.
+    let load = settings.limit.min(1.2 * scales.highest_level);
+    let excess = (load - scales.lowest_level).max(0.0);
     let fastest = (0.5 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);
-    let first = scales.body(settings.inertia, fastest).min(1e-3 * settings.limit / rate);
+    let first = scales.body(settings.inertia, fastest).min(1e-3 * load.max(0.1 * settings.limit) / rate);
     let (mut result, evidence) = with_step(
         settings.step,
         first,
@@ -119,7 +122,12 @@ fn run(contact: &Contact, settings: &BreakawaySettings, rate: f64, step: f64) ->
     let mut peak = Peak::default();
     let mut applied_at_threshold = None;
     let mut before = (0.0, 0.0);
-    let mut record = Record { rows: Vec::new(), force: settings.limit / 300.0, way: settings.within / 300.0 };
+    let mut record = Record {
+        rows: Thinned::new(),
+        last: None,
+        force: settings.limit / 300.0,
+        way: settings.within / 300.0,
+    };
     for _ in 0..=steps {
         let at = *body.moment();
         let (load, near) = (applied(&at), at.position < settings.within);
@@ -139,13 +147,7 @@ fn run(contact: &Contact, settings: &BreakawaySettings, rate: f64, step: f64) ->
         before = (at.velocity, load);
         body.advance(step, &|at| Drive { force: applied(at), rates: [0.0] });
     }
-    let [mut applied, mut displacement, mut velocity, mut friction] = [const { Vec::new() }; 4];
-    for [a, x, v, f] in record.rows {
-        applied.push(a);
-        displacement.push(x);
-        velocity.push(v);
-        friction.push(f);
-    }
+    let [applied, displacement, velocity, friction] = record.rows.columns();
     Breakaway {
         rate,
         friction_max: peak.friction,
@@ -187,18 +189,20 @@ impl Peak {
 
 /// Rows that differ enough from the last one to be seen.
 struct Record {
-    rows: Vec<[f64; 4]>,
+    rows: Thinned<4>,
+    last: Option<[f64; 4]>,
     force: f64,
     way: f64,
 }
 
 impl Record {
     fn take(&mut self, row: [f64; 4]) {
-        let seen = self.rows.last().is_none_or(|last| {
+        let seen = self.last.is_none_or(|last| {
             (row[1] - last[1]).abs() >= self.way || (row[3] - last[3]).abs() >= self.force
         });
         if seen {
-            self.rows.push(row);
+            self.rows.offer(row);
+            self.last = Some(row);
         }
     }
 }

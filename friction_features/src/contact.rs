@@ -42,8 +42,8 @@ impl Contact {
         self.erased.viscous(velocity)
     }
 
-    /// How a model discontinuous at zero velocity holds there while the applied force changes at `force_rate` [N/s or N m/s];
-    /// `None` for models that describe pre-sliding themselves, see [`FrictionModel::holding`].
+    /// How a model discontinuous at zero velocity holds there while the applied force changes at `force_rate` [N/s
+    /// or N m/s]; `None` for models that describe pre-sliding themselves, see [`FrictionModel::holding`].
     #[must_use]
     pub fn holding(&self, force_rate: f64) -> Option<Holding> {
         self.erased.holding(force_rate)

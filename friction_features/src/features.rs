@@ -18,7 +18,8 @@ pub struct FeatureSettings {
     pub stick_slip: StickSlipSettings,
     /// Drift.
     pub non_drift: NonDriftSettings,
-    /// Memory; the amplitudes of [`NonLocalMemorySettings::chapter_3`] if left out and the model has the parameters of chapter 3.
+    /// Memory; the amplitudes of [`NonLocalMemorySettings::chapter_3`] if left out and the model has the parameters
+    /// of chapter 3.
     pub non_local_memory: Option<NonLocalMemorySettings>,
     /// Breakaway.
     pub breakaway: BreakawaySettings,
@@ -34,8 +35,8 @@ pub struct FeatureSettings {
     pub sensitivity: SensitivitySettings,
 }
 
-/// Everything that tells one model from the others. All with one set of parameters, for the thesis's comparison those of chapter 3, but for the
-/// frictional lag, which is also measured with a second one, those of the test bed.
+/// Everything that tells one model from the others. All with one set of parameters, for the thesis's comparison
+/// those of chapter 3, but for the frictional lag, which is also measured with a second one, those of the test bed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Features {
     /// The model.
@@ -60,8 +61,8 @@ pub struct Features {
     pub sensitivity: Sensitivity,
 }
 
-/// All features of the model `chapter_3`, with those of the test bed from `test_bed`. Takes up to some seconds for stiff models; to show progress, call
-/// the experiments one by one.
+/// All features of the model `chapter_3`, with those of the test bed from `test_bed`. Takes up to some seconds for
+/// stiff models; to show progress, call the experiments one by one.
 #[must_use]
 pub fn features(chapter_3: &AnyModel, test_bed: &AnyModel, settings: &FeatureSettings) -> Features {
     let contact = Contact::new(chapter_3);
@@ -128,6 +129,7 @@ impl Features {
                     ("amplitude", Some(memory.amplitude)),
                     ("loop_height", Some(memory.loop_height)),
                     ("loop_work", Some(memory.loop_work)),
+                    ("loop_opening", Some(memory.loop_opening)),
                     ("closure_gap", Some(memory.closure_gap)),
                     ("wiping_out_error", Some(memory.wiping_out_error)),
                     ("congruency_error", Some(memory.congruency_error)),

@@ -1,12 +1,13 @@
 //! Frictional lag: friction at changing speed follows the Stribeck curve late, so that force against velocity is a loop
 //! (thesis section 4.6.4; Hess and Soom 1990).
 //!
-//! The velocity is `v = mean - amplitude cos(w t)`, always forward. The area of the loop is `int F dv` over a period: positive when
-//! friction is higher while the speed grows than while it falls, as measured contacts show it. The viscous term contributes nothing.
-//! A loop that crosses itself is wide in one direction at low and in the other at high speed.
+//! The velocity is `v = mean - amplitude cos(w t)`, always forward. The area of the loop is `int F dv` over a
+//! period: positive when friction is higher while the speed grows than while it falls, as measured contacts show it.
+//! The viscous term contributes nothing. A loop that crosses itself is wide in one direction at low and in the other
+//! at high speed.
 //!
-//! For a level that relaxes with the time constant `tau` (Xiong, the proposed model) the answer is exact: with `g_1` the first
-//! cosine coefficient of `g(v(t))` the area is `pi amplitude g_1 w tau / (1 + (w tau)^2)`.
+//! For a level that relaxes with the time constant `tau` (Xiong, the proposed model) the answer is exact: with `g_1`
+//! the first cosine coefficient of `g(v(t))` the area is `pi amplitude g_1 w tau / (1 + (w tau)^2)`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -55,7 +56,8 @@ pub struct FrictionalLag {
     pub area: f64,
     /// Largest excess of the friction while the speed grows over that at the same speed while it falls [N or N m].
     pub widest: f64,
-    /// Smallest such excess [N or N m]: negative where the loop runs backwards; of another sign than `widest` if it crosses itself.
+    /// Smallest such excess [N or N m]: negative where the loop runs backwards; of another sign than `widest` if it
+    /// crosses itself.
     pub narrowest: f64,
     /// The last period.
     pub course: FrictionalLagCourse,
@@ -111,7 +113,8 @@ fn run(contact: &Contact, settings: &FrictionalLagSettings, omega: f64, step: f6
     let half = (PI / omega / step).ceil() as usize;
     let steps = 2 * half;
     let dt = TAU / omega / steps as f64;
-    // Velocity after `k` half steps. Taken from the first half period for both, so that the two branches meet the same numbers.
+    // Velocity after `k` half steps. Taken from the first half period for both, so that the two branches meet the
+    // same numbers.
     let velocity = |k: usize| {
         let phase = PI * (k.min(2 * steps - k)) as f64 / steps as f64;
         settings.mean - settings.amplitude * phase.cos()

@@ -1,12 +1,15 @@
-//! Drift: whether a body that rests under a load creeps away when the load oscillates below breakaway (thesis section 3.6.1,
-//! figure 3.27).
+//! Drift: whether a body that rests under a load creeps away when the load oscillates below breakaway (thesis
+//! section 3.6.1, figure 3.27).
 //!
-//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there; then it oscillates
-//! in triangles about its mean. Real contacts deflect and come back. A model whose bristles always yield a little, LuGre's, moves on
-//! with every cycle.
+//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there;
+//! then it oscillates in triangles about its mean. Real contacts deflect and come back. A model whose bristles
+//! always yield a little, LuGre's, moves on with every cycle.
 //!
-//! Bristles without damping (Dahl) let the body ring on them for the whole run, excited by every corner of the triangles. Its position at the end of a cycle then
-//! depends on the phase of that ringing, and the drift does not settle however small the step; the evidence says so.
+//! Bristles without damping (Dahl, Armstrong-Helouvry) let the body ring on them for the whole run, excited by every
+//! corner of the triangles. Its position at the end of a cycle then depends on the phase of that ringing. The drift per
+//! cycle is therefore taken between weighted means, in which the ringing all but vanishes.
+
+use std::f64::consts::PI;
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};
@@ -35,7 +38,7 @@ pub struct NonDriftSettings {
     pub amplitude: f64,
     /// Their period [s].
     pub period: f64,
-    /// Their number, at least 11.
+    /// Their number; 15 if it is less.
     pub cycles: u32,
     /// Integration step [s]; found by step halving if left out.
     pub step: Option<f64>,
@@ -60,7 +63,7 @@ impl Default for NonDriftSettings {
 }
 
 impl NonDriftSettings {
-    /// The applied force at `time` [N or N m]. Each triangle goes down first: the unloading goes on.
+    /// The applied force at `time` [N or N m]. Each triangle goes up first.
     #[must_use]
     pub fn force(&self, time: f64) -> f64 {
         if time <= self.ramp {
@@ -71,7 +74,7 @@ impl NonDriftSettings {
             self.hold
         } else {
             let phase = ((time - self.start) / self.period).fract();
-            // 0 -> -1 -> 1 -> 0 over a period.
+            // 0 -> 1 -> -1 -> 0 over a period.
             let triangle = 1.0 - (4.0 * (phase + 0.25).fract() - 2.0).abs();
             self.hold + self.amplitude * triangle
         }
@@ -81,10 +84,11 @@ impl NonDriftSettings {
 /// Drift of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonDrift {
-    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped bristles creep for the first cycles until
-    /// they have reached their closed loop: that is no drift.
+    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped bristles creep for the
+    /// first cycles until they have reached their closed loop, undamped ones ring: neither is drift.
     pub drift: f64,
-    /// Mean displacement per cycle over the last ten cycles [m or rad].
+    /// Mean displacement per cycle near the end [m or rad]: between the mean positions of the last five cycles and of the
+    /// five that end ten cycles earlier, each weighted with half a squared sine.
     pub drift_per_cycle: f64,
     /// Range of the position in the last cycle [m or rad]: what the contact gives way and takes back.
     pub swing: f64,
@@ -107,8 +111,33 @@ pub struct NonDriftCourse {
     pub position: Vec<f64>,
 }
 
-/// Cycles over which the drift per cycle is taken.
-const LAST: usize = 10;
+/// Cycles between the two means of the drift per cycle.
+const APART: u32 = 10;
+
+/// Cycles in each of them.
+const AVERAGED: u32 = 5;
+
+/// A mean over a window, weighted with a squared sine that is zero at both ends (Hann's window).
+#[derive(Default)]
+struct Mean {
+    weighted: f64,
+    weights: f64,
+}
+
+impl Mean {
+    /// Takes the position at `phase` of the window, from 0 to 1; not outside.
+    fn take(&mut self, phase: f64, position: f64) {
+        if (0.0..=1.0).contains(&phase) {
+            let weight = (PI * phase).sin().powi(2);
+            self.weighted += weight * position;
+            self.weights += weight;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        self.weighted / self.weights
+    }
+}
 
 /// Loads a body on `contact` and shakes it.
 #[must_use]
@@ -156,13 +185,18 @@ fn run(contact: &Contact, settings: &NonDriftSettings, step: f64) -> NonDrift {
     course.offer([0.0, settings.hold, 0.0]);
     let mut cycle_ends = Vec::new();
     let mut swing = 0.0;
-    for _ in 0..settings.cycles {
+    let cycles = settings.cycles.max(APART + AVERAGED);
+    let (mut earlier, mut latest) = (Mean::default(), Mean::default());
+    for _ in 0..cycles {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut end = 0.0;
         for _ in 0..4 {
             let at = go(0.25 * period, &mut |at| {
                 let position = at.position - origin.position;
                 (low, high) = (low.min(position), high.max(position));
+                let to_go = f64::from(cycles) - (at.time - origin.time) / period;
+                latest.take(1.0 - to_go / f64::from(AVERAGED), position);
+                earlier.take(1.0 - (to_go - f64::from(APART)) / f64::from(AVERAGED), position);
                 course.offer([at.time - origin.time, settings.force(at.time), position]);
             });
             end = at.position - origin.position;
@@ -172,11 +206,10 @@ fn run(contact: &Contact, settings: &NonDriftSettings, step: f64) -> NonDrift {
     }
     let last = cycle_ends.last().copied().unwrap_or(0.0);
     let first = cycle_ends.first().copied().unwrap_or(0.0);
-    let tenth_last = cycle_ends.len().checked_sub(LAST + 1).map_or(first, |index| cycle_ends[index]);
     let [time, force, position] = course.columns();
     NonDrift {
         drift: last - first,
-        drift_per_cycle: (last - tenth_last) / LAST as f64,
+        drift_per_cycle: (latest.value() - earlier.value()) / f64::from(APART),
         swing,
         cycle_ends,
         course: NonDriftCourse { time, force, position },

@@ -7,12 +7,15 @@
 //! 1, -.5, .5, -.1, .5, .8     times the amplitude
 //! ```
 //!
-//! so that `.5 -> -.1 -> .5` is an inner loop. The speed must be the same everywhere: a change of the damping force would look like a gap.
+//! so that `.5 -> -.1 -> .5` is an inner loop. The speed must be the same everywhere: a change of the damping force
+//! would look like a gap.
 //!
-//! * Closure gap: force at the second arrival at .5 minus that at the first, over the height of the loop (force at .5 minus force at -.1).
+//! * Closure gap: force at the second arrival at .5 minus that at the first, over the height of the loop (force at
+//!   .5 minus force at -.1).
 //! * Wiping-out error: force at .8 minus the force there when the inner loop is left out (`1, -.5, .8`).
-//! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling one; the two rising
-//!   legs may differ by a constant alone. The error is what else they differ by, over the height of a leg.
+//! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling
+//!   one; the two rising legs may differ by a constant alone. The error is what else they differ by, over the height
+//!   of a leg.
 
 use friction_model::ModelName;
 use serde::{Deserialize, Serialize};
@@ -31,7 +34,8 @@ pub struct NonLocalMemorySettings {
     pub level: f64,
     /// Time for a displacement of A_1 [s].
     pub duration: f64,
-    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided into equal steps of at most this size.
+    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided into equal steps of
+    /// at most this size.
     pub step: Option<f64>,
 }
 
@@ -51,7 +55,8 @@ impl NonLocalMemorySettings {
 }
 
 impl Default for NonLocalMemorySettings {
-    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic contact is no longer elastic.
+    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic
+    /// contact is no longer elastic.
     fn default() -> Self {
         Self { amplitude: None, level: 0.95, duration: 10.0, step: None }
     }
@@ -66,8 +71,11 @@ pub struct NonLocalMemory {
     pub tips: [f64; 6],
     /// Force at the first arrival at .5 minus force at -.1 [N or N m].
     pub loop_height: f64,
-    /// Work that the inner loop takes up, `.5 -> -.1 -> .5` [J]. Zero if the contact is elastic there: then neither a gap nor an error can show.
+    /// Work that the inner loop takes up, `.5 -> -.1 -> .5` [J].
     pub loop_work: f64,
+    /// How much the two legs of the inner loop differ by more than a constant, over its height. Zero if the contact
+    /// is elastic there, apart from its damping: then neither a gap nor an error can show, and their absence says nothing.
+    pub loop_opening: f64,
     /// Closure gap over the height of the loop.
     pub closure_gap: f64,
     /// Wiping-out error [N or N m].
@@ -153,14 +161,15 @@ fn reach(contact: &Contact, scales: &TimeScales, settings: &NonLocalMemorySettin
 fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalMemory {
     let pace = Pace::new(amplitude, duration, step);
     let mut course = Thinned::new();
-    course.offer([0.0, 0.0]);
     let mut tips = [0.0; 6];
     let mut loop_work = 0.0;
+    let (mut down, mut up) = (Vec::new(), Vec::new());
     let mut before = (0.0, 0.0);
     pace.along(contact, &WITH_LOOP, &mut |leg, displacement, force| {
         tips[leg] = force;
         if leg == 3 || leg == 4 {
             loop_work += 0.5 * (force + before.1) * (displacement - before.0);
+            if leg == 3 { &mut down } else { &mut up }.push(force);
         }
         before = (displacement, force);
         course.offer([displacement, force]);
@@ -175,8 +184,12 @@ fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalM
     });
     let [_, _, at_first, at_turn, at_second, at_end] = tips;
     let loop_height = at_first - at_turn;
+    let spread = |distances: &mut dyn Iterator<Item = f64>| {
+        let (low, high) =
+            distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
+        high - low
+    };
     let distances = || rising.iter().zip(&falling).map(|(a, b)| b - a);
-    let (low, high) = distances().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
     let leg_height = rising.last().zip(rising.first()).map_or(f64::NAN, |(last, first)| last - first);
     let [displacement, friction] = course.columns();
     NonLocalMemory {
@@ -184,9 +197,10 @@ fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalM
         tips,
         loop_height,
         loop_work,
+        loop_opening: spread(&mut up.iter().rev().zip(&down).map(|(u, d)| u - d)) / loop_height,
         closure_gap: (at_second - at_first) / loop_height,
         wiping_out_error: at_end - without,
-        congruency_error: (high - low) / leg_height,
+        congruency_error: spread(&mut distances()) / leg_height,
         congruency_distance: distances().sum::<f64>() / rising.len() as f64,
         course: NonLocalMemoryCourse { displacement, friction },
         evidence: Evidence { step, change: None },
@@ -214,15 +228,16 @@ impl Pace {
         }
     }
 
-    /// Calls `each` with the number of the leg, the displacement and the force after every step.
+    /// Calls `each` with the number of the leg, the displacement and the force, at the start of each leg and after
+    /// every step.
     fn along(&self, contact: &Contact, turns: &[i32], each: &mut dyn FnMut(usize, f64, f64)) {
         let mut motion = contact.prescribed();
         let mut here = 0;
         for (leg, &turn) in turns.iter().enumerate() {
             let velocity = self.speed * f64::from((turn - here).signum());
             let steps = self.steps * turn.abs_diff(here);
-            for k in 1..=steps {
-                let force = motion.step([velocity; 3], self.dt);
+            for k in 0..=steps {
+                let force = if k == 0 { motion.force(velocity) } else { motion.step([velocity; 3], self.dt) };
                 let travel = f64::from(turn - here) * f64::from(k) / f64::from(steps);
                 each(leg, self.tenth * (f64::from(here) + travel), force);
             }

@@ -1,10 +1,12 @@
 //! Sensitivity: how much breakaway and frictional lag change when a parameter is halved or doubled (thesis section 3.5.3).
 //!
-//! The measure is the elasticity `d ln y / d ln p`, taken between half and twice the value: 1 means that the answer grows in proportion to the
-//! parameter, 0 that it does not depend on it. One number for a model is the root mean square of its elasticities.
+//! The measure is the elasticity `d ln y / d ln p`, taken between half and twice the value: 1 means that the answer
+//! grows in proportion to the parameter, 0 that it does not depend on it. One number for a model is the root mean
+//! square of its elasticities.
 //!
-//! The shares of elements (`alpha` of GMS, `lambda` of Xiong) sum to one in a valid model, so they cannot be scaled by themselves. Scaling them
-//! all by `k` would do the same as scaling `f_s` and `f_c` by `k`, since they only ever multiply the sliding level: that is done instead.
+//! The shares of elements (`alpha` of GMS, `lambda` of Xiong) sum to one in a valid model, so they cannot be scaled
+//! by themselves. Scaling them all by `k` would do the same as scaling `f_s` and `f_c` by `k`, since they only ever
+//! multiply the sliding level: that is done instead.
 
 use friction_model::{AnyModel, ModelError};
 use serde::{Deserialize, Serialize};
@@ -17,21 +19,22 @@ use crate::{BreakawaySettings, Contact, FrictionalLagSettings, TimeScales, break
 pub struct SensitivitySettings {
     /// Factors on each parameter, below and above 1.
     pub factors: [f64; 2],
-    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if need be, to `reach` times the model's static level.
+    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if need be, by `reach`.
     pub breakaway: BreakawaySettings,
-    /// The ramp reaches at least this multiple of the static level, so that contacts with a higher one break away too.
+    /// The ramp reaches at least this multiple of the sliding level, so that contacts with a higher static one break
+    /// away too.
     pub reach: f64,
     /// How the lag is measured; the first of its frequencies counts.
     pub lag: FrictionalLagSettings,
 }
 
 impl Default for SensitivitySettings {
-    /// Half and twice; breakaway at .1 N/s, at least to 1.2 times the static level; lag at .02 (1 - .95 cos 2t) m/s.
+    /// Half and twice; breakaway at .1 N/s, at least to four times the static level; lag at .02 (1 - .95 cos 2t) m/s.
     fn default() -> Self {
         Self {
             factors: [0.5, 2.0],
             breakaway: BreakawaySettings { rates: vec![0.1], ..BreakawaySettings::default() },
-            reach: 1.2,
+            reach: 4.0,
             lag: FrictionalLagSettings::chapter_3(),
         }
     }
@@ -55,7 +58,8 @@ pub struct Elasticities {
     pub breakaway_force: Option<f64>,
     /// Of the breakaway displacement; `None` if the model has none, or none that is above zero.
     pub breakaway_displacement: Option<f64>,
-    /// Of the area of the loop of frictional lag; `None` if the model has no lag, or if the loop changes its sense in between.
+    /// Of the area of the loop of frictional lag; `None` if the model has no lag, or if the loop changes its sense
+    /// in between.
     pub lag_area: Option<f64>,
 }
 
@@ -64,7 +68,8 @@ pub struct Elasticities {
 pub struct ParameterSensitivity {
     /// Name of the parameter.
     pub parameter: String,
-    /// With the parameter at its lower and its higher value; `None` where that is no valid model, for instance with `f_s` below `f_c`.
+    /// With the parameter at its lower and its higher value; `None` where that is no valid model, for instance with
+    /// `f_s` below `f_c`.
     pub responses: [Option<Response>; 2],
     /// Elasticities, where both values are valid.
     pub elasticities: Option<Elasticities>,
@@ -79,10 +84,10 @@ pub struct ParameterSensitivity {
 pub struct Sensitivity {
     /// The model as it is.
     pub nominal: Response,
-    /// Each parameter that is not zero.
+    /// Each parameter that is not zero; but no seed of random numbers, of which there is no half.
     pub parameters: Vec<ParameterSensitivity>,
-    /// Root mean square of the elasticities that exist with respect to the parameters that count: all but the levels `f_s` and `f_c`, the exponent
-    /// `delta` and the viscous `f_v`, which most models share. `None` if there is none.
+    /// Root mean square of the elasticities that exist with respect to the parameters that count: all but the levels
+    /// `f_s` and `f_c`, the exponent `delta` and the viscous `f_v`, which most models share. `None` if there is none.
     pub rms_elasticity: Option<f64>,
 }
 
@@ -99,7 +104,7 @@ pub fn sensitivity(model: &AnyModel, settings: &SensitivitySettings) -> Sensitiv
         .filter(|row| {
             let mut acts = false;
             model.parameters().each(row.name, &mut |value| acts |= value != 0.0);
-            acts
+            acts && row.name != "seed"
         })
         .map(|row| of_parameter(model, row.name, settings))
         .collect();

@@ -25,7 +25,8 @@ impl Evidence {
 pub struct Figure {
     /// The number.
     pub value: f64,
-    /// Changes are relative to the number or to this, whichever is larger: what would be small for a figure that may be zero.
+    /// Changes are relative to the number or to this, whichever is larger: what would be small for a figure that may
+    /// be zero.
     pub scale: f64,
 }
 
@@ -61,10 +62,11 @@ impl Default for Settling {
     }
 }
 
-/// Runs an experiment with the step `first` [s], then with halves of it until `figures` hold; the last result, and the evidence.
+/// Runs an experiment with the step `first` [s], then with halves of it until `figures` hold; the last result, and
+/// the evidence.
 ///
-/// Gives up early, after the third halving, if that still changed a figure by more than a hundred times the tolerance: such a figure depends on every
-/// step and will not settle.
+/// Gives up early, after the third halving, if that still changed a figure by more than a hundred times the
+/// tolerance: such a figure depends on every step and will not settle.
 pub fn settle<T>(
     settling: Settling,
     first: f64,
@@ -90,14 +92,14 @@ pub fn settle<T>(
     (result, Evidence { step, change })
 }
 
-/// With the step that is given, or with the one that [`settle`] finds from `first`.
+/// With the step that is given, if it is above zero, or else with the one that [`settle`] finds from `first`.
 pub(crate) fn with_step<T>(
     given: Option<f64>,
     first: f64,
     mut run: impl FnMut(f64) -> T,
     figures: impl Fn(&T) -> Vec<Figure>,
 ) -> (T, Evidence) {
-    match given {
+    match given.filter(|&step| step > 0.0) {
         Some(step) => (run(step), Evidence { step, change: None }),
         None => settle(Settling::default(), first, run, figures),
     }

@@ -1,7 +1,7 @@
 //! Steady sliding: whether a model settles at the force that it promises for constant velocity, in both of its forms.
 //!
-//! For models with a Stribeck curve that is `F = sgn(v) g(v) + f_v v`. The derivative form and the fixed-step form must reach
-//! the same force; a difference would be a bias in every observer that uses the model.
+//! For models with a Stribeck curve that is `F = sgn(v) g(v) + f_v v`. The derivative form and the fixed-step form
+//! must reach the same force; a difference would be a bias in every observer that uses the model.
 
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
@@ -23,8 +23,8 @@ pub struct SteadyStateSettings {
 }
 
 impl Default for SteadyStateSettings {
-    /// From 1 mm/s to .5 m/s over .1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the softest element of GMS begins to slide
-    /// after 14 mm, and Leuven's bristles have settled to 1e-9 after 80 mm.
+    /// From 1 mm/s to .5 m/s over .1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the softest element of
+    /// GMS begins to slide after 14 mm, and Leuven's bristles have settled to 1e-9 after 80 mm.
     fn default() -> Self {
         let speeds = vec![0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5];
         Self { speeds, distance: 0.1, time: 3.0, period: 1e-3 }

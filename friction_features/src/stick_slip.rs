@@ -4,9 +4,9 @@
 //! m x'' = K (v0 t - x) - F
 //! ```
 //!
-//! While the mass sticks the spring is stretched; at breakaway friction falls to its kinetic level and the mass jumps ahead until
-//! the spring is slack enough for it to stick again. Between two levels `F_s > F_c` without memory (`v_s -> 0`) the cycle is known in
-//! closed form, with `a = (F_s - F_c) / K` and `w = sqrt(K / m)`:
+//! While the mass sticks the spring is stretched; at breakaway friction falls to its kinetic level and the mass
+//! jumps ahead until the spring is slack enough for it to stick again. Between two levels `F_s > F_c` without memory
+//! (`v_s -> 0`) the cycle is known in closed form, with `a = (F_s - F_c) / K` and `w = sqrt(K / m)`:
 //!
 //! ```text
 //! t_slip = (2 pi - 2 atan(a w / v0)) / w,   t_stick = 2 (F_s - F_c) / (K v0),   v_peak = v0 + sqrt(a^2 w^2 + v0^2)
@@ -63,8 +63,8 @@ pub struct StickSlip {
     pub motion: Motion,
     /// Mean time between two jumps [s]; `None` if there are not two.
     pub period: Option<f64>,
-    /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic vibration that just comes to rest
-    /// has .144.
+    /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic vibration that
+    /// just comes to rest has .144.
     pub share_of_rest: Option<f64>,
     /// Largest force of the spring [N or N m].
     pub spring_max: f64,
@@ -104,11 +104,13 @@ const STICKING: f64 = 0.2;
 pub fn stick_slip(contact: &Contact, settings: &StickSlipSettings) -> StickSlip {
     let StickSlipSettings { inertia, stiffness, speed, duration, .. } = *settings;
     let scales = TimeScales::of(contact);
-    // The peak velocity of the closed form, and the rig's own oscillation at 2 pi / 500 of a radian.
+    // The peak velocity of the closed form, and a fraction of the rig's own oscillation; a small one where sticking
+    // is an event at the end of a step.
     let omega = (stiffness / inertia).sqrt();
     let a = (scales.highest_level - scales.lowest_level) / stiffness;
     let fastest = speed + (a * omega).hypot(speed);
-    let first = scales.body(inertia, fastest).min(0.0125 / omega).min(duration);
+    let fraction = if contact.holding(0.0).is_some() { 2.5e-4 } else { 1.25e-2 };
+    let first = scales.body(inertia, fastest).min(fraction / omega).min(duration);
     let force = |at: &Moment<1>| stiffness * (speed * at.time - at.position);
     let (mut result, evidence) = with_step(
         settings.step,

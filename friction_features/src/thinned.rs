@@ -3,8 +3,8 @@
 /// Most rows that are kept.
 const CAPACITY: usize = 500;
 
-/// Keeps every n-th row of a run whose length need not be known: when full, every second row goes and n doubles. So between half
-/// of the capacity and all of it are left, evenly spaced, with the first row among them.
+/// Keeps every n-th row of a run whose length need not be known: when full, every second row goes and n doubles. So
+/// between half of the capacity and all of it are left, evenly spaced, with the first row among them.
 #[derive(Debug, Clone)]
 pub(crate) struct Thinned<const COLUMNS: usize> {
     rows: Vec<[f64; COLUMNS]>,

@@ -1,9 +1,10 @@
 //! Reversal: what friction does while the velocity passes through zero (thesis section 3.6.2, figure 3.36a).
 //!
-//! The contact slides backward steadily, then the velocity rises at constant acceleration to the same speed forward. Static models change sign
-//! at once. Contacts with bristles unload and load them first. Without damping the force follows the displacement alone, so the way from the turn to
-//! forward sliding is the same at every acceleration (Dahl: `F_c ln 2 / sigma0` to zero force). Damped bristles carry `sigma v` besides, which establishes the
-//! forward force the earlier the faster the reversal, and may overshoot it.
+//! The contact slides backward steadily, then the velocity rises at constant acceleration to the same speed forward.
+//! Static models change sign at once. Contacts with bristles unload and load them first. Without damping the force
+//! follows the displacement alone, so the way from the turn to forward sliding is the same at every acceleration
+//! (Dahl: `F_c ln 2 / sigma0` to zero force). Damped bristles carry `sigma v` besides, which establishes the forward
+//! force the earlier the faster the reversal, and may overshoot it.
 
 use serde::{Deserialize, Serialize};
 
@@ -41,16 +42,18 @@ pub struct ZeroCrossing {
     pub acceleration: f64,
     /// Friction at the instant at which the velocity is zero [N or N m]: what the bristles still hold.
     pub friction_at_turn: f64,
-    /// Displacement from the turn to where friction is zero [m or rad]; negative if that is before the turn, `None` if it never is.
+    /// Displacement from the turn to where friction is zero [m or rad]; negative if that is before the turn, `None`
+    /// if it never is.
     pub displacement_to_zero: Option<f64>,
-    /// Displacement from the turn to where friction without its viscous part reaches the level of forward sliding [m or rad]; `None` if it
-    /// never does, or if the model has no such level.
+    /// Displacement from the turn to where friction without its viscous part reaches the level of forward sliding [m
+    /// or rad]; `None` if it never does, or if the model has no such level.
     pub displacement_to_sliding: Option<f64>,
     /// Time from the turn to there [s].
     pub time_to_sliding: Option<f64>,
     /// Largest friction after the turn [N or N m].
     pub friction_max: f64,
-    /// Largest rate of change of the friction in the whole run [N/s or N m/s]; `None` if it grows without bound as the step shrinks: a jump.
+    /// Largest rate of change of the friction in the whole run [N/s or N m/s]; `None` if it grows without bound as
+    /// the step shrinks: a jump.
     pub steepest: Option<f64>,
     /// From the start of the ramp on.
     pub course: ZeroCrossingCourse,

@@ -1,6 +1,7 @@
 //! The project's own commands: `cargo xtask COMMAND`.
 
 mod bench;
+mod docs;
 mod python_env;
 mod test;
 
@@ -12,6 +13,8 @@ use clap::Parser;
 enum Task {
     /// Nanoseconds a control step of the friction models, in Rust and in plain C.
     Bench(bench::Bench),
+    /// The pages of the friction models under docs/models, from their sources and tested figures.
+    Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv,
     /// Every test of the project, with what they need made ready first.
@@ -21,6 +24,7 @@ enum Task {
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
+        Task::Docs(docs) => docs.run(),
         Task::PythonEnv => python_env::run(),
         Task::Test(test) => test.run(),
     }

@@ -9,12 +9,12 @@ use anyhow::{Context, ensure};
 use crate::python_env;
 
 /// Random cases a property test runs through: in the short tier, and in the full one.
-const CASES: [(&str, &str); 2] = [("short", "500"), ("full", "50000")];
+const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 
 /// Arguments of `cargo xtask test`.
 #[derive(Debug, clap::Args)]
 pub struct Test {
-    /// Long tiers whole: a hundred times the random cases, the whole protocol of `frictionlab run`
+    /// Long tiers whole: 25 times the random cases, the whole protocol of `frictionlab run`
     #[arg(long)]
     full: bool,
 }

@@ -63,7 +63,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let Some(results) = outcome? else {
         return Err(Interrupted("stopped before the end; nothing was written".to_owned()).into());
     };
-    let json = serde_json::to_string_pretty(&results).context("cannot describe the results")?;
+    let json = serde_json::to_string(&results).context("cannot describe the results")?;
     write_all(&folder, &[("report.html", render_page(&page(&results))), ("features.json", json)])
         .map_err(|error| BadInput(format!("{error}; --out DIR names another folder")))?;
     if !args.quiet {

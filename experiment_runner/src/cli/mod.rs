@@ -4,7 +4,9 @@ pub mod features;
 pub mod identify;
 #[cfg(feature = "ros")]
 pub mod live;
+pub mod models;
 pub mod run;
+pub mod simulate;
 
 /// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
 /// mend it; the program ends with exit code 2.
@@ -20,4 +22,15 @@ pub struct Interrupted(pub String);
 /// A model's name on the command line.
 fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
     text.parse().map_err(|e: friction_model::ModelError| e.to_string())
+}
+
+/// Prints a text. Whoever reads may have seen enough (`| head`): that is no error.
+fn print(text: &str) -> anyhow::Result<()> {
+    use std::io::Write;
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(anyhow::Error::new(error).context("the text cannot be printed"))
+        }
+        _ => Ok(()),
+    }
 }

@@ -1,9 +1,11 @@
 //! One picture a feature, all models in it.
 
 use friction_features::limit_cycle::LimitCycleStudy;
+use friction_model::AnyModel;
 
 use super::ModelFeatures;
 use crate::report::figure::{Figure, LineStyle, Panel, Trace};
+use crate::report::palette::COLOURS;
 
 /// Models without pre-sliding are drawn above, those with bristles below.
 fn panels(
@@ -15,7 +17,7 @@ fn panels(
         let traces: Vec<Trace> = models
             .iter()
             .filter(|model| model.has_bristles() == bristles)
-            .filter_map(|model| trace(model).map(|(x, y)| line(model.features.name.title(), x, y)))
+            .filter_map(|model| trace(model).map(|(x, y)| of_model(models, model, x, y)))
             .collect();
         Panel { y_label: format!("{title}: {y_label}"), traces }
     };
@@ -27,6 +29,13 @@ fn panels(
 
 fn line(name: &str, x: Vec<f64>, y: Vec<f64>) -> Trace {
     Trace::Line { name: name.to_owned(), x, y, style: LineStyle::Solid }
+}
+
+/// A line of one of many models: where the colours begin anew, the stroke changes.
+fn of_model(models: &[ModelFeatures], model: &ModelFeatures, x: Vec<f64>, y: Vec<f64>) -> Trace {
+    let place = models.iter().position(|other| other.features.name == model.features.name).unwrap_or(0);
+    let style = [LineStyle::Solid, LineStyle::Dashed, LineStyle::Dotted][place / COLOURS % 3];
+    Trace::Line { name: model.features.name.title().to_owned(), x, y, style }
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -50,31 +59,43 @@ pub(super) fn stick_slip(models: &[ModelFeatures]) -> Figure {
 pub(super) fn drift(models: &[ModelFeatures]) -> Figure {
     Figure {
         title: "Drift under a load that oscillates below breakaway".to_owned(),
-        caption: "Position since the oscillation began, 0.2 to 0.6 N. A contact that does not drift comes back every time; damped bristles creep for the \
-                  first cycles."
+        caption: "Position since the oscillation began, 0.2 to 0.6 N, in units of its own swing in the last cycle. A contact that does not drift comes back every time; damped \
+                  bristles creep for the first cycles; one that moves on by a swing with every cycle just slides."
             .to_owned(),
         x_label: "time [s]".to_owned(),
         log_x: false,
-        panels: panels(models, "position [um]", |model| {
-            let course = &model.features.non_drift.course;
-            Some((course.time.clone(), scaled(&course.position, 1e6)))
+        panels: panels(models, "swings [-]", |model| {
+            let found = &model.features.non_drift;
+            // A rigid contact has no swing: it stays at zero.
+            let unit = if found.swing > 0.0 { 1.0 / found.swing } else { 0.0 };
+            Some((found.course.time.clone(), scaled(&found.course.position, unit)))
         }),
     }
 }
 
 pub(super) fn memory(models: &[ModelFeatures]) -> Figure {
+    let panel = |closes: bool, title: &str| Panel {
+        y_label: format!("{title}: force [-]"),
+        traces: models
+            .iter()
+            .filter(|model| model.closes() == Some(closes))
+            .filter_map(|model| {
+                let found = model.features.non_local_memory.as_ref()?;
+                let x = scaled(&found.course.displacement, 1.0 / found.amplitude);
+                let y = scaled(&found.course.friction, 1.0 / found.tips[0]);
+                Some(of_model(models, model, x, y))
+            })
+            .collect(),
+    };
+    let panels = [panel(true, "closes"), panel(false, "does not close")];
     Figure {
         title: "Hysteresis in pre-sliding, with one inner loop".to_owned(),
-        caption: "Displacement in units of the first turn, which lies within each model's pre-sliding range. Non-local memory: the inner loop closes where \
+        caption: "Displacement and force in units of those at the first turn, which lies within each model's pre-sliding range. Non-local memory: the inner loop closes where \
                   it began, and the outer branch goes on as if it had not been."
             .to_owned(),
         x_label: "displacement over that of the first turn [-]".to_owned(),
         log_x: false,
-        panels: panels(models, "friction [N]", |model| {
-            let found = model.features.non_local_memory.as_ref()?;
-            let x = scaled(&found.course.displacement, 1.0 / found.amplitude);
-            Some((x, found.course.friction.clone()))
-        }),
+        panels: panels.into_iter().filter(|panel| !panel.traces.is_empty()).collect(),
     }
 }
 
@@ -82,7 +103,7 @@ pub(super) fn breakaway(models: &[ModelFeatures]) -> Figure {
     Figure {
         title: "Breakaway: friction against displacement under a force that rises by 0.1 N/s".to_owned(),
         caption: "A model without pre-sliding holds still up to its static level. The others give way first; where the curve bends over, the contact \
-                  breaks away."
+                  breaks away. Cut off at -0.5 N, which only the damping of the Leuven model passes, at -4 N."
             .to_owned(),
         x_label: "displacement [mm]".to_owned(),
         log_x: false,
@@ -90,7 +111,8 @@ pub(super) fn breakaway(models: &[ModelFeatures]) -> Figure {
             let found = model.features.breakaway.iter().min_by(|a, b| {
                 (a.rate - 0.1).abs().total_cmp(&(b.rate - 0.1).abs())
             })?;
-            Some((scaled(&found.course.displacement, 1e3), found.course.friction.clone()))
+            let shown = |&force: &f64| if force < -0.5 { f64::NAN } else { force };
+            Some((scaled(&found.course.displacement, 1e3), found.course.friction.iter().map(shown).collect()))
         }),
     }
 }
@@ -101,45 +123,59 @@ pub(super) fn breakaway_rates(models: &[ModelFeatures]) -> Figure {
         y_label: y_label.to_owned(),
         traces: models
             .iter()
+            .filter(|model| {
+                model.settled(&model.features.breakaway.iter().map(|b| b.evidence).collect::<Vec<_>>())
+            })
             .map(|model| {
                 let found = &model.features.breakaway;
                 let x = found.iter().map(|b| b.rate).collect();
-                let y = found.iter().map(|b| of(b).unwrap_or(f64::NAN)).collect();
-                line(model.features.name.title(), x, y)
+                let lowest = found.first().and_then(of).unwrap_or(f64::NAN);
+                let y = found.iter().map(|b| 100.0 * (of(b).unwrap_or(f64::NAN) / lowest - 1.0)).collect();
+                of_model(models, model, x, y)
             })
             .collect(),
     };
     Figure {
         title: "Breakaway against the rate of the force: two measures that disagree".to_owned(),
-        caption: "The largest friction falls with the rate, since the body gains speed while it breaks away. The force applied when the body \
+        caption: "Change against the lowest rate. The largest friction falls with the rate, since the body gains speed while it breaks away. The force applied when the body \
                   reaches 1 mm/s holds its inertia as well, and can rise or fall. The thesis quotes both as one effect."
             .to_owned(),
         x_label: "force rate [N/s]".to_owned(),
         log_x: true,
         panels: vec![
-            panel("largest friction [N]", |b| Some(b.friction_max)),
-            panel("applied force at 1 mm/s [N]", |b| b.applied_at_threshold),
+            panel("largest friction [%]", |b| Some(b.friction_max)),
+            panel("applied at 1 mm/s [%]", |b| b.applied_at_threshold),
         ],
     }
 }
 
 pub(super) fn lag(models: &[ModelFeatures]) -> Figure {
-    Figure {
-        title: "Frictional lag: loops of friction over velocity, test bed, at the highest frequency".to_owned(),
-        caption: "In sliding the velocity swings between 0.05 and 1.95 rad/s. A model with lag has more friction while the velocity grows than while it falls; \
-                  without lag the two branches are one line. The viscous part is left out."
-            .to_owned(),
-        x_label: "velocity [rad/s]".to_owned(),
-        log_x: false,
-        panels: panels(models, "friction [N m]", |model| {
-            let found = model.features.test_bed_lag.last()?;
-            let course = &found.course;
+    let traces = models
+        .iter()
+        .filter(|model| model.lag().is_some())
+        .filter_map(|model| {
+            let course = &model.features.test_bed_lag.last()?.course;
+            let steady = AnyModel::test_bed(model.features.name);
+            let above = |branch: &[f64]| -> Vec<f64> {
+                let pairs = course.velocity.iter().zip(branch);
+                pairs.map(|(&v, force)| 1e3 * (force - steady.steady_state(v))).collect()
+            };
             // There and back again, as one closed line.
             let there = course.velocity.iter().copied();
             let x = there.clone().chain(there.rev()).collect();
-            let y = course.growing.iter().chain(course.falling.iter().rev()).copied().collect();
-            Some((x, y))
-        }),
+            let y =
+                above(&course.growing).into_iter().chain(above(&course.falling).into_iter().rev()).collect();
+            Some(of_model(models, model, x, y))
+        })
+        .collect();
+    Figure {
+        title: "Frictional lag: friction beyond its steady value, over velocity, at 10 rad/s".to_owned(),
+        caption: "Test bed; the velocity swings between 0.05 and 1.95 rad/s. A model with lag has more friction while the velocity grows than while it falls. Models without \
+                  lag stay at zero and are left out."
+            .to_owned(),
+        x_label: "velocity [rad/s]".to_owned(),
+        log_x: false,
+        panels: vec![Panel { y_label: "beyond steady [mN m]".to_owned(), traces }],
     }
 }
 
@@ -147,17 +183,17 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Figure {
 pub(super) fn lag_areas(models: &[ModelFeatures]) -> Figure {
     let traces = models
         .iter()
-        .filter(|model| model.features.test_bed_lag.iter().any(|lag| lag.area.abs() > 1e-12))
+        .filter(|model| model.lag().is_some())
         .map(|model| {
             let found = &model.features.test_bed_lag;
             let (x, y) = found.iter().map(|lag| (lag.frequency, 1e6 * lag.area)).unzip();
-            line(model.features.name.title(), x, y)
+            of_model(models, model, x, y)
         })
         .collect();
     Figure {
         title: "Frictional lag: area of the loop against frequency".to_owned(),
         caption: "A first-order lag grows in proportion to the frequency as long as it is short. A negative area is a loop that runs the wrong way round: the \
-                  damping of GMS's slipping elements does that."
+                  damping term of the Leuven model does that here, that of GMS with the set of chapter 3."
             .to_owned(),
         x_label: "angular frequency [rad/s]".to_owned(),
         log_x: true,
@@ -209,7 +245,7 @@ pub(super) fn describing(models: &[ModelFeatures]) -> Figure {
                 let scale = |k: usize| model.describing.amplitude[k];
                 // Times the amplitude: forces, which stay on one scale over the decades.
                 let y = of(model).iter().enumerate().map(|(k, n)| n * scale(k)).collect();
-                line(model.features.name.title(), model.describing.amplitude.clone(), y)
+                of_model(models, model, model.describing.amplitude.clone(), y)
             })
             .collect(),
     };

@@ -1,7 +1,7 @@
 //! The figures as tables.
 
 use friction_features::limit_cycle::LimitCycleStudy;
-use friction_features::{Breakaway, Motion, ZeroCrossing};
+use friction_features::{Breakaway, Evidence, Motion, ZeroCrossing};
 
 use super::ModelFeatures;
 use crate::report::figure::Table;
@@ -13,12 +13,12 @@ const CLOSED: f64 = 1e-6;
 /// Below this area [W] there is no lag.
 const LAG: f64 = 1e-9;
 
-fn yes(holds: bool) -> String {
-    if holds { "yes" } else { "no" }.to_owned()
-}
-
 fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+}
+
+fn micrometres(value: Option<f64>) -> String {
+    number(value.map(|value| 1e6 * value), 2)
 }
 
 fn scientific(value: Option<f64>) -> String {
@@ -29,27 +29,32 @@ fn scientific(value: Option<f64>) -> String {
     }
 }
 
+/// Beyond this change at the last halving a figure scatters: the bristles are drawn at random.
+const SETTLED: f64 = 1e-2;
+/// A contact that moves on by more than this a cycle slides [m].
+const SLIDES: f64 = 1e-3;
+
 impl ModelFeatures {
     /// Whether it describes pre-sliding.
     pub(super) fn has_bristles(&self) -> bool {
         self.features.non_local_memory.is_some()
     }
 
-    fn drifts(&self) -> bool {
-        self.features.non_drift.drift_per_cycle.abs() > DRIFT
+    /// Whether figures with this evidence hold as the step shrinks.
+    pub(super) fn settled(&self, evidence: &[Evidence]) -> bool {
+        evidence.iter().all(|evidence| evidence.change.is_none_or(|change| change < SETTLED))
     }
 
-    fn closes(&self) -> Option<bool> {
+    /// Whether the inner loop closes; `None` without pre-sliding.
+    pub(super) fn closes(&self) -> Option<bool> {
         self.features.non_local_memory.as_ref().map(|memory| memory.closure_gap.abs() < CLOSED)
     }
 
-    fn has_area(&self) -> Option<bool> {
-        let memory = self.features.non_local_memory.as_ref()?;
-        Some(memory.loop_work > 1e-3 * memory.loop_height * memory.amplitude)
-    }
-
-    fn lags(&self) -> bool {
-        self.features.test_bed_lag.iter().any(|lag| lag.area.abs() > LAG)
+    /// The area of its loop of lag at the highest frequency [W]; `None` if it has no lag, or one that scatters.
+    pub(super) fn lag(&self) -> Option<f64> {
+        let lags = &self.features.test_bed_lag;
+        let settled = self.settled(&lags.iter().map(|lag| lag.evidence).collect::<Vec<_>>());
+        lags.last().map(|lag| lag.area).filter(|area| settled && area.abs() > LAG)
     }
 }
 
@@ -59,18 +64,19 @@ pub(super) fn overview(models: &[ModelFeatures]) -> Table {
         .iter()
         .map(|model| {
             let features = &model.features;
-            let memory = match (model.closes(), model.has_area()) {
-                (None, _) => "no pre-sliding".to_owned(),
-                (Some(true), Some(false)) => "elastic: no loop".to_owned(),
+            let drift = features.non_drift.drift_per_cycle;
+            let memory = match (model.closes(), &features.non_local_memory) {
                 (Some(true), _) => "closes".to_owned(),
-                (Some(false), _) => {
-                    let gap = features.non_local_memory.as_ref().map_or(0.0, |memory| memory.closure_gap);
-                    format!("gap {:.1} %", 100.0 * gap)
-                }
+                (_, Some(memory)) => format!("gap {:.1} %", 100.0 * memory.closure_gap),
+                (_, None) => "no pre-sliding".to_owned(),
             };
-            let lag = match features.test_bed_lag.last() {
-                Some(lag) if model.lags() && lag.area < 0.0 => "wrong way round".to_owned(),
-                _ => yes(model.lags()),
+            let random =
+                !model.settled(&features.test_bed_lag.iter().map(|lag| lag.evidence).collect::<Vec<_>>());
+            let lag = match model.lag() {
+                None if random => "scatters",
+                None => "no",
+                Some(area) if area < 0.0 => "wrong way round",
+                Some(_) => "yes",
             };
             vec![
                 features.name.title().to_owned(),
@@ -80,13 +86,15 @@ pub(super) fn overview(models: &[ModelFeatures]) -> Table {
                     Motion::Smooth => "no",
                 }
                 .to_owned(),
-                if model.drifts() {
-                    format!("{:.1} um a cycle", 1e6 * features.non_drift.drift_per_cycle)
+                if drift.abs() > SLIDES {
+                    "slides".to_owned()
+                } else if drift.abs() > DRIFT {
+                    format!("{:.1} um a cycle", 1e6 * drift)
                 } else {
                     "no".to_owned()
                 },
                 memory,
-                lag,
+                lag.to_owned(),
                 number(features.sensitivity.rms_elasticity, 2),
             ]
         })
@@ -209,7 +217,7 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Table {
     });
     let rows = models
         .iter()
-        .filter(|model| model.lags())
+        .filter(|model| model.lag().is_some())
         .map(|model| {
             let mut row = vec![model.features.name.title().to_owned()];
             row.extend(model.features.test_bed_lag.iter().map(|lag| format!("{:.4e}", lag.area)));
@@ -247,8 +255,8 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
             let steady = &model.features.steady_state;
             vec![
                 model.features.name.title().to_owned(),
-                each(found, |z| scientific(z.displacement_to_zero)),
-                each(found, |z| scientific(z.displacement_to_sliding)),
+                each(found, |z| micrometres(z.displacement_to_zero)),
+                each(found, |z| micrometres(z.displacement_to_sliding)),
                 each(found, |z| z.steepest.map_or_else(|| "jump".to_owned(), |rate| format!("{rate:.1}"))),
                 scientific(Some(steady.error)),
                 scientific(Some(steady.fixed_step_error)),
@@ -263,8 +271,8 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
         ),
         columns: [
             "model",
-            "to zero force [m]",
-            "to sliding [m]",
+            "to zero force [um]",
+            "to sliding [um]",
             "steepest [N/s]",
             "steady error [N]",
             "with fixed steps [N]",

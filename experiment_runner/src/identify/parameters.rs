@@ -41,7 +41,7 @@ pub fn render(found: &Identification, name: &str) -> String {
 }
 
 /// A number that every YAML reader, ROS's included, takes for a double: always with a point.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let text = if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) {
         format!("{value:e}")
     } else {

@@ -27,10 +27,12 @@ pub enum RecordingError {
         path: PathBuf,
     },
     /// The first line holds numbers.
-    #[error("line 1 of {} holds numbers where column names were expected; add a header line such as t_s,position_m,force_N", path.display())]
+    #[error("line 1 of {} holds numbers where column names were expected; add a header line such as {example}", path.display())]
     NoHeader {
         /// The file.
         path: PathBuf,
+        /// A header that would do.
+        example: &'static str,
     },
     /// A line is not text, or not as long as the header.
     #[error("line {line} of {} is damaged: {detail}; repair or delete the line", path.display())]
@@ -67,6 +69,28 @@ pub enum RecordingError {
         option: &'static str,
         /// SI unit of the channel.
         unit: &'static str,
+    },
+    /// A column that has to be there is not, under any of its names.
+    #[error("{} has no column with the {channel}; expected one named {expected}, but its columns are: {present}", path.display())]
+    MissingColumn {
+        /// The file.
+        path: PathBuf,
+        /// What was looked for.
+        channel: &'static str,
+        /// Its usual names.
+        expected: &'static str,
+        /// The columns there are.
+        present: String,
+    },
+    /// Several columns hold what one must hold.
+    #[error("{} has several columns with the {channel}: {present}; keep one of them", path.display())]
+    Several {
+        /// The file.
+        path: PathBuf,
+        /// What they hold.
+        channel: &'static str,
+        /// Their names.
+        present: String,
     },
     /// Two columns have the same name.
     #[error("{} has {count} columns named `{name}`; rename all but one in its header", path.display())]

@@ -33,15 +33,12 @@ pub fn read(path: &Path, columns: &Columns, tolerance: f64) -> Result<Recording,
     parse(path, &bytes, columns, tolerance)
 }
 
-/// A column that was found: where it stands and how it is scaled.
-#[derive(Debug, Clone)]
-struct Found {
-    index: usize,
-    source: ChannelSource,
-}
-
-/// The part of [`read`] that does not touch the disk.
-fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
+/// Starts reading a table: the reader stands below the header, whose names are returned. `example` is a header that would do.
+pub(super) fn open<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    example: &'static str,
+) -> Result<(csv::Reader<&'a [u8]>, Vec<String>), RecordingError> {
     // A byte order mark, as spreadsheets write it, is no part of the first name.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
@@ -52,9 +49,21 @@ fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result
     let header: Vec<String> =
         reader.headers().map_err(|error| damaged(path, &error))?.iter().map(str::to_owned).collect();
     if header.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err(RecordingError::NoHeader { path: path.into() });
+        return Err(RecordingError::NoHeader { path: path.into(), example });
     }
+    Ok((reader, header))
+}
 
+/// A column that was found: where it stands and how it is scaled.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub index: usize,
+    pub source: ChannelSource,
+}
+
+/// The part of [`read`] that does not touch the disk.
+fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
+    let (mut reader, header) = open(path, bytes, "t_s,position_m,force_N")?;
     let table = Header { path, names: &header };
     let time = table.require(Channel::Time, columns.time.as_ref())?;
     let velocity = table.optional(Channel::Velocity, columns.velocity.as_ref())?;
@@ -116,7 +125,7 @@ fn delimiter(bytes: &[u8]) -> u8 {
     [b'\t', b';', b','].into_iter().max_by_key(|&candidate| count(candidate)).unwrap_or(b',')
 }
 
-fn damaged(path: &Path, error: &csv::Error) -> RecordingError {
+pub(super) fn damaged(path: &Path, error: &csv::Error) -> RecordingError {
     let line = error.position().map_or(1, csv::Position::line);
     let detail = match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "it is not UTF-8 text".to_owned(),
@@ -126,9 +135,9 @@ fn damaged(path: &Path, error: &csv::Error) -> RecordingError {
 }
 
 /// The header of a file.
-struct Header<'a> {
-    path: &'a Path,
-    names: &'a [String],
+pub(super) struct Header<'a> {
+    pub path: &'a Path,
+    pub names: &'a [String],
 }
 
 impl Header<'_> {
@@ -170,7 +179,12 @@ impl Header<'_> {
         }
     }
 
-    fn number(&self, record: &StringRecord, line: u64, found: &Found) -> Result<f64, RecordingError> {
+    pub(super) fn number(
+        &self,
+        record: &StringRecord,
+        line: u64,
+        found: &Found,
+    ) -> Result<f64, RecordingError> {
         let Some(cell) = record.get(found.index) else {
             let detail = format!("it has {} fields where the header has {}", record.len(), self.names.len());
             return Err(RecordingError::Line { path: self.path.into(), line, detail });

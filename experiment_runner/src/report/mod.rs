@@ -6,7 +6,7 @@
 pub mod figure;
 mod html;
 mod page;
-mod palette;
+pub(crate) mod palette;
 mod plot;
 mod table;
 mod thin;

@@ -6,7 +6,7 @@ use super::figure::{Block, Page, Panel, Trace};
 
 /// Colours of the palette: Okabe and Ito's, which colour-blind readers tell apart, less black and yellow
 /// (`--c0` .. in `report.css`).
-pub(super) const COLOURS: usize = 6;
+pub(crate) const COLOURS: usize = 6;
 
 /// What a series is drawn in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -38,6 +38,13 @@ impl Compensators {
         let StribeckValues { f_s, f_c, v_s, f_v, delta } = *found;
         let models = self.0.iter().map(|(name, model)| {
             let mut parameters = model.parameters();
+            // What must keep its place between the levels moves with them.
+            for (level, found, tied) in [("f_s", f_s, "f_h"), ("f_c", f_c, "z_ba")] {
+                if let Some(before) = model.parameter(level) {
+                    // Not below by a rounding.
+                    parameters.scale(tied, found / before * (1.0 + 1e-12));
+                }
+            }
             for (parameter, value) in
                 [("f_s", f_s), ("f_c", f_c), ("v_s", v_s), ("f_v", f_v), ("delta", delta)]
             {

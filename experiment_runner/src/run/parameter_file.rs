@@ -13,7 +13,7 @@ use super::{Compensators, RunError, RunOptions};
 #[derive(Debug, Serialize)]
 struct File<'a> {
     #[serde(rename = "/friction_observer")]
-    friction_observer: Node<BTreeMap<&'static str, Entry>>,
+    friction_observer: Node<BTreeMap<&'a str, Entry>>,
     #[serde(rename = "/controller")]
     controller: Node<ControllerNode<'a>>,
     #[serde(rename = "/rig_driver")]
@@ -59,8 +59,18 @@ pub(super) fn render(
     chosen: ModelName,
 ) -> Result<String, RunError> {
     let mut observer = BTreeMap::from([("model", Entry::Choice(chosen))]);
+    let mut asymmetric = serde_json::Map::new();
     for name in ModelName::ALL {
-        observer.insert(name.as_str(), Entry::Parameters(parameters(&models.get(name))?));
+        let model = models.get(name);
+        let mut described = serde_json::to_value(model).map_err(|e| describe(&e))?;
+        if let Some(both) = described.get_mut("asymmetric").and_then(serde_json::Value::as_object_mut) {
+            asymmetric.append(both);
+        } else {
+            observer.insert(name.as_str(), Entry::Parameters(described[name.as_str()].take()));
+        }
+    }
+    if !asymmetric.is_empty() {
+        observer.insert("asymmetric", Entry::Parameters(asymmetric.into()));
     }
     let ControllerOptions { lag, pid, derivative_on, derivative_filter, compensation, .. } =
         &options.test_bed.controller;
@@ -95,13 +105,6 @@ pub(super) fn render(
     Ok(format!("# frictionlab {}: {origin}.\n{yaml}", env!("CARGO_PKG_VERSION")))
 }
 
-/// A model's parameters by name.
-fn parameters(model: &AnyModel) -> Result<serde_json::Value, RunError> {
-    let named: BTreeMap<String, serde_json::Value> =
-        serde_json::to_value(model).and_then(serde_json::from_value).map_err(|e| describe(&e))?;
-    Ok(named.into_values().next().unwrap_or_default())
-}
-
 fn describe(error: &dyn std::fmt::Display) -> RunError {
     RunError::Describe { what: "YAML", detail: error.to_string() }
 }
@@ -130,13 +133,18 @@ pub fn read(text: &str) -> Result<Compensators, String> {
             name.parse::<ModelName>().map_err(|e| e.to_string())?;
             continue;
         }
-        let name = match key.as_str() {
-            "asymmetric" => key,
-            _ => key.parse::<ModelName>().map_err(|e| e.to_string())?.as_str(),
+        let take = |file: serde_json::Value| {
+            serde_json::from_value::<AnyModel>(file).map_err(|e| format!("in `{key}`: {e}"))
         };
-        let model = serde_json::from_value::<AnyModel>(serde_json::json!({ name: value }))
-            .map_err(|e| format!("in `{name}`: {e}"))?;
-        models.set(model);
+        if key == "asymmetric" {
+            let both = value.as_object().ok_or("`asymmetric` must be a map of models")?;
+            for (name, sides) in both {
+                models.set(take(serde_json::json!({ "asymmetric": { name: sides } }))?);
+            }
+        } else {
+            let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
+            models.set(take(serde_json::json!({ name.as_str(): value }))?);
+        }
     }
     Ok(models)
 }
@@ -155,6 +163,18 @@ mod tests {
         let text = render(&options(), &models, ModelName::Proposed).unwrap();
         assert!(text.contains("/friction_observer:\n  ros__parameters:\n"), "{text}");
         assert!(text.contains("model: proposed"), "{text}");
+        assert_eq!(read(&text).unwrap(), models);
+    }
+
+    #[test]
+    fn asymmetric_models_are_written_and_read_back() {
+        let mut models = Compensators::default();
+        for name in [ModelName::LuGre, ModelName::Gms] {
+            let weaker = AnyModel::test_bed(name).scaled("f_v", 0.5).unwrap();
+            models.set(AnyModel::asymmetric(&AnyModel::test_bed(name), &weaker).unwrap());
+        }
+        let text = render(&options(), &models, ModelName::LuGre).unwrap();
+        assert!(text.contains("    asymmetric:\n      lugre:\n        forward:\n"), "{text}");
         assert_eq!(read(&text).unwrap(), models);
     }
 

@@ -1,0 +1,44 @@
+//! `frictionlab models`: which friction models there are, and their parameters.
+
+use friction_model::ModelName;
+
+use super::{BadInput, model_name, print};
+use crate::models::{Preset, file, sheet};
+
+/// List the friction models, or one model's parameters
+///
+/// Without a name: every model. With one: its parameters with their units for a rotary and for a linear axis, their
+/// ranges, their values on the thesis's test bed and what they mean. With --yaml: a parameter file for `frictionlab
+/// simulate` with these values.
+#[derive(Debug, clap::Args)]
+pub struct ModelsArgs {
+    /// The model
+    #[arg(value_name = "NAME", value_parser = model_name)]
+    name: Option<ModelName>,
+    /// The model, as other commands name it
+    #[arg(long, value_name = "NAME", value_parser = model_name, conflicts_with = "name")]
+    model: Option<ModelName>,
+    /// Print a parameter file in YAML
+    #[arg(long)]
+    yaml: bool,
+    /// Whose values
+    #[arg(long, value_enum, default_value_t)]
+    set: Preset,
+}
+
+/// Prints it.
+///
+/// # Errors
+/// [`BadInput`] for --yaml without a model.
+pub fn execute(args: &ModelsArgs) -> anyhow::Result<()> {
+    let text = match args.name.or(args.model) {
+        Some(name) if args.yaml => file::example(name, args.set),
+        Some(name) => sheet::model(name, args.set),
+        None if args.yaml => {
+            let expected = "--yaml prints the parameter file of one model: say which, as in `frictionlab models lugre --yaml`";
+            return Err(BadInput(expected.to_owned()).into());
+        }
+        None => sheet::list(),
+    };
+    print(&text)
+}
