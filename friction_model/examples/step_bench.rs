@@ -3,12 +3,13 @@
 //! `step_bench STEPS [MODEL ...]` prints, for each model and scheme, the model's name, the scheme, nanoseconds a step and the sum of
 //! all forces. The schemes:
 //!
-//! * `exact`: the fixed-step form, `Stepper::step`;
-//! * `chosen`: the same behind `AnyStepper::step`, which finds the model while the program runs;
-//! * `rk4`: the derivative form under classical Runge-Kutta, for models with states.
+//! * `exact`: the fixed-step form, `Stepper::step`, in a loop that the compiler may keep the state in registers for;
+//! * `rk4`: the derivative form under classical Runge-Kutta, for models with states;
+//! * `known`: the fixed-step form with the state in memory between steps, as in a control loop, of a model known at compile time;
+//! * `chosen`: the same behind `AnyStepper::step`, which finds the model while the program runs.
 //!
-//! The C side, `xtask/bench/`, does the same with the same velocities and parameters. Time is the processor's time of this thread: what other
-//! programs take is not counted.
+//! The C side, `xtask/bench/`, does the first two with the same velocities and parameters. Time is the processor's time of this
+//! thread: what other programs take is not counted.
 
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -16,10 +17,14 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use friction_model::{AnyModel, AnyStepper, FrictionModel, ModelName, ModelVisitor, Stepper, TimeStep, rk4};
+use friction_model::{
+    AnyModel, AnyStepper, FrictionModel, ModelName, ModelVisitor, State, Stepper, TimeStep, rk4,
+};
 use rustix::time::{ClockId, clock_gettime};
 
 const SAMPLES: usize = 4096;
+
+type Velocities = [f64; SAMPLES];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -40,23 +45,21 @@ fn main() -> ExitCode {
     for name in names {
         // Numbers that the compiler cannot know.
         let (model, dt) = (black_box(AnyModel::test_bed(name)), black_box(dt));
-        model.visit(Measure { dt, velocity: &velocity, steps });
+        model.visit(Known { dt, velocity: &velocity, steps });
         let mut stepper = model.start(dt);
         measure(name, "chosen", steps, |steps| run_chosen(&mut stepper, &velocity, steps));
     }
     ExitCode::SUCCESS
 }
 
-type Velocities = [f64; SAMPLES];
-
 /// Measures a model whose type is known at compile time.
-struct Measure<'a> {
+struct Known<'a> {
     dt: TimeStep,
     velocity: &'a Velocities,
     steps: usize,
 }
 
-impl ModelVisitor for Measure<'_> {
+impl ModelVisitor for Known<'_> {
     type Output = ();
 
     fn visit<M: FrictionModel>(self, model: M) {
@@ -68,9 +71,9 @@ impl ModelVisitor for Measure<'_> {
             });
         }
         let mut stepper = Stepper::new(model, dt);
-        let mut known = stepper.clone();
         measure(M::NAME, "exact", steps, |steps| run_exact(&mut stepper, velocity, steps));
-        measure(M::NAME, "known", steps, |steps| run_known(&mut known, velocity, steps));
+        stepper.reset();
+        measure(M::NAME, "known", steps, |steps| run_known(&mut stepper, velocity, steps));
     }
 }
 
@@ -91,44 +94,30 @@ fn processor_time() -> Duration {
 
 #[inline(never)]
 fn run_exact<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..steps {
-        sum += stepper.step(velocity[k % SAMPLES]);
-    }
-    sum
+    (0..steps).fold(0.0, |sum, k| sum + stepper.step(velocity[k % SAMPLES]))
 }
 
 #[inline(never)]
 fn run_known<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..steps {
-        sum += black_box(&mut *stepper).step(velocity[k % SAMPLES]);
-    }
-    sum
+    (0..steps).fold(0.0, |sum, k| sum + black_box(&mut *stepper).step(velocity[k % SAMPLES]))
 }
 
 #[inline(never)]
 fn run_chosen(stepper: &mut AnyStepper, velocity: &Velocities, steps: usize) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..steps {
-        sum += black_box(&mut *stepper).step(velocity[k % SAMPLES]);
-    }
-    sum
+    (0..steps).fold(0.0, |sum, k| sum + black_box(&mut *stepper).step(velocity[k % SAMPLES]))
 }
 
 /// The samples are half a step apart: Runge-Kutta asks for the middle of a step too.
 #[inline(never)]
 fn run_rk4<M: FrictionModel>(
     model: &M,
-    state: &mut friction_model::State<M::Continuous, M::Memory>,
+    state: &mut State<M::Continuous, M::Memory>,
     velocity: &Velocities,
     dt: f64,
     steps: usize,
 ) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..steps {
+    (0..steps).fold(0.0, |sum, k| {
         let v = [0, 1, 2].map(|i| velocity[(2 * k + i) % SAMPLES]);
-        sum += rk4::step(model, state, v, dt);
-    }
-    sum
+        sum + rk4::step(model, state, v, dt)
+    })
 }

@@ -128,6 +128,7 @@ fn two_hundred_nested_reversals_stay_within_the_stack() {
         let peeked = memory.peek(&Sine, z);
         assert_eq!(peeked, memory.commit(&Sine, z), "z {z}, a full stack included");
         assert!(memory.depth() <= CAPACITY);
+        assert_eq!(memory.course, Course::behind(memory.reversals(), memory.course.s), "z {z}");
         z *= -0.98;
     }
     assert!(memory.depth() > 100);
