@@ -45,46 +45,78 @@ fn main() -> ExitCode {
     for name in names {
         // Numbers that the compiler cannot know.
         let (model, dt) = (black_box(AnyModel::test_bed(name)), black_box(dt));
-        model.visit(Known { dt, velocity: &velocity, steps });
-        let mut stepper = model.start(dt);
-        measure(name, "chosen", steps, |steps| run_chosen(&mut stepper, &velocity, steps));
+        model.visit(Measure { dt, velocity: &velocity, steps, chosen: model.start(dt) });
     }
     ExitCode::SUCCESS
 }
 
-/// Measures a model whose type is known at compile time.
-struct Known<'a> {
+struct Measure<'a> {
     dt: TimeStep,
     velocity: &'a Velocities,
     steps: usize,
+    chosen: AnyStepper,
 }
 
-impl ModelVisitor for Known<'_> {
+impl ModelVisitor for Measure<'_> {
     type Output = ();
 
     fn visit<M: FrictionModel>(self, model: M) {
-        let Self { dt, velocity, steps } = self;
+        let Self { dt, velocity, steps, mut chosen } = self;
         let mut state = model.rest();
         if size_of_val(&state) > 0 {
-            measure(M::NAME, "rk4", steps, |steps| {
+            measure("rk4", M::NAME, steps, |steps| {
                 run_rk4(&model, &mut state, velocity, dt.seconds(), steps)
             });
         }
         let mut stepper = Stepper::new(model, dt);
-        measure(M::NAME, "exact", steps, |steps| run_exact(&mut stepper, velocity, steps));
+        measure("exact", M::NAME, steps, |steps| run_exact(&mut stepper, velocity, steps));
         stepper.reset();
-        measure(M::NAME, "known", steps, |steps| run_known(&mut stepper, velocity, steps));
+        let known = |steps| run_known(&mut stepper, velocity, steps);
+        let chosen = |steps| run_chosen(&mut chosen, velocity, steps);
+        measure_in_turns(["known", "chosen"], M::NAME, steps, known, chosen);
     }
 }
 
 /// A first pass of a tenth of the steps, from which the state goes on, warms caches and clock.
-fn measure(name: ModelName, scheme: &str, steps: usize, mut run: impl FnMut(usize) -> f64) {
+fn measure(scheme: &str, name: ModelName, steps: usize, mut run: impl FnMut(usize) -> f64) {
     let warm = run(steps / 10);
+    let (time, sum) = timed(|| run(steps));
+    print(scheme, name, steps, time, warm + sum);
+}
+
+/// The same for two schemes that differ by little: in turns of a tenth of the steps.
+fn measure_in_turns(
+    schemes: [&str; 2],
+    name: ModelName,
+    steps: usize,
+    mut a: impl FnMut(usize) -> f64,
+    mut b: impl FnMut(usize) -> f64,
+) {
+    let turn = steps / 10;
+    let mut sums = [a(turn), b(turn)];
+    let mut times = [Duration::ZERO; 2];
+    for _ in 0..10 {
+        let turns = [timed(|| a(turn)), timed(|| b(turn))];
+        for ((time, sum), (total_time, total_sum)) in turns.into_iter().zip(times.iter_mut().zip(&mut sums)) {
+            *total_time += time;
+            *total_sum += sum;
+        }
+    }
+    for ((scheme, time), sum) in schemes.into_iter().zip(times).zip(sums) {
+        print(scheme, name, 10 * turn, time, sum);
+    }
+}
+
+fn timed(run: impl FnOnce() -> f64) -> (Duration, f64) {
     let start = processor_time();
-    let sum = run(steps);
-    let nanoseconds = (processor_time() - start).as_secs_f64() / steps as f64 * 1e9;
+    let sum = run();
+    (processor_time() - start, sum)
+}
+
+fn print(scheme: &str, name: ModelName, steps: usize, time: Duration, sum: f64) {
+    let nanoseconds = time.as_secs_f64() / steps as f64 * 1e9;
     // A closed pipe shows in the reader.
-    let _ = writeln!(std::io::stdout(), "{name} {scheme} {nanoseconds:.4} {:.17e}", warm + sum);
+    let _ = writeln!(std::io::stdout(), "{name} {scheme} {nanoseconds:.4} {sum:.17e}");
 }
 
 /// Processor time of this thread.
