@@ -1,6 +1,7 @@
 //! Time of one control step of every model: `cargo bench -p friction_model`.
 //!
-//! Each iteration steps once around a table of velocities with reversals and sliding, at 1 kHz.
+//! Each iteration steps once around a table of velocities with reversals and sliding, at 1 kHz: with a model known at compile time, and
+//! with one chosen while the program runs.
 
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -8,7 +9,7 @@ use std::hint::black_box;
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
-use friction_model::{Coulomb, FrictionModel, LuGre, Proposed, Stepper, Stribeck, TimeStep, Viscous};
+use friction_model::{AnyModel, FrictionModel, ModelName, ModelVisitor, Stepper, TimeStep};
 
 const SAMPLES: usize = 4096;
 
@@ -21,25 +22,48 @@ fn velocities() -> Vec<f64> {
         .collect()
 }
 
-fn bench<M: FrictionModel>(group: &mut BenchmarkGroup<'_, WallTime>, model: M) {
+fn bench(group: &mut BenchmarkGroup<'_, WallTime>, name: ModelName, mut step: impl FnMut(f64) -> f64) {
     let velocity = velocities();
-    let dt = TimeStep::new(1e-3).expect("1 ms is a valid period");
-    let mut stepper = Stepper::new(model, dt);
-    group.bench_function(M::NAME.as_str(), |b| {
-        b.iter(|| velocity.iter().fold(0.0, |sum, &v| sum + stepper.step(black_box(v))))
+    group.bench_function(name.as_str(), |b| {
+        b.iter(|| velocity.iter().fold(0.0, |sum, &v| sum + step(black_box(v))))
     });
 }
 
-fn model_step(c: &mut Criterion) {
-    let mut group = c.benchmark_group("model_step");
+/// Benches a model whose type is known at compile time.
+struct Known<'a, 'b> {
+    group: &'a mut BenchmarkGroup<'b, WallTime>,
+    dt: TimeStep,
+}
+
+impl ModelVisitor for Known<'_, '_> {
+    type Output = ();
+
+    fn visit<M: FrictionModel>(self, model: M) {
+        let mut stepper = Stepper::new(model, self.dt);
+        bench(self.group, M::NAME, |v| stepper.step(v));
+    }
+}
+
+fn known(c: &mut Criterion) {
+    let mut group = c.benchmark_group("known");
     group.throughput(Throughput::Elements(SAMPLES as u64));
-    bench(&mut group, Coulomb::test_bed());
-    bench(&mut group, Viscous::test_bed());
-    bench(&mut group, Stribeck::test_bed());
-    bench(&mut group, LuGre::test_bed());
-    bench(&mut group, Proposed::test_bed());
+    let dt = TimeStep::new(1e-3).expect("1 ms is a valid period");
+    for name in ModelName::ALL {
+        AnyModel::test_bed(name).visit(Known { group: &mut group, dt });
+    }
     group.finish();
 }
 
-criterion_group!(benches, model_step);
+fn chosen(c: &mut Criterion) {
+    let mut group = c.benchmark_group("chosen");
+    group.throughput(Throughput::Elements(SAMPLES as u64));
+    let dt = TimeStep::new(1e-3).expect("1 ms is a valid period");
+    for name in ModelName::ALL {
+        let mut stepper = AnyModel::test_bed(name).start(dt);
+        bench(&mut group, name, |v| stepper.step(v));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, known, chosen);
 criterion_main!(benches);

@@ -79,13 +79,24 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
     #[inline]
     fn evaluate(
         &self,
-        (a, b): &Self::Continuous,
+        state: &Self::Continuous,
         memory: &Self::Memory,
         velocity: f64,
     ) -> Evaluation<Self::Continuous> {
-        let forward = self.forward.evaluate(a, &memory.0.memory, velocity);
-        let backward = self.backward.evaluate(b, &memory.1.memory, velocity);
-        Evaluation { force: carried(forward.force, backward.force), rates: (forward.rates, backward.rates) }
+        self.at(velocity)(state, memory)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+        let (forward, backward) = (self.forward.at(velocity), self.backward.at(velocity));
+        move |(a, b), memory| {
+            let forward = forward(a, &memory.0.memory);
+            let backward = backward(b, &memory.1.memory);
+            Evaluation {
+                force: carried(forward.force, backward.force),
+                rates: (forward.rates, backward.rates),
+            }
+        }
     }
 
     #[inline]

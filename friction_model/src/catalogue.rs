@@ -268,6 +268,17 @@ macro_rules! models {
             }
         }
 
+        impl AsymmetricStepper {
+            /// The friction now at `velocity`; the state then advances by one period. Apart from [`AnyStepper::step`], which stays smaller
+            /// and faster for it.
+            #[inline(never)]
+            fn step(&mut self, velocity: f64) -> f64 {
+                match self {
+                    $($(Self::$variant(stepper) => stepper.step(velocity),)+)+
+                }
+            }
+        }
+
         impl AnyStepper {
             /// Which model runs.
             #[must_use]
@@ -282,9 +293,7 @@ macro_rules! models {
             pub fn step(&mut self, velocity: f64) -> f64 {
                 match self {
                     $($(Self::$variant(stepper) => stepper.step(velocity),)+)+
-                    Self::Asymmetric(stepper) => match stepper {
-                        $($(AsymmetricStepper::$variant(stepper) => stepper.step(velocity),)+)+
-                    },
+                    Self::Asymmetric(stepper) => stepper.step(velocity),
                 }
             }
 

@@ -90,8 +90,7 @@ impl ResetIntegrator {
     /// Whether the contact slides on: deflected to the end, and moving further.
     #[inline]
     fn slides(&self, p: f64, velocity: f64) -> bool {
-        let end = self.parameters.p_0;
-        (velocity > 0.0 && p >= end) || (velocity < 0.0 && p <= -end)
+        sign(velocity) * p >= self.parameters.p_0
     }
 }
 

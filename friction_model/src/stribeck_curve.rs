@@ -62,7 +62,7 @@ impl StribeckCurve {
     #[inline]
     #[must_use]
     pub fn signed_level(&self, velocity: f64) -> f64 {
-        crate::model::sign(velocity) * self.level(velocity)
+        if velocity == 0.0 { 0.0 } else { self.level(velocity).copysign(velocity) }
     }
 
     /// Static level F_s [N or N m].

@@ -110,21 +110,36 @@ pub struct Wojewoda {
 }
 
 impl Wojewoda {
+    /// `exp(-|v|/v_s)`: how far the branches still are from `F_c`.
+    #[inline]
+    fn falling(&self, velocity: f64) -> f64 {
+        (-velocity.abs() / self.parameters.v_s).exp()
+    }
+
     /// Level of sliding; `weight` is 1 on the upper branch, -1 on the lower one.
     #[inline]
-    fn sliding(&self, velocity: f64, weight: f64) -> f64 {
-        let p = &self.parameters;
-        p.f_c + (self.midway + weight * self.half_width) * (-velocity.abs() / p.v_s).exp()
+    fn sliding(&self, falling: f64, weight: f64) -> f64 {
+        self.parameters.f_c + (self.midway + weight * self.half_width) * falling
     }
 
     /// The most that the contact carries now.
     #[inline]
-    fn level(&self, motion: &WojewodaMemory, velocity: f64) -> f64 {
+    fn level(&self, motion: &WojewodaMemory, velocity: f64, falling: f64) -> f64 {
         if motion.slip == 0.0 {
             return self.parameters.f_s;
         }
         let faster = if velocity < 0.0 { -motion.acceleration } else { motion.acceleration };
-        self.sliding(velocity, self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)))
+        self.sliding(falling, self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)))
+    }
+
+    /// Force and rate at deflection `z`.
+    #[inline]
+    fn contact(&self, z: f64, motion: &WojewodaMemory, velocity: f64, falling: f64) -> Evaluation<[f64; 1]> {
+        let p = &self.parameters;
+        let (level, spring) = (self.level(motion, velocity, falling), p.k_t * z);
+        let at_the_end = motion.slip != 0.0 && spring.abs() >= level && spring * velocity > 0.0;
+        let rate = if at_the_end { 0.0 } else { velocity };
+        Evaluation { force: saturate(level, spring) + p.f_v * velocity, rates: [rate] }
     }
 
     /// Breaks away if the spring carries `F_s`.
@@ -137,7 +152,7 @@ impl Wojewoda {
 
     /// Takes in a sample of the velocity, `elapsed` [s] after the last one.
     #[inline]
-    fn sample(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, elapsed: f64) {
+    fn sample(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, falling: f64, elapsed: f64) {
         let motion = &mut state.memory;
         let [z] = state.continuous;
         motion.acceleration = (velocity - motion.velocity) / elapsed;
@@ -146,7 +161,7 @@ impl Wojewoda {
         if velocity * motion.slip <= 0.0 {
             motion.slip = 0.0;
         }
-        state.continuous = [saturate(self.level(motion, velocity) / self.parameters.k_t, z)];
+        state.continuous = [saturate(self.level(motion, velocity, falling) / self.parameters.k_t, z)];
     }
 }
 
@@ -186,17 +201,19 @@ impl FrictionModel for Wojewoda {
     }
 
     #[inline]
-    fn evaluate(&self, &[z]: &[f64; 1], motion: &WojewodaMemory, velocity: f64) -> Evaluation<[f64; 1]> {
-        let p = &self.parameters;
-        let (level, spring) = (self.level(motion, velocity), p.k_t * z);
-        let at_the_end = motion.slip != 0.0 && spring.abs() >= level && spring * velocity > 0.0;
-        let rate = if at_the_end { 0.0 } else { velocity };
-        Evaluation { force: saturate(level, spring) + p.f_v * velocity, rates: [rate] }
+    fn evaluate(&self, state: &[f64; 1], motion: &WojewodaMemory, velocity: f64) -> Evaluation<[f64; 1]> {
+        self.at(velocity)(state, motion)
+    }
+
+    #[inline]
+    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &WojewodaMemory) -> Evaluation<[f64; 1]> {
+        let falling = self.falling(velocity);
+        move |&[z], motion| self.contact(z, motion, velocity, falling)
     }
 
     #[inline]
     fn commit(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, dt: f64) {
-        self.sample(state, velocity, dt);
+        self.sample(state, velocity, self.falling(velocity), dt);
     }
 
     fn discretise(&self, dt: TimeStep) -> f64 {
@@ -206,21 +223,22 @@ impl FrictionModel for Wojewoda {
     #[inline]
     fn step(&self, dt: &f64, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64) -> f64 {
         let v = bounded(velocity);
-        self.sample(state, v, *dt);
+        let falling = self.falling(v);
+        self.sample(state, v, falling, *dt);
         let [z] = state.continuous;
-        let force = self.evaluate(&[z], &state.memory, v).force;
+        let force = self.contact(z, &state.memory, v, falling).force;
         self.break_away(&mut state.memory, z + v * dt);
         state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z + v * dt)];
         force
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {
-        sign(velocity) * self.sliding(velocity, 0.0) + self.parameters.f_v * velocity
+        sign(velocity) * self.sliding(self.falling(velocity), 0.0) + self.parameters.f_v * velocity
     }
 
     fn internals(&self, state: &State<[f64; 1], WojewodaMemory>, velocity: f64) -> Internals {
         let [z] = state.continuous;
-        let gamma = self.level(&state.memory, velocity);
+        let gamma = self.level(&state.memory, velocity, self.falling(velocity));
         let regime = if state.memory.slip == 0.0 { Regime::Stick } else { Regime::Slip };
         Internals { deflection: saturate(gamma / self.parameters.k_t, z), gamma, regime }
     }
@@ -232,7 +250,8 @@ impl FrictionModel for Wojewoda {
 
     fn stored_energy(&self, state: &State<[f64; 1], WojewodaMemory>) -> Option<f64> {
         let [z] = state.continuous;
-        let level = self.level(&state.memory, state.memory.velocity);
+        let velocity = state.memory.velocity;
+        let level = self.level(&state.memory, velocity, self.falling(velocity));
         let z = saturate(level / self.parameters.k_t, z);
         Some(0.5 * self.parameters.k_t * z * z)
     }

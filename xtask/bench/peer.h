@@ -26,7 +26,7 @@ static inline double between(double low, double high, double x)
 
 static inline double saturate(double bound, double x)
 {
-    return between(-bound, bound, x);
+    return x > bound ? bound : x < -bound ? -bound : x;
 }
 
 static inline double sign(double v)
