@@ -104,7 +104,7 @@ fn wrong_input_is_told_and_nothing_is_written() {
     let cases: [(&[&str], &[&str]); 7] = [
         (&["--voltage-limit", "50"], &["voltage_limit", "10 V", "50"]),
         (&["--voltage-limit", "NaN"], &["voltage_limit", "NaN"]),
-        (&["--model", "lugri"], &["lugri", "lugre, proposed"]),
+        (&["--model", "lugri"], &["lugri", "xiong, proposed"]),
         (&["--plant", "butter"], &["butter", "coulomb"]),
         (&["--parameters", missing.to_str().unwrap()], &["nowhere.yaml", "No such file"]),
         (&["--parameters", broken.to_str().unwrap()], &["broken.yaml", "lugre.f_c", "at most f_s"]),
