@@ -55,8 +55,13 @@ impl Bench {
         let programs = Programs::build()?;
         let models = if self.models.is_empty() { ModelName::ALL.to_vec() } else { self.models.clone() };
 
-        let mut out = std::io::stdout().lock();
-        writeln!(out, "{} rounds of {} steps a model and scheme, in turns ...\n", self.rounds, self.steps)?;
+        // Apart from the tables, which may go into a file.
+        writeln!(
+            std::io::stderr(),
+            "{} rounds of {} steps a model and scheme ...\n",
+            self.rounds,
+            self.steps
+        )?;
         let mut rounds = Rounds::default();
         for round in 0..self.rounds {
             for &model in &models {
@@ -66,6 +71,7 @@ impl Bench {
             }
         }
 
+        let mut out = std::io::stdout().lock();
         let comparisons = rounds.comparisons()?;
         let bar = |row: &Comparison| HELD.contains(&row.model).then_some(self.bar);
         writeln!(out, "{}", Table::of_comparisons(&comparisons, bar).render(self.markdown))?;
