@@ -30,12 +30,10 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, sign};
+use crate::memoryless::memoryless;
+use crate::model::sign;
 use crate::parameter::{built_from, parameters};
-use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
-};
+use crate::{FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State};
 
 parameters! {
     /// Parameters of [`BengisuAkay`] as files carry them.
@@ -102,33 +100,7 @@ built_from!(BengisuAkay, BengisuAkayParameters);
 
 impl FrictionModel for BengisuAkay {
     const NAME: ModelName = ModelName::BengisuAkay;
-    type Parameters = BengisuAkayParameters;
-    type Continuous = [f64; 0];
-    type Memory = ();
-    type Discrete = ();
-
-    fn parameters(&self) -> &BengisuAkayParameters {
-        &self.parameters
-    }
-
-    fn rest(&self) -> State<[f64; 0], ()> {
-        State { continuous: [], memory: () }
-    }
-
-    #[inline]
-    fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
-        Evaluation { force: self.steady_state(velocity), rates: [] }
-    }
-
-    #[inline]
-    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
-
-    fn discretise(&self, _: TimeStep) {}
-
-    #[inline]
-    fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
-        self.steady_state(bounded(velocity))
-    }
+    memoryless!(BengisuAkayParameters);
 
     #[inline]
     fn steady_state(&self, velocity: f64) -> f64 {

@@ -15,11 +15,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, sign};
+use crate::memoryless::memoryless;
+use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
 };
 
 parameters! {
@@ -59,33 +59,7 @@ built_from!(Coulomb, CoulombParameters);
 
 impl FrictionModel for Coulomb {
     const NAME: ModelName = ModelName::Coulomb;
-    type Parameters = CoulombParameters;
-    type Continuous = [f64; 0];
-    type Memory = ();
-    type Discrete = ();
-
-    fn parameters(&self) -> &CoulombParameters {
-        &self.parameters
-    }
-
-    fn rest(&self) -> State<[f64; 0], ()> {
-        State { continuous: [], memory: () }
-    }
-
-    #[inline]
-    fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
-        Evaluation { force: self.steady_state(velocity), rates: [] }
-    }
-
-    #[inline]
-    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
-
-    fn discretise(&self, _: TimeStep) {}
-
-    #[inline]
-    fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
-        self.steady_state(bounded(velocity))
-    }
+    memoryless!(CoulombParameters);
 
     fn steady_state(&self, velocity: f64) -> f64 {
         self.parameters.f_c * sign(velocity)

@@ -18,12 +18,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::bounded;
+use crate::memoryless::memoryless;
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    StribeckCurve,
 };
 
 parameters! {
@@ -74,33 +74,7 @@ built_from!(Stribeck, StribeckParameters);
 
 impl FrictionModel for Stribeck {
     const NAME: ModelName = ModelName::Stribeck;
-    type Parameters = StribeckParameters;
-    type Continuous = [f64; 0];
-    type Memory = ();
-    type Discrete = ();
-
-    fn parameters(&self) -> &StribeckParameters {
-        &self.parameters
-    }
-
-    fn rest(&self) -> State<[f64; 0], ()> {
-        State { continuous: [], memory: () }
-    }
-
-    #[inline]
-    fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
-        Evaluation { force: self.steady_state(velocity), rates: [] }
-    }
-
-    #[inline]
-    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
-
-    fn discretise(&self, _: TimeStep) {}
-
-    #[inline]
-    fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
-        self.steady_state(bounded(velocity))
-    }
+    memoryless!(StribeckParameters);
 
     #[inline]
     fn steady_state(&self, velocity: f64) -> f64 {

@@ -12,12 +12,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::bounded;
+use crate::memoryless::memoryless;
 use crate::parameter::{built_from, parameters};
-use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
-};
+use crate::{FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State};
 
 parameters! {
     /// Parameters of [`Viscous`] as files carry them.
@@ -57,33 +54,7 @@ built_from!(Viscous, ViscousParameters);
 
 impl FrictionModel for Viscous {
     const NAME: ModelName = ModelName::Viscous;
-    type Parameters = ViscousParameters;
-    type Continuous = [f64; 0];
-    type Memory = ();
-    type Discrete = ();
-
-    fn parameters(&self) -> &ViscousParameters {
-        &self.parameters
-    }
-
-    fn rest(&self) -> State<[f64; 0], ()> {
-        State { continuous: [], memory: () }
-    }
-
-    #[inline]
-    fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> Evaluation<[f64; 0]> {
-        Evaluation { force: self.steady_state(velocity), rates: [] }
-    }
-
-    #[inline]
-    fn commit(&self, _: &mut State<[f64; 0], ()>, _: f64, _: f64) {}
-
-    fn discretise(&self, _: TimeStep) {}
-
-    #[inline]
-    fn step(&self, (): &(), _: &mut State<[f64; 0], ()>, velocity: f64) -> f64 {
-        self.steady_state(bounded(velocity))
-    }
+    memoryless!(ViscousParameters);
 
     fn steady_state(&self, velocity: f64) -> f64 {
         self.parameters.f_v * velocity
