@@ -67,7 +67,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     write_all(&folder, &[("report.html", render_page(&page(&results))), ("features.json", json)])
         .map_err(|error| BadInput(format!("{error}; --out DIR names another folder")))?;
     if !args.quiet {
-        println!("{}\nReport  {}", summary(&results), folder.join("report.html").display());
+        super::print(&format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display()))?;
     }
     Ok(())
 }

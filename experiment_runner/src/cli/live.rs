@@ -100,7 +100,8 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
     let say = |text: &str| {
         if !args.quiet {
-            println!("{text}");
+            // A terminal that went away must not stop the loop.
+            let _ = super::print(&format!("{text}\n"));
         }
     };
     let report = live::run(&options, &stop, |priority| {

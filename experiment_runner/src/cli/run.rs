@@ -117,7 +117,7 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
         error => BadInput(error.to_string()).into(),
     })?;
     if !args.quiet {
-        print!("{}", summary(&outcome));
+        super::print(&summary(&outcome))?;
     }
     if outcome.results.status == Status::Interrupted {
         return Err(Interrupted(format!(

@@ -268,7 +268,7 @@ pub(super) fn nyquist(study: &LimitCycleStudy) -> Figure {
     let near = |re: &[f64], im: &[f64]| {
         re.iter()
             .zip(im)
-            .map(|(&re, &im)| if re.hypot(im) < 2.0 { (re, im) } else { (f64::NAN, f64::NAN) })
+            .map(|(&re, &im)| if re.hypot(im) < 0.5 { (re, im) } else { (f64::NAN, f64::NAN) })
             .unzip()
     };
     let curve = |name: &str, re: &[f64], im: &[f64], style| {

@@ -6,8 +6,8 @@ use friction_features::{Breakaway, Evidence, Motion, ZeroCrossing};
 use super::ModelFeatures;
 use crate::report::figure::Table;
 
-/// Below this drift a cycle, nothing drifts [m].
-const DRIFT: f64 = 1e-9;
+/// Below this share of its swing a contact does not drift with a cycle.
+const DRIFT: f64 = 1e-4;
 /// Below this share of its height a loop is closed.
 const CLOSED: f64 = 1e-6;
 /// Below this area [W] there is no lag.
@@ -88,7 +88,7 @@ pub(super) fn overview(models: &[ModelFeatures]) -> Table {
                 .to_owned(),
                 if drift.abs() > SLIDES {
                     "slides".to_owned()
-                } else if drift.abs() > DRIFT {
+                } else if drift.abs() > DRIFT * features.non_drift.swing {
                     format!("{:.1} um a cycle", 1e6 * drift)
                 } else {
                     "no".to_owned()
