@@ -68,8 +68,13 @@ proptest! {
         // A network or two lines with arbitrary weights may push: only those whose force opposes the motion are friction.
         prop_assume!(path.iter().all(|&v| model.steady_state(v) * v >= 0.0 && model.steady_state(10.0 * v) * v >= 0.0));
         prop_assume!(path.iter().all(|&v| model.steady_state(0.1 * v) * v >= 0.0));
+        // Xiong's rates are small differences of forces over sigma: their rounding counts K / sigma times.
+        let stiff = match model.parameters() {
+            AnyParameters::Xiong(p) => p.k.iter().zip(p.sigma.iter()).map(|(k, sigma)| k / sigma).fold(0.0, f64::max),
+            _ => 0.0,
+        };
         let surplus = model.visit(Surplus(&path));
-        prop_assert!(surplus >= ROUNDING, "{surplus}");
+        prop_assert!(surplus >= ROUNDING - 1e-15 * stiff, "{surplus}");
     }
 
     /// `F v - dE/dt = g |v| u^2 + v^2 [sigma1 (1 - u) + f_v]` with `u = sigma0 z sgn v / g <= F_s / F_c` for LuGre; the elasto-plastic
