@@ -317,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn the_test_bed_breaks_away_where_the_thesis_measured() {
+    fn the_stiffness_is_the_slope_of_the_sine_at_rest() {
         let stiffness = Proposed::test_bed().stiffness();
         assert!((stiffness - 0.0994 * std::f64::consts::PI / 0.012).abs() < 1e-12);
     }

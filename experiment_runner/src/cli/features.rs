@@ -19,7 +19,7 @@ use crate::report::render_page;
 /// For each model: stick-slip, drift, hysteresis and its memory, breakaway against force rate, frictional
 /// lag, steady sliding, reversal, sensitivity to each parameter, and the describing function. Then the
 /// thesis's position loop that hunts, simulated and predicted. Parameters are those of the thesis's
-/// chapter 3; steps are halved until the figures hold to 1e-4.
+/// chapter 3; steps are halved until the figures hold to 1e-4, or no longer settle: the report shows the last change.
 ///
 ///   frictionlab features
 ///   frictionlab features --model lugre,gms,proposed --out runs/three
@@ -65,7 +65,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     };
     let json = serde_json::to_string(&results).context("cannot describe the results")?;
     write_all(&folder, &[("report.html", render_page(&page(&results))), ("features.json", json)])
-        .map_err(|error| BadInput(format!("{error}; --out DIR names another folder")))?;
+        .map_err(|error| BadInput(error.to_string()))?;
     if !args.quiet {
         super::print(&format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display()))?;
     }

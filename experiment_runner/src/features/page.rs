@@ -13,7 +13,7 @@ pub fn page(results: &FeaturesResults) -> Page {
         heading("Which model shows what"),
         text(
             "Every model with the parameters of the thesis's chapter 3 (N, m, s), and for frictional lag with those of the test bed (N m, rad, s). Click a name in a \
-             legend to hide a curve, double-click to see it alone. Steps were halved until the figures held to 1e-4.",
+             legend to hide a curve, double-click to see it alone. Steps were halved until the figures held to 1e-4; random or switching models settle less far, and the last change stands beside their figures.",
         ),
         Block::Note(
             "The stiffnesses of the thesis's chapter 3 sets differ by a factor of 200 between models (GMS 460 N/m, proposed 2356, Xiong 46 000, LuGre 100 000): \
