@@ -8,13 +8,19 @@
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
+//! * [`bounded`]: nonlinear least squares within bounds.
+//! * [`estimate`]: a parameter with its error, interval and verdict.
+//! * [`residual_whiteness`]: how many independent samples a residual is worth.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
+pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
 mod error;
+pub mod estimate;
 mod least_squares;
 pub mod rbf_network;
+pub mod residual_whiteness;
 pub mod rigid_axis;
 pub mod static_curve;
 mod steady_point;
@@ -23,6 +29,7 @@ pub mod zero_phase;
 
 pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
+pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
 pub use static_curve::{
