@@ -11,6 +11,9 @@
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
+//! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
+//! * [`stretch`]: pieces of a recording of friction, and what each shows.
+//! * [`output_error`]: any model fitted to any motion.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
@@ -18,22 +21,28 @@ pub mod conditioning;
 pub mod confidence;
 mod error;
 pub mod estimate;
+pub mod free_parameters;
 mod least_squares;
+pub mod output_error;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
 pub mod static_curve;
 mod steady_point;
+pub mod stretch;
 pub mod two_line;
 pub mod zero_phase;
 
 pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
+pub use free_parameters::FreeParameters;
+pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
     Unidentifiable, fit_stribeck,
 };
+pub use stretch::{Stretch, StretchKind};
 pub use two_line::{TwoLineFit, fit_two_line};
