@@ -14,6 +14,10 @@
 //! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
 //! * [`stretch`]: pieces of a recording of friction, and what each shows.
 //! * [`output_error`]: any model fitted to any motion.
+//! * [`staged`]: a model with all its parameters, stage by stage.
+//! * [`starting_model`]: where the searches begin.
+//! * [`micro_damping`]: damping computed from the inertia.
+//! * [`information`]: information criteria, and which of two models predicts better.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
@@ -22,11 +26,15 @@ pub mod confidence;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
+pub mod information;
 mod least_squares;
+pub mod micro_damping;
 pub mod output_error;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
+pub mod staged;
+pub mod starting_model;
 pub mod static_curve;
 mod steady_point;
 pub mod stretch;
@@ -40,6 +48,7 @@ pub use free_parameters::FreeParameters;
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
+pub use staged::{FrictionData, Given, Identified, Stage, StagedOptions, identify_model};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
     Unidentifiable, fit_stribeck,
