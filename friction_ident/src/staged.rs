@@ -149,17 +149,18 @@ fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
     let mut sums = vec![(0.0, 0.0, 0usize); 2 * BINS];
     let travel = stretch.travel();
     let mut turned = travel.first().copied().unwrap_or(0.0);
-    for k in 1..stretch.len() {
-        let v = stretch.velocity[k];
-        if v * stretch.velocity[k - 1] <= 0.0 {
-            turned = travel[k];
+    let mut before = 0.0;
+    for ((&v, &friction), &at) in stretch.velocity.iter().zip(&stretch.friction).zip(&travel) {
+        if v * before <= 0.0 {
+            turned = at;
         }
-        let slid = (travel[k] - turned).abs() > reach;
+        before = v;
+        let slid = (at - turned).abs() > reach;
         if slid && v.abs() > 0.01 * fastest {
             let bin =
                 ((v.abs() / fastest * BINS as f64) as usize).min(BINS - 1) + if v > 0.0 { BINS } else { 0 };
-            let (velocity, friction, count) = &mut sums[bin];
-            (*velocity, *friction, *count) = (*velocity + v, *friction + stretch.friction[k], *count + 1);
+            let (velocities, frictions, count) = &mut sums[bin];
+            (*velocities, *frictions, *count) = (*velocities + v, *frictions + friction, *count + 1);
         }
     }
     let mean = |&(v, f, n): &(f64, f64, usize)| SteadyPoint::new(v / n as f64, f / n as f64);
