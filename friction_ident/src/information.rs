@@ -74,6 +74,17 @@ pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Differ
     Difference { mean, standard_error: (variance / m).sqrt() }
 }
 
+/// Differences of several kinds of recording put together, each weighed by its samples. What one kind shows otherwise than another is no
+/// scatter: only the scatter within the kinds counts.
+pub fn stratified(kinds: &[(Difference, usize)]) -> Difference {
+    let all = kinds.iter().map(|(_, n)| *n).sum::<usize>().max(1) as f64;
+    let weigh = |n: &usize| *n as f64 / all;
+    let mean = kinds.iter().map(|(difference, n)| weigh(n) * difference.mean).sum();
+    let variance: f64 =
+        kinds.iter().map(|(difference, n)| (weigh(n) * difference.standard_error).powi(2)).sum();
+    Difference { mean, standard_error: variance.sqrt() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,6 +97,14 @@ mod tests {
         // Twice the samples by counting each twice is no more evidence.
         let doubled = Information::new(0.25, 200, 0.5, 3);
         assert!((doubled.aic - found.aic).abs() < 1e-12);
+    }
+
+    #[test]
+    fn kinds_are_weighed_by_their_samples() {
+        let of = |mean, standard_error| Difference { mean, standard_error };
+        let both = stratified(&[(of(1.0, 0.3), 300), (of(-1.0, 0.4), 100)]);
+        assert!((both.mean - 0.5).abs() < 1e-15);
+        assert!((both.standard_error - (0.225f64.powi(2) + 0.1f64.powi(2)).sqrt()).abs() < 1e-15);
     }
 
     #[test]

@@ -18,6 +18,8 @@
 //! * [`starting_model`]: where the searches begin.
 //! * [`micro_damping`]: damping computed from the inertia.
 //! * [`information`]: information criteria, and which of two models predicts better.
+//! * [`synthetic`]: what the experiments show of a known friction.
+//! * [`truth_matrix`]: which model fits the friction of which.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
@@ -38,6 +40,8 @@ pub mod starting_model;
 pub mod static_curve;
 mod steady_point;
 pub mod stretch;
+pub mod synthetic;
+pub mod truth_matrix;
 pub mod two_line;
 pub mod zero_phase;
 

@@ -48,6 +48,9 @@ pub enum StretchKind {
 }
 
 impl StretchKind {
+    /// All four, in the order of the figures.
+    pub const ALL: [Self; 4] = [Self::Steady, Self::PreSliding, Self::Lag, Self::Mixed];
+
     /// In words.
     pub const fn describe(self) -> &'static str {
         match self {
