@@ -21,4 +21,5 @@ pub mod sequencer;
 pub mod simulate;
 pub mod test_bed;
 pub mod tracking;
+pub mod truth_matrix;
 pub mod waveform;

@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, run, simulate};
+use experiment_runner::cli::{
+    BadInput, Interrupted, features, identify, models, run, simulate, truth_matrix,
+};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -24,6 +26,7 @@ enum Command {
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Simulate(simulate::SimulateArgs),
+    TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
 }
@@ -35,6 +38,7 @@ fn main() -> ExitCode {
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
+        Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
     };

@@ -7,6 +7,7 @@ pub mod live;
 pub mod models;
 pub mod run;
 pub mod simulate;
+pub mod truth_matrix;
 
 /// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
 /// mend it; the program ends with exit code 2.
