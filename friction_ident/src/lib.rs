@@ -11,6 +11,7 @@
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
+//! * [`profile`]: confidence intervals from the profile of the likelihood.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
@@ -19,6 +20,7 @@ pub mod confidence;
 mod error;
 pub mod estimate;
 mod least_squares;
+pub mod profile;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
