@@ -6,10 +6,12 @@
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
+//! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
+//! * [`derived`]: parameters computed from estimated ones, with their errors.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
 //! * [`profile`]: confidence intervals from the profile of the likelihood.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
@@ -17,9 +19,11 @@
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
+pub mod derived;
 mod error;
 pub mod estimate;
 mod least_squares;
+pub mod pre_sliding;
 pub mod profile;
 pub mod rbf_network;
 pub mod residual_whiteness;
