@@ -164,6 +164,9 @@ pub enum IdentError {
     /// The weight of the ridge is out of range.
     #[error("the ridge must be a positive number, but is {0}; 1e-10 suits most data")]
     Ridge(f64),
+    /// The number of elements is out of range.
+    #[error("the number of elements must lie between 1 and 16, but is {0}")]
+    ElementCount(usize),
     /// The nonlinear solver stopped without a result.
     #[error("the least squares solver gave up: {0}; check the points for outliers")]
     NoConvergence(String),

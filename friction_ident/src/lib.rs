@@ -6,10 +6,12 @@
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
+//! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
+//! * [`derived`]: parameters computed from estimated ones, with their errors.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
 //! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
 //! * [`stretch`]: pieces of a recording of friction, and what each shows.
@@ -20,11 +22,13 @@
 //! * [`information`]: information criteria, and which of two models predicts better.
 //! * [`synthetic`]: what the experiments show of a known friction.
 //! * [`truth_matrix`]: which model fits the friction of which.
+//! * [`profile`]: confidence intervals from the profile of the likelihood.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
+pub mod derived;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
@@ -32,6 +36,8 @@ pub mod information;
 mod least_squares;
 pub mod micro_damping;
 pub mod output_error;
+pub mod pre_sliding;
+pub mod profile;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;

@@ -78,8 +78,8 @@ pub struct OutputErrorOptions {
 impl Default for OutputErrorOptions {
     fn default() -> Self {
         Self {
-            patience: Patience { sum: 1e-10, step: 1e-10, ..Patience::default() },
-            restarts: 4,
+            patience: Patience { sum: 1e-9, step: 1e-9, iterations: 50, broyden: false },
+            restarts: 2,
             rotary: true,
         }
     }

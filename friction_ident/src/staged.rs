@@ -11,13 +11,16 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::bounded::{Ending, Step};
-use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
+use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
 use crate::information::{Difference, Information, paired_difference, stratified};
-use crate::output_error::{Measured, OutputErrorFit, OutputErrorOptions, fit_output_error, predict};
+use crate::output_error::{
+    Measured, OutputErrorFit, OutputErrorOptions, fit_output_error, predict, prediction_rms,
+};
+use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 use crate::residual_whiteness::effective_share;
 use crate::starting_model::{breakaway_reach, scaled_to, with_elements};
-use crate::static_curve::{StribeckFit, StribeckOptions, StribeckValues, fit_stribeck};
+use crate::static_curve::{StribeckFit, StribeckOptions, StribeckParameter, StribeckValues, fit_stribeck};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::{Stretch, StretchKind};
 
@@ -292,7 +295,7 @@ impl Work<'_> {
         let measured = Measured { points: &points, stretches: &[] };
         let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
         for (side, curve) in &fits {
-            doubt_the_dip(&mut fit.estimates, side, curve);
+            take_over(&mut fit.estimates, side, curve);
         }
         if points.len() != self.data.points.len() {
             self.notes.push(
@@ -316,14 +319,61 @@ impl Work<'_> {
             Stage::PreSliding => (&PRE_SLIDING, &self.data.pre_sliding),
             _ => (&LAG, &self.data.lag),
         };
+        if self.stopped || stretches.is_empty() {
+            return Ok(model);
+        }
+        let model = if stage == Stage::PreSliding { self.best_operator(model) } else { model };
         let free = FreeParameters::new(&model, |row| names.contains(&row.name));
-        if self.stopped || stretches.is_empty() || free.handles().is_empty() {
+        if free.handles().is_empty() {
             return Ok(model);
         }
         let measured = Measured { points: &[], stretches };
         let samples = measured.len();
         let fit = self.fit(stage, &free, &measured, watch)?;
         Ok(self.keep(stage, samples, fit))
+    }
+
+    /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by a scan over all of them, where that is
+    /// nearer to the recordings. A path that cannot be fitted so leaves the model as it is: the search that follows may still do better.
+    fn best_operator(&self, model: AnyModel) -> AnyModel {
+        let operator = match self.name {
+            ModelName::Proposed => PreSlidingModel::Proposed,
+            ModelName::LuGre => PreSlidingModel::LuGre,
+            ModelName::Dahl => PreSlidingModel::Dahl { delta: model.parameter("delta").unwrap_or(1.0) },
+            ModelName::ElastoPlastic => PreSlidingModel::ElastoPlastic,
+            ModelName::Gms => PreSlidingModel::Gms { elements: self.options.elements },
+            ModelName::Xiong => PreSlidingModel::Xiong { elements: self.options.elements },
+            _ => return model,
+        };
+        let travels: Vec<Vec<f64>> = self
+            .data
+            .pre_sliding
+            .iter()
+            .map(|stretch| {
+                let travel = stretch.travel();
+                let start = travel.first().copied().unwrap_or(0.0);
+                travel.into_iter().map(|x| x - start).collect()
+            })
+            .collect();
+        let paths: Vec<PreSlidingPath> = travels
+            .iter()
+            .zip(&self.data.pre_sliding)
+            .map(|(displacement, stretch)| PreSlidingPath { displacement, torque: &stretch.friction })
+            .collect();
+        let Ok(found) = fit_pre_sliding(&paths, operator) else { return model };
+        let mut parameters = model.parameters();
+        for estimate in &found.estimates.parameters {
+            let (name, element) = match estimate.name.split_once('[') {
+                Some((name, rest)) => (name, rest.trim_end_matches(']').parse().unwrap_or(usize::MAX)),
+                None => (estimate.name.as_str(), 0),
+            };
+            if PRE_SLIDING.contains(&name) {
+                parameters.set_at(name, element, estimate.value);
+            }
+        }
+        let measured = Measured { points: &[], stretches: &self.data.pre_sliding };
+        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+        parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 
     /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.
@@ -403,11 +453,19 @@ fn with_dip(values: &StribeckValues) -> StribeckValues {
     StribeckValues { f_s: values.f_s.max(1.001 * values.f_c), ..*values }
 }
 
-/// The scan over all Stribeck velocities knows better than a local fit whether there is a dip.
-fn doubt_the_dip(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
+/// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and its profile where the intervals end.
+fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
     use crate::static_curve::Unidentifiable;
-    for (parameter, why) in ["f_s", "f_c", "v_s", "f_v"].into_iter().zip(curve.unidentifiable) {
+    let has_dip = estimates.get(&format!("v_s{side}")).is_some();
+    for (parameter, why) in StribeckParameter::ALL.into_iter().zip(curve.unidentifiable) {
+        let profile = curve.estimate(parameter).interval;
+        let parameter = parameter.name();
         let label = format!("{parameter}{side}");
+        if let Some(estimate) = estimates.parameters.iter_mut().find(|estimate| estimate.name == label)
+            && let (Some((low, high)), true) = (profile, has_dip)
+        {
+            estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
+        }
         let found = estimates.parameters.iter_mut().find(|estimate| estimate.name == label);
         if let (Some(estimate), Some(why)) = (found, why) {
             let doubt = match why {
@@ -419,6 +477,7 @@ fn doubt_the_dip(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
                     Doubt::OutsideRange { low: slowest, high: fastest }
                 }
                 Unidentifiable::AtBound { bound } => Doubt::AtBound { bound },
+                Unidentifiable::OpenInterval { .. } => Doubt::OpenInterval,
             };
             estimate.verdict = Verdict::NotIdentifiable { doubt, remedy: remedy(parameter) };
         }
@@ -491,7 +550,7 @@ pub fn rms_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> 
         StretchKind::Steady => Measured { points: &data.points, stretches: &[] },
         _ => Measured { points: &[], stretches: data.stretches(kind) },
     };
-    (!measured.is_empty()).then(|| crate::output_error::prediction_rms(model, &measured))
+    (!measured.is_empty()).then(|| prediction_rms(model, &measured))
 }
 
 /// Every number of the model with what the last stage that estimated it says.
