@@ -12,6 +12,7 @@ pub mod live;
 pub mod messages;
 pub mod models;
 pub mod output;
+pub mod profile;
 pub mod progress;
 pub mod protocol;
 pub mod recording;
