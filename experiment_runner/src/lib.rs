@@ -1,6 +1,7 @@
 //! Experiments, their recorder, figures and report, and the `frictionlab` command built on them.
 
 pub mod bag;
+pub mod characterise;
 pub mod cli;
 pub mod constant_velocity;
 pub mod control_loop;
