@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, run, simulate};
+use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, protocols, run, simulate};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -23,6 +23,7 @@ enum Command {
     Identify(Box<identify::IdentifyArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
+    Protocols(protocols::ProtocolsArgs),
     Simulate(simulate::SimulateArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => identify::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
+        Command::Protocols(args) => protocols::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),

@@ -36,6 +36,12 @@ impl Measured {
         })
     }
 
+    /// Half the distance of the quartiles.
+    #[must_use]
+    pub const fn half_spread(&self) -> f64 {
+        0.5 * (self.quartiles[2] - self.quartiles[0])
+    }
+
     /// Standard error and systematic part together.
     #[must_use]
     pub fn uncertainty(&self) -> f64 {

@@ -59,6 +59,15 @@ impl VaryingVelocityProtocol {
         ])
     }
 
+    /// The protocol that is part of the program.
+    ///
+    /// # Errors
+    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
+    pub fn shipped() -> Result<Self, ProtocolError> {
+        let name = super::Kind::VaryingVelocity.name();
+        super::sheet::<Sheet>(super::Kind::VaryingVelocity.text(), name)?.try_into()
+    }
+
     /// A short form to try things out.
     #[must_use]
     pub fn quick(self) -> Self {
