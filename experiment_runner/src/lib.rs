@@ -1,6 +1,7 @@
 //! Experiments, their recorder, figures and report, and the `frictionlab` command built on them.
 
 pub mod bag;
+pub mod characterise;
 pub mod cli;
 pub mod constant_velocity;
 pub mod control_loop;
@@ -12,6 +13,7 @@ pub mod live;
 pub mod messages;
 pub mod models;
 pub mod output;
+pub mod profile;
 pub mod progress;
 pub mod protocol;
 pub mod recording;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, features, identify, models, run, simulate, truth_matrix,
+    BadInput, Interrupted, features, identify, models, protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -25,6 +25,7 @@ enum Command {
     Identify(Box<identify::IdentifyArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
+    Protocols(protocols::ProtocolsArgs),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Command::Identify(args) => identify::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
+        Command::Protocols(args) => protocols::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]

@@ -72,6 +72,18 @@ pub enum IdentError {
         /// The terms that are unseen, or that cannot be told from one another.
         terms: Vec<AxisTerm>,
     },
+    /// A constant of the drive, or its standard error, is out of range.
+    #[error(
+        "the drive's {name} must be a finite number above zero with a standard error of zero or more, but is {value} +- {standard_error}"
+    )]
+    DriveConstant {
+        /// The constant.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
     /// The force is zero throughout, so that nothing can be explained.
     #[error("the force is zero in every sample; check the force column and its scale")]
     ZeroForce,

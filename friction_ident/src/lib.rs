@@ -5,6 +5,7 @@
 //! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
+//! * [`torque_source`]: friction torque from a sensor, or from a motor's voltage or current, with its uncertainty.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
@@ -48,6 +49,7 @@ mod steady_point;
 pub mod stretch;
 pub mod synthetic;
 pub mod truth_matrix;
+pub mod torque_source;
 pub mod two_line;
 pub mod zero_phase;
 
@@ -64,4 +66,7 @@ pub use static_curve::{
     Unidentifiable, fit_stribeck,
 };
 pub use stretch::{Stretch, StretchKind};
+pub use torque_source::{
+    ChannelDeviations, ConstantError, DriveConstant, DriveConstants, DriveSignals, FrictionTorque,
+    TorqueSource, Uncertain, friction_torque,
 pub use two_line::{TwoLineFit, fit_two_line};

@@ -5,6 +5,7 @@ pub mod identify;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;
+pub mod protocols;
 pub mod run;
 pub mod simulate;
 pub mod truth_matrix;

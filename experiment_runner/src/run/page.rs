@@ -31,6 +31,7 @@ pub(super) fn build(
         blocks.extend(results.identification.as_ref().map(parameter_table).map(Block::Table));
         blocks.push(Block::Figure(stribeck_figure(results)));
     }
+    blocks.extend(super::characterisation_page::blocks(&results.characterisation, options.torque.source));
     for (title, comparison, traces) in [
         ("Velocity tracking", &results.velocity_tracking, velocity),
         ("Position tracking", &results.position_tracking, position),
@@ -48,9 +49,10 @@ pub(super) fn build(
     Page {
         title: "Friction laboratory".to_owned(),
         subtitle: format!(
-            "frictionlab run {}, simulated SRV-02 test bed with {} friction, seed {}, version {}",
+            "frictionlab run {}, simulated SRV-02 test bed with {} friction, torque from {}, seed {}, version {}",
             options.experiment.as_str(),
             options.test_bed.friction.name(),
+            options.torque.source.name(),
             options.seed,
             results.program_version
         ),

@@ -5,7 +5,7 @@ use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::Serialize;
 
-use super::RunOptions;
+use super::{Characterisation, RunOptions};
 use crate::constant_velocity::SteadyRun;
 use crate::tracking::{Arm, TrackingRun};
 
@@ -32,6 +32,8 @@ pub struct RunResults {
     pub constant_velocity: Vec<SteadyRun>,
     /// The Stribeck curve through them.
     pub identification: Option<Identification>,
+    /// Experiments 2 to 4.
+    pub characterisation: Characterisation,
     /// Velocity tracking.
     pub velocity_tracking: Option<Comparison>,
     /// Position tracking.
