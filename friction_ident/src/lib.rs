@@ -48,8 +48,8 @@ pub mod static_curve;
 mod steady_point;
 pub mod stretch;
 pub mod synthetic;
-pub mod truth_matrix;
 pub mod torque_source;
+pub mod truth_matrix;
 pub mod two_line;
 pub mod zero_phase;
 
@@ -69,4 +69,5 @@ pub use stretch::{Stretch, StretchKind};
 pub use torque_source::{
     ChannelDeviations, ConstantError, DriveConstant, DriveConstants, DriveSignals, FrictionTorque,
     TorqueSource, Uncertain, friction_torque,
+};
 pub use two_line::{TwoLineFit, fit_two_line};
