@@ -70,6 +70,8 @@ pub struct FreeParameters {
 
 /// How far the logarithm of a number may be from the template's: a factor of a thousand.
 const DECADES: f64 = 3.0 * std::f64::consts::LN_10;
+/// The same for the stiffnesses of elements, a factor of thirty: an element so soft that it never slips is no element.
+const ELEMENT_DECADES: f64 = 1.5 * std::f64::consts::LN_10;
 
 /// Names of the lists whose elements sum to one.
 const SHARES: [&str; 2] = ["alpha", "lambda"];
@@ -141,7 +143,10 @@ impl FreeParameters {
             match (coordinate, range) {
                 (Coordinate::Logarithm, _) => {
                     let middle = size.ln();
-                    Bound::within(middle - DECADES, middle + DECADES, 0.1).reaching(1.0)
+                    let stiffness =
+                        table.iter().any(|row| row.name == handle.name && row.unit == Unit::Stiffness);
+                    let reach = if handle.list && stiffness { ELEMENT_DECADES } else { DECADES };
+                    Bound::within(middle - reach, middle + reach, 0.1).reaching(1.0)
                 }
                 (Coordinate::ShareOfDeflection, _) => Bound::within(1e-3, 0.999, 1.0),
                 (Coordinate::Excess, _) => Bound::within(0.0, 1e6 * size, 0.1 * size),

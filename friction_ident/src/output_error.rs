@@ -78,7 +78,7 @@ pub struct OutputErrorOptions {
 impl Default for OutputErrorOptions {
     fn default() -> Self {
         Self {
-            patience: Patience { sum: 1e-9, step: 1e-9, iterations: 50, broyden: false },
+            patience: Patience { sum: 1e-9, step: 1e-9, iterations: 30, broyden: false },
             restarts: 2,
             rotary: true,
         }
@@ -211,7 +211,7 @@ struct Along<'a> {
 /// Longest period of a fixed-step model [s].
 const LONGEST_STEP: f64 = 0.01;
 /// Steps within which a contact that slides at a constant velocity is taken to be steady, at most.
-const SETTLING: usize = 20_000;
+const SETTLING: usize = 4_000;
 
 impl ModelVisitor for Along<'_> {
     type Output = ();

@@ -315,15 +315,16 @@ impl Work<'_> {
 
     /// A stage that runs the model along the recordings of its kind.
     fn dynamic_stage(&mut self, stage: Stage, model: AnyModel, watch: Watch) -> Result<AnyModel, IdentError> {
-        let (names, stretches): (&[&str], _) = match stage {
-            Stage::PreSliding => (&PRE_SLIDING, &self.data.pre_sliding),
-            _ => (&LAG, &self.data.lag),
-        };
+        let stretches = if stage == Stage::PreSliding { &self.data.pre_sliding } else { &self.data.lag };
         if self.stopped || stretches.is_empty() {
             return Ok(model);
         }
         let model = if stage == Stage::PreSliding { self.best_operator(model) } else { model };
-        let free = FreeParameters::new(&model, |row| names.contains(&row.name));
+        let damping = self.options.inertia.is_none();
+        let free = FreeParameters::new(&model, |row| match stage {
+            Stage::PreSliding => PRE_SLIDING.contains(&row.name) || (damping && DAMPING.contains(&row.name)),
+            _ => LAG.contains(&row.name),
+        });
         if free.handles().is_empty() {
             return Ok(model);
         }
@@ -369,6 +370,15 @@ impl Work<'_> {
             };
             if PRE_SLIDING.contains(&name) {
                 parameters.set_at(name, element, estimate.value);
+            }
+        }
+        // An element that never slipped on these paths is as soft as the fit likes: no softer than one that slips at eight times their end.
+        let level = model.parameter("f_s").unwrap_or(f64::INFINITY);
+        for (share, stiffness) in [("alpha", "sigma0"), ("lambda", "k")] {
+            let softest = level / (8.0 * self.reach().unwrap_or(f64::INFINITY));
+            let pairs = parameters.values(share).into_iter().zip(parameters.values(stiffness));
+            for (element, (share, k)) in pairs.enumerate() {
+                parameters.set_at(stiffness, element, k.max(share * softest));
             }
         }
         let measured = Measured { points: &[], stretches: &self.data.pre_sliding };

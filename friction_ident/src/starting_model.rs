@@ -77,14 +77,24 @@ pub fn scaled_to(
     parameters.try_into()
 }
 
-/// How far the contact bends before it slides, roughly [m or rad]: `z_b`, or the level over the stiffness.
+/// How far the contact bends before it slides as a whole, roughly [m or rad]: `z_b`, the level over the stiffness, or the width of the widest element.
 pub fn breakaway_reach(model: &AnyModel) -> Option<f64> {
     if let Some(z_b) = model.parameter("z_b") {
         return Some(z_b);
     }
     let parameters = model.parameters();
     let level = model.parameter("f_s").or(model.parameter("f_c"))?;
-    let stiffness: f64 = parameters.values("sigma0").iter().chain(&parameters.values("k")).sum();
+    let widths = [("alpha", "sigma0"), ("lambda", "k")].into_iter().flat_map(|(share, stiffness)| {
+        parameters
+            .values(share)
+            .into_iter()
+            .zip(parameters.values(stiffness))
+            .map(|(share, k)| share * level / k)
+    });
+    if let Some(widest) = widths.max_by(f64::total_cmp) {
+        return Some(widest);
+    }
+    let stiffness: f64 = parameters.values("sigma0").iter().sum();
     (stiffness > 0.0).then(|| level / stiffness)
 }
 

@@ -5,6 +5,7 @@ mod terminal;
 
 use std::sync::atomic::AtomicBool;
 
+use friction_ident::starting_model::breakaway_reach;
 use friction_ident::truth_matrix::{MODELS, Trial, try_models};
 use friction_ident::{IdentError, StagedOptions};
 use friction_model::{AnyModel, ModelName};
@@ -85,7 +86,7 @@ impl Row {
     }
 }
 
-/// How far the test bed's contact bends [rad].
+/// How far the test bed's contact bends [rad], for truths without pre-sliding.
 const REACH: f64 = 0.006;
 
 /// Tries all; what was done before `cancel` was set is kept.
@@ -103,7 +104,9 @@ pub fn compute(
     let mut rows: Vec<Row> = Vec::new();
     let work = |&(truth, seed): &(ModelName, u32)| {
         progress.stage(format!("truth {}, seed {seed}", truth.title()));
-        try_models(&visible(truth), REACH, &models, options.noise, u64::from(seed), &StagedOptions::default())
+        let truth = visible(truth);
+        let reach = breakaway_reach(&truth).unwrap_or(REACH);
+        try_models(&truth, reach, &models, options.noise, u64::from(seed), &StagedOptions::default())
     };
     let completion = run_in_order(&jobs, options.workers, cancel, work, |&(truth, _), trials| {
         match rows.last_mut().filter(|row| row.truth == truth) {
