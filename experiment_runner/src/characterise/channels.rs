@@ -103,23 +103,6 @@ impl Channels {
         self.current.extend(seen.motor_current);
         self.torque.push(seen.torque);
     }
-
-    /// Only the samples from `first` on, at most `samples` of them, the time counted from the first.
-    #[must_use]
-    pub fn cut(&self, first: usize, samples: usize) -> Self {
-        let part = |values: &[f64]| values.iter().skip(first).take(samples).copied().collect::<Vec<f64>>();
-        let start = self.time.get(first).copied().unwrap_or(0.0);
-        Self {
-            period: self.period,
-            time: part(&self.time).iter().map(|t| t - start).collect(),
-            encoder: part(&self.encoder),
-            potentiometer: part(&self.potentiometer),
-            velocity: part(&self.velocity),
-            voltage: part(&self.voltage),
-            current: part(&self.current),
-            torque: part(&self.torque),
-        }
-    }
 }
 
 /// Means of `size` samples each; what is left over at the end is dropped.

@@ -329,6 +329,7 @@ fn summary(outcome: &Outcome) -> String {
             };
         }
     }
+    text += &results.added_to_points().map_or(String::new(), |said| said + "\n");
     text += &characterisation(&results.characterisation);
     for (title, comparison) in
         [("Velocity tracking", &results.velocity_tracking), ("Position tracking", &results.position_tracking)]

@@ -67,7 +67,7 @@ fn every_mistake_gets_its_sentence() {
         (Kind::ConstantVelocity, "sets: 2", "", "sets"),
         (Kind::VaryingVelocity, "amplitude: 0.95", "amplitude: 1.05", "below the bias 1 rad/s"),
         (Kind::VaryingVelocity, "[2 rad/s", "[2 furlongs", "`furlongs` is not known"),
-        (Kind::VaryingVelocity, "[2 rad/s", "[0.1 rad/s", "`frequencies[0]` must be so high"),
+        (Kind::VaryingVelocity, "[2 rad/s", "[0.05 rad/s", "`frequencies[0]` must be so high"),
         (
             Kind::VaryingVelocity,
             "up_to: 10 rad/s",

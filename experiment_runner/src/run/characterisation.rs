@@ -13,6 +13,9 @@ use crate::profile::{DrivenQuantity, Excitation, Profile};
 use crate::protocol::{Displacement, OnsetRule};
 use crate::sequencer::Completion;
 
+/// Samples of a stretch of varying velocity that its table holds at most.
+const TABLE_SAMPLES: usize = 20_000;
+
 /// What experiments 2 to 4 found; none of those that were not run.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Characterisation {
@@ -162,7 +165,7 @@ impl Bench<'_> {
                 Some(&w) => (format!("lag_{}_rad_s.csv", in_name(w)), first(period)),
                 None => ("lag_chirp.csv".to_owned(), run_in),
             };
-            found.records.push((name, record.from(skip)));
+            found.records.push((name, record.from(skip, TABLE_SAMPLES)));
         }
         Ok(progressed)
     }
@@ -209,7 +212,9 @@ impl Bench<'_> {
         progressed = Progressed { rig_seconds: progressed.rig_seconds + after.rig_seconds, ..after };
         if let Some(record) = driven.means.pop() {
             let rest = (crate::protocol::REST / self.options.test_bed.simulation.period) as usize;
-            found.records.push(("presliding.csv".to_owned(), record.from(rest).thinned(size as usize)));
+            found
+                .records
+                .push(("presliding.csv".to_owned(), record.from(rest, usize::MAX).thinned(size as usize)));
         }
         Ok(progressed)
     }
@@ -290,7 +295,9 @@ impl Bench<'_> {
         }
         let progressed = Progressed::from(&driven);
         for ((name, _), record) in groups.iter().zip(driven.means) {
-            found.records.push((format!("breakaway_{}.csv", name.replace(' ', "_")), record));
+            let name: String =
+                name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+            found.records.push((format!("breakaway_{name}.csv"), record));
         }
         Ok((figures, progressed))
     }

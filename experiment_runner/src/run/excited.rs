@@ -80,10 +80,10 @@ impl MeanRecord {
 }
 
 impl MeanRecord {
-    /// From sample `first` on, time counted from there.
-    pub fn from(self, first: usize) -> Self {
+    /// From sample `first` on, `samples` at most, time counted from there.
+    pub fn from(self, first: usize, samples: usize) -> Self {
         let start = self.time.get(first).copied().unwrap_or(0.0);
-        let mut record = self.each(|values| values.get(first..).unwrap_or_default().to_vec());
+        let mut record = self.each(|values| values.iter().skip(first).take(samples).copied().collect());
         record.time.iter_mut().for_each(|t| *t -= start);
         record
     }

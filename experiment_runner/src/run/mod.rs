@@ -4,6 +4,8 @@
 
 mod characterisation;
 mod characterisation_page;
+#[cfg(test)]
+mod characterisation_tests;
 mod compensators;
 mod error;
 mod excited;

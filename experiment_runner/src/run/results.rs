@@ -44,6 +44,21 @@ pub struct RunResults {
     pub timing: Timing,
 }
 
+impl RunResults {
+    /// What a torque without a sensor adds to the uncertainty of the steady points, in words.
+    #[must_use]
+    pub fn added_to_points(&self) -> Option<String> {
+        let systematic = || self.constant_velocity.iter().map(|run| run.torque_systematic);
+        let most = systematic().max_by(f64::total_cmp).filter(|&most| most > 0.0)?;
+        let least = systematic().min_by(f64::total_cmp)?;
+        Some(format!(
+            "The torque is worked out of the motor's {}: the errors of the drive's constants add a standard deviation of {least:.4} to {most:.4} N m to the \
+             points, the same in every repetition, which the parameters' standard errors do not contain.",
+            self.options.torque.source.name()
+        ))
+    }
+}
+
 /// The identified curve.
 #[derive(Debug, Clone, Serialize)]
 pub struct Identification {
