@@ -7,6 +7,8 @@
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
+//! * [`micro_damping`]: the micro-damping that a chosen damping ratio asks for.
+//! * [`frictional_lag`]: the lag, from sliding in one direction at varying speed.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
@@ -22,7 +24,9 @@ pub mod confidence;
 pub mod derived;
 mod error;
 pub mod estimate;
+pub mod frictional_lag;
 mod least_squares;
+pub mod micro_damping;
 pub mod pre_sliding;
 pub mod profile;
 pub mod rbf_network;
