@@ -176,6 +176,24 @@ pub enum IdentError {
     /// The weight of the ridge is out of range.
     #[error("the ridge must be a positive number, but is {0}; 1e-10 suits most data")]
     Ridge(f64),
+    /// A recording of sliding in one direction stops or turns.
+    #[error(
+        "the velocity stops or turns at sample {index}, but the frictional lag needs sliding in one direction; cut the recording there, or raise the bias of the motion"
+    )]
+    Reversal {
+        /// The first sample without motion in the first direction.
+        index: usize,
+    },
+    /// A micro-damping cannot be computed from these numbers.
+    #[error(
+        "{what} is {value}, but must be positive for a micro-damping 2 zeta sqrt(J k) - f_v (the viscous friction zero or more); check the earlier stages, or choose a larger damping ratio"
+    )]
+    NotAnOscillator {
+        /// What is out of range.
+        what: &'static str,
+        /// What came.
+        value: f64,
+    },
     /// The number of elements is out of range.
     #[error("the number of elements must lie between 1 and 16, but is {0}")]
     ElementCount(usize),

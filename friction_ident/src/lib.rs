@@ -8,6 +8,8 @@
 //! * [`torque_source`]: friction torque from a sensor, or from a motor's voltage or current, with its uncertainty.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
+//! * [`micro_damping`]: the micro-damping that a chosen damping ratio asks for.
+//! * [`frictional_lag`]: the lag, from sliding in one direction at varying speed.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
@@ -19,7 +21,8 @@
 //! * [`output_error`]: any model fitted to any motion.
 //! * [`staged`]: a model with all its parameters, stage by stage.
 //! * [`starting_model`]: where the searches begin.
-//! * [`micro_damping`]: damping computed from the inertia.
+//! * [`damped_model`]: a model with its micro-damping computed from the inertia.
+//! * [`uncertain`]: a number and its standard error.
 //! * [`information`]: information criteria, and which of two models predicts better.
 //! * [`synthetic`]: what the experiments show of a known friction.
 //! * [`truth_matrix`]: which model fits the friction of which.
@@ -29,10 +32,12 @@
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
+pub mod damped_model;
 pub mod derived;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
+pub mod frictional_lag;
 pub mod information;
 mod least_squares;
 pub mod micro_damping;
@@ -51,6 +56,7 @@ pub mod synthetic;
 pub mod torque_source;
 pub mod truth_matrix;
 pub mod two_line;
+pub mod uncertain;
 pub mod zero_phase;
 
 pub use conditioning::{Conditioned, Conditioning, Signals, condition};
@@ -60,7 +66,7 @@ pub use free_parameters::FreeParameters;
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
-pub use staged::{FrictionData, Given, Identified, Stage, StagedOptions, identify_model};
+pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
     Unidentifiable, fit_stribeck,
@@ -68,6 +74,8 @@ pub use static_curve::{
 pub use stretch::{Stretch, StretchKind};
 pub use torque_source::{
     ChannelDeviations, ConstantError, DriveConstant, DriveConstants, DriveSignals, FrictionTorque,
-    TorqueSource, Uncertain, friction_torque,
+    TorqueSource, friction_torque,
 };
 pub use two_line::{TwoLineFit, fit_two_line};
+pub use uncertain::Uncertain;
+pub use uncertain::Uncertain as Given;

@@ -11,9 +11,12 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::bounded::{Ending, Step};
+use crate::damped_model::with_computed_damping;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
+use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
 use crate::information::{Difference, Information, paired_difference, stratified};
+use crate::micro_damping::THESIS_ZETA;
 use crate::output_error::{
     Measured, OutputErrorFit, OutputErrorOptions, fit_output_error, predict, prediction_rms,
 };
@@ -23,15 +26,7 @@ use crate::starting_model::{breakaway_reach, scaled_to, with_elements};
 use crate::static_curve::{StribeckFit, StribeckOptions, StribeckParameter, StribeckValues, fit_stribeck};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::{Stretch, StretchKind};
-
-/// A number from elsewhere, with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Given {
-    /// Its value.
-    pub value: f64,
-    /// Its standard error; zero if it is taken as exact.
-    pub standard_error: f64,
-}
+use crate::uncertain::Uncertain;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +38,7 @@ pub struct StagedOptions {
     /// Elements of models that have any.
     pub elements: usize,
     /// Inertia that moves on the bristles [kg or kg m^2]; without it the micro-damping is left to the recordings.
-    pub inertia: Option<Given>,
+    pub inertia: Option<Uncertain>,
     /// Damping ratio of that motion.
     pub damping_ratio: f64,
     /// How the output-error fits are done.
@@ -58,7 +53,7 @@ impl Default for StagedOptions {
             joint: true,
             elements: 4,
             inertia: None,
-            damping_ratio: 0.7,
+            damping_ratio: THESIS_ZETA,
             output_error: OutputErrorOptions::default(),
         }
     }
@@ -319,7 +314,7 @@ impl Work<'_> {
         if self.stopped || stretches.is_empty() {
             return Ok(model);
         }
-        let model = if stage == Stage::PreSliding { self.best_operator(model) } else { model };
+        let model = if stage == Stage::PreSliding { self.best_operator(model) } else { self.best_lag(model) };
         let damping = self.options.inertia.is_none();
         let free = FreeParameters::new(&model, |row| match stage {
             Stage::PreSliding => PRE_SLIDING.contains(&row.name) || (damping && DAMPING.contains(&row.name)),
@@ -386,6 +381,27 @@ impl Work<'_> {
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 
+    /// The model with the time constant of the lag stage's own fit, which scans all of them and needs no start, where that is nearer to the recordings.
+    fn best_lag(&self, model: AnyModel) -> AnyModel {
+        let recordings: Vec<LagRecording> = self
+            .data
+            .lag
+            .iter()
+            .map(|stretch| LagRecording {
+                velocity: &stretch.velocity,
+                torque: &stretch.friction,
+                dt: stretch.time_step,
+            })
+            .collect();
+        // A velocity that noise turns round is left to the search that follows.
+        let Ok(found) = fit_lag(&recordings, &LagOptions::default()) else { return model };
+        let mut parameters = model.parameters();
+        parameters.set("tau", found.values.tau);
+        let measured = Measured { points: &[], stretches: &self.data.lag };
+        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+        parameters.try_into().ok().filter(nearer).unwrap_or(model)
+    }
+
     /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.
     fn micro_damping(&mut self, model: AnyModel) -> Result<AnyModel, IdentError> {
         let Some(inertia) = self.options.inertia else { return Ok(model) };
@@ -393,13 +409,8 @@ impl Work<'_> {
         if free.handles().is_empty() {
             return Ok(model);
         }
-        let computed = crate::micro_damping::computed(
-            &model,
-            inertia,
-            self.options.damping_ratio,
-            self.options.output_error.rotary,
-        );
-        let (model, estimates) = computed?;
+        let rotary = self.options.output_error.rotary;
+        let (model, estimates) = with_computed_damping(&model, inertia, self.options.damping_ratio, rotary)?;
         self.stages.push(StageResult { stage: Stage::MicroDamping, samples: 0, rms: 0.0, estimates });
         Ok(model)
     }

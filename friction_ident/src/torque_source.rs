@@ -19,6 +19,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::uncertain::Uncertain;
+
 use crate::IdentError;
 use crate::zero_phase::LowPass;
 
@@ -49,23 +51,6 @@ impl TorqueSource {
             Self::Voltage => "voltage",
             Self::Current => "current",
         }
-    }
-}
-
-/// A number and its standard error, in the same unit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Uncertain {
-    /// Best value.
-    pub value: f64,
-    /// Standard error, zero or more.
-    pub standard_error: f64,
-}
-
-impl Uncertain {
-    /// A value known to a fraction of itself.
-    pub fn relative(value: f64, fraction: f64) -> Self {
-        Self { value, standard_error: value.abs() * fraction }
     }
 }
 

@@ -224,10 +224,7 @@ pub(super) fn fit_springs(data: &Paths, elements: usize) -> Result<PreSlidingFit
         let n = elements + 1;
         for (matrix, diagonal) in [(&mut estimates.correlation, 1.0), (&mut estimates.covariance, 0.0)] {
             matrix.iter_mut().for_each(|row| row.resize(n, 0.0));
-            matrix.resize(n, vec![0.0; n]);
-            for i in 1..n {
-                matrix[i][i] = diagonal;
-            }
+            matrix.extend((1..n).map(|i| (0..n).map(|j| if i == j { diagonal } else { 0.0 }).collect()));
         }
     }
     Ok(PreSlidingFit { estimates, mse: sum / samples as f64, samples, evaluations: 1 })
