@@ -4,6 +4,7 @@
 //!
 //! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
+//! * [`axis_structure`]: the same axis with the structure of its friction chosen by cross-validation.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
@@ -13,6 +14,7 @@
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
+pub mod axis_structure;
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
@@ -27,6 +29,7 @@ mod steady_point;
 pub mod two_line;
 pub mod zero_phase;
 
+pub use bounded::Ending;
 pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
