@@ -5,6 +5,7 @@
 //! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
 //! * [`axis_structure`]: the same axis with the structure of its friction chosen by cross-validation.
+//! * [`drive`]: gain, time constant, delay, deadband and inertia of a motor from its voltage and motion.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
@@ -18,6 +19,7 @@ pub mod axis_structure;
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
+pub mod drive;
 mod error;
 pub mod estimate;
 mod least_squares;

@@ -11,11 +11,14 @@
 //!
 //! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells how well it predicts what it has not seen, [`choose`] decides.
 //!
+//! [`closed_loop`] runs an axis under the controller that made a recording.
+//!
 //! The sign is that of the sampled velocity: when a reversal happens is known to one sample, and a curve near rest with a small `v_s` may follow the rest.
 //!
 //! What motion and driving force cannot tell: a delay of the actuator from a lead of the position sensor; a gain error of the force scale from all
 //! other forces at once (only ratios to the gain are known); the half sample that a held output adds to the delay from the drive's own.
 
+pub mod closed_loop;
 mod cross_validation;
 mod doubts;
 mod fit;
@@ -28,6 +31,7 @@ mod structure;
 pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
+pub(crate) use regressors::read as read_between;
 pub use shape::{PositionScale, Shape};
 pub use structure::{AxisStructure, UnknownStructure};
 

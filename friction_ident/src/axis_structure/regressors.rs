@@ -264,7 +264,7 @@ impl<'a> Regressors<'a> {
 }
 
 /// A column between its samples, by the cubic through the four around it.
-fn read(column: &[f64], at: f64) -> f64 {
+pub(crate) fn read(column: &[f64], at: f64) -> f64 {
     let i = at.floor() as usize;
     let t = at - i as f64;
     let value = |k: usize| column.get(k.min(column.len().saturating_sub(1))).copied().unwrap_or(0.0);
