@@ -15,9 +15,11 @@
 //! Armature inductance is part of the delay.
 
 mod breakaway;
+mod combine;
 mod constants;
 mod fit;
 
 pub use breakaway::{Breakaway, breakaways};
+pub use combine::combine;
 pub use constants::{Calibration, Known};
 pub use fit::{DriveFit, DriveRecording, fit_drive};
