@@ -102,14 +102,10 @@ fn the_closed_loop_reproduces_both_recordings() {
         control: &control,
         force_per_volt: NEWTONS_PER_VOLT,
     };
-    let refined = refine(&start, &with, &mut |e| {
-        println!("{e}");
-        ControlFlow::Continue(())
-    })
-    .unwrap();
-    for e in &refined.estimates.parameters {
-        println!("{} {} {:?} {:?}", e.name, e.value, e.interval, e.verdict);
-    }
+    let refined = refine(&start, &with, &mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(refined.relative_error < 3.2, "estimation {}", refined.relative_error);
+    // Beyond the half sample of the hold a third of a millisecond is left, as the regression says.
+    assert!((0.1e-3..0.5e-3).contains(&refined.axis.delay), "{:?}", refined.axis);
 
     let validation = rows(&folder.join("validation.csv"));
     let (reference, position, control, pulse) =
@@ -117,6 +113,5 @@ fn the_closed_loop_reproduces_both_recordings() {
     let task = Task { reference: &reference, disturbance: Some(&pulse), start: position[0] };
     let run = refined.axis.run(&CascadeController::EMPS, NEWTONS_PER_VOLT, &task);
     let error = relative_error(&control, &run.control);
-    println!("{:?} {} {error}", refined.axis, refined.relative_error);
     assert!(error < 3.7, "validation {error}");
 }

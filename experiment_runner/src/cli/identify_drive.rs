@@ -72,7 +72,12 @@ pub struct IdentifyDriveArgs {
     without_torque: bool,
 
     /// Gear ratio A.
-    #[arg(long, value_name = "A", help_heading = "What is known of the motor")]
+    #[arg(
+        long,
+        value_name = "A",
+        allow_negative_numbers = true,
+        help_heading = "What is known of the motor"
+    )]
     gear_ratio: Option<f64>,
 
     /// Torque constant Km [N m/A], with its standard error if known.

@@ -49,14 +49,15 @@ impl DriveConstants {
     pub fn read(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         struct Node {
-            ros__parameters: serde_json::Value,
+            #[serde(rename = "ros__parameters")]
+            parameters: serde_json::Value,
         }
         let tree: BTreeMap<String, Node> = serde_saphyr::from_str(text)
             .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
         let node = tree
             .iter()
             .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
-            .map(|(_, node)| &node.ros__parameters)
+            .map(|(_, node)| &node.parameters)
             .ok_or("there is no node `rig_driver` in it; identify-drive writes one where the motor's constants or a torque sensor tell them")?;
         let drive = node.get("drive").ok_or("`rig_driver` has no `drive` in it")?;
         let parameters: DriveParameters =

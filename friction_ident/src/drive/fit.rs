@@ -322,7 +322,7 @@ impl Report<'_> {
                     standard_error: None,
                     interval: None,
                     verdict: Verdict::NotIdentifiable {
-                        doubt: Doubt::NoEffect,
+                        doubt: Doubt::RatioOnly,
                         remedy: "the motor's torque constant and resistance, the force per volt, or a torque sensor",
                     },
                 });
@@ -386,7 +386,8 @@ impl Report<'_> {
         let half = student_95(n.saturating_sub(1)) * error;
         let interval = Interval { low: mean - half, high: mean + half, method: IntervalMethod::Linearised };
         self.made.push(if n < 3 {
-            let (doubt, value) = (Doubt::NoEffect, if n == 0 { f64::NAN } else { mean });
+            let (doubt, value) =
+                (Doubt::TooFewEvents { found: n, needed: 3 }, if n == 0 { f64::NAN } else { mean });
             let verdict = Verdict::NotIdentifiable { doubt, remedy };
             Estimate {
                 name: name.to_owned(),
