@@ -33,8 +33,11 @@ pub struct AxisStructure {
     pub harmonic: bool,
 }
 
+/// The field that a part of a name switches on.
+type Field = fn(&mut AxisStructure) -> &mut bool;
+
 /// The parts of a name, with what they switch on.
-const PARTS: [(&str, fn(&mut AxisStructure) -> &mut bool); 5] = [
+const PARTS: [(&str, Field); 5] = [
     ("stribeck", |s| &mut s.stribeck),
     ("presliding", |s| &mut s.presliding),
     ("delay", |s| &mut s.delay),

@@ -23,13 +23,13 @@ const SLOW: f64 = 3.0;
 /// Longest time from rest to motion \[s\].
 const START: f64 = 0.5;
 
-/// All starts of motion in a recording whose force is the voltage: at least .1 s below a hundredth of the largest speed while the voltage changes by less
-/// than 3 V/s, then within .5 s beyond five hundredths. The voltage is carried back to zero speed along the line through both moments: an axis without a Stribeck dip
+/// All starts of motion in a recording whose force is the voltage: at least .1 s below .3 % of the largest speed while the voltage changes by less
+/// than 3 V/s, then within .5 s beyond 2 %. The voltage is carried back to zero speed along the line through both moments: an axis without a Stribeck dip
 /// starts gently, and the voltage goes on rising meanwhile.
 pub fn breakaways(recording: &Conditioned) -> Vec<Breakaway> {
     let Conditioned { velocity, force, time_step, first, .. } = recording;
     let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
-    let (still, moving) = (0.01 * fastest, 0.05 * fastest);
+    let (still, moving) = (0.003 * fastest, 0.02 * fastest);
     let samples = |seconds: f64| (seconds / time_step).ceil() as usize;
     let mut found = Vec::new();
     // First and last sample of the present rest.
