@@ -6,6 +6,7 @@ pub mod cli;
 pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
+pub mod drive;
 pub mod features;
 pub mod identify;
 #[cfg(feature = "ros")]

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, features, identify, models, protocols, run, simulate, truth_matrix,
+    BadInput, Interrupted, features, identify, identify_drive, models, protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -23,6 +23,7 @@ enum Command {
     Run(run::RunArgs),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
+    IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Protocols(protocols::ProtocolsArgs),
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),

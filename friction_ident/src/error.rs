@@ -2,6 +2,7 @@
 
 use friction_model::{ModelError, ModelName, Range};
 
+use crate::axis_structure::AxisStructure;
 use crate::rigid_axis::AxisTerm;
 
 /// Why an identification was refused.
@@ -87,6 +88,32 @@ pub enum IdentError {
     /// The force is zero throughout, so that nothing can be explained.
     #[error("the force is zero in every sample; check the force column and its scale")]
     ZeroForce,
+    /// The recording does not move in a way that shows these parameters.
+    #[error("the recording cannot tell {} {}; record a motion that reverses, accelerates and runs at several speeds, or choose a simpler structure", names.join(", "), if names.len() > 1 { "apart" } else { "at all" })]
+    Columns {
+        /// The parameters that are unseen, or that cannot be told from one another.
+        names: Vec<String>,
+    },
+    /// A structure depends on the position, which was not recorded.
+    #[error(
+        "the structure {structure} depends on the position, but the recording has none; record it, or leave `position` and `harmonic` out"
+    )]
+    NoPosition {
+        /// The structure.
+        structure: AxisStructure,
+    },
+    /// A recording cannot be cut into so many blocks.
+    #[error(
+        "the number of blocks must lie between 2 and {most} for this recording of {rows} thinned samples, but is {blocks}"
+    )]
+    BlockCount {
+        /// What was asked.
+        blocks: usize,
+        /// Samples after thinning.
+        rows: usize,
+        /// Most blocks that are long enough.
+        most: usize,
+    },
     /// The best fit has an inertia no body can have.
     #[error(
         "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it with a negative scale), or is friction alone and not the driving force (then leave the inertia out)"

@@ -4,6 +4,8 @@
 //!
 //! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
 //! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
+//! * [`axis_structure`]: the same axis with the structure of its friction chosen by cross-validation.
+//! * [`drive`]: gain, time constant, delay, deadband and inertia of a motor from its voltage and motion.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
 //! * [`torque_source`]: friction torque from a sensor, or from a motor's voltage or current, with its uncertainty.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
@@ -29,11 +31,13 @@
 //! * [`profile`]: confidence intervals from the profile of the likelihood.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
+pub mod axis_structure;
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
 pub mod damped_model;
 pub mod derived;
+pub mod drive;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
@@ -59,6 +63,7 @@ pub mod two_line;
 pub mod uncertain;
 pub mod zero_phase;
 
+pub use bounded::Ending;
 pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};

@@ -1,13 +1,19 @@
 //! `frictionlab identify`: friction and inertia from a recording.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use friction_ident::Conditioning;
+use friction_ident::axis_structure::AxisStructure;
 
-use super::BadInput;
+use super::{BadInput, Interrupted};
+use crate::drive::parameters::DriveConstants;
+use crate::identify::structure::{StructureChoice, Structured, structured};
 use crate::identify::{self, Settings};
 use crate::output::write_all;
+use crate::progress::Progress;
 use crate::recording::rosbag::{self, Motor};
 use crate::recording::table::{self, Columns};
 use crate::recording::{AxisKind, Column, Recording};
@@ -86,6 +92,14 @@ pub struct IdentifyArgs {
     #[arg(long, help_heading = "Model")]
     without_inertia: bool,
 
+    /// Choose the structure of the axis by cross-validation: auto, or names as asymmetric+stribeck+delay, separated by commas.
+    #[arg(long, value_name = "auto|NAMES", help_heading = "Model", conflicts_with = "without_inertia")]
+    structure: Option<StructureChoice>,
+
+    /// Voltage-driven recording: drive.yaml of identify-drive gives the motor's constants.
+    #[arg(long, value_name = "FILE", help_heading = "Bag", requires = "torque_from_voltage", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]
+    drive: Option<PathBuf>,
+
     /// No constant force in the symmetric model.
     #[arg(long, help_heading = "Model")]
     without_offset: bool,
@@ -113,8 +127,9 @@ pub struct IdentifyArgs {
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     check(args)?;
-    let recording = read(&args.file, args)?;
-    let validation = args.validate.as_deref().map(|file| read(file, args)).transpose()?;
+    let motor = motor(args)?;
+    let recording = read(&args.file, args, &motor)?;
+    let validation = args.validate.as_deref().map(|file| read(file, args, &motor)).transpose()?;
     let conditioning = conditioning(args, recording.time_step);
     let assumed = recording.axis.is_none() && args.axis.is_none();
     let settings = Settings {
@@ -134,9 +149,21 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     }
 
     let validation = validation.as_ref();
-    let page = identify::page::page(&found, &recording, validation);
+    let structured = match &args.structure {
+        Some(_) if !settings.inertia => {
+            return Err(BadInput("--structure needs a driving force, but this recording's force is friction alone; with a bag add --torque-from-voltage".to_owned()).into());
+        }
+        Some(wanted) => compare(&recording, validation, &settings, wanted, args.quiet)?,
+        None => None,
+    };
+    let mut page = identify::page::page(&found, &recording, validation);
+    let mut document = identify::document::render(&found, &recording, validation);
+    if let Some(structured) = &structured {
+        page.blocks.extend(identify::structure_page::blocks(structured, settings.axis));
+        document = with_structure(&document, structured)?;
+    }
     let files = [
-        ("identification.json", identify::document::render(&found, &recording, validation)),
+        ("identification.json", document),
         ("identification.html", crate::report::render_page(&page)),
         ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
     ];
@@ -145,7 +172,10 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     if !args.quiet {
         use std::io::Write;
         let mut out = std::io::stdout().lock();
-        let text = identify::terminal::render(&found, &recording, validation);
+        let mut text = identify::terminal::render(&found, &recording, validation);
+        if let Some(structured) = &structured {
+            text.push_str(&identify::structure_page::terminal(structured));
+        }
         let files = files.map(|(name, _)| name).join(", ");
         writeln!(out, "{text}\nwritten to {}: {files}", folder.display())
             .or_else(|error| match error.kind() {
@@ -156,6 +186,64 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
             .context("the table cannot be printed")?;
     }
     Ok(())
+}
+
+/// Compares structures with a progress bar; ctrl-C ends the comparison with what there is.
+fn compare(
+    recording: &Recording,
+    validation: Option<&Recording>,
+    settings: &Settings,
+    wanted: &StructureChoice,
+    quiet: bool,
+) -> anyhow::Result<Option<Structured>> {
+    let blame = |error: &dyn std::fmt::Display| BadInput(error.to_string());
+    let estimation = identify::conditioned(recording, settings).map_err(|error| blame(&error))?;
+    let other = validation.map(|other| identify::conditioned(other, settings)).transpose();
+    let other = other.map_err(|error| blame(&error))?;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&cancel);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let count = match wanted {
+        StructureChoice::Auto => AxisStructure::candidates().len(),
+        StructureChoice::Named(named) => named.len(),
+    };
+    let progress = Progress::counting(count as u64, "structures", quiet);
+    let found = structured(&estimation, other.as_ref(), wanted, settings.axis, &progress, &cancel);
+    progress.finish();
+    let found = found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+    if found.is_none() {
+        return Err(
+            Interrupted("stopped before any structure was compared; nothing was written".to_owned()).into()
+        );
+    }
+    Ok(found)
+}
+
+/// The document with the structure in it.
+fn with_structure(document: &str, found: &Structured) -> anyhow::Result<String> {
+    let mut tree: serde_json::Value =
+        serde_json::from_str(document).context("cannot describe the results")?;
+    tree["structure"] = identify::structure_page::document(found);
+    Ok(format!("{tree:#}\n"))
+}
+
+/// The motor's constants, from the options or a drive's file.
+fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
+    let Some(file) = &args.drive else {
+        return Ok(Motor {
+            gear_ratio: args.gear_ratio,
+            motor_constant: args.motor_constant,
+            resistance: args.resistance,
+        });
+    };
+    let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
+    let constants = DriveConstants::read(&text).map_err(blame)?.parameters;
+    Ok(Motor {
+        gear_ratio: constants.gear_ratio,
+        motor_constant: constants.motor_constant,
+        resistance: constants.armature_resistance,
+    })
 }
 
 fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
@@ -185,15 +273,10 @@ fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
     Conditioning { cutoff, order: args.order, trim: args.trim, decimate: args.decimate.unwrap_or(factor) }
 }
 
-fn read(file: &Path, args: &IdentifyArgs) -> Result<Recording, BadInput> {
+fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, BadInput> {
     let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
     let recording = if is_bag {
-        let motor = Motor {
-            gear_ratio: args.gear_ratio,
-            motor_constant: args.motor_constant,
-            resistance: args.resistance,
-        };
-        rosbag::read(file, args.torque_from_voltage.then_some(&motor), args.time_tolerance)
+        rosbag::read(file, args.torque_from_voltage.then_some(motor), args.time_tolerance)
     } else {
         let columns = Columns {
             time: args.time.clone(),

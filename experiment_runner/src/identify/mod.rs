@@ -7,6 +7,8 @@ pub mod document;
 pub mod page;
 pub mod parameters;
 pub mod quantity;
+pub mod structure;
+pub mod structure_page;
 pub mod terminal;
 
 use std::path::{Path, PathBuf};
@@ -135,7 +137,11 @@ pub fn identify(
     Ok(Identification { settings: *settings, symmetric, asymmetric, notes })
 }
 
-fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
+/// Filters and differentiates a recording.
+///
+/// # Errors
+/// [`IdentifyError`] with the recording's path.
+pub fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
     let signals = Signals {
         time_step: recording.time_step,
         position: recording.position.as_deref(),

@@ -141,12 +141,16 @@ pub(super) struct Header<'a> {
 }
 
 impl Header<'_> {
-    fn require(&self, channel: Channel, named: Option<&Column>) -> Result<Found, RecordingError> {
+    pub(super) fn require(&self, channel: Channel, named: Option<&Column>) -> Result<Found, RecordingError> {
         self.optional(channel, named)?.ok_or_else(|| self.unrecognised(channel))
     }
 
     /// The column of a channel; none only where it was not named and is not recognised.
-    fn optional(&self, channel: Channel, named: Option<&Column>) -> Result<Option<Found>, RecordingError> {
+    pub(super) fn optional(
+        &self,
+        channel: Channel,
+        named: Option<&Column>,
+    ) -> Result<Option<Found>, RecordingError> {
         let (name, scale) = match named {
             Some(column) => (column.name.as_str(), column.scale),
             None => match channel.recognise(self.names) {
@@ -169,7 +173,7 @@ impl Header<'_> {
         Ok(Some(Found { index, source: ChannelSource { name: name.to_owned(), scale } }))
     }
 
-    fn unrecognised(&self, channel: Channel) -> RecordingError {
+    pub(super) fn unrecognised(&self, channel: Channel) -> RecordingError {
         RecordingError::Unrecognised {
             path: self.path.into(),
             channel: channel.describe(),
