@@ -16,7 +16,7 @@ pub enum Displacement {
     Potentiometer,
 }
 
-/// When sliding begins: the last instant before gross motion from which the speed stays above both limits.
+/// When sliding begins: with the last stretch before gross motion in which the speed is above both limits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OnsetRule {
     /// Smallest speed that counts [rad/s], clear of the sensor's noise.

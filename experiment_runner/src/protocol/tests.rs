@@ -77,7 +77,7 @@ fn every_mistake_gets_its_sentence() {
         (Kind::VaryingVelocity, "feed_forward: true", "feedforward: true", "feedforward"),
         (Kind::PreSliding, "rate: 0.02 N m/s", "rate: 0 N m/s", "`ramps.rate` must be a rate of torque"),
         (Kind::PreSliding, "turns: [0.085 N m,", "turns: [0 N m,", "`path.turns[0]` must be another level"),
-        (Kind::PreSliding, "ratio: 4", "ratio: 0.5", "`onset.ratio` must be a number from 1 to 100"),
+        (Kind::PreSliding, "ratio: 2.5", "ratio: 0.5", "`onset.ratio` must be a number from 1 to 100"),
         (Kind::PreSliding, "displacement: potentiometer", "displacement: ruler", "ruler"),
         (
             Kind::BreakawayRate,
