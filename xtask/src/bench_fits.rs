@@ -1,6 +1,6 @@
 //! `cargo xtask bench-fits`: are the fits faster than SciPy's least squares over models that Numba compiled?
 //!
-//! Both sides read the same files, start from the same values and stop at the same tolerance. They run in turns; what counts is the ratio of the medians.
+//! Both sides read the same files, start from the same values, stop at the same tolerance and use one thread. They run in turns; what counts is the ratio of the medians.
 //! Both must find the same minimum: a fit that stops early would be fast too.
 
 use std::collections::BTreeMap;
@@ -67,6 +67,8 @@ impl BenchFits {
             let folder = folder.to_string_lossy().into_owned();
             let mut rust = Command::new(&ours);
             let mut scipy = Command::new(&python);
+            // One thread each: on two cores the threads of its linear algebra wait for one another.
+            scipy.envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")));
             for (peer, command) in
                 [(false, rust.args([&folder, "5"])), (true, scipy.arg(script).args([&folder, "5"]))]
             {
