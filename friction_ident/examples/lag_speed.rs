@@ -6,7 +6,7 @@
 
 use std::time::Instant;
 
-use friction_ident::frictional_lag::{LagOptions, LagRecording, fit_lag};
+use friction_ident::frictional_lag::{LagOptions, LagRecording, Relaxation, fit_lag, fit_relaxation};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
@@ -43,18 +43,33 @@ fn recording(seed: u64) -> (Vec<f64>, Vec<f64>) {
 
 fn main() {
     let data: Vec<_> = (0..20).map(recording).collect();
+    let options = LagOptions::default();
+    let (alpha, sigma0, sigma1) = ([0.25; 4], [15.0; 4], [0.0; 4]);
+    let gms = Relaxation::Gms { alpha: &alpha, sigma0: &sigma0, sigma1: &sigma1 };
+    time("proposed", &data, |recordings| fit_lag(recordings, &options).map(|fit| fit.mse));
+    time("LuGre", &data, |recordings| {
+        fit_relaxation(recordings, &options, Relaxation::LuGre).map(|fit| fit.mse)
+    });
+    time("GMS, 4 elements", &data, |recordings| fit_relaxation(recordings, &options, gms).map(|fit| fit.mse));
+}
+
+/// Runs `fit` over all recordings, ten times each, and prints what it took.
+fn time(
+    model: &str,
+    data: &[(Vec<f64>, Vec<f64>)],
+    fit: impl Fn(&[LagRecording]) -> Result<f64, friction_ident::IdentError>,
+) {
     let mut times = Vec::new();
-    let mut last = None;
+    let mut mse = Vec::new();
     for _ in 0..10 {
-        for (velocity, torque) in &data {
+        for (velocity, torque) in data {
+            let recordings = [LagRecording { velocity, torque, dt: 1e-3 }];
             let started = Instant::now();
-            last = fit_lag(&[LagRecording { velocity, torque, dt: 1e-3 }], &LagOptions::default()).ok();
+            mse.extend(fit(&recordings));
             times.push(started.elapsed().as_secs_f64() * 1e3);
         }
     }
     times.sort_by(f64::total_cmp);
-    println!("proposed: median {:.3} ms, fastest {:.3} ms", times[times.len() / 2], times[0]);
-    if let Some(fit) = last {
-        println!("{} passes, mse {:.4e}, {:?}", fit.passes, fit.mse, fit.values);
-    }
+    let mean = mse.iter().sum::<f64>() / mse.len() as f64;
+    println!("{model}: median {:.3} ms, fastest {:.3} ms, mse {mean:.4e}", times[times.len() / 2], times[0]);
 }
