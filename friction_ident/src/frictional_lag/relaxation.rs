@@ -275,7 +275,16 @@ pub fn fit_relaxation(
                 return Err(IdentError::ElementCount(n));
             }
             let lists = alpha.iter().zip(sigma0).zip(sigma1);
-            lists.map(|((&alpha, k), &damping)| Element { alpha, rate: k / alpha, damping }).collect()
+            let mut merged: Vec<Element> = Vec::new();
+            for ((&alpha, k), &damping) in lists {
+                let rate = k / alpha;
+                // Elements of one rate move together.
+                match merged.iter_mut().find(|other| (other.rate / rate - 1.0).abs() < 1e-12) {
+                    Some(twin) => (twin.alpha, twin.damping) = (twin.alpha + alpha, twin.damping + damping),
+                    None => merged.push(Element { alpha, rate, damping }),
+                }
+            }
+            merged
         }
     };
     let lugre = model == Relaxation::LuGre;
@@ -319,7 +328,8 @@ pub fn fit_relaxation(
     if lugre {
         bounds.push(Bound::within(0.0, f64::INFINITY, first.f_v.abs().max(1e-6)));
     }
-    let patience = Patience { sum: 1e-10, step: 1e-10, ..Patience::default() };
+    // About a hundredth of a standard error, as usual programs stop.
+    let patience = Patience { sum: 1e-8, step: 1e-9, ..Patience::default() };
     let go = &mut |_: &_| ControlFlow::Continue(());
     let minimum = minimise(&mut problem, &best, &bounds, &patience, go)
         .ok_or_else(|| IdentError::NoConvergence("the relaxation cannot be simulated".to_owned()))?;
