@@ -221,6 +221,9 @@ pub enum IdentError {
         /// What came.
         value: f64,
     },
+    /// The resolution of an encoder is not a positive number.
+    #[error("the resolution of the encoder, one count, must be a positive number, but is {0}")]
+    Resolution(f64),
     /// The number of elements is out of range.
     #[error("the number of elements must lie between 1 and 16, but is {0}")]
     ElementCount(usize),

@@ -8,6 +8,7 @@
 //!
 //! (thesis eqs. 4.41 and 4.42). The torque is linear in `f_c`, `f_s - f_c` and `f_v`; only `v_s` and `tau` are not. [`fit_lag`] searches these two by
 //! variable projection (Golub and Pereyra 1973, in Kaufman's form of 1975): each pass filters the recording once and leaves a handful of sums.
+//! [`fit_relaxation`] does LuGre and GMS, whose states relax at a rate of their own.
 //!
 //! The filter integrates the lag exactly for the quintic through six neighbouring samples of `g`, so the result does not depend on how the recording was
 //! simulated; a velocity with noise is better smoothed before.
@@ -20,12 +21,14 @@ use crate::profile::{Search, profile_interval, sum_limit};
 
 mod filter;
 mod pass;
+mod relaxation;
 mod search;
 mod start;
 #[cfg(test)]
 mod tests;
 
 use pass::Prepared;
+pub use relaxation::{Relaxation, RelaxationFit, fit_relaxation};
 
 /// One recording of sliding in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,6 +12,7 @@
 //! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
 //! * [`micro_damping`]: the micro-damping that a chosen damping ratio asks for.
 //! * [`frictional_lag`]: the lag, from sliding in one direction at varying speed.
+//! * [`quantiser`]: the path between the counts of an encoder.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
@@ -48,6 +49,7 @@ pub mod micro_damping;
 pub mod output_error;
 pub mod pre_sliding;
 pub mod profile;
+pub mod quantiser;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
