@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use experiment_runner::cli::{BadInput, Interrupted, features, identify, models, run, simulate};
+use experiment_runner::cli::{
+    BadInput, Interrupted, features, identify, identify_servo, identify_stiction, models, run, simulate,
+};
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
@@ -21,6 +23,8 @@ enum Command {
     Run(run::RunArgs),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
+    IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
+    IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Simulate(simulate::SimulateArgs),
@@ -32,6 +36,8 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        Command::IdentifyServo(args) => identify_servo::execute(&args),
+        Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),

@@ -11,9 +11,13 @@
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
+//! * [`servo`]: a position-controlled servo with a pendulum, its friction by search over simulations.
+//! * [`stiction_cycle`]: friction in volts from an axis that sticks and slips.
+//! * [`cma_es`]: search without derivatives.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
+pub mod cma_es;
 pub mod conditioning;
 pub mod confidence;
 mod error;
@@ -22,8 +26,10 @@ mod least_squares;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
+pub mod servo;
 pub mod static_curve;
 mod steady_point;
+pub mod stiction_cycle;
 pub mod two_line;
 pub mod zero_phase;
 
