@@ -204,7 +204,7 @@ mod tests {
             let x: Vec<f64> = x.iter().map(|x| 4.0 * x - 2.0).collect();
             x.windows(2).map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2)).sum::<f64>()
         };
-        let (best, _) = search(5, 1500, rosenbrock);
+        let (best, _) = search(3, 500, rosenbrock);
         assert!(best < 1e-9, "{best}");
     }
 

@@ -39,8 +39,6 @@ fn load(file: &Path) -> ServoLog {
         position: column("position"),
         speed: column("speed"),
         goal: column("goal_position"),
-        supply: column("input_volts"),
-        temperature: column("temp"),
         enabled: entries.iter().map(|entry| entry["torque_enable"].as_bool().unwrap()).collect(),
     })
     .unwrap()

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! mass [kg], length [m], kp (device units), vin [V], trajectory     the header
-//! entries: timestamp [s], position, goal_position [rad], speed [rad/s], input_volts [V], temp [°C], torque_enable
+//! entries: timestamp [s], position, goal_position [rad], speed [rad/s], torque_enable; others are left alone
 //! ```
 
 use std::path::{Path, PathBuf};
@@ -54,16 +54,11 @@ struct Entry {
     speed: f64,
     #[serde(default = "driven")]
     torque_enable: bool,
-    input_volts: Option<f64>,
-    temp: Option<f64>,
 }
 
 fn driven() -> bool {
     true
 }
-
-/// Temperature where the log has none \[°C\].
-const ROOM: f64 = 25.0;
 
 /// Reads a log.
 ///
@@ -87,8 +82,6 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<NamedServoLog, RecordingError> {
         position: column(&|entry| entry.position),
         speed: column(&|entry| entry.speed),
         goal: column(&|entry| entry.goal_position),
-        supply: column(&|entry| entry.input_volts.unwrap_or(file.vin)),
-        temperature: column(&|entry| entry.temp.unwrap_or(ROOM)),
         enabled: file.entries.iter().map(|entry| entry.torque_enable).collect(),
     };
     let log = ServoLog::new(&raw).map_err(|error| refuse(error.to_string()))?;

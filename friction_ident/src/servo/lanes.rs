@@ -23,8 +23,6 @@ struct Sample {
     position: f64x4,
     /// One where the motor is driven.
     enabled: f64x4,
-    /// Measured less nominal supply voltage.
-    surplus: f64x4,
     /// One while the log lasts.
     counts: f64x4,
 }
@@ -37,7 +35,6 @@ struct Group {
     voltage: f64x4,
     position: f64x4,
     speed: f64x4,
-    temperature: f64x4,
 }
 
 /// Logs laid out for simulation.
@@ -71,7 +68,6 @@ impl Lanes {
                 voltage: lane(quad, &|log| log.nominal_voltage),
                 position: lane(quad, &|log| log.position[0]),
                 speed: lane(quad, &|log| log.first_speed),
-                temperature: lane(quad, &|log| log.temperature - 30.0),
             })
             .collect();
         let mut samples = Vec::with_capacity(longest * quads.len());
@@ -82,7 +78,6 @@ impl Lanes {
                     goal: lane(quad, &|log| at(&log.goal)),
                     position: lane(quad, &|log| at(&log.position)),
                     enabled: lane(quad, &|log| f64::from(u8::from(log.enabled.get(k).is_some_and(|on| *on)))),
-                    surplus: lane(quad, &|log| at(&log.supply) - log.nominal_voltage),
                     counts: f64x4::from(std::array::from_fn::<f64, 4, _>(|i| {
                         f64::from(u8::from(quad.get(i).is_some_and(|log| k < log.samples())))
                     })),
@@ -151,15 +146,12 @@ impl Lanes {
         let (k_cs, k_es, k_ms) = (of(StribeckCoulomb), of(StribeckExternal), of(StribeckMotor));
         let (k_eq, k_mq) = (of(QuadraticExternal), of(QuadraticMotor));
         let (per_w_s, alpha) = (f64x4::ONE / of(StribeckVelocity), of(StribeckExponent));
-        let share = of(SupplyShare);
+        let (k_v, k_2) = (of(Viscous), of(LoadSquared));
+        let (ripple_sine, ripple_cosine, ripples) = (of(RippleSine), of(RippleCosine), of(RippleCount));
         let per_r = k_t / r;
         let dt = f64x4::splat(TIME_STEP);
         let half_dt2 = f64x4::splat(0.5 * TIME_STEP * TIME_STEP);
         let zero = f64x4::ZERO;
-        let droop = of(SupplyResistance) / r;
-        let dead = of(DeadDuty);
-        let (windage, idle, top, derivative) =
-            (of(Windage), of(IdleViscous), of(HighestDuty), of(Derivative));
         let n = self.groups.len();
         // The goal, moved by a fraction of the grid.
         let shift = physics.get(Delay) / TIME_STEP;
@@ -171,18 +163,16 @@ impl Lanes {
             .groups
             .iter()
             .map(|group| {
-                let length = group.length * of(LengthScale);
+                let length = group.length;
                 let inertia = group.mass * length * length + of(Armature);
                 let gravity = group.mass * length * f64x4::splat(GRAVITY);
-                let k_v =
-                    of(Viscous) * (f64x4::ONE + of(ViscousTemperature) * group.temperature).max(f64x4::ZERO);
-                (group.position, group.speed, f64x4::ZERO, inertia / dt, f64x4::ONE / inertia, gravity, k_v)
+                (group.position, group.speed, f64x4::ZERO, inertia / dt, f64x4::ONE / inertia, gravity)
             })
             .collect();
         for (step, samples) in self.samples.chunks_exact(n.max(1)).enumerate() {
             if step % LOOK == 0 && limit.is_finite() {
                 let so_far = states.iter().fold(f64x4::ZERO, |sum, state| sum + state.2).reduce_add();
-                if !(so_far <= limit) {
+                if so_far.is_nan() || so_far > limit {
                     return vec![f64x4::splat(f64::INFINITY)];
                 }
             }
@@ -191,46 +181,36 @@ impl Lanes {
             for (index, ((group, state), sample)) in
                 self.groups.iter().zip(&mut states).zip(samples).enumerate()
             {
-                let (q, w, sum, inertia_rate, per_inertia, gravity, k_v) = *state;
+                let (q, w, sum, inertia_rate, per_inertia, gravity) = *state;
                 watch(index, q);
                 let late = self.samples[from + index].goal;
                 let goal = late + (self.samples[before + index].goal - late) * fraction;
 
-                let duty = ((goal - q - derivative * w) * group.gain).max(-top).min(top);
-                let duty = (duty.abs() - dead).max(zero).copysign(duty);
-                let supply = group.voltage + share * sample.surplus;
-                let supply = (supply + droop * duty * k_t * w) / (f64x4::ONE + droop * duty * duty);
-                let motor = sample.enabled * per_r * (supply * duty - k_t * w);
-                let peak = of(CurrentLimit) * k_t;
-                let motor = motor.max(-peak).min(peak);
+                let duty = ((goal - q) * group.gain).max(-f64x4::ONE).min(f64x4::ONE);
+                let motor = sample.enabled * per_r * (group.voltage * duty - k_t * w);
                 let external = -gravity * (q + offset).sin();
                 let stop = inertia_rate * w + motor + external;
                 let speed = w.abs();
-                let squared = motor * motor;
-                let mut level = k_c + (k_e * external - k_m * motor).abs() + of(LoadSquared) * squared;
+                let mut level = k_c + (k_e * external - k_m * motor).abs() + k_2 * motor * motor;
                 if STRIBECK {
                     let x = (speed * per_w_s).max(f64x4::splat(1e-100));
                     let fall = (-(x.ln() * alpha).exp().min(f64x4::splat(700.0))).exp();
                     let (e, m) = (external.abs(), motor.abs());
                     let quadratic = m.cmp_gt(e).blend(k_eq * e * e, k_mq * m * m);
                     let opposed = (external * motor).cmp_lt(zero).blend(quadratic, zero);
-                    level += fall
-                        * (k_cs
-                            + (k_es * external - k_ms * motor).abs()
-                            + opposed
-                            + of(StribeckSquared) * squared);
+                    level += fall * (k_cs + (k_es * external - k_ms * motor).abs() + opposed);
                 }
                 if RIPPLE {
-                    let (sine, cosine) = (q * of(RippleCount)).sin_cos();
-                    level *= (f64x4::ONE + of(RippleSine) * sine + of(RippleCosine) * cosine).max(zero);
+                    let (sine, cosine) = (q * ripples).sin_cos();
+                    level *= (f64x4::ONE + ripple_sine * sine + ripple_cosine * cosine).max(zero);
                 }
-                level += speed * (k_v + windage * speed + (f64x4::ONE - sample.enabled) * idle);
+                level += speed * k_v;
                 let friction = -stop.max(-level).min(level);
                 let acceleration = (motor + external + friction) * per_inertia;
                 let w = (w + acceleration * dt).max(f64x4::splat(-FASTEST)).min(f64x4::splat(FASTEST));
                 let next = q + w * dt + acceleration * half_dt2;
                 let sum = sum + (q - sample.position).abs() * sample.counts;
-                *state = (next, w, sum, inertia_rate, per_inertia, gravity, k_v);
+                *state = (next, w, sum, inertia_rate, per_inertia, gravity);
             }
         }
         states.iter().map(|state| state.2).collect()

@@ -24,10 +24,6 @@ pub struct RawServoLog {
     pub speed: Vec<f64>,
     /// Position asked for \[rad\].
     pub goal: Vec<f64>,
-    /// Measured supply voltage \[V\].
-    pub supply: Vec<f64>,
-    /// Temperature inside the servo \[°C\].
-    pub temperature: Vec<f64>,
     /// Whether the motor was driven.
     pub enabled: Vec<bool>,
 }
@@ -45,8 +41,6 @@ pub struct ServoLog {
     pub(super) position: Vec<f64>,
     pub(super) first_speed: f64,
     pub(super) goal: Vec<f64>,
-    pub(super) supply: Vec<f64>,
-    pub(super) temperature: f64,
     pub(super) enabled: Vec<bool>,
 }
 
@@ -76,13 +70,11 @@ impl ServoLog {
                 lower: "nothing",
             });
         }
-        let channels: [(&'static str, &[f64]); 6] = [
+        let channels: [(&'static str, &[f64]); 4] = [
             ("the time", &raw.time),
             ("the position", &raw.position),
             ("the speed", &raw.speed),
             ("the goal", &raw.goal),
-            ("the supply voltage", &raw.supply),
-            ("the temperature", &raw.temperature),
         ];
         for (channel, values) in channels {
             if values.len() != n {
@@ -131,8 +123,6 @@ impl ServoLog {
             position: on_grid(&raw.position),
             first_speed: speed[0],
             goal: on_grid(&raw.goal),
-            supply: on_grid(&raw.supply),
-            temperature: raw.temperature.iter().sum::<f64>() / raw.temperature.len() as f64,
             enabled: on_grid(&switch).into_iter().map(|on| on > 0.5).collect(),
         }
     }

@@ -40,32 +40,10 @@ pub enum ServoParameter {
     StribeckVelocity,
     /// Exponent alpha of the Stribeck curve.
     StribeckExponent,
-    /// Share of the measured supply voltage in the voltage that the motor sees; the rest is the nominal one.
-    SupplyShare,
-    /// Resistance of the supply \[Ohm\]: its voltage falls with the current drawn.
-    SupplyResistance,
     /// Time from a goal to its effect \[s\].
     Delay,
-    /// Duty cycle below which the bridge delivers nothing.
-    DeadDuty,
-    /// Centre of mass over its stated distance from the axis.
-    LengthScale,
-    /// Change of the viscous friction per degree \[1/K\].
-    ViscousTemperature,
-    /// Friction per squared speed \[N m s^2/rad^2\].
-    Windage,
-    /// Damping while the motor is not driven \[N m s/rad\].
-    IdleViscous,
-    /// Highest duty cycle.
-    HighestDuty,
-    /// Derivative gain of the position loop, as a time \[s\].
-    Derivative,
     /// Friction per squared motor torque \[1/(N m)\].
     LoadSquared,
-    /// Its Stribeck part.
-    StribeckSquared,
-    /// Highest motor current \[A\].
-    CurrentLimit,
     /// Share of friction that ripples with the angle, sine part.
     RippleSine,
     /// Cosine part.
@@ -78,7 +56,7 @@ use ServoParameter as P;
 
 impl ServoParameter {
     /// All of them.
-    pub const ALL: [Self; 33] = [
+    pub const ALL: [Self; 22] = [
         P::TorqueConstant,
         P::Resistance,
         P::Armature,
@@ -96,19 +74,8 @@ impl ServoParameter {
         P::QuadraticMotor,
         P::StribeckVelocity,
         P::StribeckExponent,
-        P::SupplyShare,
-        P::SupplyResistance,
         P::Delay,
-        P::DeadDuty,
-        P::LengthScale,
-        P::ViscousTemperature,
-        P::Windage,
-        P::IdleViscous,
-        P::HighestDuty,
-        P::Derivative,
         P::LoadSquared,
-        P::StribeckSquared,
-        P::CurrentLimit,
         P::RippleSine,
         P::RippleCosine,
         P::RippleCount,
@@ -134,19 +101,8 @@ impl ServoParameter {
             P::QuadraticMotor => ("k_mq", "1/(N m)", 0.0, 0.01),
             P::StribeckVelocity => ("w_s", "rad/s", 0.1, 3.0),
             P::StribeckExponent => ("alpha", "", 1.0, 10.0),
-            P::SupplyShare => ("supply_share", "", 0.0, 1.0),
-            P::SupplyResistance => ("r_supply", "Ohm", 0.0, 3.0),
             P::Delay => ("delay", "s", -0.02, 0.04),
-            P::DeadDuty => ("dead_duty", "", 0.0, 0.05),
-            P::LengthScale => ("length_scale", "", 0.8, 1.2),
-            P::ViscousTemperature => ("k_v_temperature", "1/K", -0.1, 0.1),
-            P::Windage => ("k_v2", "N m s^2/rad^2", -0.001, 0.002),
-            P::IdleViscous => ("k_v_idle", "N m s/rad", -0.02, 0.05),
-            P::HighestDuty => ("duty_max", "", 0.7, 1.1),
-            P::Derivative => ("t_d", "s", -0.02, 0.05),
             P::LoadSquared => ("k_2", "1/(N m)", 0.0, 2.0),
-            P::StribeckSquared => ("k_2s", "1/(N m)", 0.0, 2.0),
-            P::CurrentLimit => ("i_max", "A", 0.8, 3.0),
             P::RippleSine => ("ripple_sin", "", -0.3, 0.3),
             P::RippleCosine => ("ripple_cos", "", -0.3, 0.3),
             P::RippleCount => ("ripples", "1/turn", 102.0, 105.0),
@@ -177,7 +133,7 @@ impl ServoParameter {
             }
             P::Armature => "record free swings with two different masses",
             P::PositionOffset => "let the pendulum hang at rest without torque and read the position",
-            P::Coulomb | P::Viscous | P::Windage => {
+            P::Coulomb | P::Viscous => {
                 "turn the servo without a pendulum at several steady speeds in both directions and record the duty cycle"
             }
             P::Load | P::ExternalLoad | P::MotorLoad | P::LoadSquared => {
@@ -187,7 +143,6 @@ impl ServoParameter {
             | P::StribeckLoad
             | P::StribeckExternal
             | P::StribeckMotor
-            | P::StribeckSquared
             | P::QuadraticExternal
             | P::QuadraticMotor => {
                 "raise the duty cycle slowly until the axis lets go, at several angles of the pendulum"
@@ -200,8 +155,7 @@ impl ServoParameter {
     /// The value that switches its effect off.
     pub const fn neutral(self) -> f64 {
         match self {
-            P::LengthScale | P::StribeckVelocity | P::StribeckExponent | P::HighestDuty => 1.0,
-            P::CurrentLimit => 100.0,
+            P::StribeckVelocity | P::StribeckExponent => 1.0,
             P::TorqueConstant => 0.4,
             P::Resistance => 3.5,
             P::Armature => 2e-3,

@@ -41,7 +41,7 @@ impl Physics {
 
     /// Whether friction has a part that falls with speed.
     pub fn has_stribeck(&self) -> bool {
-        [StribeckCoulomb, StribeckExternal, StribeckMotor, QuadraticExternal, QuadraticMotor, StribeckSquared]
+        [StribeckCoulomb, StribeckExternal, StribeckMotor, QuadraticExternal, QuadraticMotor]
             .iter()
             .any(|&parameter| self.get(parameter) != 0.0)
     }

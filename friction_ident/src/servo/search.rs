@@ -77,7 +77,7 @@ pub fn search(
         // Restarts alternate: larger and larger populations from anywhere, small ones around the best.
         let (start, sigma, population) = if restart % 2 == 0 {
             let start: Vec<f64> = (0..n).map(|_| rng.random_range(0.1..0.9)).collect();
-            (start, 0.3, usual * 2 << (restart / 2).min(3))
+            (start, 0.3, (usual * 2) << (restart / 2).min(3))
         } else {
             (best.1.clone(), 0.05, usual * 2)
         };
