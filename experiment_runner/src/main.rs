@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, features, identify, identify_drive, models, protocols, run, simulate, truth_matrix,
+    BadInput, Interrupted, features, identify, identify_drive, identify_servo, identify_stiction, models,
+    protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -24,6 +25,8 @@ enum Command {
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
     IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
+    IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
+    IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Protocols(protocols::ProtocolsArgs),
@@ -38,6 +41,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
         Command::IdentifyDrive(args) => identify_drive::execute(&args),
+        Command::IdentifyServo(args) => identify_servo::execute(&args),
+        Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),

@@ -221,12 +221,33 @@ pub enum IdentError {
         /// What came.
         value: f64,
     },
-    /// The resolution of an encoder is not a positive number.
-    #[error("the resolution of the encoder, one count, must be a positive number, but is {0}")]
+    /// Time stands still or runs backwards.
+    #[error(
+        "time does not increase at sample {index} ({time} s); sort the samples by time and delete repeated ones"
+    )]
+    TimeOrder {
+        /// The sample, counted from zero.
+        index: usize,
+        /// Its time \[s\].
+        time: f64,
+    },
+    /// The step of the encoder is not a positive number.
+    #[error("one count of the encoder must be a positive angle, but is {0} rad")]
     Resolution(f64),
+    /// A servo log's header holds what no servo has.
+    #[error("the {what} of a servo log must be a positive number, but is {value}; mend the log's header")]
+    ServoHeader {
+        /// Which entry.
+        what: &'static str,
+        /// What came.
+        value: f64,
+    },
     /// The number of elements is out of range.
     #[error("the number of elements must lie between 1 and 16, but is {0}")]
     ElementCount(usize),
+    /// No log at all.
+    #[error("there is no servo log to fit; give at least one whose gain is not held out")]
+    NoLogs,
     /// The nonlinear solver stopped without a result.
     #[error("the least squares solver gave up: {0}; check the points for outliers")]
     NoConvergence(String),

@@ -17,6 +17,10 @@ pub enum IntervalMethod {
     Linearised,
     /// Where the profile of the likelihood crosses its limit: right for curved problems, and open-ended where it must be.
     Profile,
+    /// The range over repeated searches that fit equally well.
+    EquallyGoodFits,
+    /// From the ranks of repeated measurements, without assuming a distribution.
+    Ranks,
 }
 
 /// A 95 % confidence interval; an end may be infinite.
@@ -87,6 +91,19 @@ pub enum Doubt {
     /// Only its ratio to something unknown is determined.
     #[error("only its ratio to the torque per volt is determined")]
     RatioOnly,
+    /// Repeated searches that fit equally well disagree.
+    #[error("{fits} equally good fits have it anywhere from {low:.3e} to {high:.3e}")]
+    Scatter {
+        /// Least of them.
+        low: f64,
+        /// Greatest.
+        high: f64,
+        /// How many fits there are.
+        fits: usize,
+    },
+    /// Only one search came this far.
+    #[error("only one search reached this error: nothing confirms the value")]
+    Unrepeated,
     /// It lies outside the range that was measured.
     #[error("it lies outside the measured range, {low} to {high}")]
     OutsideRange {

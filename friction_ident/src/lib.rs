@@ -30,10 +30,14 @@
 //! * [`synthetic`]: what the experiments show of a known friction.
 //! * [`truth_matrix`]: which model fits the friction of which.
 //! * [`profile`]: confidence intervals from the profile of the likelihood.
+//! * [`servo`]: a position-controlled servo with a pendulum, its friction by search over simulations.
+//! * [`stiction_cycle`]: friction in volts from an axis that sticks and slips.
+//! * [`cma_es`]: search without derivatives.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod axis_structure;
 pub mod bounded;
+pub mod cma_es;
 pub mod conditioning;
 pub mod confidence;
 pub mod damped_model;
@@ -53,10 +57,12 @@ pub mod quantiser;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
+pub mod servo;
 pub mod staged;
 pub mod starting_model;
 pub mod static_curve;
 mod steady_point;
+pub mod stiction_cycle;
 pub mod stretch;
 pub mod synthetic;
 pub mod torque_source;

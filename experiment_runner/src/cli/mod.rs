@@ -3,6 +3,8 @@
 pub mod features;
 pub mod identify;
 pub mod identify_drive;
+pub mod identify_servo;
+pub mod identify_stiction;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;

@@ -140,6 +140,14 @@ pub enum RecordingError {
         /// Accepted deviation \[%\].
         percent: f64,
     },
+    /// Not a servo log.
+    #[error("{} is no servo log that can be used: {detail}", path.display())]
+    ServoLog {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        detail: String,
+    },
     /// Too short to have a sampling period.
     #[error("{} has {found} samples, but at least {needed} are needed; record longer", path.display())]
     TooShort {

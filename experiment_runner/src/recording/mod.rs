@@ -1,12 +1,15 @@
 //! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear refusal.
 //!
-//! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing; [`column`] is how a person names a column, [`timing`] makes
+//! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing, [`servo_log`]
+//! the JSON logs of a position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
 //! sure that the samples are evenly spaced. Whatever is returned has finite values, one length and SI units.
 
 pub mod column;
 pub mod driven;
 mod error;
 pub mod rosbag;
+pub mod servo_log;
+pub mod stiction_table;
 pub mod table;
 pub mod timing;
 pub mod trajectory;

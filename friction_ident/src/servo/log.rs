@@ -1,0 +1,159 @@
+//! A servo's log, brought to an even grid.
+
+use crate::IdentError;
+
+/// Period of the grid and of the simulation \[s\].
+pub const TIME_STEP: f64 = 0.005;
+
+/// A log as it was recorded: a pendulum on a position-controlled servo. The channels have one length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawServoLog {
+    /// Mass of the pendulum \[kg\].
+    pub mass: f64,
+    /// From the axis to the mass \[m\].
+    pub length: f64,
+    /// Position gain in the servo's own units.
+    pub gain: f64,
+    /// Nominal supply voltage \[V\].
+    pub nominal_voltage: f64,
+    /// Time of each sample \[s\], increasing.
+    pub time: Vec<f64>,
+    /// Measured position \[rad\].
+    pub position: Vec<f64>,
+    /// Measured speed \[rad/s\].
+    pub speed: Vec<f64>,
+    /// Position asked for \[rad\].
+    pub goal: Vec<f64>,
+    /// Whether the motor was driven.
+    pub enabled: Vec<bool>,
+}
+
+/// A log on the grid t = 0, [`TIME_STEP`], ... below the last time stamp.
+///
+/// Every channel is interpolated linearly; before the first sample the first two are extrapolated. The motor counts as driven
+/// where the interpolated flag exceeds one half.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ServoLog {
+    pub(super) mass: f64,
+    pub(super) length: f64,
+    pub(super) gain: f64,
+    pub(super) nominal_voltage: f64,
+    pub(super) position: Vec<f64>,
+    pub(super) first_speed: f64,
+    pub(super) goal: Vec<f64>,
+    pub(super) enabled: Vec<bool>,
+}
+
+impl ServoLog {
+    /// Checks a log and brings it to the grid.
+    ///
+    /// # Errors
+    /// [`IdentError`] for channels that differ in length, are not finite or too short, for time that does not increase, and for
+    /// a header that no servo can have.
+    pub fn new(raw: &RawServoLog) -> Result<Self, IdentError> {
+        for (what, value) in [
+            ("mass", raw.mass),
+            ("length", raw.length),
+            ("position gain", raw.gain),
+            ("nominal voltage", raw.nominal_voltage),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(IdentError::ServoHeader { what, value });
+            }
+        }
+        let n = raw.time.len();
+        if n < 3 {
+            return Err(IdentError::TooFewSamples {
+                what: "a servo log",
+                needed: 3,
+                found: n,
+                lower: "nothing",
+            });
+        }
+        let channels: [(&'static str, &[f64]); 4] = [
+            ("the time", &raw.time),
+            ("the position", &raw.position),
+            ("the speed", &raw.speed),
+            ("the goal", &raw.goal),
+        ];
+        for (channel, values) in channels {
+            if values.len() != n {
+                return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
+            }
+            if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+                return Err(IdentError::NotFinite { channel, index, value });
+            }
+        }
+        if raw.enabled.len() != n {
+            let channel = "the torque switch";
+            return Err(IdentError::UnequalLengths { channel, found: raw.enabled.len(), expected: n });
+        }
+        if let Some(index) = raw.time.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(IdentError::TimeOrder { index: index + 1, time: raw.time[index + 1] });
+        }
+        let duration = raw.time[n - 1];
+        if !(duration > 3.0 * TIME_STEP && duration < 1e5) {
+            return Err(IdentError::ServoHeader { what: "duration", value: duration });
+        }
+        Ok(Self::resampled(raw, duration))
+    }
+
+    fn resampled(raw: &RawServoLog, duration: f64) -> Self {
+        let mut frame = 0;
+        let samples = (0..)
+            .map(|step| f64::from(step) * TIME_STEP)
+            .take_while(|&t| t < duration)
+            .map(|t| {
+                while frame + 2 < raw.time.len() && t > raw.time[frame + 1] {
+                    frame += 1;
+                }
+                (frame, (t - raw.time[frame]) / (raw.time[frame + 1] - raw.time[frame]))
+            })
+            .collect::<Vec<_>>();
+        let on_grid = |values: &[f64]| -> Vec<f64> {
+            samples.iter().map(|&(i, share)| values[i] + (values[i + 1] - values[i]) * share).collect()
+        };
+        let switch: Vec<f64> = raw.enabled.iter().map(|&on| f64::from(u8::from(on))).collect();
+        let speed = on_grid(&raw.speed);
+        Self {
+            mass: raw.mass,
+            length: raw.length,
+            gain: raw.gain,
+            nominal_voltage: raw.nominal_voltage,
+            position: on_grid(&raw.position),
+            first_speed: speed[0],
+            goal: on_grid(&raw.goal),
+            enabled: on_grid(&switch).into_iter().map(|on| on > 0.5).collect(),
+        }
+    }
+
+    /// Position gain in the servo's own units.
+    pub fn gain(&self) -> f64 {
+        self.gain
+    }
+
+    /// Samples on the grid.
+    pub fn samples(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Measured position on the grid \[rad\].
+    pub fn position(&self) -> &[f64] {
+        &self.position
+    }
+
+    /// Measured speed at the start \[rad/s\].
+    pub fn first_speed(&self) -> f64 {
+        self.first_speed
+    }
+
+    /// Whether the motor is driven, on the grid.
+    pub fn enabled(&self) -> &[bool] {
+        &self.enabled
+    }
+
+    /// Position asked for, on the grid \[rad\].
+    pub fn goal(&self) -> &[f64] {
+        &self.goal
+    }
+}
