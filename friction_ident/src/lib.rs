@@ -18,21 +18,27 @@
 //! * [`starting_model`]: where the searches begin.
 //! * [`micro_damping`]: damping computed from the inertia.
 //! * [`information`]: information criteria, and which of two models predicts better.
+//! * [`savitzky_golay`]: smoothing and differentiation by local polynomials.
+//! * [`encoder_steps`]: a position from between the steps of an encoder.
+//! * [`outliers`]: samples that cannot be true, replaced and reported.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod bounded;
 pub mod conditioning;
 pub mod confidence;
+pub mod encoder_steps;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
 pub mod information;
 mod least_squares;
 pub mod micro_damping;
+pub mod outliers;
 pub mod output_error;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
+pub mod savitzky_golay;
 pub mod staged;
 pub mod starting_model;
 pub mod static_curve;
@@ -45,9 +51,11 @@ pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 pub use free_parameters::FreeParameters;
+pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
+pub use savitzky_golay::SavitzkyGolay;
 pub use staged::{FrictionData, Given, Identified, Stage, StagedOptions, identify_model};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
