@@ -2,6 +2,7 @@
 
 pub mod features;
 pub mod identify;
+pub mod identify_friction;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;
