@@ -64,6 +64,26 @@ pub enum IdentError {
     /// The order of the low-pass is out of range.
     #[error("the order of the low-pass must lie between 1 and 12, but is {0}")]
     Order(usize),
+    /// The frame of a local polynomial does not suit its order.
+    #[error(
+        "a Savitzky-Golay frame must be an odd number of samples, larger than the order (0 to 8) and at most 999, but the frame is {frame} and the order {order}"
+    )]
+    Frame {
+        /// Order of the polynomial.
+        order: usize,
+        /// Samples of the frame.
+        frame: usize,
+    },
+    /// The outlier identifier has no window or no threshold.
+    #[error(
+        "the Hampel identifier needs a window of three samples at least on either side and a threshold above zero, but has {half_window} and {threshold}"
+    )]
+    Hampel {
+        /// Samples on either side.
+        half_window: usize,
+        /// Robust deviations.
+        threshold: f64,
+    },
     /// The decimation factor is out of range.
     #[error("the decimation factor must lie between 1 and 1000, but is {0}")]
     Decimation(usize),

@@ -33,6 +33,9 @@
 //! * [`servo`]: a position-controlled servo with a pendulum, its friction by search over simulations.
 //! * [`stiction_cycle`]: friction in volts from an axis that sticks and slips.
 //! * [`cma_es`]: search without derivatives.
+//! * [`savitzky_golay`]: smoothing and differentiation by local polynomials.
+//! * [`encoder_steps`]: a position from between the steps of an encoder.
+//! * [`outliers`]: samples that cannot be true, replaced and reported.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
 pub mod axis_structure;
@@ -43,6 +46,7 @@ pub mod confidence;
 pub mod damped_model;
 pub mod derived;
 pub mod drive;
+pub mod encoder_steps;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
@@ -50,6 +54,7 @@ pub mod frictional_lag;
 pub mod information;
 mod least_squares;
 pub mod micro_damping;
+pub mod outliers;
 pub mod output_error;
 pub mod pre_sliding;
 pub mod profile;
@@ -57,6 +62,7 @@ pub mod quantiser;
 pub mod rbf_network;
 pub mod residual_whiteness;
 pub mod rigid_axis;
+pub mod savitzky_golay;
 pub mod servo;
 pub mod staged;
 pub mod starting_model;
@@ -76,9 +82,11 @@ pub use conditioning::{Conditioned, Conditioning, Signals, condition};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 pub use free_parameters::FreeParameters;
+pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
+pub use savitzky_golay::SavitzkyGolay;
 pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,

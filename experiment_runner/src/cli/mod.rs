@@ -3,6 +3,7 @@
 pub mod features;
 pub mod identify;
 pub mod identify_drive;
+pub mod identify_friction;
 pub mod identify_servo;
 pub mod identify_stiction;
 #[cfg(feature = "ros")]

@@ -1,9 +1,10 @@
 //! Identification of a recorded axis: what `frictionlab identify` does between reading and printing.
 //!
 //! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`] the ROS
-//! parameter file, [`terminal`] the text, and [`output`] puts files on the disk all at once or not at all.
+//! parameter file, [`terminal`] the text, [`friction`] friction models from recordings of friction, and [`output`] puts files on the disk all at once or not at all.
 
 pub mod document;
+pub mod friction;
 pub mod page;
 pub mod parameters;
 pub mod quantity;
