@@ -14,7 +14,8 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 /// Arguments of `cargo xtask test`.
 #[derive(Debug, clap::Args)]
 pub struct Test {
-    /// Long tiers whole: 25 times the random cases, 2000 repetitions of each identification, the whole protocol of `frictionlab run`
+    /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
+    /// seeds of servo identification
     #[arg(long)]
     full: bool,
 }
@@ -42,6 +43,11 @@ impl Test {
             environment.push(("FRICTION_COVERAGE", "2000"));
         }
         cargo(root, &["test", "--workspace", "--locked"], &environment)?;
+        if self.full {
+            let seeds =
+                ["run", "--release", "--locked", "--package", "friction_ident", "--example", "servo_seeds"];
+            cargo(root, &seeds, &environment)?;
+        }
         println!(
             "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
             started.elapsed().as_secs_f64()

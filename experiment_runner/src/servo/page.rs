@@ -72,7 +72,7 @@ fn parameters(found: &ServoIdentification) -> Table {
         .collect();
     Table {
         title: "Parameters".to_owned(),
-        caption: "Of the search with the least error on the logs fitted. The range is over all searches that fit within 3 % as \
+        caption: "Of the search with the least error on the logs fitted. The range is over all searches that fit within 10 % as \
                   well: a parameter that they disagree on is not determined by these logs."
             .to_owned(),
         columns: ["parameter", "value", "unit", "range", "verdict"].map(str::to_owned).to_vec(),

@@ -148,7 +148,12 @@ impl ServoParameter {
                 "raise the duty cycle slowly until the axis lets go, at several angles of the pendulum"
             }
             P::StribeckVelocity | P::StribeckExponent => "record steady speeds between 0.02 and 1 rad/s",
-            _ => "record a test that shows this effect alone",
+            P::Delay => {
+                "record the reply to a step of the goal with time stamps of command and position from one clock"
+            }
+            P::RippleSine | P::RippleCosine | P::RippleCount => {
+                "turn slowly through several turns under a steady load and record the duty cycle over the angle"
+            }
         }
     }
 

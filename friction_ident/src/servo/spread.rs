@@ -7,8 +7,8 @@ use super::parameter::ServoParameter;
 use super::search::Found;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 
-/// Errors within this fraction above the best count as equally good.
-pub const EQUALLY_GOOD: f64 = 0.03;
+/// Errors within this fraction above the best count as equally good: leaving out one log of twelve changes the mean by as much.
+pub const EQUALLY_GOOD: f64 = 0.1;
 /// Half the range over equally good fits, over the median, above which a parameter is not identified.
 const WIDE: f64 = 0.25;
 
