@@ -336,8 +336,9 @@ fn prepare(
         position.map(thin).transpose()?,
         thin(friction)?,
     )?;
+    // Experiment 2 begins at a fortieth of its fastest velocity, and has slid before.
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
-    if stretch.velocity.first().is_some_and(|v| v.abs() < 0.05 * fastest) {
+    if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {
         stretch.before = Before::Rested;
     }
     Ok(stretch)
