@@ -228,7 +228,7 @@ fn a_known_friction_is_found_with_its_uncertainty_and_ranked_first() {
     for (kind, samples) in [("pre_sliding", 4000), ("lag", 6000), ("mixed", 5000)] {
         assert_eq!(document["recordings"]["fitted"][kind], samples, "{kind}");
     }
-    for part in ["proposed", "±", "held out", "worse by", "written to out"] {
+    for part in ["proposed", "±", "held out", "worse: ", "written to out"] {
         assert!(printed.contains(part), "{printed}");
     }
     let page = desk.text("out/identification.html");

@@ -180,8 +180,9 @@ fn ranked(
             };
             // What is not a number is worse than all.
             let score = if score.is_nan() { f64::INFINITY } else { score };
-            let difference = Difference { mean: 0.0, standard_error: 0.0 };
-            let result = ModelResult { found, fit, held_out: tried, difference, tie: false };
+            let none = Difference { mean: 0.0, standard_error: 0.0 };
+            let result =
+                ModelResult { found, fit, held_out: tried, difference: none, ratio: none, tie: false };
             (score, there.unwrap_or(here), result)
         })
         .collect();
@@ -197,10 +198,10 @@ fn ranked(
         .map(|(place, (score, residuals, mut result))| {
             if place > 0 {
                 result.difference = paired_difference(&residuals, &best, BLOCKS);
+                result.ratio = paired_ratio(&residuals, &best, BLOCKS);
                 result.tie = match criterion {
                     Criterion::HeldOut => {
-                        let ratio = paired_ratio(&residuals, &best, BLOCKS);
-                        result.difference.is_tie() && (ratio.is_tie() || ratio.mean < 0.0)
+                        result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
                     }
                     Criterion::Bic => score - best_score < BIC_NOTICEABLE,
                 };

@@ -69,13 +69,17 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
     if place == 0 {
         return "first".to_owned();
     }
-    let difference = result.difference;
     match (result.tie, found.criterion) {
         (true, _) => "cannot be told from the first".to_owned(),
         (false, Criterion::HeldOut) => {
-            let unit = found.settings.axis.force_unit();
-            let (mean, error) = with_error(difference.mean, difference.standard_error);
-            format!("worse by {mean} ± {error} ({unit})^2")
+            let times =
+                |errors: f64| significant((result.ratio.mean + errors * result.ratio.standard_error).exp());
+            format!(
+                "worse: {} times the mean square in the usual block ({} to {})",
+                times(0.0),
+                times(-2.0),
+                times(2.0)
+            )
         }
         (false, Criterion::Bic) => {
             let first = found.models.first().map_or(0.0, |first| first.found.information.bic);
