@@ -55,6 +55,18 @@ impl Difference {
 /// Compares two models' residuals on the same samples, paired over `blocks` contiguous blocks: neighbouring samples are alike, blocks
 /// are nearly independent. Needs two blocks of at least one sample; otherwise the standard error is infinite.
 pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Difference {
+    paired(first, second, blocks, |first, second| first - second)
+}
+
+/// The same of the logarithms of the blocks' mean squares. A few blocks with large errors make the standard error of the difference large; here a
+/// model that is worse in nearly every block is told from the other all the same.
+pub fn paired_ratio(first: &[f64], second: &[f64], blocks: usize) -> Difference {
+    // A block without any residual is as good as the smallest number.
+    let ln = |mean_square: f64| mean_square.max(f64::MIN_POSITIVE).ln();
+    paired(first, second, blocks, |first, second| ln(first) - ln(second))
+}
+
+fn paired(first: &[f64], second: &[f64], blocks: usize, compare: impl Fn(f64, f64) -> f64) -> Difference {
     let n = first.len().min(second.len());
     let blocks = blocks.min(n);
     if blocks < 2 {
@@ -65,7 +77,7 @@ pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Differ
         .map(|block| {
             let range = block * size..(block + 1) * size;
             let square = |r: &[f64]| r[range.clone()].iter().map(|r| r * r).sum::<f64>() / size as f64;
-            square(first) - square(second)
+            compare(square(first), square(second))
         })
         .collect();
     let m = blocks as f64;
@@ -117,5 +129,20 @@ mod tests {
         let difference = paired_difference(&worse, &first, 20);
         assert!(!difference.is_tie() && difference.mean > 0.0, "{difference:?}");
         assert!(paired_difference(&first, &second, 1).standard_error.is_infinite());
+    }
+
+    /// Three times the error in every block, and in one block a hundred times: the mean is blurred by that block, the ratio is not.
+    #[test]
+    fn a_model_that_is_worse_everywhere_is_told_from_another_in_spite_of_one_bad_block() {
+        let noise = |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
+        let best: Vec<f64> = (0..2000).map(|i| noise(i, 1)).collect();
+        let worse: Vec<f64> =
+            (0..2000).map(|i| if i < 100 { 100.0 * noise(i, 2) } else { 3.0 * noise(i, 2) }).collect();
+        assert!(paired_difference(&worse, &best, 20).is_tie());
+        let ratio = paired_ratio(&worse, &best, 20);
+        assert!(!ratio.is_tie() && ratio.mean > 9f64.ln(), "{ratio:?}");
+        let other: Vec<f64> = (0..2000).map(|i| noise(i, 3)).collect();
+        assert!(paired_ratio(&other, &best, 20).is_tie());
+        assert!(paired_ratio(&best, &best, 20).is_tie());
     }
 }

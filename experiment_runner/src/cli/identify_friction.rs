@@ -165,14 +165,14 @@ fn is_bag(file: &Path) -> bool {
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then. [`Interrupted`] after ctrl-C; what
 /// there was by then is written.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&cancel);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
     let preparation = preparation(args)?;
     let files = read(&args.files, args, &preparation)?;
     let validation = read(&args.validate, args, &preparation)?;
     let settings = settings(args, preparation, &files)?;
 
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
     let progress = Progress::counting(settings.models.len() as u64, "models", args.quiet);
     let found = friction::run::identify(&files, &validation, &settings, &progress, &cancel);
     progress.finish();

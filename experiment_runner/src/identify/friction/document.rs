@@ -7,7 +7,8 @@
 //!                         added_uncertainty (rms, largest) of the friction by the inertia; null with a torque sensor
 //! recordings              of each kind: points or samples fitted to, and held out
 //! settings                models, asymmetric, elements, joint, inertia, damping_ratio, smoothing, decimate, reach
-//! ranking                 by ("held_out" or "bic"), and in order: model, tie, difference_of_mean_square (value, standard_error)
+//! ranking                 by ("held_out" or "bic"), and in order: model, tie, difference_of_mean_square and ln_ratio_of_mean_square (mean,
+//!                         standard_error), each to the first and paired over blocks
 //! models                  name ->
 //!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation
 //!   correlation           names, matrix: of the last fit
@@ -36,6 +37,7 @@ pub fn render(found: &FrictionIdentification) -> String {
                 "model": result.found.name,
                 "tie": result.tie,
                 "difference_of_mean_square": result.difference,
+                "ln_ratio_of_mean_square": result.ratio,
             })
         })
         .collect();

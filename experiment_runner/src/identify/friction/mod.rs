@@ -72,6 +72,8 @@ pub struct ModelResult {
     pub held_out: Option<Errors>,
     /// Mean square worse than the first model's, paired over blocks of the same samples.
     pub difference: Difference,
+    /// The same of the logarithms of the blocks' mean squares.
+    pub ratio: Difference,
     /// Whether it cannot be told from the first.
     pub tie: bool,
 }

@@ -1,7 +1,7 @@
 //! `identification.html` of friction models as data: tables and pictures for [`crate::report::render_page`].
 
 use super::thesis_tables;
-use super::{FrictionIdentification, KINDS, ModelResult, Source, pictures, wording};
+use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, pictures, wording};
 use crate::report::figure::{Block, Page, Table};
 
 /// Samples of a list that are shown one by one.
@@ -18,6 +18,7 @@ pub fn page(found: &FrictionIdentification, thesis: bool) -> Page {
     }
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
     blocks.push(Block::Table(comparison(found)));
+    blocks.push(Block::Table(by_kind(found)));
     blocks.extend(wording::simpler(found).map(Block::Text));
     blocks.extend(pictures::errors(found).map(Block::Figure));
     blocks.push(Block::Heading("The recordings and what the models make of them".to_owned()));
@@ -57,22 +58,9 @@ pub fn page(found: &FrictionIdentification, thesis: bool) -> Page {
 
 fn comparison(found: &FrictionIdentification) -> Table {
     let unit = found.settings.axis.force_unit();
-    let present: Vec<usize> = (0..KINDS.len())
-        .filter(|&k| {
-            found
-                .models
-                .iter()
-                .any(|r| r.fit.kinds[k].is_some() || r.held_out.is_some_and(|e| e.kinds[k].is_some()))
-        })
-        .collect();
-    let mut columns = vec!["model".to_owned(), "parameters".to_owned(), format!("fit, all [{unit}]")];
-    columns.extend(present.iter().map(|&k| format!("fit, {} [{unit}]", KINDS[k].describe())));
-    if found.held_out.is_some() {
-        columns.push(format!("held out, all [{unit}]"));
-        columns.extend(present.iter().map(|&k| format!("held out, {} [{unit}]", KINDS[k].describe())));
-    }
+    let mut columns = vec!["model".to_owned(), "parameters".to_owned(), format!("fit [{unit}]")];
+    columns.extend(found.held_out.as_ref().map(|_| format!("held out [{unit}]")));
     columns.extend(["AIC", "BIC", "place"].map(str::to_owned));
-    let number = |value: Option<f64>| value.map_or(String::new(), wording::significant);
     let row = |(place, result): (usize, &ModelResult)| {
         let information = result.found.information;
         let mut row = vec![
@@ -80,11 +68,7 @@ fn comparison(found: &FrictionIdentification) -> Table {
             information.parameters.to_string(),
             wording::significant(result.fit.all),
         ];
-        row.extend(present.iter().map(|&k| number(result.fit.kinds[k])));
-        if let Some(errors) = result.held_out {
-            row.push(wording::significant(errors.all));
-            row.extend(present.iter().map(|&k| number(errors.kinds[k])));
-        }
+        row.extend(result.held_out.map(|errors| wording::significant(errors.all)));
         row.push(wording::significant(information.aic));
         row.push(wording::significant(information.bic));
         row.push(wording::place(found, place, result));
@@ -98,6 +82,39 @@ fn comparison(found: &FrictionIdentification) -> Table {
         ),
         columns,
         rows: found.models.iter().enumerate().map(row).collect(),
+        highlight: Some(0),
+    }
+}
+
+/// The errors on each kind of recording.
+fn by_kind(found: &FrictionIdentification) -> Table {
+    type Of = fn(&ModelResult) -> Option<Errors>;
+    let sets: [(&str, Of); 2] = [("fit", |result| Some(result.fit)), ("held out", |result| result.held_out)];
+    // A column for each kind that either has.
+    let columns: Vec<(String, Of, usize)> = sets
+        .into_iter()
+        .flat_map(|(name, of)| {
+            (0..KINDS.len()).map(move |k| (format!("{name}, {}", KINDS[k].describe()), of, k))
+        })
+        .filter(|(_, of, k)| {
+            found.models.iter().any(|r| of(r).is_some_and(|errors| errors.kinds[*k].is_some()))
+        })
+        .collect();
+    let cell = |result: &ModelResult, of: Of, k: usize| {
+        of(result).and_then(|errors| errors.kinds[k]).map_or(String::new(), wording::significant)
+    };
+    let row = |result: &ModelResult| {
+        std::iter::once(result.found.name.to_string())
+            .chain(columns.iter().map(|(_, of, k)| cell(result, *of, *k)))
+            .collect()
+    };
+    Table {
+        title: format!("Errors on each kind of recording [{}]", found.settings.axis.force_unit()),
+        caption: "Root mean square of predicted minus measured friction.".to_owned(),
+        rows: found.models.iter().map(row).collect(),
+        columns: std::iter::once("model".to_owned())
+            .chain(columns.iter().map(|(name, ..)| name.clone()))
+            .collect(),
         highlight: Some(0),
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use friction_ident::information::{Difference, paired_difference};
+use friction_ident::information::{Difference, Information, paired_difference, paired_ratio};
 use friction_ident::staged::residuals;
 use friction_ident::{FrictionData, IdentError, Identified, SteadyPoint, Stretch, identify_model};
 use friction_model::ModelName;
@@ -72,6 +72,7 @@ pub fn identify(
             settings.models.iter().skip(delivered).map(|name| name.as_str().to_owned()).collect();
         notes.push(format!("Stopped before {} was begun.", missing.join(", ")));
     }
+    on_common_ground(&mut models);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
     let models = ranked(models, &data, held_out.as_ref(), criterion);
     if held_out.is_none() {
@@ -147,6 +148,18 @@ fn turns(stretch: &Stretch) -> bool {
     f64::min(forward, backward) > 0.2 * f64::max(forward, backward)
 }
 
+/// Information criteria over one and the same number of independent samples: that of the model that leaves least. Its own for each would compare models by
+/// how much of a pattern they leave.
+fn on_common_ground(models: &mut [Identified]) {
+    let least = models.iter().map(|model| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
+    let Some(least) = least else { return };
+    let share = least.effective_samples / least.samples.max(1) as f64;
+    for model in models {
+        let own = model.information;
+        model.information = Information::new(own.mse, own.samples, share, own.parameters);
+    }
+}
+
 fn ranked(
     models: Vec<Identified>,
     data: &FrictionData,
@@ -167,8 +180,9 @@ fn ranked(
             };
             // What is not a number is worse than all.
             let score = if score.is_nan() { f64::INFINITY } else { score };
-            let difference = Difference { mean: 0.0, standard_error: 0.0 };
-            let result = ModelResult { found, fit, held_out: tried, difference, tie: false };
+            let none = Difference { mean: 0.0, standard_error: 0.0 };
+            let result =
+                ModelResult { found, fit, held_out: tried, difference: none, ratio: none, tie: false };
             (score, there.unwrap_or(here), result)
         })
         .collect();
@@ -184,8 +198,11 @@ fn ranked(
         .map(|(place, (score, residuals, mut result))| {
             if place > 0 {
                 result.difference = paired_difference(&residuals, &best, BLOCKS);
+                result.ratio = paired_ratio(&residuals, &best, BLOCKS);
                 result.tie = match criterion {
-                    Criterion::HeldOut => result.difference.is_tie(),
+                    Criterion::HeldOut => {
+                        result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
+                    }
                     Criterion::Bic => score - best_score < BIC_NOTICEABLE,
                 };
             }

@@ -69,11 +69,17 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
     if place == 0 {
         return "first".to_owned();
     }
-    let difference = result.difference;
     match (result.tie, found.criterion) {
         (true, _) => "cannot be told from the first".to_owned(),
         (false, Criterion::HeldOut) => {
-            format!("mean square worse by {:.2e} ± {:.0e}", difference.mean, difference.standard_error)
+            let times =
+                |errors: f64| significant((result.ratio.mean + errors * result.ratio.standard_error).exp());
+            format!(
+                "worse: {} times the mean square in the usual block ({} to {})",
+                times(0.0),
+                times(-2.0),
+                times(2.0)
+            )
         }
         (false, Criterion::Bic) => {
             let first = found.models.first().map_or(0.0, |first| first.found.information.bic);
@@ -86,11 +92,12 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
 pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
     match found.criterion {
         Criterion::HeldOut => {
-            "In order of the error on the recordings held out. A difference within two of its standard errors, paired over 20 blocks of the same \
-             samples, is no difference."
+            "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
+             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors."
         }
         Criterion::Bic => {
-            "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent. A \
+            "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
+             residuals of the best fit tell. A \
              difference below 2 is no difference. The errors are those of the fit."
         }
     }
@@ -103,9 +110,8 @@ pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
         result.tie && result.found.information.parameters < first.found.information.parameters
     };
     let names: Vec<_> = found.models.iter().skip(1).filter(fewer).map(|r| r.found.name.as_str()).collect();
-    (!names.is_empty()).then(|| {
-        format!("{} does as well within the uncertainty and has fewer parameters.", names.join(", "))
-    })
+    (!names.is_empty())
+        .then(|| format!("As good within the uncertainty, with fewer parameters: {}.", names.join(", ")))
 }
 
 /// What is to be said about the files.

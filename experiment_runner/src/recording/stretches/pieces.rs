@@ -1,0 +1,57 @@
+//! Where a recording is cut: at pauses, and at what is steady of a run at a constant velocity.
+
+use std::ops::Range;
+
+use friction_ident::Stretch;
+
+/// Steps longer than this many usual ones are pauses between runs.
+const PAUSE: f64 = 5.0;
+
+/// Where the runs are: ranges of samples without a pause in them.
+pub(super) fn runs(time: &[f64]) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut first = 0;
+    for k in 1..time.len() {
+        let before = k - 1 - first;
+        let usual = if before > 0 { (time[k - 1] - time[first]) / before as f64 } else { f64::INFINITY };
+        if time[k] - time[k - 1] > PAUSE * usual {
+            runs.push(first..k);
+            first = k;
+        }
+    }
+    runs.push(first..time.len());
+    runs
+}
+
+/// The part of a run at a constant velocity that has settled; none if the velocity is not constant.
+pub(super) fn steady_part(stretch: &Stretch) -> Option<Stretch> {
+    let n = stretch.len();
+    let part = n / 5..n - n / 10;
+    const BLOCKS: usize = 10;
+    let size = part.len() / BLOCKS;
+    if size < 5 {
+        return None;
+    }
+    let travel = stretch.travel();
+    let over = |first: usize, samples: usize| {
+        (travel[first + samples] - travel[first]) / (samples as f64 * stretch.time_step)
+    };
+    let last = part.end - 1;
+    let mean = over(part.start, last - part.start);
+    // Over blocks the velocity may not wander, over short windows it may not swing: noise does neither, a lag experiment swings.
+    let blocks = (0..BLOCKS - 1).map(|block| over(part.start + block * size, size));
+    let window = (size / 4).clamp(4, 50);
+    let windows = (part.start..last - window).step_by(window).map(|k| over(k, window));
+    let (count, squares) =
+        windows.fold((0usize, 0.0), |(count, sum), v| (count + 1, sum + (v - mean).powi(2)));
+    let swing = (squares / count.max(1) as f64).sqrt();
+    let steady = mean != 0.0
+        && blocks.into_iter().all(|v| (v - mean).abs() < 0.05 * mean.abs())
+        && swing < 0.15 * mean.abs();
+    steady.then(|| Stretch {
+        velocity: stretch.velocity[part.clone()].to_vec(),
+        position: stretch.position.as_ref().map(|position| position[part.clone()].to_vec()),
+        friction: stretch.friction[part].to_vec(),
+        ..stretch.clone()
+    })
+}
