@@ -71,7 +71,7 @@ fn cells(figure: &Measured, digits: usize) -> [String; 4] {
         number(figure.mean),
         figure.standard_error.map_or("-".to_owned(), |error| format!("{error:.1e}")),
         format!("{lower} / {median} / {upper}"),
-        format!("{:.1e}", figure.systematic),
+        if figure.systematic == 0.0 { "0".to_owned() } else { format!("{:.1e}", figure.systematic) },
     ]
 }
 

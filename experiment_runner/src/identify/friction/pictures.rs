@@ -1,6 +1,7 @@
 //! The pictures: Stribeck curves with bands, loops of pre-sliding and lag, residuals, errors of each kind.
 
 use friction_ident::output_error::predict;
+use friction_ident::starting_model::breakaway_reach;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
 use super::{FrictionIdentification, KINDS, ModelResult, band};
@@ -116,7 +117,11 @@ fn recording(
         _ => (time(), "time [s]".to_owned(), "Mixed motion"),
     };
     let mut traces = vec![line("measured", x.clone(), stretch.friction.clone(), LineStyle::Faint)];
-    for result in drawn(found) {
+    // A model without bristles only jumps from level to level here and would hide the others.
+    let shows = |result: &&ModelResult| {
+        kind != StretchKind::PreSliding || breakaway_reach(&result.found.model).is_some()
+    };
+    for result in drawn(found).filter(shows) {
         let predicted = predict(&result.found.model, stretch);
         traces.push(line(result.found.name.as_str(), x.clone(), predicted, LineStyle::Solid));
     }
