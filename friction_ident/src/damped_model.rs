@@ -34,14 +34,23 @@ pub fn with_computed_damping(
                 f_v: Uncertain::exact(f_v),
                 zeta: damping_ratio,
             };
-            let Uncertain { value: damping, standard_error } = oscillator.micro_damping()?;
+            let critical = 2.0 * damping_ratio * (inertia.value * k).sqrt();
+            // Beside a soft element viscous friction alone damps more than was asked for: it gets a trace, with no error of its own.
+            let (computed, source) = if list && critical <= f_v {
+                (
+                    Uncertain::exact(1e-3 * critical),
+                    "a trace: viscous friction alone damps more than was asked for",
+                )
+            } else {
+                (oscillator.micro_damping()?, "computed from the inertia and the damping ratio")
+            };
+            let Uncertain { value: damping, standard_error } = computed;
             if !parameters.set_at(name, element, damping) {
                 continue;
             }
             let place = if list { format!("[{element}]") } else { String::new() };
             let label = if asymmetric { format!("{name}{place}{side}") } else { format!("{name}{place}") };
-            let mut estimate =
-                Estimate::given(label, unit, damping, "computed from the inertia and the damping ratio");
+            let mut estimate = Estimate::given(label, unit, damping, source);
             estimate.standard_error = Some(standard_error);
             estimates.parameters.push(estimate);
         }
@@ -72,6 +81,23 @@ mod tests {
     use friction_model::ModelName;
 
     use super::*;
+
+    #[test]
+    fn a_soft_element_beside_strong_viscous_friction_gets_a_trace() {
+        let mut parameters = AnyModel::test_bed(ModelName::Gms).parameters();
+        parameters.set_at("sigma0", 3, 0.01);
+        let (model, found) =
+            with_computed_damping(&parameters.try_into().unwrap(), Uncertain::exact(0.0026), 0.7, true)
+                .unwrap();
+        let sigma1 = model.parameters().values("sigma1");
+        assert!(sigma1[3] > 0.0 && sigma1[3] < 1e-4 && sigma1[0] > 0.1, "{sigma1:?}");
+        assert!(
+            matches!(found.parameters[3].verdict, crate::Verdict::Given { source } if source.contains("trace"))
+        );
+        // A contact without elements would not be damped at all: that is refused.
+        let lugre = AnyModel::test_bed(ModelName::LuGre).scaled("f_v", 50.0).unwrap();
+        assert!(with_computed_damping(&lugre, Uncertain::exact(0.0026), 0.7, true).is_err());
+    }
 
     /// Errata 2: J = .0026, zeta = .7, f_v = .0403 and the stiffnesses of tables 4.4 to 4.7 give all ten printed values.
     #[test]
