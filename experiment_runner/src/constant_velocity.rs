@@ -33,6 +33,12 @@ pub struct SteadyRun {
     /// Standard deviation of the mean torque by the drive's constants [N m]; zero with a torque sensor.
     #[serde(default)]
     pub torque_systematic: f64,
+    /// Mean voltage [V].
+    #[serde(default)]
+    pub voltage: f64,
+    /// Mean current [A], where the rig measures it.
+    #[serde(default)]
+    pub current: Option<f64>,
     /// Samples that counted.
     pub samples: u32,
 }
@@ -108,6 +114,7 @@ impl SteadyJob {
         let mut torque = Moments::default();
         let mut torque_systematic = 0.0;
         let mut channels = Channels::new(period);
+        let (mut voltage, mut current) = (Moments::default(), Moments::default());
         let mut slope = Slope::default();
         for cycle in 0..cycles {
             let sample = control.step()?;
@@ -118,6 +125,8 @@ impl SteadyJob {
                 } else {
                     channels.add(&sample);
                 }
+                voltage.add(sample.measurement.voltage_applied);
+                sample.measurement.motor_current.iter().for_each(|&amperes| current.add(amperes));
                 slope.add(sample.measurement.time - protocol.drop_first, sample.measurement.encoder_position);
             }
         }
@@ -135,6 +144,8 @@ impl SteadyJob {
             torque: torque.mean,
             torque_deviation: torque.deviation(),
             torque_systematic,
+            voltage: voltage.mean,
+            current: (current.n == voltage.n && current.n > 0).then_some(current.mean),
             samples: torque.n,
         })
     }

@@ -12,7 +12,7 @@
 //! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
 //! * [`micro_damping`]: the micro-damping that a chosen damping ratio asks for.
 //! * [`frictional_lag`]: the lag, from sliding in one direction at varying speed.
-//! * [`quantiser`]: the path between the counts of an encoder.
+//! * [`quantiser`]: the step of an encoder, and the path between its counts.
 //! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
@@ -34,7 +34,6 @@
 //! * [`stiction_cycle`]: friction in volts from an axis that sticks and slips.
 //! * [`cma_es`]: search without derivatives.
 //! * [`savitzky_golay`]: smoothing and differentiation by local polynomials.
-//! * [`encoder_steps`]: a position from between the steps of an encoder.
 //! * [`outliers`]: samples that cannot be true, replaced and reported.
 //! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
 
@@ -46,7 +45,6 @@ pub mod confidence;
 pub mod damped_model;
 pub mod derived;
 pub mod drive;
-pub mod encoder_steps;
 mod error;
 pub mod estimate;
 pub mod free_parameters;
@@ -99,4 +97,3 @@ pub use torque_source::{
 };
 pub use two_line::{TwoLineFit, fit_two_line};
 pub use uncertain::Uncertain;
-pub use uncertain::Uncertain as Given;

@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::encoder_steps::step_of;
+use crate::quantiser::step_of;
 
 /// The identifier's two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

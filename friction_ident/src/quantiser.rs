@@ -6,9 +6,38 @@
 //! path through these edges, goes beyond the last edge before a turn as far as the speed on both sides says, and starts as far inside the first count as
 //! the first edges say.
 //!
-//! A motion that changes counts often enough is asked for: a leg within one count leaves no trace.
+//! A motion that changes counts often enough is asked for: a leg within one count leaves no trace. [`step_of`] tells the resolution from the readings.
 
 use crate::IdentError;
+
+/// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which all differences are multiples, where the
+/// position stands still for a fifth of the samples at least. None for a position without such steps.
+///
+/// ```
+/// let slow: Vec<f64> = (0..1000).map(|k| (0.03 * k as f64).floor() * 0.5).collect();
+/// assert_eq!(friction_ident::quantiser::step_of(&slow), Some(0.5));
+/// assert_eq!(friction_ident::quantiser::step_of(&[0.0, 0.1, 0.25]), None);
+/// ```
+pub fn step_of(position: &[f64]) -> Option<f64> {
+    let differences = position.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let largest = position.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+    let rounding = 1e-9 * largest;
+    let (mut still, mut step) = (0usize, f64::INFINITY);
+    for difference in differences.clone() {
+        if difference <= rounding {
+            still += 1;
+        } else {
+            step = step.min(difference);
+        }
+    }
+    // Positions printed with few digits are multiples to that rounding only.
+    let is_multiple = |d: f64| (d / step - (d / step).round()).abs() < 0.05;
+    let stands = 5 * still >= position.len().saturating_sub(1);
+    (step.is_finite() && stands && differences.filter(|&d| d > rounding).all(is_multiple)).then_some(step)
+}
+
+/// Edges for each sample, on average, beyond which readings are not those of an encoder but of a wrong resolution.
+const MOST_EDGES: f64 = 1e4;
 
 /// How the motion turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,7 +62,7 @@ struct Crossing {
 /// `position` are the readings, whole multiples of `resolution` apart; `resolution` is one count.
 ///
 /// # Errors
-/// [`IdentError::Resolution`] unless the resolution is positive, [`IdentError::NotFinite`], [`IdentError::TooFewSamples`] for a motion that passes fewer than two edges.
+/// [`IdentError::Resolution`] unless the resolution is positive and the motion passes fewer than ten thousand edges a sample, [`IdentError::NotFinite`], [`IdentError::TooFewSamples`] for a motion that passes fewer than two edges.
 ///
 /// ```
 /// use friction_ident::quantiser::{Turn, between_counts};
@@ -54,6 +83,10 @@ pub fn between_counts(position: &[f64], resolution: f64, turn: Turn) -> Result<V
     }
     let first = position.first().copied().unwrap_or(0.0);
     let counts: Vec<f64> = position.iter().map(|x| ((x - first) / resolution).round()).collect();
+    let edges: f64 = counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+    if edges > MOST_EDGES * counts.len() as f64 {
+        return Err(IdentError::Resolution(resolution));
+    }
     let crossings = crossings(&counts);
     let knots = knots(&crossings, counts.len(), turn).ok_or(IdentError::TooFewSamples {
         what: "the path between the counts of an encoder (edges passed)",

@@ -7,7 +7,7 @@ use std::thread;
 
 use anyhow::Context;
 use friction_ident::output_error::OutputErrorOptions;
-use friction_ident::{Given, Hampel, StagedOptions};
+use friction_ident::{Hampel, StagedOptions, Uncertain};
 use friction_model::ModelName;
 
 use super::identify::{IdentifyArgs, default_folder};
@@ -38,7 +38,7 @@ pub struct FrictionArgs {
     /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in 0.0026:0.00003. The micro-damping is then
     /// computed from it; --torque-source other than sensor needs it.
     #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
-    inertia: Option<Given>,
+    inertia: Option<Uncertain>,
 
     /// Damping ratio from which the micro-damping is computed.
     #[arg(
@@ -125,12 +125,12 @@ fn choice(text: &str) -> Result<Choice, String> {
     }
 }
 
-fn inertia(text: &str) -> Result<Given, String> {
+fn inertia(text: &str) -> Result<Uncertain, String> {
     let (value, error) = text.split_once(':').unwrap_or((text, "0"));
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     match (number(value), number(error)) {
         (Some(value), Some(standard_error)) if value > 0.0 && standard_error >= 0.0 => {
-            Ok(Given { value, standard_error })
+            Ok(Uncertain { value, standard_error })
         }
         _ => {
             Err("expected an inertia above zero, and after a colon its standard error, as in 0.0026:0.00003"

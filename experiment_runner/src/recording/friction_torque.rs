@@ -3,7 +3,7 @@
 //! Without a sensor `F = T - J a`, where the driving torque `T` is a column of its own, or `(A Km / Ra) (u - A Km w)` from the motor's voltage, or `A Km i`
 //! from its current (thesis eqs. 4.4 to 4.7 with the inductance left out).
 
-use friction_ident::Given;
+use friction_ident::Uncertain;
 use serde::Serialize;
 
 use super::rosbag::Motor;
@@ -62,7 +62,7 @@ impl TorqueSource {
         column: &[f64],
         velocity: &[f64],
         acceleration: &[f64],
-        inertia: Option<Given>,
+        inertia: Option<Uncertain>,
     ) -> (Vec<f64>, Option<AddedUncertainty>) {
         let driven: Vec<f64> = column.iter().zip(velocity).map(|(&c, &v)| self.torque(c, v)).collect();
         let Some(inertia) = inertia.filter(|_| self.needs_inertia()) else { return (driven, None) };
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn all_sources_give_the_same_friction() {
-        let (inertia, friction) = (Given { value: 0.0026, standard_error: 1e-4 }, 0.09);
+        let (inertia, friction) = (Uncertain { value: 0.0026, standard_error: 1e-4 }, 0.09);
         let motor = Motor::default();
         let constant = motor.gear_ratio * motor.motor_constant;
         let (v, a) = (1.5, -20.0);

@@ -8,9 +8,10 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
+use friction_ident::quantiser::{Turn, between_counts, step_of};
 use friction_ident::stretch::Before;
 use friction_ident::zero_phase::{LowPass, decimate};
-use friction_ident::{Given, Hampel, IdentError, SavitzkyGolay, SteadyPoint, Stretch, encoder_steps};
+use friction_ident::{Hampel, IdentError, SavitzkyGolay, SteadyPoint, Stretch, Uncertain};
 use serde::Serialize;
 
 use super::column::{Channel, axis_of};
@@ -54,7 +55,7 @@ pub struct Preparation {
     /// Where the friction comes from.
     pub torque: TorqueSource,
     /// What is accelerated.
-    pub inertia: Option<Given>,
+    pub inertia: Option<Uncertain>,
     /// How far a time step may be from the usual one, as a fraction.
     pub tolerance: f64,
 }
@@ -282,12 +283,12 @@ fn prepare(
     let column = clean("force", &samples.force[run.clone()])?;
     let velocity = slice(&samples.velocity).map(|values| clean("velocity", &values)).transpose()?;
     let position = slice(&samples.position).map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: beside a measured velocity such a position says little, alone it is drawn from edge to edge.
-    let stepped = position.as_deref().is_some_and(|position| encoder_steps::step_of(position).is_some());
-    let position = match (position, &velocity) {
-        (Some(_), Some(_)) if stepped => None,
-        (Some(position), None) if stepped => Some(encoder_steps::between_edges(&position)),
-        (position, _) => position,
+    // An encoder's steps are no motion: beside a measured velocity such a position says little, alone its path between the counts is used.
+    let step = position.as_deref().and_then(step_of);
+    let position = match (position, step, &velocity) {
+        (Some(_), Some(_), Some(_)) => None,
+        (Some(position), Some(step), None) => Some(between_steps(position, step)?),
+        (position, ..) => position,
     };
 
     let filter = SavitzkyGolay::new(3, frame(dt, run.len()))?;
@@ -327,6 +328,16 @@ fn prepare(
         stretch.before = Before::Rested;
     }
     Ok(stretch)
+}
+
+/// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path between its counts and stays as it is.
+fn between_steps(position: Vec<f64>, step: f64) -> Result<Vec<f64>, IdentError> {
+    let first = position.first().copied().unwrap_or(0.0);
+    match between_counts(&position, step, Turn::Sharp) {
+        Ok(path) => Ok(path.into_iter().map(|x| first + x).collect()),
+        Err(IdentError::TooFewSamples { .. }) => Ok(position),
+        Err(error) => Err(error),
+    }
 }
 
 /// Samples of the thesis's 31 ms, odd, five at least and no more than there are.

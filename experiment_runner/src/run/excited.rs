@@ -46,6 +46,8 @@ pub(super) struct MeanRecord {
     pub velocity: Vec<f64>,
     /// Voltage [V].
     pub voltage: Vec<f64>,
+    /// Current [A]; empty on a rig that does not measure it.
+    pub current: Vec<f64>,
     /// Friction torque by the chosen source [N m].
     pub torque: Vec<f64>,
     runs: f64,
@@ -74,6 +76,7 @@ impl MeanRecord {
         into(&mut self.position, position);
         into(&mut self.velocity, &channels.velocity);
         into(&mut self.voltage, &channels.voltage);
+        into(&mut self.current, &channels.current);
         into(&mut self.torque, &friction.torque);
         self.runs += 1.0;
     }
@@ -99,19 +102,26 @@ impl MeanRecord {
             position: change(&self.position),
             velocity: change(&self.velocity),
             voltage: change(&self.voltage),
+            current: change(&self.current),
             torque: change(&self.torque),
             runs: self.runs,
         }
     }
 
-    /// As comma-separated values, as `frictionlab identify` reads them.
+    /// As comma-separated values, as `frictionlab identify` reads them; with the current only where every sample has one.
     pub fn csv(&self) -> String {
-        let mut text = String::from("t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm\n");
+        let with_current = !self.time.is_empty() && self.current.len() == self.time.len();
+        let current = if with_current { ",current_A" } else { "" };
+        let mut text = format!("t_s,position_rad,velocity_rad_s,voltage_V{current},torque_Nm\n");
         let rows =
             self.time.iter().zip(&self.position).zip(&self.velocity).zip(&self.voltage).zip(&self.torque);
-        for ((((t, x), w), u), torque) in rows {
+        for (i, ((((t, x), w), u), torque)) in rows.enumerate() {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{t:.6},{x:.8},{w:.7},{u:.7},{torque:.8}");
+            let _ = write!(text, "{t:.6},{x:.8},{w:.7},{u:.7}");
+            if let Some(amperes) = self.current.get(i).filter(|_| with_current) {
+                let _ = write!(text, ",{amperes:.7}");
+            }
+            let _ = writeln!(text, ",{torque:.8}");
         }
         text
     }

@@ -157,10 +157,14 @@ pub fn execute(
 
 /// The steady points as comma-separated values.
 fn steady_points(runs: &[SteadyRun]) -> String {
-    let mut text = String::from("set,repetition,velocity_rad_s,torque_Nm,torque_deviation_Nm\n");
+    let with_current = runs.iter().all(|run| run.current.is_some());
+    let head = if with_current { ",current_A" } else { "" };
+    let mut text = format!("set,repetition,velocity_rad_s,voltage_V{head},torque_Nm,torque_deviation_Nm\n");
     for run in runs {
-        let SteadyRun { set, repetition, velocity, torque, torque_deviation, .. } = run;
-        text += &format!("{},{},{velocity:.8},{torque:.8},{torque_deviation:.6}\n", set + 1, repetition + 1);
+        let SteadyRun { set, repetition, velocity, voltage, torque, torque_deviation, .. } = run;
+        let current = run.current.filter(|_| with_current).map_or(String::new(), |i| format!(",{i:.7}"));
+        text += &format!("{},{},{velocity:.8},{voltage:.7}{current}", set + 1, repetition + 1);
+        text += &format!(",{torque:.8},{torque_deviation:.6}\n");
     }
     text
 }

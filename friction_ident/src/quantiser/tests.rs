@@ -3,6 +3,7 @@ use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 
 use super::*;
+use crate::SavitzkyGolay;
 use crate::pre_sliding::{Operator, PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 
 /// One count of 4096 a turn [rad].
@@ -85,6 +86,8 @@ fn what_is_no_reading_is_refused() {
         between_counts(&[0.0; 50], COUNT, Turn::Sharp),
         Err(IdentError::TooFewSamples { found: 0, .. })
     ));
+    let jump = [vec![0.0; 50], vec![1e9 * COUNT; 50]].concat();
+    assert_eq!(between_counts(&jump, COUNT, Turn::Sharp), Err(IdentError::Resolution(COUNT)));
     let mut broken = read.clone();
     broken[9] = f64::NAN;
     assert!(matches!(
@@ -106,4 +109,43 @@ fn the_path_stays_within_its_counts() {
             offsets.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         assert!(high - low < 1.0 + 0.03, "{turn:?}: {low} {high}");
     }
+}
+
+/// Readings of an encoder at 1 kHz, rounded to the nearest count.
+fn encoder(position: impl Fn(f64) -> f64, samples: usize) -> (Vec<f64>, Vec<f64>) {
+    let truth: Vec<f64> = (0..samples).map(|k| position(k as f64 * 1e-3)).collect();
+    let read = truth.iter().map(|p| (p / COUNT).round() * COUNT).collect();
+    (truth, read)
+}
+
+#[test]
+fn the_step_is_seen_where_the_axis_is_slow() {
+    let (smooth, slow) = encoder(|t| 0.3 * (0.5 * t).sin(), 8000);
+    assert!((step_of(&slow).unwrap() / COUNT - 1.0).abs() < 1e-9);
+    assert_eq!(step_of(&smooth), None);
+    assert_eq!(step_of(&[0.0; 100]), None);
+    assert_eq!(step_of(&[]), None);
+}
+
+/// Uneven motion with turns of both kinds: never further than a count from the truth, but for one constant.
+#[test]
+fn the_path_of_an_uneven_motion_stays_within_a_count_of_the_truth() {
+    let (truth, read) = encoder(|t| 0.02 * (0.5 * t).sin() + 0.004 * (3.0 * t).sin(), 20_000);
+    let path = between_counts(&read, COUNT, Turn::Sharp).unwrap();
+    for (x, truth) in path.iter().zip(&truth) {
+        assert!((x - truth).abs() <= COUNT, "{x} beside {truth}");
+    }
+}
+
+/// At .03 rad/s the differences of what is read are 0 or 1.5 rad/s; between the counts and smoothed they stay near .03.
+#[test]
+fn steps_do_not_become_velocity_spikes() {
+    let (_, read) = encoder(|t| 0.03 * t + 2e-4, 5000);
+    let filter = SavitzkyGolay::thesis().unwrap();
+    let path = between_counts(&read, COUNT, Turn::Sharp).unwrap();
+    for v in &filter.derivative(&path, 1e-3).unwrap()[100..4900] {
+        assert!((v - 0.03).abs() < 0.002, "{v}");
+    }
+    let straight = filter.derivative(&read, 1e-3).unwrap();
+    assert!(straight[100..4900].iter().any(|v| (v - 0.03).abs() > 0.02), "or the path is not needed");
 }

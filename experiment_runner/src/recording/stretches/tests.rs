@@ -104,7 +104,7 @@ fn replaced_outliers_are_listed() {
 #[test]
 fn friction_is_found_from_the_voltage() {
     let motor = rosbag::Motor::default();
-    let inertia = Given { value: 0.0026, standard_error: 2.6e-5 };
+    let inertia = Uncertain { value: 0.0026, standard_error: 2.6e-5 };
     let constant = motor.gear_ratio * motor.motor_constant;
     let mut text = "t_s,velocity_rad_s,voltage_V\n".to_owned();
     for k in 0..2000 {
