@@ -44,7 +44,7 @@ fn recording(seed: u64) -> (Vec<f64>, Vec<f64>) {
 fn main() {
     let data: Vec<_> = (0..20).map(recording).collect();
     let options = LagOptions::default();
-    let (alpha, sigma0, sigma1) = ([0.25; 4], [15.0; 4], [0.0; 4]);
+    let (alpha, sigma0, sigma1) = ([0.25; 4], [15.0, 12.0, 9.0, 6.0], [0.0686; 4]);
     let gms = Relaxation::Gms { alpha: &alpha, sigma0: &sigma0, sigma1: &sigma1 };
     time("proposed", &data, |recordings| fit_lag(recordings, &options).map(|fit| fit.mse));
     time("LuGre", &data, |recordings| {

@@ -198,20 +198,57 @@ impl Estimates {
     /// From a minimum of least squares, linearised: covariance `s^2 (J^T J)^-1` of the unknowns that no bound holds. `share` is the share
     /// of the residuals that count as independent: 1 for white ones, else [`effective_share`](crate::residual_whiteness::effective_share).
     pub fn linearised(minimum: &Minimum, unknowns: &[Unknown], share: f64) -> Self {
-        let n = unknowns.len().min(minimum.x.len());
-        let free: Vec<usize> =
-            (0..n).filter(|&j| !minimum.held[j] && minimum.jacobian.column(j).norm() > 0.0).collect();
-        let m = minimum.residuals.len();
+        let matrix = minimum.jacobian.tr_mul(&minimum.jacobian);
+        let normal = NormalEquations {
+            x: &minimum.x,
+            held: &minimum.held,
+            matrix: matrix.as_slice().to_vec(),
+            sum: minimum.sum,
+            residuals: minimum.residuals.len(),
+        };
+        normal.estimates(unknowns, share)
+    }
+
+    /// The estimate of that name.
+    pub fn get(&self, name: &str) -> Option<&Estimate> {
+        self.parameters.iter().find(|estimate| estimate.name == name)
+    }
+
+    /// The value of that name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.get(name).map(|estimate| estimate.value)
+    }
+}
+
+/// Normal equations at a minimum of least squares: all that a linearised error needs.
+pub(crate) struct NormalEquations<'a> {
+    pub x: &'a [f64],
+    /// Unknowns that a bound holds.
+    pub held: &'a [bool],
+    /// `J^T J`, column by column.
+    pub matrix: Vec<f64>,
+    pub sum: f64,
+    /// How many residuals there are.
+    pub residuals: usize,
+}
+
+impl NormalEquations<'_> {
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.matrix.get(i + j * self.x.len()).copied().unwrap_or(0.0)
+    }
+
+    pub fn estimates(&self, unknowns: &[Unknown], share: f64) -> Estimates {
+        let n = unknowns.len().min(self.x.len());
+        let free: Vec<usize> = (0..n).filter(|&j| !self.held[j] && self.at(j, j) > 0.0).collect();
+        let m = self.residuals;
         let degrees_of_freedom = ((m as f64 * share) as usize).saturating_sub(free.len());
         let variance =
-            minimum.sum / m.saturating_sub(free.len()).max(1) as f64 / share.clamp(f64::MIN_POSITIVE, 1.0);
-        let root: Vec<f64> = free.iter().map(|&j| minimum.jacobian.column(j).norm()).collect();
-        let normal = DMatrix::from_fn(free.len(), free.len(), |a, b| {
-            minimum.jacobian.column(free[a]).dot(&minimum.jacobian.column(free[b])) / (root[a] * root[b])
-        });
+            self.sum / m.saturating_sub(free.len()).max(1) as f64 / share.clamp(f64::MIN_POSITIVE, 1.0);
+        let root: Vec<f64> = free.iter().map(|&j| self.at(j, j).sqrt()).collect();
+        let normal =
+            DMatrix::from_fn(free.len(), free.len(), |a, b| self.at(free[a], free[b]) / (root[a] * root[b]));
         // Singular in floating point: nothing is known of the parameters concerned.
         let inverse = normal
-            .clone()
             .try_inverse()
             .filter(|inverse| (0..free.len()).all(|a| inverse[(a, a)].is_finite() && inverse[(a, a)] > 0.0));
         let mut covariance = vec![vec![0.0; n]; n];
@@ -231,11 +268,10 @@ impl Estimates {
         let parameters = (0..n)
             .map(|j| {
                 let Unknown { name, unit, remedy } = unknowns[j].clone();
-                let value = minimum.x[j];
+                let value = self.x[j];
                 let known = free.contains(&j) && inverse.is_some();
                 let standard_error = known.then(|| covariance[j][j].sqrt());
-                let doubt = doubt(minimum, unknowns, &correlation, standard_error, j);
-                let verdict = match doubt {
+                let verdict = match doubt(self, unknowns, &correlation, standard_error, j) {
                     Some(doubt) => Verdict::NotIdentifiable { doubt, remedy },
                     None => Verdict::Identified,
                 };
@@ -247,22 +283,13 @@ impl Estimates {
                 Estimate { name, unit, value, standard_error, interval, verdict }
             })
             .collect();
-        Self { parameters, correlation, covariance, residual_deviation: variance.sqrt(), degrees_of_freedom }
-    }
-
-    /// The estimate of that name.
-    pub fn get(&self, name: &str) -> Option<&Estimate> {
-        self.parameters.iter().find(|estimate| estimate.name == name)
-    }
-
-    /// The value of that name.
-    pub fn value(&self, name: &str) -> Option<f64> {
-        self.get(name).map(|estimate| estimate.value)
+        let residual_deviation = variance.sqrt();
+        Estimates { parameters, correlation, covariance, residual_deviation, degrees_of_freedom }
     }
 }
 
 fn doubt(
-    minimum: &Minimum,
+    minimum: &NormalEquations,
     unknowns: &[Unknown],
     correlation: &[Vec<f64>],
     standard_error: Option<f64>,
@@ -272,7 +299,7 @@ fn doubt(
     if minimum.held[j] {
         return Some(Doubt::AtBound { bound: value });
     }
-    if minimum.jacobian.column(j).norm() == 0.0 {
+    if minimum.at(j, j) == 0.0 {
         return Some(Doubt::NoEffect);
     }
     let Some(error) = standard_error else {

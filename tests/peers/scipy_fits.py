@@ -33,6 +33,46 @@ def lag(v, p, out):
 
 
 @njit(cache=False, fastmath=False)
+def lag_lugre(v, p, out):
+    """LuGre sliding one way: b' = sigma0 v (1 - b / g), F = b + sigma1 v (1 - b / g) + f_v v (exponential step, v and g from the mean of their ends)."""
+    f_s, f_c, v_s, f_v, sigma0, sigma1 = p
+    g = f_c + (f_s - f_c) * math.exp(-((v[0] / v_s) ** 2))
+    b = g
+    for k in range(v.size):
+        if k > 0:
+            new = f_c + (f_s - f_c) * math.exp(-((v[k] / v_s) ** 2))
+            middle = 0.5 * (g + new)
+            b = middle + (b - middle) * math.exp(-DT * sigma0 * 0.5 * (v[k - 1] + v[k]) / middle)
+            g = new
+        out[k] = b + sigma1 * v[k] * (1.0 - b / g) + f_v * v[k]
+
+
+ALPHA = np.array([0.25, 0.25, 0.25, 0.25])
+SIGMA0 = np.array([15.0, 12.0, 9.0, 6.0])
+SIGMA1 = np.array([0.0686, 0.0686, 0.0686, 0.0686])
+
+
+@njit(cache=False, fastmath=False)
+def lag_gms(v, p, out):
+    """GMS sliding one way, all elements slipping: b_i' = sigma0_i c / alpha_i (1 - b_i / g), F = sum alpha_i b_i + sigma1_i c (1 - b_i / g) + f_v v."""
+    f_s, f_c, v_s, f_v, c = p
+    g = f_c + (f_s - f_c) * math.exp(-((v[0] / v_s) ** 2))
+    b = np.full(4, g)
+    rate = SIGMA0 * c / ALPHA
+    for k in range(v.size):
+        if k > 0:
+            new = f_c + (f_s - f_c) * math.exp(-((v[k] / v_s) ** 2))
+            middle = 0.5 * (g + new)
+            for i in range(4):
+                b[i] = middle + (b[i] - middle) * math.exp(-DT * rate[i] / middle)
+            g = new
+        force = f_v * v[k]
+        for i in range(4):
+            force += ALPHA[i] * b[i] + SIGMA1[i] * c * (1.0 - b[i] / g)
+        out[k] = force
+
+
+@njit(cache=False, fastmath=False)
 def peek(z, st, pz, pf, z_b, f_s):
     """Force of the hysteresis with non-local memory at z; the memory stays."""
     z = min(max(z, -z_b), z_b)
@@ -188,14 +228,17 @@ def main():
     folder, rounds = sys.argv[1], int(sys.argv[2])
     with open(f"{folder}/start.json") as file:
         starts = json.load(file)
-    for what, file, model, keys in [
-        ("lag", "lag", lag, ["f_s", "f_c", "v_s", "f_v", "tau"]),
-        ("joint, RK4", "joint", joint_rk4, ["f_s", "f_c", "v_s", "sigma", "tau", "z_b", "f_v"]),
-        ("joint, fixed step", "joint", joint_fixed, ["f_s", "f_c", "v_s", "sigma", "tau", "z_b", "f_v"]),
+    curve = ["f_s", "f_c", "v_s", "f_v"]
+    for what, file, begin_at, model, keys in [
+        ("lag", "lag", "lag", lag, [*curve, "tau"]),
+        ("lag, LuGre", "lag", "relaxation", lag_lugre, [*curve, "sigma0", "sigma1"]),
+        ("lag, GMS(4)", "lag", "relaxation", lag_gms, [*curve, "c"]),
+        ("joint, RK4", "joint", "joint", joint_rk4, ["f_s", "f_c", "v_s", "sigma", "tau", "z_b", "f_v"]),
+        ("joint, fixed step", "joint", "joint", joint_fixed, ["f_s", "f_c", "v_s", "sigma", "tau", "z_b", "f_v"]),
     ]:
         table = np.loadtxt(f"{folder}/{file}.csv", delimiter=",", skiprows=1)
         v, torque = np.ascontiguousarray(table[:, 1]), np.ascontiguousarray(table[:, 2])
-        start = [starts[file][key] for key in keys]
+        start = [starts[begin_at][key] for key in keys]
         fit(model, v, torque, start)  # compiles
         times = []
         for _ in range(rounds):

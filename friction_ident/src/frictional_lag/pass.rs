@@ -14,12 +14,12 @@ const SILENT: f64 = 1e-18;
 pub(super) struct Prepared {
     pub recordings: Vec<Ready>,
     pub delta: f64,
-    initial: InitialLag,
-    settle: usize,
+    pub initial: InitialLag,
+    pub settle: usize,
     /// What was taken off the torque: `f_c`, `f_v`.
     pub baseline: [f64; 2],
     /// Sums over all fitted samples of 1, v, v^2, and of y, v y, y^2 with what is left of the torque.
-    totals: [f64; 6],
+    pub totals: [f64; 6],
     /// Slowest and fastest speed.
     pub speeds: (f64, f64),
 }

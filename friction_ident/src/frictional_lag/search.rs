@@ -150,12 +150,26 @@ pub(super) fn remedy(name: &str) -> &'static str {
     }
 }
 
+fn alike() -> IdentError {
+    IdentError::NoConvergence("the recording shows no dip that can be told from the slope".into())
+}
+
+/// Values near the best ones: those of the coarse scan, after one pass.
+pub(super) fn near(data: &Prepared) -> Result<LagValues, IdentError> {
+    let x = start(data);
+    let Point { linear, .. } = Walker::new(data).at(&x.into()).ok_or_else(alike)?;
+    let [base_c, base_v] = data.baseline;
+    let f_c = linear[0] + base_c;
+    if f_c <= 0.0 {
+        return Err(IdentError::NotFriction { f_c });
+    }
+    Ok(LagValues { f_s: f_c + linear[1], f_c, v_s: x[0].exp(), f_v: linear[2] + base_v, tau: x[1].exp() })
+}
+
 /// The best fit. With `whiteness` the errors count neighbouring residuals that are alike as one, which takes a pass and the autocorrelation of the residuals;
 /// the share of independent residuals is returned too.
 pub(super) fn fit(data: &Prepared, whiteness: bool) -> Result<(LagFit, f64), IdentError> {
     let mut walker = Walker::new(data);
-    let alike =
-        || IdentError::NoConvergence("the recording shows no dip that can be told from the slope".into());
     let first = start(data);
     let (point, x, step) = walk(&mut walker, first.into(), [true; 2]).ok_or_else(alike)?;
     // The last small step, without another pass.
