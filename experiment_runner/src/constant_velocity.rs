@@ -5,10 +5,11 @@
 //! velocity, is one point of the Stribeck curve.
 
 use controller::ControlMode;
-use friction_ident::SteadyPoint;
+use friction_ident::{IdentError, SteadyPoint, TorqueSource};
 use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
 
+use crate::characterise::{Channels, TorqueReading};
 use crate::control_loop::ControlLoop;
 use crate::cycle::CycleSample;
 use crate::protocol::ConstantVelocityProtocol;
@@ -29,6 +30,9 @@ pub struct SteadyRun {
     pub torque: f64,
     /// Standard deviation of one torque sample [N m].
     pub torque_deviation: f64,
+    /// Standard deviation of the mean torque by the drive's constants [N m]; zero with a torque sensor.
+    #[serde(default)]
+    pub torque_systematic: f64,
     /// Samples that counted.
     pub samples: u32,
 }
@@ -39,6 +43,18 @@ impl SteadyRun {
     pub fn point(&self) -> SteadyPoint {
         SteadyPoint::new(self.velocity, self.torque)
     }
+}
+
+/// A point that could not be driven or read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SteadyError {
+    /// The rig refused a command.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// There is no friction torque in the recording.
+    #[error(transparent)]
+    Torque(#[from] IdentError),
 }
 
 /// One point to be driven.
@@ -74,29 +90,42 @@ impl SteadyJob {
     /// What is regulated.
     pub const MODE: ControlMode = ControlMode::Velocity;
 
-    /// Drives the point on a loop that is at rest, showing every cycle to `record`.
+    /// Drives the point on a loop that is at rest, showing every cycle to `record`. The torque is read as `reading` says.
     ///
     /// # Errors
-    /// [`RigError`] if the rig refuses a command.
+    /// [`SteadyError`] if the rig refuses a command, or the torque cannot be worked out.
     pub fn run(
         &self,
         protocol: &ConstantVelocityProtocol,
+        reading: &TorqueReading,
         mut control: ControlLoop,
         mut record: impl FnMut(&CycleSample),
-    ) -> Result<SteadyRun, RigError> {
+    ) -> Result<SteadyRun, SteadyError> {
         let period = control.period();
         let cycles = (protocol.duration / period).round() as u64;
         let first = (protocol.drop_first / period).round() as u64;
         let end = cycles - (protocol.drop_last / period).round() as u64;
         let mut torque = Moments::default();
+        let mut torque_systematic = 0.0;
+        let mut channels = Channels::new(period);
         let mut slope = Slope::default();
         for cycle in 0..cycles {
             let sample = control.step()?;
             record(&sample);
             if cycle >= first && cycle < end {
-                torque.add(sample.measurement.torque);
+                if reading.source == TorqueSource::Sensor {
+                    torque.add(sample.measurement.torque);
+                } else {
+                    channels.add(&sample);
+                }
                 slope.add(sample.measurement.time - protocol.drop_first, sample.measurement.encoder_position);
             }
+        }
+        if reading.source != TorqueSource::Sensor {
+            let friction = reading.friction(&channels)?;
+            friction.torque.iter().for_each(|&value| torque.add(value));
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+            torque_systematic = friction.propagate(mean);
         }
         Ok(SteadyRun {
             set: self.set,
@@ -105,6 +134,7 @@ impl SteadyJob {
             velocity: slope.value(),
             torque: torque.mean,
             torque_deviation: torque.deviation(),
+            torque_systematic,
             samples: torque.n,
         })
     }
@@ -171,7 +201,13 @@ mod tests {
         };
         let job = SteadyJob { set: 0, repetition: 0, velocity };
         let control = bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, false, 5, 0).unwrap();
-        job.run(&ConstantVelocityProtocol::default(), control, |_| {}).unwrap()
+        let reading = TorqueReading::new(
+            TorqueSource::Sensor,
+            &bed.simulation.drive,
+            &bed.simulation.sensors,
+            TorqueReading::RELATIVE_ERRORS,
+        );
+        job.run(&ConstantVelocityProtocol::default(), &reading, control, |_| {}).unwrap()
     }
 
     /// With ideal sensors every point lies on the plant's characteristic.

@@ -3,11 +3,12 @@
 //! One step is a function of state and input: no clock, no files, no allocation. Whoever calls it decides whether time is the
 //! processor's (offline, in lock-step) or the wall's (live).
 
-use controller::{Controller, Feedback};
+use controller::{Command, Controller, Feedback};
 use friction_observer::FrictionObserver;
 use rig_driver::{Rig, RigError};
 
 use crate::cycle::CycleSample;
+use crate::profile::Excitation;
 use crate::waveform::Waveform;
 
 /// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so that bags are reproducible.
@@ -19,6 +20,7 @@ pub struct ControlLoop {
     observer: FrictionObserver,
     controller: Controller,
     reference: Waveform,
+    excitation: Option<Excitation>,
     start_ns: u64,
 }
 
@@ -32,7 +34,13 @@ impl ControlLoop {
         reference: Waveform,
         start_ns: u64,
     ) -> Self {
-        Self { rig, observer, controller, reference, start_ns }
+        Self { rig, observer, controller, reference, excitation: None, start_ns }
+    }
+
+    /// The same loop driven by `excitation` in place of its reference.
+    #[must_use]
+    pub fn excited(self, excitation: Excitation) -> Self {
+        Self { excitation: Some(excitation), ..self }
     }
 
     /// Period of the cycle [s].
@@ -49,12 +57,27 @@ impl ControlLoop {
     pub fn step(&mut self) -> Result<CycleSample, RigError> {
         let measurement = self.rig.measure();
         let truth = self.rig.truth();
-        let reference = self.reference.at(measurement.time);
+        let (reference, open_loop) = match &self.excitation {
+            None => (self.reference.at(measurement.time), None),
+            Some(excitation) => {
+                let options = self.controller.options();
+                let volts_per_newton_metre = options.compensation.volts_per_newton_metre;
+                let open_loop = excitation.open_loop(measurement.time, volts_per_newton_metre);
+                (excitation.reference(measurement.time), open_loop)
+            }
+        };
         let velocity = measurement.tachometer_velocity;
         let estimate = self.observer.observe(velocity, Some(measurement.torque));
         let feedback =
             Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
-        let command = self.controller.step(&reference, &feedback);
+        let command = match open_loop {
+            None => self.controller.step(&reference, &feedback),
+            Some(volts) => {
+                let limit = self.controller.options().voltage_limit;
+                let total = volts.min(limit).max(-limit);
+                Command { total, saturated: total != volts, ..Command::default() }
+            }
+        };
         self.rig.apply(command.total)?;
         let stamp_ns = self.start_ns + (measurement.time * 1e9).round() as u64;
         Ok(CycleSample { stamp_ns, measurement, reference, estimate, command, truth })

@@ -1,10 +1,12 @@
 //! Experiments, their recorder, figures and report, and the `frictionlab` command built on them.
 
 pub mod bag;
+pub mod characterise;
 pub mod cli;
 pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
+pub mod drive;
 pub mod features;
 pub mod identify;
 #[cfg(feature = "ros")]
@@ -12,6 +14,7 @@ pub mod live;
 pub mod messages;
 pub mod models;
 pub mod output;
+pub mod profile;
 pub mod progress;
 pub mod protocol;
 pub mod recording;
@@ -23,4 +26,5 @@ pub mod simulate;
 pub mod stiction;
 pub mod test_bed;
 pub mod tracking;
+pub mod truth_matrix;
 pub mod waveform;

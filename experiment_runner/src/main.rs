@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, features, identify, identify_servo, identify_stiction, models, run, simulate,
+    BadInput, Interrupted, features, identify, identify_drive, identify_servo, identify_stiction, models,
+    protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -23,11 +24,14 @@ enum Command {
     Run(run::RunArgs),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identify::IdentifyArgs>),
+    IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
+    Protocols(protocols::ProtocolsArgs),
     Simulate(simulate::SimulateArgs),
+    TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
 }
@@ -36,11 +40,14 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
+        Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
+        Command::Protocols(args) => protocols::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
+        Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
     };

@@ -1,5 +1,6 @@
 //! The simulated laboratory bench: which rig, under which friction, compensated by which model.
 
+use controller::design::LinearDrive;
 use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions};
 use friction_model::{AnyModel, ModelError, TimeStep};
 use friction_observer::FrictionObserver;
@@ -7,6 +8,7 @@ use rig_driver::{RigError, SimulationOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::control_loop::ControlLoop;
+use crate::profile::Excitation;
 use crate::waveform::Waveform;
 
 /// A simulated rig and the friction it really has.
@@ -69,5 +71,29 @@ impl TestBed {
             reference,
             start_ns,
         ))
+    }
+
+    /// A loop that starts at rest and is driven by `excitation`; nothing compensates. With `feed_forward` the reference
+    /// also goes through the inverse of the drive.
+    ///
+    /// # Errors
+    /// As for [`control_loop`](Self::control_loop).
+    pub fn excited_loop(
+        &self,
+        excitation: Excitation,
+        feed_forward: bool,
+        observer: &AnyModel,
+        seed: u64,
+        start_ns: u64,
+    ) -> Result<ControlLoop, TestBedError> {
+        let drive = &self.simulation.drive;
+        let inverse = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
+        let mut bed = *self;
+        if feed_forward {
+            bed.controller.inverse = Some(inverse);
+        }
+        let unused = Waveform::ConstantVelocity { velocity: 0.0 };
+        let control = bed.control_loop(excitation.mode(), unused, observer, false, seed, start_ns)?;
+        Ok(control.excited(excitation))
     }
 }

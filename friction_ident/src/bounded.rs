@@ -39,17 +39,25 @@ pub struct Bound {
     pub high: f64,
     /// A usual magnitude, above zero: forward differences never step less than its square root of the rounding.
     pub scale: f64,
+    /// Longest step, above zero; may be infinite. A step that is longer is shortened as a whole.
+    pub reach: f64,
 }
 
 impl Bound {
     /// Any number, about as large as `scale`.
     pub const fn free(scale: f64) -> Self {
-        Self { low: f64::NEG_INFINITY, high: f64::INFINITY, scale }
+        Self::within(f64::NEG_INFINITY, f64::INFINITY, scale)
     }
 
     /// From `low` to `high`, about as large as `scale`.
     pub const fn within(low: f64, high: f64, scale: f64) -> Self {
-        Self { low, high, scale }
+        Self { low, high, scale, reach: f64::INFINITY }
+    }
+
+    /// The same with a longest step.
+    #[must_use]
+    pub const fn reaching(self, reach: f64) -> Self {
+        Self { reach, ..self }
     }
 
     fn clip(&self, value: f64) -> f64 {
@@ -179,8 +187,10 @@ pub fn minimise(
         let accepted = loop {
             let mut moved = DVector::zeros(n);
             if let Some(step) = damped_step(&normal, &gradient, &free, &largest, mu) {
+                let too_long =
+                    free.iter().zip(step.iter()).map(|(&j, d)| d.abs() / bounds[j].reach).fold(1.0, f64::max);
                 for (&j, d) in free.iter().zip(step.iter()) {
-                    moved[j] = bounds[j].clip(x[j] + d) - x[j];
+                    moved[j] = bounds[j].clip(x[j] + d / too_long) - x[j];
                 }
             }
             let predicted = -(2.0 * gradient.dot(&moved) + moved.dot(&(&normal * &moved)));

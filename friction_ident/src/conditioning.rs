@@ -53,6 +53,8 @@ pub struct Conditioned {
     pub time_step: f64,
     /// Index of the first kept sample in the recording.
     pub first: usize,
+    /// Position \[m or rad\], where it was recorded.
+    pub position: Option<Vec<f64>>,
     /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
     /// Acceleration \[m/s^2 or rad/s^2\].
@@ -105,16 +107,18 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
             lower: "the trim or the filter order",
         });
     }
-    let (velocity, velocity_floor) = match (signals.velocity, signals.position) {
-        (Some(velocity), _) => (filter.filter(velocity)?, rounding(velocity)),
-        (None, Some(position)) => (differences(&filter.filter(position)?, dt), rounding(position) / dt),
-        (None, None) => return Err(IdentError::NoMotion),
+    let position = signals.position.map(|position| filter.filter(position)).transpose()?;
+    let (velocity, velocity_floor) = match (signals.velocity, signals.position, &position) {
+        (Some(velocity), ..) => (filter.filter(velocity)?, rounding(velocity)),
+        (None, Some(raw), Some(smooth)) => (differences(smooth, dt), rounding(raw) / dt),
+        _ => return Err(IdentError::NoMotion),
     };
     let acceleration = differences(&velocity, dt);
     let kept = how.trim..n - how.trim;
     Ok(Conditioned {
         time_step: dt,
         first: how.trim,
+        position: position.map(|position| position[kept.clone()].to_vec()),
         velocity: velocity[kept.clone()].to_vec(),
         acceleration: acceleration[kept.clone()].to_vec(),
         force: signals.force[kept].to_vec(),

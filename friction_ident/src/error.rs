@@ -2,6 +2,7 @@
 
 use friction_model::{ModelError, ModelName, Range};
 
+use crate::axis_structure::AxisStructure;
 use crate::rigid_axis::AxisTerm;
 
 /// Why an identification was refused.
@@ -63,6 +64,26 @@ pub enum IdentError {
     /// The order of the low-pass is out of range.
     #[error("the order of the low-pass must lie between 1 and 12, but is {0}")]
     Order(usize),
+    /// The frame of a local polynomial does not suit its order.
+    #[error(
+        "a Savitzky-Golay frame must be an odd number of samples, larger than the order (0 to 8) and at most 999, but the frame is {frame} and the order {order}"
+    )]
+    Frame {
+        /// Order of the polynomial.
+        order: usize,
+        /// Samples of the frame.
+        frame: usize,
+    },
+    /// The outlier identifier has no window or no threshold.
+    #[error(
+        "the Hampel identifier needs a window of three samples at least on either side and a threshold above zero, but has {half_window} and {threshold}"
+    )]
+    Hampel {
+        /// Samples on either side.
+        half_window: usize,
+        /// Robust deviations.
+        threshold: f64,
+    },
     /// The decimation factor is out of range.
     #[error("the decimation factor must lie between 1 and 1000, but is {0}")]
     Decimation(usize),
@@ -72,9 +93,47 @@ pub enum IdentError {
         /// The terms that are unseen, or that cannot be told from one another.
         terms: Vec<AxisTerm>,
     },
+    /// A constant of the drive, or its standard error, is out of range.
+    #[error(
+        "the drive's {name} must be a finite number above zero with a standard error of zero or more, but is {value} +- {standard_error}"
+    )]
+    DriveConstant {
+        /// The constant.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
     /// The force is zero throughout, so that nothing can be explained.
     #[error("the force is zero in every sample; check the force column and its scale")]
     ZeroForce,
+    /// The recording does not move in a way that shows these parameters.
+    #[error("the recording cannot tell {} {}; record a motion that reverses, accelerates and runs at several speeds, or choose a simpler structure", names.join(", "), if names.len() > 1 { "apart" } else { "at all" })]
+    Columns {
+        /// The parameters that are unseen, or that cannot be told from one another.
+        names: Vec<String>,
+    },
+    /// A structure depends on the position, which was not recorded.
+    #[error(
+        "the structure {structure} depends on the position, but the recording has none; record it, or leave `position` and `harmonic` out"
+    )]
+    NoPosition {
+        /// The structure.
+        structure: AxisStructure,
+    },
+    /// A recording cannot be cut into so many blocks.
+    #[error(
+        "the number of blocks must lie between 2 and {most} for this recording of {rows} thinned samples, but is {blocks}"
+    )]
+    BlockCount {
+        /// What was asked.
+        blocks: usize,
+        /// Samples after thinning.
+        rows: usize,
+        /// Most blocks that are long enough.
+        most: usize,
+    },
     /// The best fit has an inertia no body can have.
     #[error(
         "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it with a negative scale), or is friction alone and not the driving force (then leave the inertia out)"
@@ -164,6 +223,24 @@ pub enum IdentError {
     /// The weight of the ridge is out of range.
     #[error("the ridge must be a positive number, but is {0}; 1e-10 suits most data")]
     Ridge(f64),
+    /// A recording of sliding in one direction stops or turns.
+    #[error(
+        "the velocity stops or turns at sample {index}, but the frictional lag needs sliding in one direction; cut the recording there, or raise the bias of the motion"
+    )]
+    Reversal {
+        /// The first sample without motion in the first direction.
+        index: usize,
+    },
+    /// A micro-damping cannot be computed from these numbers.
+    #[error(
+        "{what} is {value}, but must be positive for a micro-damping 2 zeta sqrt(J k) - f_v (the viscous friction zero or more); check the earlier stages, or choose a larger damping ratio"
+    )]
+    NotAnOscillator {
+        /// What is out of range.
+        what: &'static str,
+        /// What came.
+        value: f64,
+    },
     /// Time stands still or runs backwards.
     #[error(
         "time does not increase at sample {index} ({time} s); sort the samples by time and delete repeated ones"
@@ -185,6 +262,9 @@ pub enum IdentError {
         /// What came.
         value: f64,
     },
+    /// The number of elements is out of range.
+    #[error("the number of elements must lie between 1 and 16, but is {0}")]
+    ElementCount(usize),
     /// No log at all.
     #[error("there is no servo log to fit; give at least one whose gain is not held out")]
     NoLogs,

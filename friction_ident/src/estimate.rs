@@ -80,6 +80,17 @@ pub enum Doubt {
         /// Its standard error.
         standard_error: f64,
     },
+    /// What it is the mean of happened too rarely.
+    #[error("it needs {needed} events, and the recording has {found}")]
+    TooFewEvents {
+        /// Events found.
+        found: usize,
+        /// Events needed.
+        needed: usize,
+    },
+    /// Only its ratio to something unknown is determined.
+    #[error("only its ratio to the torque per volt is determined")]
+    RatioOnly,
     /// Repeated searches that fit equally well disagree.
     #[error("{fits} equally good fits have it anywhere from {low:.3e} to {high:.3e}")]
     Scatter {

@@ -13,9 +13,13 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::confidence::student_95;
+use crate::estimate::Interval;
 use crate::steady_point::{Needed, check_points};
 
+mod estimates;
 mod fit;
+mod intervals;
+mod separable;
 #[cfg(test)]
 mod tests;
 
@@ -132,6 +136,16 @@ pub enum Unidentifiable {
         /// Fastest measured speed.
         fastest: f64,
     },
+    /// The interval of the Stribeck velocity has no end on one side: the data fit about as well without a dip among the measured speeds.
+    #[error(
+        "its interval, {low:.3e} to {high:.3e}, has no end: the data fit about as well without a dip among the measured speeds"
+    )]
+    OpenInterval {
+        /// Lower end; zero where it is open.
+        low: f64,
+        /// Upper end; infinite where it is open.
+        high: f64,
+    },
     /// The best value allowed is the bound itself.
     #[error("the best value lies at its bound {bound}")]
     AtBound {
@@ -149,7 +163,7 @@ pub struct StribeckEstimate {
     pub value: f64,
     /// Standard error, absent for a parameter held by a bound.
     pub standard_error: Option<f64>,
-    /// 95 % interval, absent for a parameter held by a bound.
+    /// 95 % interval from the profile of the likelihood; an end that the data leave open is zero or infinite. Absent for a viscous term held at zero.
     pub interval: Option<(f64, f64)>,
     /// Why the data do not determine the parameter, if they do not.
     pub unidentifiable: Option<Unidentifiable>,
@@ -165,6 +179,10 @@ pub struct StribeckFit {
     /// Covariance of `f_s`, `f_c`, `v_s`, `f_v`; zero for a parameter held by a bound, and without a dip `f_s`
     /// moves with `f_c`.
     pub covariance: [[f64; 4]; 4],
+    /// 95 % intervals of `f_s`, `f_c`, `v_s`, `f_v` from the profile of the likelihood.
+    pub intervals: [Option<Interval>; 4],
+    /// Variance of a torque of weight one \[(N m)^2 or N^2\].
+    pub variance: f64,
     /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Points fitted.
@@ -205,12 +223,11 @@ impl StribeckFit {
     pub fn estimate(&self, parameter: StribeckParameter) -> StribeckEstimate {
         let value = self.parameters.get(parameter);
         let standard_error = self.standard_errors[parameter as usize];
-        let factor = student_95(self.degrees_of_freedom);
         StribeckEstimate {
             parameter,
             value,
             standard_error,
-            interval: standard_error.map(|error| (value - factor * error, value + factor * error)),
+            interval: self.intervals[parameter as usize].map(|interval| (interval.low, interval.high)),
             unidentifiable: self.unidentifiable[parameter as usize],
         }
     }

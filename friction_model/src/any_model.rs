@@ -108,6 +108,21 @@ mod tests {
     }
 
     #[test]
+    fn every_number_can_be_set_by_its_place() {
+        for name in ModelName::ALL {
+            let before = AnyParameters::test_bed(name);
+            for row in before.table() {
+                for (index, value) in before.values(row.name).into_iter().enumerate() {
+                    let mut after = before;
+                    assert!(after.set_at(row.name, index, 3.0 * value), "{name}.{}[{index}]", row.name);
+                    assert_eq!(after.values(row.name)[index], 3.0 * value);
+                }
+                assert!(!{ before }.set_at(row.name, 200, 1.0));
+            }
+        }
+    }
+
+    #[test]
     fn a_file_with_an_impossible_parameter_is_refused_with_the_reason() {
         let text = r#"{"lugre":{"f_s":1.0,"f_c":1.0,"v_s":0.1,"sigma0":-5.0,"sigma1":0.1,"f_v":0.0}}"#;
         let message = serde_json::from_str::<AnyModel>(text).unwrap_err().to_string();

@@ -189,6 +189,27 @@ macro_rules! models {
                     )+
                 }
             }
+
+            /// Sets the number at `index` of the parameter `name` to `value`, in both directions; false if there is none.
+            pub fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool {
+                match self {
+                    $(
+                        Self::$name(parameters) => parameters.set_at(name, index, value),
+                        Self::Asymmetric(AsymmetricParameters::$name(both)) =>
+                            both.forward.set_at(name, index, value) && both.backward.set_at(name, index, value),
+                    )+
+                }
+            }
+
+            /// The numbers of the parameter `name`, of an asymmetric contact the forward ones; empty if there is none.
+            #[cfg(feature = "std")]
+            #[must_use]
+            pub fn values(&self, name: &str) -> Vec<f64> {
+                let (forward, _) = self.sides();
+                let mut values = Vec::new();
+                forward.each(name, &mut |value| values.push(value));
+                values
+            }
         }
 
         impl TryFrom<AnyParameters> for AnyModel {

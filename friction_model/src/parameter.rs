@@ -139,6 +139,11 @@ pub trait Value {
 
     /// Becomes `value`; false for a list, which one number does not determine.
     fn set(&mut self, value: f64) -> bool;
+
+    /// The number at `index` becomes `value`; false if there is none. A parameter that is no list has the index 0 only.
+    fn set_at(&mut self, index: usize, value: f64) -> bool {
+        index == 0 && self.set(value)
+    }
 }
 
 impl Value for f64 {
@@ -181,6 +186,9 @@ impl<const CAPACITY: usize> Value for Elements<CAPACITY> {
     fn set(&mut self, _: f64) -> bool {
         false
     }
+    fn set_at(&mut self, index: usize, value: f64) -> bool {
+        self.get_mut(index).map(|place| *place = value).is_some()
+    }
 }
 
 impl Value for u32 {
@@ -210,6 +218,9 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
 
     /// Sets the parameter `name` to `value`; false if there is none of that name, or if it is a list.
     fn set(&mut self, name: &str, value: f64) -> bool;
+
+    /// Sets the number at `index` of the parameter `name` to `value`; false if there is none.
+    fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool;
 
     /// Checks every number against its range.
     ///
@@ -307,6 +318,13 @@ macro_rules! parameters {
             fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
                     $(stringify!($field) => $crate::Value::set(&mut self.$field, value),)*
+                    _ => false,
+                }
+            }
+
+            fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool {
+                match name {
+                    $(stringify!($field) => $crate::Value::set_at(&mut self.$field, index, value),)*
                     _ => false,
                 }
             }

@@ -21,6 +21,8 @@ pub struct Measurement {
     pub potentiometer_position: f64,
     /// Friction torque from the torque sensor [N m].
     pub torque: f64,
+    /// Mean motor current of the cycle before [A]; none on a rig that does not measure it.
+    pub motor_current: Option<f64>,
     /// Voltage the controller asked for in the cycle before [V].
     pub voltage_asked: f64,
     /// Voltage that was applied in the cycle before [V].

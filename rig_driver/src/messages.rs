@@ -31,6 +31,8 @@ pub fn rig_measurement(stamp_ns: u64, measurement: &Measurement) -> RigMeasureme
         tachometer_velocity,
         potentiometer_position,
         torque,
+        // The message has no field for it.
+        motor_current: _,
         voltage_asked,
         voltage_applied,
         saturated,

@@ -55,8 +55,8 @@ impl<M: FrictionModel> Plant<M> {
         body.advance(h, |at| (*torque_per_volt * (volts - *back_emf * at.velocity)).into());
     }
 
-    #[cfg(test)]
-    const fn velocity(&self) -> f64 {
+    /// Velocity [rad/s].
+    pub(crate) const fn velocity(&self) -> f64 {
         self.body.moment().velocity
     }
 

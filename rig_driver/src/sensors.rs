@@ -31,6 +31,12 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Standard deviation of one reading: the noise, and the converter's rounding as even noise, step / sqrt(12).
+    #[must_use]
+    pub fn deviation(&self) -> f64 {
+        (self.noise.powi(2) + self.resolution.powi(2) / 12.0).sqrt()
+    }
+
     /// What the converter reads of `value`.
     #[inline]
     pub fn read(&self, value: f64, noise: &mut Pcg64Mcg) -> f64 {
@@ -71,13 +77,16 @@ pub struct Sensors {
     pub potentiometer: Channel,
     /// Torque [N m].
     pub torque: Channel,
+    /// Motor current [A], the mean over a cycle.
+    pub current: Channel,
     /// Step of the voltage output [V]; zero for none.
     pub voltage_resolution: f64,
 }
 
 impl Default for Sensors {
     /// The thesis's test bed: 4096 counts, tachometer 1 rad/s per volt with .01 rad/s of noise, potentiometer of 352 degrees
-    /// with 2 mV, torque sensor of 23 N m with .0061 N m; 12-bit converters of +-10 V (+-5 V for the potentiometer).
+    /// with 2 mV, torque sensor of 23 N m with .0061 N m; 12-bit converters of +-10 V (+-5 V for the potentiometer). The thesis has no
+    /// current sensor: one of 1 V/A with 5 mA of noise is assumed, as servo amplifiers have it.
     fn default() -> Self {
         const STEPS: f64 = 4096.0;
         let half_turn = 176f64.to_radians();
@@ -90,6 +99,7 @@ impl Default for Sensors {
                 noise: 0.002 * half_turn / 5.0,
             },
             torque: Channel { range: 23.0, resolution: 46.0 / STEPS, noise: 0.0061 },
+            current: Channel { range: 10.0, resolution: 20.0 / STEPS, noise: 0.005 },
             voltage_resolution: 20.0 / STEPS,
         }
     }
@@ -105,6 +115,7 @@ impl Sensors {
             tachometer: IDEAL,
             potentiometer: IDEAL,
             torque: IDEAL,
+            current: IDEAL,
             voltage_resolution: 0.0,
         }
     }
@@ -129,6 +140,7 @@ impl Sensors {
         self.tachometer.check("tachometer")?;
         self.potentiometer.check("potentiometer")?;
         self.torque.check("torque")?;
+        self.current.check("current")?;
         if !(self.voltage_resolution >= 0.0 && self.voltage_resolution.is_finite()) {
             return Err(SensorError {
                 sensor: "voltage",

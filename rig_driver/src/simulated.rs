@@ -70,6 +70,10 @@ pub struct SimulatedRig<M: FrictionModel> {
     plant: Plant<M>,
     options: SimulationOptions,
     noise: Pcg64Mcg,
+    /// Noise of the current sensor, a stream of its own: rigs with and without it read the same otherwise.
+    current_noise: Pcg64Mcg,
+    /// Velocity at the beginning of the cycle before [rad/s].
+    velocity_before: f64,
     cycle: u64,
     asked: f64,
     applied: f64,
@@ -87,6 +91,8 @@ impl<M: FrictionModel> SimulatedRig<M> {
         Ok(Self {
             plant: Plant::new(&options.drive, options.friction_coupling, model),
             noise: Pcg64Mcg::seed_from_u64(options.seed),
+            current_noise: Pcg64Mcg::seed_from_u64(!options.seed),
+            velocity_before: 0.0,
             options,
             cycle: 0,
             asked: 0.0,
@@ -106,6 +112,10 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
         let truth = self.plant.truth(self.applied);
         let sensors = &self.options.sensors;
         let (encoder_counts, encoder_position) = sensors.encoder(truth.position);
+        let drive = &self.options.drive;
+        let mean_velocity = 0.5 * (self.velocity_before + truth.velocity);
+        let current =
+            (self.applied - drive.back_emf() * mean_velocity) / drive.parameters().armature_resistance;
         Measurement {
             cycle: self.cycle,
             time: self.cycle as f64 * self.options.period,
@@ -114,6 +124,7 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
             tachometer_velocity: sensors.tachometer.read(truth.velocity, &mut self.noise),
             potentiometer_position: sensors.potentiometer.read(truth.position, &mut self.noise),
             torque: sensors.torque.read(truth.friction, &mut self.noise),
+            motor_current: Some(sensors.current.read(current, &mut self.current_noise)),
             voltage_asked: self.asked,
             voltage_applied: self.applied,
             saturated: self.saturated,
@@ -134,6 +145,7 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
         self.saturated = cut != self.asked;
         self.applied = if self.fault { 0.0 } else { quantise(cut, self.options.sensors.voltage_resolution) };
         let h = self.options.period / f64::from(self.options.substeps);
+        self.velocity_before = self.plant.velocity();
         for _ in 0..self.options.substeps {
             self.plant.advance(self.applied, h);
         }
@@ -199,6 +211,19 @@ mod tests {
         let seen = rig.measure();
         assert_eq!(seen.voltage_asked, 20.0);
         assert!(seen.saturated && (seen.voltage_applied - 6.0).abs() <= 0.5 * 20.0 / 4096.0);
+    }
+
+    /// At a steady speed the motor's torque A K_m i is the friction.
+    #[test]
+    fn the_current_drives_the_friction_at_a_steady_speed() {
+        let options = SimulationOptions { sensors: Sensors::ideal(), ..Default::default() };
+        let mut rig = SimulatedRig::new(options, Proposed::test_bed()).unwrap();
+        for _ in 0..2000 {
+            rig.apply(2.0).unwrap();
+        }
+        let seen = rig.measure();
+        let driving = options.drive.back_emf() * seen.motor_current.unwrap();
+        assert!(seen.torque > 0.1 && (driving - seen.torque).abs() < 1e-9, "{driving}, not {}", seen.torque);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The project's own commands: `cargo xtask COMMAND`.
 
 mod bench;
+mod bench_fits;
 mod docs;
 mod python_env;
 mod test;
@@ -13,6 +14,8 @@ use clap::Parser;
 enum Task {
     /// Nanoseconds a control step of the friction models, in Rust and in plain C.
     Bench(bench::Bench),
+    /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled by Numba.
+    BenchFits(bench_fits::BenchFits),
     /// The pages of the friction models under docs/models, from their sources and tested figures.
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
@@ -24,6 +27,7 @@ enum Task {
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
+        Task::BenchFits(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
         Task::PythonEnv => python_env::run(),
         Task::Test(test) => test.run(),

@@ -32,6 +32,9 @@ const RCLPY: &[&str] = &[
     "ninja==1.13.2",
 ];
 
+/// The peer of the fits.
+const SCIPY: &[&str] = &["numpy", "scipy", "numba"];
+
 /// The environment, and what of it can be used.
 #[derive(Debug)]
 pub struct PythonEnv {
@@ -61,6 +64,18 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
         environment.build(&package)
     });
     Ok(PythonEnv { dir, bag_tools, rclpy })
+}
+
+/// A Python with SciPy and Numba, in an environment of its own: they are only needed for `cargo xtask bench-fits`, and their numpy must not disturb rclpy's.
+///
+/// # Errors
+/// No Python 3 with `venv`, no network the first time.
+pub fn scipy() -> anyhow::Result<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+    let environment = Environment::make(&target.join("python-scipy"))?;
+    environment.half("scipy", SCIPY.join("\n"), || environment.install(SCIPY))?;
+    Ok(environment.python)
 }
 
 /// The command `cargo xtask python-env`: prepares and tells.

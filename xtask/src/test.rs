@@ -14,7 +14,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 /// Arguments of `cargo xtask test`.
 #[derive(Debug, clap::Args)]
 pub struct Test {
-    /// Long tiers whole: 25 times the random cases, the whole protocol of `frictionlab run`, ten seeds of servo identification
+    /// Long tiers whole: 25 times the random cases, 2000 repetitions of each identification, the whole protocol of `frictionlab run`, ten seeds of servo identification
     #[arg(long)]
     full: bool,
 }
@@ -39,6 +39,7 @@ impl Test {
         let mut environment = vec![("FRICTIONLAB_BIN", program), ("PROPTEST_CASES", cases)];
         if self.full {
             environment.push(("FRICTION_FULL", "1"));
+            environment.push(("FRICTION_COVERAGE", "2000"));
         }
         cargo(root, &["test", "--workspace", "--locked"], &environment)?;
         if self.full {

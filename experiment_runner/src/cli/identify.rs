@@ -1,78 +1,101 @@
 //! `frictionlab identify`: friction and inertia from a recording.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use friction_ident::Conditioning;
+use friction_ident::axis_structure::AxisStructure;
 
-use super::BadInput;
+use super::identify_friction::{self, FrictionArgs};
+use super::{BadInput, Interrupted};
+use crate::drive::parameters::DriveConstants;
+use crate::identify::structure::{StructureChoice, Structured, structured};
 use crate::identify::{self, Settings};
 use crate::output::write_all;
+use crate::progress::Progress;
 use crate::recording::rosbag::{self, Motor};
-use crate::recording::table::{self, Columns};
+use crate::recording::table;
 use crate::recording::{AxisKind, Column, Recording};
 
-/// Estimate friction and inertia from a recording (CSV or MCAP bag) and write a report.
+/// Estimate friction and inertia from recordings (CSV or MCAP bags) and write a report.
 ///
-/// CSV: a header with column names, then one line a sample, evenly spaced. Columns are recognised
-/// by names such as t_s, position_m, position_rad, force_N and torque_Nm, or named with the options
+/// One CSV file with a driving force gives inertia, viscous and Coulomb friction of the axis. CSV:
+/// a header with column names, then one line a sample, evenly spaced. Columns are recognised by
+/// names such as t_s, position_m, position_rad, force_N and torque_Nm, or named with the options
 /// below. For a public benchmark, whose force is a voltage times a constant:
 ///
 ///   frictionlab identify estimation.csv --force control_V:35.150651882485472 \
 ///     --validate validation.csv
 ///
-/// Bag: the friction torque and velocity of /joint_states, or with --torque-from-voltage the
-/// driving torque worked out from /rig_measurement.
+/// Recordings of friction give friction models with all their parameters: a bag with
+/// /joint_states, steady points (columns velocity_rad_s and torque_Nm, no time), several files, or
+/// any file with --model. Files are cut at pauses and sorted by what they show: constant velocity,
+/// pre-sliding, velocity that varies one way, mixed motion.
+///
+///   frictionlab identify steady.csv presliding.csv chirp.csv --model all \
+///     --inertia 0.0026:0.00003 --validate other_steady.csv other_chirp.csv
+///
+/// A driving force gives friction models too, once the inertia is known:
+///
+///   frictionlab identify estimation.csv --force control_V:35.150651882485472 --model lugre \
+///     --torque-source driving --inertia 95.1:0.1 --validate validation.csv
+///
+/// Bag with --torque-from-voltage: the driving torque worked out from /rig_measurement.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct IdentifyArgs {
-    /// CSV file, .mcap file or bag folder.
-    #[arg(value_name = "FILE")]
-    file: PathBuf,
+    /// CSV files, .mcap files or bag folders; several only for friction models.
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
 
-    /// Try the fitted models on this recording too (the cross-test).
-    #[arg(long, value_name = "FILE")]
-    validate: Option<PathBuf>,
+    /// Try the fitted models on this recording too (the cross-test); several only for friction models.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(super) validate: Vec<PathBuf>,
 
     /// Folder for the results [default: identification-NAME, after FILE].
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
 
     /// Print nothing but errors.
     #[arg(long, short)]
-    quiet: bool,
+    pub(super) quiet: bool,
+
+    #[command(flatten)]
+    pub(super) friction: FrictionArgs,
 
     /// Column of the time [s].
     #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
-    time: Option<Column>,
+    pub(super) time: Option<Column>,
 
     /// Column of the position [m or rad].
     #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
-    position: Option<Column>,
+    pub(super) position: Option<Column>,
 
     /// Column of the velocity [m/s or rad/s], to be used in place of the position.
     #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
-    velocity: Option<Column>,
+    pub(super) velocity: Option<Column>,
 
     /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
     #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
-    force: Option<Column>,
+    pub(super) force: Option<Column>,
 
     /// Kind of axis, where the column names do not tell it; decides the units shown.
     #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
-    axis: Option<AxisKind>,
+    pub(super) axis: Option<AxisKind>,
 
     /// Cutoff of the low-pass for the motion [Hz] [default: a tenth of the sampling rate, at most 100].
     #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
-    cutoff: Option<f64>,
+    pub(super) cutoff: Option<f64>,
 
     /// Order of the low-pass, 1 to 12.
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Conditioning")]
-    order: usize,
+    pub(super) order: usize,
 
     /// Keep one sample in N for the fit, after an anti-alias low-pass [default: sampling rate over cutoff].
     #[arg(long, value_name = "N", help_heading = "Conditioning")]
-    decimate: Option<usize>,
+    pub(super) decimate: Option<usize>,
 
     /// Samples dropped at each end.
     #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
@@ -80,11 +103,19 @@ pub struct IdentifyArgs {
 
     /// How far a time step may be from the usual one, as a fraction of it.
     #[arg(long, value_name = "FRACTION", default_value_t = 0.05, help_heading = "Conditioning")]
-    time_tolerance: f64,
+    pub(super) time_tolerance: f64,
 
     /// The force is friction alone and drives no inertia; so for a bag's friction torque anyway.
     #[arg(long, help_heading = "Model")]
     without_inertia: bool,
+
+    /// Choose the structure of the axis by cross-validation: auto, or names as asymmetric+stribeck+delay, separated by commas.
+    #[arg(long, value_name = "auto|NAMES", help_heading = "Model", conflicts_with = "without_inertia")]
+    structure: Option<StructureChoice>,
+
+    /// Voltage-driven recording: drive.yaml of identify-drive gives the motor's constants.
+    #[arg(long, value_name = "FILE", help_heading = "Bag", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]
+    drive: Option<PathBuf>,
 
     /// No constant force in the symmetric model.
     #[arg(long, help_heading = "Model")]
@@ -92,18 +123,18 @@ pub struct IdentifyArgs {
 
     /// Bag: work the driving torque out from the motor voltage, (A Km / Ra) (u - A Km w).
     #[arg(long, help_heading = "Bag")]
-    torque_from_voltage: bool,
+    pub(super) torque_from_voltage: bool,
 
     /// Gear ratio A of the motor.
-    #[arg(long, value_name = "A", default_value_t = Motor::default().gear_ratio, help_heading = "Bag", requires = "torque_from_voltage")]
+    #[arg(long, value_name = "A", default_value_t = Motor::default().gear_ratio, help_heading = "Bag")]
     gear_ratio: f64,
 
     /// Torque constant Km of the motor [N m/A].
-    #[arg(long, value_name = "KM", default_value_t = Motor::default().motor_constant, help_heading = "Bag", requires = "torque_from_voltage")]
+    #[arg(long, value_name = "KM", default_value_t = Motor::default().motor_constant, help_heading = "Bag")]
     motor_constant: f64,
 
     /// Armature resistance Ra of the motor [Ohm].
-    #[arg(long, value_name = "RA", default_value_t = Motor::default().resistance, help_heading = "Bag", requires = "torque_from_voltage")]
+    #[arg(long, value_name = "RA", default_value_t = Motor::default().resistance, help_heading = "Bag")]
     resistance: f64,
 }
 
@@ -113,8 +144,15 @@ pub struct IdentifyArgs {
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     check(args)?;
-    let recording = read(&args.file, args)?;
-    let validation = args.validate.as_deref().map(|file| read(file, args)).transpose()?;
+    if args.is_friction() {
+        return identify_friction::execute(args);
+    }
+    let motor = motor(args)?;
+    let Some(file) = args.files.first() else {
+        return Err(BadInput("a file is missing: give a CSV file or a bag".to_owned()).into());
+    };
+    let recording = read(file, args, &motor)?;
+    let validation = args.validate.first().map(|file| read(file, args, &motor)).transpose()?;
     let conditioning = conditioning(args, recording.time_step);
     let assumed = recording.axis.is_none() && args.axis.is_none();
     let settings = Settings {
@@ -134,18 +172,33 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     }
 
     let validation = validation.as_ref();
-    let page = identify::page::page(&found, &recording, validation);
+    let structured = match &args.structure {
+        Some(_) if !settings.inertia => {
+            return Err(BadInput("--structure needs a driving force, but this recording's force is friction alone; with a bag add --torque-from-voltage".to_owned()).into());
+        }
+        Some(wanted) => compare(&recording, validation, &settings, wanted, args.quiet)?,
+        None => None,
+    };
+    let mut page = identify::page::page(&found, &recording, validation);
+    let mut document = identify::document::render(&found, &recording, validation);
+    if let Some(structured) = &structured {
+        page.blocks.extend(identify::structure_page::blocks(structured, settings.axis));
+        document = with_structure(&document, structured)?;
+    }
     let files = [
-        ("identification.json", identify::document::render(&found, &recording, validation)),
+        ("identification.json", document),
         ("identification.html", crate::report::render_page(&page)),
         ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
     ];
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&args.file));
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(file));
     write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
     if !args.quiet {
         use std::io::Write;
         let mut out = std::io::stdout().lock();
-        let text = identify::terminal::render(&found, &recording, validation);
+        let mut text = identify::terminal::render(&found, &recording, validation);
+        if let Some(structured) = &structured {
+            text.push_str(&identify::structure_page::terminal(structured));
+        }
         let files = files.map(|(name, _)| name).join(", ");
         writeln!(out, "{text}\nwritten to {}: {files}", folder.display())
             .or_else(|error| match error.kind() {
@@ -156,6 +209,64 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
             .context("the table cannot be printed")?;
     }
     Ok(())
+}
+
+/// Compares structures with a progress bar; ctrl-C ends the comparison with what there is.
+fn compare(
+    recording: &Recording,
+    validation: Option<&Recording>,
+    settings: &Settings,
+    wanted: &StructureChoice,
+    quiet: bool,
+) -> anyhow::Result<Option<Structured>> {
+    let blame = |error: &dyn std::fmt::Display| BadInput(error.to_string());
+    let estimation = identify::conditioned(recording, settings).map_err(|error| blame(&error))?;
+    let other = validation.map(|other| identify::conditioned(other, settings)).transpose();
+    let other = other.map_err(|error| blame(&error))?;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&cancel);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let count = match wanted {
+        StructureChoice::Auto => AxisStructure::candidates().len(),
+        StructureChoice::Named(named) => named.len(),
+    };
+    let progress = Progress::counting(count as u64, "structures", quiet);
+    let found = structured(&estimation, other.as_ref(), wanted, settings.axis, &progress, &cancel);
+    progress.finish();
+    let found = found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+    if found.is_none() {
+        return Err(
+            Interrupted("stopped before any structure was compared; nothing was written".to_owned()).into()
+        );
+    }
+    Ok(found)
+}
+
+/// The document with the structure in it.
+fn with_structure(document: &str, found: &Structured) -> anyhow::Result<String> {
+    let mut tree: serde_json::Value =
+        serde_json::from_str(document).context("cannot describe the results")?;
+    tree["structure"] = identify::structure_page::document(found);
+    Ok(format!("{tree:#}\n"))
+}
+
+/// The motor's constants, from the options or a drive's file.
+pub(super) fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
+    let Some(file) = &args.drive else {
+        return Ok(Motor {
+            gear_ratio: args.gear_ratio,
+            motor_constant: args.motor_constant,
+            resistance: args.resistance,
+        });
+    };
+    let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
+    let constants = DriveConstants::read(&text).map_err(blame)?.parameters;
+    Ok(Motor {
+        gear_ratio: constants.gear_ratio,
+        motor_constant: constants.motor_constant,
+        resistance: constants.armature_resistance,
+    })
 }
 
 fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
@@ -185,29 +296,19 @@ fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
     Conditioning { cutoff, order: args.order, trim: args.trim, decimate: args.decimate.unwrap_or(factor) }
 }
 
-fn read(file: &Path, args: &IdentifyArgs) -> Result<Recording, BadInput> {
+fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, BadInput> {
     let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
     let recording = if is_bag {
-        let motor = Motor {
-            gear_ratio: args.gear_ratio,
-            motor_constant: args.motor_constant,
-            resistance: args.resistance,
-        };
-        rosbag::read(file, args.torque_from_voltage.then_some(&motor), args.time_tolerance)
+        rosbag::read(file, args.torque_from_voltage.then_some(motor), args.time_tolerance)
     } else {
-        let columns = Columns {
-            time: args.time.clone(),
-            position: args.position.clone(),
-            velocity: args.velocity.clone(),
-            force: args.force.clone(),
-        };
+        let columns = args.columns();
         table::read(file, &columns, args.time_tolerance)
     };
     recording.map_err(|error| BadInput(error.to_string()))
 }
 
 /// `identification-` and the name of the file without its extension, where the command was started.
-fn default_folder(file: &Path) -> PathBuf {
+pub(super) fn default_folder(file: &Path) -> PathBuf {
     // `.` and `..` have no name of their own until they are resolved.
     let resolved = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
     let stem = resolved.file_stem().map_or_else(|| "recording".into(), |stem| stem.to_string_lossy());

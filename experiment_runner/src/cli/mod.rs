@@ -2,13 +2,17 @@
 
 pub mod features;
 pub mod identify;
+pub mod identify_drive;
+pub mod identify_friction;
 pub mod identify_servo;
 pub mod identify_stiction;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;
+pub mod protocols;
 pub mod run;
 pub mod simulate;
+pub mod truth_matrix;
 
 /// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
 /// mend it; the program ends with exit code 2.

@@ -8,15 +8,18 @@ use std::thread;
 
 use anyhow::Context;
 use controller::ControllerOptions;
+use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
 use super::{BadInput, Interrupted, model_name};
+use crate::characterise::{Measured, TorqueReading};
+use crate::models::file;
 use crate::progress::Progress;
-use crate::protocol::{ConstantVelocityProtocol, TrackingProtocol};
+use crate::protocol::{ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::run::{
-    self, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError, RunOptions, Status,
-    read_parameter_file,
+    self, Characterisation, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError,
+    RunOptions, Status, read_parameter_file, shipped,
 };
 use crate::test_bed::TestBed;
 
@@ -27,9 +30,19 @@ use crate::test_bed::TestBed;
 /// velocity and position tracking. The output folder gets the bag, parameters.yaml, report.html and run.json.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// What to run
-    #[arg(value_enum, default_value_t)]
-    pub experiment: Experiment,
+    /// What to run [default: all, or the experiment of the protocol given]
+    #[arg(value_enum)]
+    pub experiment: Option<Experiment>,
+    /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub protocol: Vec<PathBuf>,
+    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has its voltage or current
+    #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
+    pub torque_source: TorqueSourceArg,
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia; they make the
+    /// uncertainty of a torque from voltage or current
+    #[arg(long, value_name = "K,R,J", value_delimiter = ',', num_args = 3, default_value = "1,2,2")]
+    pub drive_errors: Vec<f64>,
     /// Output folder; must be new or empty [default: runs/EXPERIMENT-N with the first free N]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -42,6 +55,10 @@ pub struct RunArgs {
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
+    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it. With tau = .0111 the proposed
+    /// model shows the lag of the thesis's figures, ten times that of the test bed's set
+    #[arg(long, value_name = "FILE")]
+    pub plant_parameters: Option<PathBuf>,
     /// Parameters of the compensating models: a parameters.yaml of an earlier run [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
     pub parameters: Option<PathBuf>,
@@ -72,6 +89,18 @@ pub struct RunArgs {
     /// No progress bar and no summary
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// [`TorqueSource`] on the command line.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+pub enum TorqueSourceArg {
+    /// The torque sensor
+    #[default]
+    Sensor,
+    /// (A Km/Ra) (u - A Km w) - J w'
+    Voltage,
+    /// A Km i - J w'
+    Current,
 }
 
 /// [`TimeConstant`] on the command line.
@@ -162,20 +191,105 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     }
     let mut models = args.model.clone();
     models.dedup();
-    Ok(RunOptions {
-        experiment: args.experiment,
-        test_bed: TestBed { simulation, friction: AnyModel::test_bed(args.plant), controller },
+    let protocols = protocols(&args.protocol)?;
+    let experiment = experiment(args, &protocols)?;
+    let mut errors = [0.0; 3];
+    for (error, &percent) in errors.iter_mut().zip(&args.drive_errors) {
+        if !(0.0..=100.0).contains(&percent) {
+            let expected = "--drive-errors takes three percentages from 0 to 100, as in --drive-errors 1,2,2";
+            return Err(BadInput(format!("{expected}, but one is {percent}")).into());
+        }
+        *error = 0.01 * percent;
+    }
+    let source = match args.torque_source {
+        TorqueSourceArg::Sensor => TorqueSource::Sensor,
+        TorqueSourceArg::Voltage => TorqueSource::Voltage,
+        TorqueSourceArg::Current => TorqueSource::Current,
+    };
+    if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
+        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
+        return Err(BadInput(why.to_owned()).into());
+    }
+    let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
+    let mut options = RunOptions {
+        experiment,
+        test_bed: TestBed { simulation, friction: plant(args)?, controller },
         models,
         compensators,
         seed: args.seed,
         record: args.record,
         constant_velocity,
+        varying_velocity,
+        pre_sliding,
+        breakaway_rate,
+        sequence: None,
+        torque: TorqueReading::new(source, &drive, &sensors, errors),
         velocity_tracking,
         position_tracking,
         workers: args
             .jobs
             .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
-    })
+    };
+    if args.quick {
+        options.varying_velocity = options.varying_velocity.quick();
+        options.pre_sliding = options.pre_sliding.quick();
+        options.breakaway_rate = options.breakaway_rate.quick();
+    }
+    if let Some(repetitions) = args.repetitions {
+        options.varying_velocity.repetitions = repetitions;
+        options.pre_sliding.repetitions = repetitions;
+        options.breakaway_rate.repetitions = repetitions;
+    }
+    // A file says everything itself: neither --quick nor --repetitions changes it.
+    protocols.into_iter().for_each(|protocol| options.set(protocol));
+    Ok(options)
+}
+
+/// Reads the protocols.
+fn protocols(files: &[PathBuf]) -> Result<Vec<Protocol>, BadInput> {
+    let mut protocols: Vec<Protocol> = Vec::with_capacity(files.len());
+    for path in files {
+        let say =
+            |what: String| BadInput(format!("the protocol {} cannot be driven: {what}", path.display()));
+        let text = fs::read_to_string(path).map_err(|e| say(e.to_string()))?;
+        let protocol = Protocol::read(&text).map_err(|e| say(e.to_string()))?;
+        if protocols.iter().any(|other| other.kind() == protocol.kind()) {
+            return Err(say(format!("there is another for {}; give one of a kind", protocol.kind().name())));
+        }
+        protocols.push(protocol);
+    }
+    Ok(protocols)
+}
+
+/// What is run: as asked for, or as the protocols say.
+fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadInput> {
+    let experiment = match (args.experiment, protocols) {
+        (Some(experiment), _) => experiment,
+        (None, []) => Experiment::All,
+        (None, [protocol]) => Experiment::of(protocol.kind()),
+        (None, _) => Experiment::Characterise,
+    };
+    if let Some(other) = protocols.iter().find(|protocol| !experiment.includes(protocol.kind())) {
+        return Err(BadInput(format!(
+            "`{}` does not run {}, for which a protocol is given; leave the name out, or the protocol",
+            experiment.as_str(),
+            other.kind().name()
+        )));
+    }
+    if experiment == Experiment::Sequence && protocols.is_empty() {
+        let mend = "`frictionlab protocols sequence > mine.yaml` prints one to start from";
+        return Err(BadInput(format!("`run sequence` needs its protocol, --protocol FILE; {mend}")));
+    }
+    Ok(experiment)
+}
+
+/// The plant's friction.
+fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
+    let Some(path) = &args.plant_parameters else { return Ok(AnyModel::test_bed(args.plant)) };
+    let say =
+        |what: String| BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()));
+    let text = fs::read_to_string(path).map_err(|e| say(e.to_string()))?;
+    file::read(&text, Some(args.plant)).map_err(say)
 }
 
 /// The models of a parameter file, or the test bed's where none is given.
@@ -215,6 +329,8 @@ fn summary(outcome: &Outcome) -> String {
             };
         }
     }
+    text += &results.added_to_points().map_or(String::new(), |said| said + "\n");
+    text += &characterisation(&results.characterisation);
     for (title, comparison) in
         [("Velocity tracking", &results.velocity_tracking), ("Position tracking", &results.position_tracking)]
     {
@@ -230,6 +346,37 @@ fn summary(outcome: &Outcome) -> String {
         outcome.folder.join(results.bag.folder).display(),
         results.bag.messages,
     );
+    text
+}
+
+/// Experiments 2 to 4 for the terminal.
+fn characterisation(found: &Characterisation) -> String {
+    let mut text = String::new();
+    let value = |figure: &Measured| format!("{:.5} ± {:.0e}", figure.mean, figure.uncertainty());
+    for figures in &found.lag {
+        let hint = if figures.visible() { "" } else { "   (not clear of its uncertainty)" };
+        text += &format!(
+            "Lag at {:>4} rad/s     loop area {:.3e} ± {:.0e} N m rad/s{hint}\n",
+            figures.frequency,
+            figures.area.mean,
+            figures.area.uncertainty()
+        );
+    }
+    for figures in found.ramps.iter().chain(&found.rates) {
+        text += &format!(
+            "Breakaway, {:<15} {} N m at {} rad, {:.3} N m/s\n",
+            figures.excitation,
+            value(&figures.torque),
+            value(&figures.displacement),
+            figures.rate
+        );
+    }
+    if let Some(gap) = found.closures.iter().map(|closure| closure.gap.mean.abs()).max_by(f64::total_cmp) {
+        text += &format!("Nested path: {} closed loops, largest gap {gap:.1e} rad\n", found.closures.len());
+    }
+    for note in &found.notes {
+        text += &format!("{note}\n");
+    }
     text
 }
 

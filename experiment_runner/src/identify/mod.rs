@@ -1,12 +1,15 @@
 //! Identification of a recorded axis: what `frictionlab identify` does between reading and printing.
 //!
 //! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`] the ROS
-//! parameter file, [`terminal`] the text, and [`output`] puts files on the disk all at once or not at all.
+//! parameter file, [`terminal`] the text, [`friction`] friction models from recordings of friction, and [`output`] puts files on the disk all at once or not at all.
 
 pub mod document;
+pub mod friction;
 pub mod page;
 pub mod parameters;
 pub mod quantity;
+pub mod structure;
+pub mod structure_page;
 pub mod terminal;
 
 use std::path::{Path, PathBuf};
@@ -135,7 +138,11 @@ pub fn identify(
     Ok(Identification { settings: *settings, symmetric, asymmetric, notes })
 }
 
-fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
+/// Filters and differentiates a recording.
+///
+/// # Errors
+/// [`IdentifyError`] with the recording's path.
+pub fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
     let signals = Signals {
         time_step: recording.time_step,
         position: recording.position.as_deref(),

@@ -48,6 +48,10 @@ pub enum Channel {
     Velocity,
     /// Force or torque.
     Force,
+    /// Motor voltage.
+    Voltage,
+    /// Friction torque from a sensor.
+    Friction,
 }
 
 impl Channel {
@@ -58,6 +62,8 @@ impl Channel {
             Self::Position => "--position",
             Self::Velocity => "--velocity",
             Self::Force => "--force",
+            Self::Voltage => "--voltage",
+            Self::Friction => "--friction",
         }
     }
 
@@ -68,6 +74,8 @@ impl Channel {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Force => "force or torque",
+            Self::Voltage => "voltage",
+            Self::Friction => "friction torque",
         }
     }
 
@@ -77,7 +85,8 @@ impl Channel {
             Self::Time => "s",
             Self::Position => "m or rad",
             Self::Velocity => "m/s or rad/s",
-            Self::Force => "N or N m",
+            Self::Force | Self::Friction => "N or N m",
+            Self::Voltage => "V",
         }
     }
 
@@ -109,6 +118,10 @@ impl Channel {
                 "force",
                 "torque",
             ],
+            Self::Voltage => {
+                &["voltage_V", "voltage_applied_V", "control_V", "u_V", "motor_voltage_V", "voltage"]
+            }
+            Self::Friction => &["friction_Nm", "friction_torque_Nm", "friction_N", "friction_force_N"],
         }
     }
 

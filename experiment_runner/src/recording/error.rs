@@ -158,6 +158,14 @@ pub enum RecordingError {
         /// Samples needed.
         needed: usize,
     },
+    /// Its samples cannot be conditioned.
+    #[error("{}: {source}", path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: friction_ident::IdentError,
+    },
     /// A bag's message lacks what is needed.
     #[error("message {index} of {topic} in {}: {detail}", path.display())]
     Message {

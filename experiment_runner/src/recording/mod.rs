@@ -1,14 +1,18 @@
 //! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear refusal.
 //!
-//! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`trajectory`] reads motions at any spacing, [`servo_log`] the JSON logs of a
-//! position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
+//! [`stretches`] reads recordings of friction, one or many runs in a file, with [`friction_torque`] for rigs without a torque sensor.
+//! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing, [`servo_log`]
+//! the JSON logs of a position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
 //! sure that the samples are evenly spaced. Whatever is returned has finite values, one length and SI units.
 
 pub mod column;
+pub mod driven;
 mod error;
+pub mod friction_torque;
 pub mod rosbag;
 pub mod servo_log;
 pub mod stiction_table;
+pub mod stretches;
 pub mod table;
 pub mod timing;
 pub mod trajectory;

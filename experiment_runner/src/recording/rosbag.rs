@@ -49,20 +49,11 @@ impl Motor {
 /// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages without the fields
 /// needed, and those of [`even_step`].
 pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Recording, RecordingError> {
-    let bag = BagReader::open(path)?;
-    let (topic, samples) = match motor {
-        Some(motor) => (RIG_MEASUREMENT, driven(path, &bag, motor)?),
-        None => (JOINT_STATES, measured(path, &bag)?),
-    };
-    let start = samples.first().map_or(0, |sample| sample.stamp);
-    let time: Vec<_> = samples.iter().map(|sample| sample.stamp.abs_diff(start) as f64 * 1e-9).collect();
-    // Differences of the unsigned stamps lose their sign before the first one.
-    let time: Vec<_> =
-        time.iter().zip(&samples).map(|(t, sample)| if sample.stamp < start { -t } else { *t }).collect();
+    let Track { topic, time, velocity, force } = track(path, motor)?;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
     let time_step = even_step(path, &time, tolerance, place)?;
     let source = |field: &str| ChannelSource { name: format!("{topic} {field}"), scale: 1.0 };
-    let (velocity, force) = match motor {
+    let names = match motor {
         Some(_) => ("tachometer_velocity", "voltage_applied (as torque)"),
         None => ("velocity", "effort"),
     };
@@ -70,16 +61,48 @@ pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Record
         path: path.into(),
         time_step,
         position: None,
-        velocity: Some(samples.iter().map(|sample| sample.velocity).collect()),
-        force: samples.iter().map(|sample| sample.torque).collect(),
+        velocity: Some(velocity),
+        force,
         axis: Some(AxisKind::Rotary),
         friction_only: motor.is_none(),
         sources: Sources {
             time: source("header.stamp"),
             position: None,
-            velocity: Some(source(velocity)),
-            force: source(force),
+            velocity: Some(source(names.0)),
+            force: source(names.1),
         },
+    })
+}
+
+/// What was recorded, at whatever times.
+pub(super) struct Track {
+    pub topic: &'static str,
+    /// Seconds since the first message.
+    pub time: Vec<f64>,
+    /// From the tachometer [rad/s].
+    pub velocity: Vec<f64>,
+    /// Friction, or with a motor what drives the axis [N m].
+    pub force: Vec<f64>,
+}
+
+/// Reads all messages.
+pub(super) fn track(path: &Path, motor: Option<&Motor>) -> Result<Track, RecordingError> {
+    let bag = BagReader::open(path)?;
+    let (topic, samples) = match motor {
+        Some(motor) => (RIG_MEASUREMENT, driven(path, &bag, motor)?),
+        None => (JOINT_STATES, measured(path, &bag)?),
+    };
+    let start = samples.first().map_or(0, |sample| sample.stamp);
+    // Differences of the unsigned stamps lose their sign before the first one.
+    let since = |sample: &Sample| {
+        let t = sample.stamp.abs_diff(start) as f64 * 1e-9;
+        if sample.stamp < start { -t } else { t }
+    };
+    Ok(Track {
+        topic,
+        time: samples.iter().map(since).collect(),
+        velocity: samples.iter().map(|sample| sample.velocity).collect(),
+        force: samples.iter().map(|sample| sample.torque).collect(),
     })
 }
 

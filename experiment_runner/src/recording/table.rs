@@ -9,7 +9,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::column::{Channel, axis_of, unit_factor};
 use super::timing::even_step;
-use super::{ChannelSource, Column, Recording, RecordingError, Sources};
+use super::{AxisKind, ChannelSource, Column, Recording, RecordingError, Sources};
 
 /// Which columns hold what; what is not named is recognised.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -63,6 +63,54 @@ pub(super) struct Found {
 
 /// The part of [`read`] that does not touch the disk.
 fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
+    let rows = rows(path, bytes, columns, Motion::One)?;
+    let time_step = even_step(path, &rows.time, tolerance, |index| rows.place(index))?;
+    Ok(Recording {
+        path: path.into(),
+        time_step,
+        position: rows.position,
+        velocity: rows.velocity,
+        force: rows.force,
+        axis: rows.axis,
+        friction_only: false,
+        sources: rows.sources,
+    })
+}
+
+/// Which of position and velocity are read where a table has both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// The position, unless the velocity was named.
+    One,
+    /// Both.
+    Both,
+}
+
+/// The rows of a table, at whatever times.
+pub(super) struct Rows {
+    pub time: Vec<f64>,
+    pub position: Option<Vec<f64>>,
+    pub velocity: Option<Vec<f64>>,
+    pub force: Vec<f64>,
+    pub axis: Option<AxisKind>,
+    pub sources: Sources,
+    lines: Vec<u64>,
+}
+
+impl Rows {
+    /// Where row `index` stands.
+    pub fn place(&self, index: usize) -> String {
+        format!("line {}", self.lines.get(index).copied().unwrap_or(0))
+    }
+}
+
+/// Reads all rows; one at least.
+pub(super) fn rows(
+    path: &Path,
+    bytes: &[u8],
+    columns: &Columns,
+    motion: Motion,
+) -> Result<Rows, RecordingError> {
     let (mut reader, header) = open(path, bytes, "t_s,position_m,force_N")?;
     let table = Header { path, names: &header };
     let time = table.require(Channel::Time, columns.time.as_ref())?;
@@ -70,7 +118,9 @@ fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result
     let position = table.optional(Channel::Position, columns.position.as_ref())?;
     let (position, velocity) = match (position, velocity) {
         (None, None) => return Err(table.unrecognised(Channel::Position)),
-        (Some(position), Some(_)) if columns.velocity.is_none() => (Some(position), None),
+        (Some(position), Some(_)) if motion == Motion::One && columns.velocity.is_none() => {
+            (Some(position), None)
+        }
         (position, velocity) => (position, velocity),
     };
     let force = table.require(Channel::Force, columns.force.as_ref())?;
@@ -97,23 +147,21 @@ fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result
     if times.is_empty() {
         return Err(RecordingError::HeaderOnly { path: path.into() });
     }
-    let time_step = even_step(path, &times, tolerance, |index| format!("line {}", lines[index]))?;
-    let motion = velocity.as_ref().or(position.as_ref());
-    let axis = motion.and_then(|found| axis_of(&found.source.name)).or_else(|| axis_of(&force.source.name));
-    Ok(Recording {
-        path: path.into(),
-        time_step,
+    let moving = velocity.as_ref().or(position.as_ref());
+    let axis = moving.and_then(|found| axis_of(&found.source.name)).or_else(|| axis_of(&force.source.name));
+    Ok(Rows {
+        time: times,
         position: positions,
         velocity: velocities,
         force: forces,
         axis,
-        friction_only: false,
         sources: Sources {
             time: time.source,
             position: position.map(|found| found.source),
             velocity: velocity.map(|found| found.source),
             force: force.source,
         },
+        lines,
     })
 }
 
@@ -141,12 +189,16 @@ pub(super) struct Header<'a> {
 }
 
 impl Header<'_> {
-    fn require(&self, channel: Channel, named: Option<&Column>) -> Result<Found, RecordingError> {
+    pub(super) fn require(&self, channel: Channel, named: Option<&Column>) -> Result<Found, RecordingError> {
         self.optional(channel, named)?.ok_or_else(|| self.unrecognised(channel))
     }
 
     /// The column of a channel; none only where it was not named and is not recognised.
-    fn optional(&self, channel: Channel, named: Option<&Column>) -> Result<Option<Found>, RecordingError> {
+    pub(super) fn optional(
+        &self,
+        channel: Channel,
+        named: Option<&Column>,
+    ) -> Result<Option<Found>, RecordingError> {
         let (name, scale) = match named {
             Some(column) => (column.name.as_str(), column.scale),
             None => match channel.recognise(self.names) {
@@ -169,7 +221,7 @@ impl Header<'_> {
         Ok(Some(Found { index, source: ChannelSource { name: name.to_owned(), scale } }))
     }
 
-    fn unrecognised(&self, channel: Channel) -> RecordingError {
+    pub(super) fn unrecognised(&self, channel: Channel) -> RecordingError {
         RecordingError::Unrecognised {
             path: self.path.into(),
             channel: channel.describe(),
@@ -204,7 +256,6 @@ impl Header<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recording::AxisKind;
     use proptest::prelude::*;
 
     fn parsed(text: &str) -> Result<Recording, RecordingError> {

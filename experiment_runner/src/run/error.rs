@@ -19,6 +19,9 @@ pub enum RunError {
     /// The rig refused a command.
     #[error(transparent)]
     Rig(#[from] RigError),
+    /// A constant velocity could not be driven or read.
+    #[error(transparent)]
+    Steady(#[from] crate::constant_velocity::SteadyError),
     /// The bag could not be written.
     #[error(transparent)]
     Bag(#[from] BagError),
@@ -28,6 +31,9 @@ pub enum RunError {
     /// The steady points give no Stribeck curve.
     #[error("no Stribeck curve fits the points of this run: {0}")]
     Identification(#[from] IdentError),
+    /// The friction torque cannot be worked out of a run.
+    #[error("no friction torque from this run: {0}")]
+    Torque(IdentError),
     /// The output folder holds something already.
     #[error("the output folder {} is not empty: its results would be mixed with those of this run; choose another with --out DIR", .0.display())]
     NotEmpty(PathBuf),

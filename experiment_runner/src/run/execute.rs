@@ -9,17 +9,18 @@ use std::time::Instant;
 use friction_ident::{StribeckOptions, StribeckParameter, fit_stribeck};
 use friction_model::ModelName;
 
+use super::characterisation::Progressed;
 use super::options::stream_seed;
 use super::recorder::{Kept, Recorder, Timeline};
 use super::results::{
     BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
 };
 use super::trace::Trace;
-use super::{Compensators, RunError, RunOptions, page, parameter_file};
+use super::{Characterisation, Compensators, Experiment, RunError, RunOptions, page, parameter_file};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
-use crate::protocol::TrackingProtocol;
+use crate::protocol::{Kind, TrackingProtocol};
 use crate::report::render_page;
 use crate::sequencer::{Completion, run_in_order};
 use crate::tracking::{Arm, TrackingJob, TrackingRun};
@@ -32,6 +33,10 @@ pub struct Outcome {
     /// The output folder.
     pub folder: PathBuf,
 }
+
+/// One of experiments 2 to 4, or a sequence.
+type Characterise<'a> =
+    fn(&Bench<'a>, &mut Characterisation, &mut Recorder, &mut Timeline) -> Result<Progressed, RunError>;
 
 /// Folder of the bag in the run's folder.
 const BAG: &str = "bag";
@@ -80,6 +85,20 @@ pub fn execute(
         }
     }
 
+    let mut characterisation = Characterisation::default();
+    for (kind, experiment) in [
+        (Kind::VaryingVelocity, Bench::varying_velocity as Characterise<'_>),
+        (Kind::PreSliding, Bench::pre_sliding),
+        (Kind::BreakawayRate, Bench::breakaway_rate),
+        (Kind::Sequence, Bench::sequence),
+    ] {
+        if options.experiment.includes(kind) && going {
+            let progressed = experiment(&bench, &mut characterisation, &mut recorder, &mut timeline)?;
+            rig_seconds += progressed.rig_seconds;
+            going = note(progressed.completion);
+        }
+    }
+
     let arms: Vec<Arm> =
         std::iter::once(Arm::None).chain(options.models.iter().copied().map(Arm::Observer)).collect();
     let mut tasks = Vec::new();
@@ -111,6 +130,7 @@ pub fn execute(
         options: options.clone(),
         constant_velocity: steady,
         identification,
+        characterisation,
         velocity_tracking: velocity.comparison,
         position_tracking: position.comparison,
         bag: BagFigures {
@@ -124,9 +144,25 @@ pub fn execute(
     let report = render_page(&page::build(&results, &models, &velocity.traces, &position.traces));
     let json = serde_json::to_string_pretty(&results)
         .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
-    write_all(folder, &[("parameters.yaml", parameters), ("report.html", report), ("run.json", json)])?;
+    let mut files = vec![("parameters.yaml", parameters), ("report.html", report), ("run.json", json)];
+    let tables = &results.characterisation.records;
+    files.extend(tables.iter().map(|(name, record)| (name.as_str(), record.csv())));
+    if options.experiment == Experiment::Characterise && !results.constant_velocity.is_empty() {
+        files.push(("steady_points.csv", steady_points(&results.constant_velocity)));
+    }
+    write_all(folder, &files)?;
     progress.finish();
     Ok(Outcome { results, folder: folder.to_owned() })
+}
+
+/// The steady points as comma-separated values.
+fn steady_points(runs: &[SteadyRun]) -> String {
+    let mut text = String::from("set,repetition,velocity_rad_s,torque_Nm,torque_deviation_Nm\n");
+    for run in runs {
+        let SteadyRun { set, repetition, velocity, torque, torque_deviation, .. } = run;
+        text += &format!("{},{},{velocity:.8},{torque:.8},{torque_deviation:.6}\n", set + 1, repetition + 1);
+    }
+    text
 }
 
 /// Refuses a folder that holds something; one that does not exist is made later.
@@ -181,10 +217,10 @@ struct Tracked {
 }
 
 /// What all experiments share.
-struct Bench<'a> {
-    options: &'a RunOptions,
-    progress: &'a Progress,
-    cancel: &'a AtomicBool,
+pub(super) struct Bench<'a> {
+    pub(super) options: &'a RunOptions,
+    pub(super) progress: &'a Progress,
+    pub(super) cancel: &'a AtomicBool,
 }
 
 impl Bench<'_> {
@@ -229,7 +265,7 @@ impl Bench<'_> {
             let control =
                 bed.control_loop(SteadyJob::MODE, job.reference(), &observer, false, seed, start_ns)?;
             let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
-            let run = job.run(protocol, control, |sample| kept.add(sample))?;
+            let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
             Ok::<_, RunError>((run, kept))
         };
         let total = jobs.len() as f64;

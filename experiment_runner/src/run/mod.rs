@@ -2,8 +2,13 @@
 //!
 //! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the same figures, on any number of cores.
 
+mod characterisation;
+mod characterisation_page;
+#[cfg(test)]
+mod characterisation_tests;
 mod compensators;
 mod error;
+mod excited;
 mod execute;
 mod options;
 mod page;
@@ -12,9 +17,10 @@ mod recorder;
 mod results;
 mod trace;
 
+pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
 pub use compensators::Compensators;
 pub use error::RunError;
 pub use execute::{Outcome, execute};
-pub use options::{Experiment, RecordPolicy, RunOptions};
+pub use options::{Experiment, RecordPolicy, RunOptions, shipped};
 pub use parameter_file::read as read_parameter_file;
 pub use results::{Comparison, RunResults, Status};

@@ -4,8 +4,12 @@ use friction_model::ModelName;
 use serde::{Deserialize, Serialize};
 
 use super::Compensators;
+use crate::characterise::TorqueReading;
 use crate::constant_velocity::SteadyJob;
-use crate::protocol::{ConstantVelocityProtocol, TrackingProtocol};
+use crate::protocol::{
+    BreakawayRateProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol, Protocol, ProtocolError,
+    SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
+};
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
 
@@ -18,6 +22,16 @@ pub enum Experiment {
     All,
     /// Friction at constant velocities, and the Stribeck curve through them
     ConstantVelocity,
+    /// Experiments 1 to 4: constant and varying velocity, pre-sliding, breakaway against rate
+    Characterise,
+    /// Friction under a velocity that varies without a reversal: frictional lag
+    VaryingVelocity,
+    /// Breakaway by slow ramps of torque, and hysteresis below it
+    PreSliding,
+    /// Breakaway against the rate of the torque
+    BreakawayRate,
+    /// A sequence of one's own, from `--protocol FILE`
+    Sequence,
     /// Follow a sine of velocity with and without compensation
     VelocityTracking,
     /// Follow a sine of position with and without compensation
@@ -28,7 +42,7 @@ impl Experiment {
     /// Whether the steady characteristic is measured and identified.
     #[must_use]
     pub const fn identifies(self) -> bool {
-        matches!(self, Self::All | Self::ConstantVelocity)
+        matches!(self, Self::All | Self::ConstantVelocity | Self::Characterise)
     }
 
     /// Whether velocity tracking is run.
@@ -43,12 +57,41 @@ impl Experiment {
         matches!(self, Self::All | Self::PositionTracking)
     }
 
+    /// Whether the experiment of that kind of protocol is part of it.
+    #[must_use]
+    pub const fn includes(self, kind: Kind) -> bool {
+        match kind {
+            Kind::ConstantVelocity => self.identifies(),
+            Kind::VaryingVelocity => matches!(self, Self::Characterise | Self::VaryingVelocity),
+            Kind::PreSliding => matches!(self, Self::Characterise | Self::PreSliding),
+            Kind::BreakawayRate => matches!(self, Self::Characterise | Self::BreakawayRate),
+            Kind::Sequence => matches!(self, Self::Sequence),
+        }
+    }
+
+    /// The experiment of that kind of protocol alone.
+    #[must_use]
+    pub const fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::ConstantVelocity => Self::ConstantVelocity,
+            Kind::VaryingVelocity => Self::VaryingVelocity,
+            Kind::PreSliding => Self::PreSliding,
+            Kind::BreakawayRate => Self::BreakawayRate,
+            Kind::Sequence => Self::Sequence,
+        }
+    }
+
     /// The name on the command line.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::All => "all",
             Self::ConstantVelocity => "constant-velocity",
+            Self::Characterise => "characterise",
+            Self::VaryingVelocity => "varying-velocity",
+            Self::PreSliding => "pre-sliding",
+            Self::BreakawayRate => "breakaway-rate",
+            Self::Sequence => "sequence",
             Self::VelocityTracking => "velocity-tracking",
             Self::PositionTracking => "position-tracking",
         }
@@ -117,6 +160,16 @@ pub struct RunOptions {
     pub record: RecordPolicy,
     /// Friction at constant velocity.
     pub constant_velocity: ConstantVelocityProtocol,
+    /// Friction under a varying velocity.
+    pub varying_velocity: VaryingVelocityProtocol,
+    /// Friction before sliding.
+    pub pre_sliding: PreSlidingProtocol,
+    /// Breakaway against the rate of the torque.
+    pub breakaway_rate: BreakawayRateProtocol,
+    /// A sequence of one's own.
+    pub sequence: Option<SequenceProtocol>,
+    /// Where the friction torque of experiments 1 to 4 is from.
+    pub torque: TorqueReading,
     /// Tracking of velocity.
     pub velocity_tracking: TrackingProtocol,
     /// Tracking of position.
@@ -127,6 +180,17 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
+    /// Takes a protocol in, in place of the one of the same kind.
+    pub fn set(&mut self, protocol: Protocol) {
+        match protocol {
+            Protocol::ConstantVelocity(protocol) => self.constant_velocity = protocol,
+            Protocol::VaryingVelocity(protocol) => self.varying_velocity = protocol,
+            Protocol::PreSliding(protocol) => self.pre_sliding = protocol,
+            Protocol::BreakawayRate(protocol) => self.breakaway_rate = protocol,
+            Protocol::Sequence(protocol) => self.sequence = Some(protocol),
+        }
+    }
+
     /// Compensations compared: none, and each model.
     #[must_use]
     pub const fn arms(&self) -> usize {
@@ -137,6 +201,16 @@ impl RunOptions {
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let mut seconds = 0.0;
+        for (kind, of_kind) in [
+            (Kind::VaryingVelocity, self.varying_velocity.rig_seconds()),
+            (Kind::PreSliding, self.pre_sliding.rig_seconds()),
+            (Kind::BreakawayRate, self.breakaway_rate.rig_seconds()),
+            (Kind::Sequence, self.sequence.as_ref().map_or(0.0, SequenceProtocol::rig_seconds)),
+        ] {
+            if self.experiment.includes(kind) {
+                seconds += of_kind;
+            }
+        }
         if self.experiment.identifies() {
             seconds += self.constant_velocity.rig_seconds();
         }
@@ -148,6 +222,19 @@ impl RunOptions {
         }
         seconds
     }
+}
+
+/// The protocols of experiments 2 to 4 that are part of the program.
+///
+/// # Errors
+/// [`ProtocolError`] if a file that is part of the program is wrong; a test reads them all.
+pub fn shipped() -> Result<(VaryingVelocityProtocol, PreSlidingProtocol, BreakawayRateProtocol), ProtocolError>
+{
+    Ok((
+        VaryingVelocityProtocol::shipped()?,
+        PreSlidingProtocol::shipped()?,
+        BreakawayRateProtocol::shipped()?,
+    ))
 }
 
 /// Independent streams from one seed (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
@@ -167,6 +254,8 @@ pub(super) mod tests {
 
     /// A run so short that a test can afford it.
     pub fn options() -> RunOptions {
+        let simulation = rig_driver::SimulationOptions::default();
+        let shipped = shipped().unwrap();
         RunOptions {
             experiment: Experiment::All,
             test_bed: TestBed {
@@ -179,6 +268,16 @@ pub(super) mod tests {
             seed: 1,
             record: RecordPolicy::Thinned,
             constant_velocity: ConstantVelocityProtocol::quick(),
+            varying_velocity: shipped.0.quick(),
+            pre_sliding: shipped.1.quick(),
+            breakaway_rate: shipped.2.quick(),
+            sequence: None,
+            torque: TorqueReading::new(
+                Default::default(),
+                &simulation.drive,
+                &simulation.sensors,
+                TorqueReading::RELATIVE_ERRORS,
+            ),
             velocity_tracking: TrackingProtocol {
                 duration: 10.0,
                 repetitions: 2,

@@ -7,6 +7,7 @@ use friction_model::ModelName;
 use super::Compensators;
 use super::results::{Comparison, Identification, RunResults, Status, mean_and_deviation};
 use super::trace::Trace;
+use crate::characterise::Measured;
 use crate::constant_velocity::SteadyRun;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
 use crate::tracking::Arm;
@@ -30,7 +31,9 @@ pub(super) fn build(
         blocks.push(Block::Heading("Friction at constant velocity".to_owned()));
         blocks.extend(results.identification.as_ref().map(parameter_table).map(Block::Table));
         blocks.push(Block::Figure(stribeck_figure(results)));
+        blocks.extend(results.added_to_points().map(Block::Note));
     }
+    blocks.extend(super::characterisation_page::blocks(&results.characterisation, options.torque.source));
     for (title, comparison, traces) in [
         ("Velocity tracking", &results.velocity_tracking, velocity),
         ("Position tracking", &results.position_tracking, position),
@@ -48,9 +51,10 @@ pub(super) fn build(
     Page {
         title: "Friction laboratory".to_owned(),
         subtitle: format!(
-            "frictionlab run {}, simulated SRV-02 test bed with {} friction, seed {}, version {}",
+            "frictionlab run {}, simulated SRV-02 test bed with {} friction, torque from {}, seed {}, version {}",
             options.experiment.as_str(),
             options.test_bed.friction.name(),
+            options.torque.source.name(),
             options.seed,
             results.program_version
         ),
@@ -136,7 +140,7 @@ fn stribeck_figure(results: &RunResults) -> Figure {
     let f_v = results.identification.as_ref().map_or(0.0, |found| found.fit.parameters.f_v);
     Figure {
         title: "Stribeck curve".to_owned(),
-        caption: "Mean friction torque against mean velocity, with the standard deviation over the repetitions; the fitted curve and where it \
+        caption: "Mean friction torque against mean velocity, with half the distance of the quartiles of the repetitions; the fitted curve and where it \
                   lies with 95 % confidence. Below without the viscous part f_v v: the fall from static to kinetic friction."
             .to_owned(),
         x_label: "velocity [rad/s]".to_owned(),
@@ -192,19 +196,17 @@ fn speeds(fit: &StribeckFit) -> Vec<f64> {
     (0..=300).map(|i| slowest * (fastest / slowest).powf(f64::from(i) / 300.0)).collect()
 }
 
-/// Mean velocity, mean torque and its deviation over the repetitions, for each velocity of the grid.
+/// Mean velocity, mean torque and half the distance of its quartiles over the repetitions, for each velocity of the grid.
 fn means(runs: &[SteadyRun], set: u32, grid: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (mut x, mut y, mut error) = (vec![], vec![], vec![]);
     for &reference in grid {
         let of_point: Vec<_> =
             runs.iter().filter(|run| run.set == set && run.reference == reference).collect();
-        if of_point.is_empty() {
-            continue;
-        }
-        let (torque, deviation) = mean_and_deviation(of_point.iter().map(|run| run.torque));
+        let torques: Vec<_> = of_point.iter().map(|run| (run.torque, run.torque_systematic)).collect();
+        let Some(torque) = Measured::of(&torques) else { continue };
         x.push(mean_and_deviation(of_point.iter().map(|run| run.velocity)).0);
-        y.push(torque);
-        error.push(deviation);
+        y.push(torque.mean);
+        error.push(torque.half_spread());
     }
     (x, y, error)
 }

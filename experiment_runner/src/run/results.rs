@@ -5,7 +5,7 @@ use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::Serialize;
 
-use super::RunOptions;
+use super::{Characterisation, RunOptions};
 use crate::constant_velocity::SteadyRun;
 use crate::tracking::{Arm, TrackingRun};
 
@@ -32,6 +32,8 @@ pub struct RunResults {
     pub constant_velocity: Vec<SteadyRun>,
     /// The Stribeck curve through them.
     pub identification: Option<Identification>,
+    /// Experiments 2 to 4.
+    pub characterisation: Characterisation,
     /// Velocity tracking.
     pub velocity_tracking: Option<Comparison>,
     /// Position tracking.
@@ -40,6 +42,21 @@ pub struct RunResults {
     pub bag: BagFigures,
     /// How long it took: the only part that differs between two runs with the same seed.
     pub timing: Timing,
+}
+
+impl RunResults {
+    /// What a torque without a sensor adds to the uncertainty of the steady points, in words.
+    #[must_use]
+    pub fn added_to_points(&self) -> Option<String> {
+        let systematic = || self.constant_velocity.iter().map(|run| run.torque_systematic);
+        let most = systematic().max_by(f64::total_cmp).filter(|&most| most > 0.0)?;
+        let least = systematic().min_by(f64::total_cmp)?;
+        Some(format!(
+            "The torque is worked out of the motor's {}: the errors of the drive's constants add a standard deviation of {least:.4} to {most:.4} N m to the \
+             points, the same in every repetition, which the parameters' standard errors do not contain.",
+            self.options.torque.source.name()
+        ))
+    }
 }
 
 /// The identified curve.

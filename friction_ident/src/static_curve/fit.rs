@@ -4,6 +4,8 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
+use super::intervals::intervals;
+use super::separable::Separable;
 use super::{SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Unidentifiable, check};
 use crate::IdentError;
 use crate::least_squares;
@@ -32,32 +34,55 @@ pub fn fit_stribeck(points: &[SteadyPoint], options: &StribeckOptions) -> Result
     let speeds = check(points, options)?;
     let moving: Vec<_> = points.iter().copied().filter(|point| point.velocity != 0.0).collect();
     let data = Data::new(&moving);
-    let Start { values, free, at_edge } = scan(&data, speeds, options.delta)?;
+    let separable = Separable::new(&data, options.delta);
+    let mut fit = best_curve(&data, &separable, speeds, options.delta)?;
+    let Some(separable) = &separable else { return Ok(fit) };
+    let sum = fit.variance * fit.degrees_of_freedom as f64;
+    let [f_s, f_c, v_s, f_v] = intervals(separable, speeds, fit.parameters.v_s, sum);
+    let open = Unidentifiable::OpenInterval { low: v_s.low, high: v_s.high };
+    if fit.standard_errors[V_S].is_some() && v_s.low == 0.0 {
+        fit = without_dip(&data, speeds, options.delta, open)?;
+    } else if v_s.high == f64::INFINITY {
+        fit.unidentifiable[V_S].get_or_insert(open);
+    }
+    // Held by its bound, `f_v` stands for more than an interval can say.
+    fit.intervals = [Some(f_s), Some(f_c), Some(v_s), fit.standard_errors[F_V].map(|_| f_v)];
+    Ok(fit)
+}
+
+/// The best curve, without intervals.
+fn best_curve(
+    data: &Data,
+    separable: &Option<Separable>,
+    speeds: (f64, f64),
+    delta: f64,
+) -> Result<StribeckFit, IdentError> {
+    let Start { values, free, at_edge } = scan(data, separable, speeds, delta)?;
     if !free.contains(&V_S) {
         let no_dip = Unidentifiable::NoDip { dip: 0.0, standard_error: 0.0 };
-        return without_dip(&data, speeds, options.delta, no_dip);
+        return without_dip(data, speeds, delta, no_dip);
     }
     let (slowest, fastest) = speeds;
     let outside = Unidentifiable::OutsideSpeeds { slowest, fastest };
     if at_edge {
-        return without_dip(&data, speeds, options.delta, outside);
+        return without_dip(data, speeds, delta, outside);
     }
-    let mut polished = polish(&data, values, &free)?;
+    let mut polished = polish(data, values, &free)?;
     // The curve is even in v_s; the solver may have crossed zero.
     polished.v_s = polished.v_s.abs();
     let (low, high) = trial_range(speeds);
     if !(low..=high).contains(&polished.v_s) {
-        return without_dip(&data, speeds, options.delta, outside);
+        return without_dip(data, speeds, delta, outside);
     }
     // The free optimum may break a bound that the scan respected; the scan's own fit stays then.
     let values = if valid(&polished) { polished } else { values };
-    let fit = summarise(&data, values, &free, speeds)?;
+    let fit = summarise(data, values, &free, speeds)?;
     let dip = fit.parameters.f_s - fit.parameters.f_c;
     let covariance = &fit.covariance;
     let variance = covariance[F_S][F_S] + covariance[F_C][F_C] - 2.0 * covariance[F_S][F_C];
     let standard_error = variance.max(0.0).sqrt();
     if dip < CLEAR_DIP * standard_error || standard_error.is_nan() {
-        return without_dip(&data, speeds, options.delta, Unidentifiable::NoDip { dip, standard_error });
+        return without_dip(data, speeds, delta, Unidentifiable::NoDip { dip, standard_error });
     }
     Ok(fit)
 }
@@ -85,10 +110,10 @@ fn without_dip(
 }
 
 /// The points as columns, with the square roots of their weights.
-struct Data {
-    velocity: Vec<f64>,
-    torque: Vec<f64>,
-    weight: Vec<f64>,
+pub(super) struct Data {
+    pub(super) velocity: Vec<f64>,
+    pub(super) torque: Vec<f64>,
+    pub(super) weight: Vec<f64>,
 }
 
 impl Data {
@@ -142,15 +167,31 @@ struct Start {
     at_edge: bool,
 }
 
-fn scan(data: &Data, speeds: (f64, f64), delta: f64) -> Result<Start, IdentError> {
+fn scan(
+    data: &Data,
+    separable: &Option<Separable>,
+    speeds: (f64, f64),
+    delta: f64,
+) -> Result<Start, IdentError> {
     let (low, high) = trial_range(speeds);
     let mut best: Option<(f64, usize, StribeckValues, Vec<usize>)> = None;
     let rounding = 1e-26 * data.torque.iter().map(|torque| torque * torque).sum::<f64>();
     let mut worst_f_c = f64::NEG_INFINITY;
     for trial in 0..TRIALS {
         let v_s = low * (high / low).powf(trial as f64 / (TRIALS - 1) as f64);
-        // All bounds open first, then those that were broken closed, fewest first.
-        let shapes: [&[usize]; 4] = [&[F_S, F_C, F_V], &[F_S, F_C], &[F_C, F_V], &[F_C]];
+        // All bounds open first, by variable projection.
+        if let Some(open) = separable.as_ref().and_then(|separable| separable.trial(v_s))
+            && open.valid()
+            && open.dip > 0.0
+        {
+            let squares = open.sum + rounding * 3.0;
+            if best.as_ref().is_none_or(|(least, ..)| squares < *least) {
+                best = Some((squares, trial, open.values(delta), vec![F_S, F_C, F_V]));
+            }
+            continue;
+        }
+        // Then those that were broken closed, fewest first.
+        let shapes: [&[usize]; 3] = [&[F_S, F_C], &[F_C, F_V], &[F_C]];
         for free in shapes {
             let Some(values) = linear(data, v_s, delta, free) else { continue };
             worst_f_c = worst_f_c.max(values.f_c);
@@ -298,6 +339,8 @@ fn summarise(
         parameters: values,
         standard_errors,
         covariance,
+        intervals: [None; 4],
+        variance,
         mse,
         points,
         degrees_of_freedom,

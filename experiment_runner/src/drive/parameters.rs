@@ -1,0 +1,120 @@
+//! `drive.yaml`: the drive as a ROS 2 parameter file, and [`DriveConstants`] read back from it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use friction_ident::drive::Calibration;
+use rig_driver::DriveParameters;
+use serde::Deserialize;
+
+use super::Identified;
+use crate::identify::parameters::number;
+
+/// The drive's constants for whoever needs them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveConstants {
+    /// The drive.
+    pub parameters: DriveParameters,
+}
+
+impl DriveConstants {
+    /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are all known.
+    ///
+    /// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the given ones.
+    pub fn of(found: &Identified) -> Option<Self> {
+        let gear_ratio = found.gear_ratio?;
+        let inertia = found.value("inertia")?;
+        let (back_emf, volts_per_torque) = match (found.value("back_emf"), found.value("volts_per_torque")) {
+            (Some(back_emf), Some(volts)) => (back_emf, volts),
+            _ => match found.calibration? {
+                Calibration::Motor { torque_constant, resistance } => {
+                    (torque_constant.value, resistance.value / torque_constant.value)
+                }
+                Calibration::ForcePerVolt(_) => return None,
+            },
+        };
+        let parameters = DriveParameters {
+            motor_constant: back_emf / gear_ratio,
+            gear_ratio,
+            armature_resistance: volts_per_torque * back_emf,
+            inertia,
+        };
+        Some(Self { parameters })
+    }
+
+    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`.
+    ///
+    /// # Errors
+    /// A sentence about what is wrong in the text.
+    pub fn read(text: &str) -> Result<Self, String> {
+        #[derive(Deserialize)]
+        struct Node {
+            #[serde(rename = "ros__parameters")]
+            parameters: serde_json::Value,
+        }
+        let tree: BTreeMap<String, Node> = serde_saphyr::from_str(text)
+            .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
+        let node = tree
+            .iter()
+            .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
+            .map(|(_, node)| &node.parameters)
+            .ok_or("there is no node `rig_driver` in it; identify-drive writes one where the motor's constants or a torque sensor tell them")?;
+        let drive = node.get("drive").ok_or("`rig_driver` has no `drive` in it")?;
+        let parameters: DriveParameters =
+            serde_json::from_value(drive.clone()).map_err(|e| format!("in `drive`: {e}"))?;
+        rig_driver::Drive::try_from(parameters).map_err(|e| format!("in `drive`: {e}"))?;
+        Ok(Self { parameters })
+    }
+}
+
+/// The file as text.
+pub fn render(found: &Identified) -> String {
+    let mut text = format!("# Drive identified by frictionlab {}.\n", env!("CARGO_PKG_VERSION"));
+    // Writing to a string cannot fail.
+    for [name, value, unit, interval, verdict] in super::rows(&found.estimates) {
+        let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
+    }
+    match DriveConstants::of(found) {
+        Some(DriveConstants { parameters: p }) => {
+            let _ = write!(
+                text,
+                "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: {}\n      gear_ratio: {}\n      \
+                 armature_resistance: {}\n      inertia: {}\n",
+                number(p.motor_constant),
+                number(p.gear_ratio),
+                number(p.armature_resistance),
+                number(p.inertia)
+            );
+        }
+        None => text.push_str(
+            "# No /rig_driver here: the motor's constants (--gear-ratio, --motor-constant, --resistance) or a torque sensor are needed.\n",
+        ),
+    }
+    text.push_str("/drive_identification:\n  ros__parameters:\n");
+    for estimate in found.estimates.iter().filter(|estimate| estimate.is_identified()) {
+        let _ = writeln!(text, "    {}: {}", estimate.name, number(estimate.value));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DriveConstants;
+
+    #[test]
+    fn a_drive_that_cannot_be_is_refused_by_name() {
+        let file = |inertia: &str| {
+            format!(
+                "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: 0.00767\n      gear_ratio: 70.0\n      \
+                 armature_resistance: 2.6\n      inertia: {inertia}\n"
+            )
+        };
+        assert_eq!(DriveConstants::read(&file("0.0026")).unwrap().parameters.inertia, 0.0026);
+        assert!(DriveConstants::read(&file("-1.0")).unwrap_err().contains("inertia"));
+        assert!(
+            DriveConstants::read("/controller:\n  ros__parameters:\n    a: 1\n")
+                .unwrap_err()
+                .contains("rig_driver")
+        );
+    }
+}

@@ -1,0 +1,150 @@
+//! `identification.json` of friction models.
+//!
+//! ```text
+//! format                  "frictionlab-friction-identification"; format_version, program_version
+//! axis                    "linear" or "rotary"
+//! files, validation       file, samples, points, stretches, outliers (channel, time, measured, by), pieces_left_out,
+//!                         added_uncertainty (rms, largest) of the friction by the inertia; null with a torque sensor
+//! recordings              of each kind: points or samples fitted to, and held out
+//! settings                models, asymmetric, elements, joint, inertia, damping_ratio, smoothing, decimate, reach
+//! ranking                 by ("held_out" or "bic"), and in order: model, tie, difference_of_mean_square (value, standard_error)
+//! models                  name ->
+//!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation
+//!   correlation           names, matrix: of the last fit
+//!   fit, held_out         rms [N or N m] over all, and of each kind; held_out is null without --validate
+//!   information           samples, effective_samples, parameters, mse, aic, bic
+//!   stages                stage, samples, rms, parameters as above
+//!   stopped               stopped before its end
+//!   notes
+//! notes, interrupted
+//! ```
+
+use friction_ident::{Estimate, Estimates, FrictionData};
+use serde_json::{Map, Value, json};
+
+use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, wording};
+
+/// The document as text.
+pub fn render(found: &FrictionIdentification) -> String {
+    let staged = &found.settings.staged;
+    let preparation = &found.settings.preparation;
+    let ranking: Vec<Value> = found
+        .models
+        .iter()
+        .map(|result| {
+            json!({
+                "model": result.found.name,
+                "tie": result.tie,
+                "difference_of_mean_square": result.difference,
+            })
+        })
+        .collect();
+    let models: Map<String, Value> =
+        found.models.iter().map(|result| (result.found.name.as_str().to_owned(), model(result))).collect();
+    let document = json!({
+        "format": "frictionlab-friction-identification",
+        "format_version": 1,
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "axis": found.settings.axis,
+        "files": found.files.iter().map(source).collect::<Vec<_>>(),
+        "validation": found.validation.iter().map(source).collect::<Vec<_>>(),
+        "recordings": {
+            "fitted": counts(&found.data),
+            "held_out": found.held_out.as_ref().map(counts),
+        },
+        "settings": {
+            "models": found.settings.models,
+            "asymmetric": staged.asymmetric,
+            "elements": staged.elements,
+            "joint": staged.joint,
+            "inertia": staged.inertia,
+            "damping_ratio": staged.damping_ratio,
+            "torque_source": preparation.torque.describe(),
+            "smoothing": preparation.smoothing,
+            "decimate": preparation.decimate,
+            "reach": found.settings.reach,
+        },
+        "ranking": { "by": found.criterion, "order": ranking },
+        "models": models,
+        "notes": found.notes,
+        "interrupted": found.interrupted,
+    });
+    let mut text = format!("{document:#}");
+    text.push('\n');
+    text
+}
+
+fn source(source: &Source) -> Value {
+    json!({
+        "file": source.path.display().to_string(),
+        "samples": source.samples,
+        "points": source.points,
+        "stretches": source.stretches,
+        "outliers": source.outliers,
+        "pieces_left_out": source.left_out,
+        "added_uncertainty": source.added,
+    })
+}
+
+fn counts(data: &FrictionData) -> Value {
+    let count = |kind| FrictionIdentification::count(data, kind);
+    KINDS.iter().map(|&kind| (key(kind), json!(count(kind)))).collect::<Map<_, _>>().into()
+}
+
+fn key(kind: friction_ident::StretchKind) -> String {
+    match serde_json::to_value(kind) {
+        Ok(Value::String(name)) => name,
+        _ => kind.describe().to_owned(),
+    }
+}
+
+fn model(result: &ModelResult) -> Value {
+    let found = &result.found;
+    let last = found.stages.iter().rev().find(|stage| stage.estimates.parameters.len() > 1);
+    let stages: Vec<Value> = found
+        .stages
+        .iter()
+        .map(|stage| {
+            json!({
+                "stage": stage.stage,
+                "samples": stage.samples,
+                "rms": stage.rms,
+                "parameters": parameters(&stage.estimates),
+            })
+        })
+        .collect();
+    json!({
+        "parameters": parameters(&found.estimates),
+        "correlation": last.map(|stage| json!({
+            "names": stage.estimates.parameters.iter().map(|p| p.name.clone()).collect::<Vec<_>>(),
+            "matrix": stage.estimates.correlation,
+        })),
+        "fit": errors(&result.fit),
+        "held_out": result.held_out.as_ref().map(errors),
+        "information": found.information,
+        "stages": stages,
+        "stopped": found.stopped,
+        "notes": found.notes,
+    })
+}
+
+fn errors(errors: &Errors) -> Value {
+    let kinds: Map<String, Value> =
+        KINDS.iter().zip(errors.kinds).map(|(&kind, rms)| (key(kind), json!(rms))).collect();
+    json!({ "rms": errors.all, "rms_of_kind": kinds })
+}
+
+fn parameters(estimates: &Estimates) -> Value {
+    estimates.parameters.iter().map(|p| (p.name.clone(), parameter(p))).collect::<Map<_, _>>().into()
+}
+
+fn parameter(estimate: &Estimate) -> Value {
+    json!({
+        "value": estimate.value,
+        "unit": estimate.unit,
+        "standard_error": estimate.standard_error,
+        "interval_95": estimate.interval.map(|interval| [interval.low, interval.high]),
+        "identified": estimate.is_identified(),
+        "explanation": wording::verdict(estimate),
+    })
+}

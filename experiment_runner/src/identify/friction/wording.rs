@@ -1,0 +1,160 @@
+//! What the page, the terminal and the document say alike.
+
+use friction_ident::{Estimate, Stage, Verdict};
+use friction_model::ModelName;
+
+use super::{Criterion, FrictionIdentification, ModelResult, Settings};
+use crate::identify::quantity::with_error;
+use crate::recording::stretches::FrictionRecording;
+
+/// One line for the progress bar.
+pub(super) fn progress(name: ModelName, stage: Stage, sum: f64) -> String {
+    let stage = match stage {
+        Stage::Static => "static",
+        Stage::PreSliding => "pre-sliding",
+        Stage::MicroDamping => "damping",
+        Stage::Lag => "lag",
+        Stage::Joint => "joint",
+    };
+    format!("{name} {stage} {sum:.2e}")
+}
+
+/// Value and standard error with as many digits as the error allows; the error is empty where there is none.
+pub(super) fn value(estimate: &Estimate) -> (String, String) {
+    match estimate.standard_error.filter(|error| *error > 1e-14 * estimate.value.abs()) {
+        Some(error) => with_error(estimate.value, error),
+        None => (significant(estimate.value), String::new()),
+    }
+}
+
+/// The 95 % interval, open ends as such.
+pub(super) fn interval(estimate: &Estimate) -> String {
+    let Some(interval) = estimate.interval else { return String::new() };
+    let error = estimate.standard_error.filter(|error| *error > 1e-14 * estimate.value.abs());
+    let end = |value: f64| match error {
+        _ if value == f64::NEG_INFINITY => "-inf".to_owned(),
+        _ if value == f64::INFINITY => "inf".to_owned(),
+        Some(error) => with_error(value, error).0,
+        None => significant(value),
+    };
+    format!("{} to {}", end(interval.low), end(interval.high))
+}
+
+/// Whether the data determine the parameter, and if not what to measure.
+pub(super) fn verdict(estimate: &Estimate) -> String {
+    match &estimate.verdict {
+        Verdict::Identified => "identified".to_owned(),
+        Verdict::NotIdentifiable { doubt, remedy } => {
+            format!("not identifiable from this data: {doubt}. Measure {remedy}.")
+        }
+        Verdict::Given { source } => format!("not estimated: {source}"),
+    }
+}
+
+/// Four significant digits.
+pub(super) fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if (-3..6).contains(&exponent) {
+        format!("{value:.*}", (3 - exponent).max(0) as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+/// What a model's place is worth.
+pub(super) fn place(found: &FrictionIdentification, place: usize, result: &ModelResult) -> String {
+    if place == 0 {
+        return "first".to_owned();
+    }
+    let difference = result.difference;
+    match (result.tie, found.criterion) {
+        (true, _) => "cannot be told from the first".to_owned(),
+        (false, Criterion::HeldOut) => {
+            format!("mean square worse by {:.2e} ± {:.0e}", difference.mean, difference.standard_error)
+        }
+        (false, Criterion::Bic) => {
+            let first = found.models.first().map_or(0.0, |first| first.found.information.bic);
+            format!("BIC higher by {}", significant(result.found.information.bic - first))
+        }
+    }
+}
+
+/// By what the models stand in order, in a sentence.
+pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
+    match found.criterion {
+        Criterion::HeldOut => {
+            "In order of the error on the recordings held out. A difference within two of its standard errors, paired over 20 blocks of the same \
+             samples, is no difference."
+        }
+        Criterion::Bic => {
+            "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent. A \
+             difference below 2 is no difference. The errors are those of the fit."
+        }
+    }
+}
+
+/// Models that cannot be told from the first and have fewer parameters.
+pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
+    let first = found.models.first()?;
+    let fewer = |result: &&ModelResult| {
+        result.tie && result.found.information.parameters < first.found.information.parameters
+    };
+    let names: Vec<_> = found.models.iter().skip(1).filter(fewer).map(|r| r.found.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!("{} does as well within the uncertainty and has fewer parameters.", names.join(", "))
+    })
+}
+
+/// What is to be said about the files.
+pub(super) fn source_notes(files: &[FrictionRecording], settings: &Settings) -> Vec<String> {
+    let mut notes = Vec::new();
+    let unit = settings.axis.force_unit();
+    for file in files {
+        let path = file.path.display();
+        if !file.outliers.is_empty() {
+            notes.push(format!(
+                "{}: {} samples were not believed and were replaced by the median of their neighbours; identification.json lists every one.",
+                path,
+                file.outliers.len()
+            ));
+        }
+        if file.left_out > 0 {
+            notes.push(format!(
+                "{path}: {} pieces between pauses were too short and were left out.",
+                file.left_out
+            ));
+        }
+        if let Some(added) = file.added {
+            notes.push(format!(
+                "{path}: the friction is {}; the standard error of the inertia adds {} {unit} (root mean square) to it, {} {unit} at the largest \
+                 acceleration. It is the same error in every sample and is not in the standard errors of the parameters.",
+                settings.preparation.torque.describe(),
+                significant(added.rms),
+                significant(added.largest)
+            ));
+        }
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_significant_digits() {
+        for (value, text) in [
+            (0.0994, "0.09940"),
+            (16.469, "16.47"),
+            (1234567.0, "1.235e6"),
+            (0.0, "0"),
+            (2e-7, "2.000e-7"),
+            (-12345.0, "-12345"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Tracking: which reference, for how long, how often.
+
+use controller::ControlMode;
+use serde::{Deserialize, Serialize};
+
+use crate::waveform::Waveform;
+
+/// A reference followed with and without friction compensation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackingProtocol {
+    /// What is regulated.
+    pub mode: ControlMode,
+    /// The reference.
+    pub reference: Waveform,
+    /// Length of a run [s].
+    pub duration: f64,
+    /// Runs of each compensation, with different sensor noise.
+    pub repetitions: u32,
+}
+
+impl TrackingProtocol {
+    /// Velocity tracking of the thesis's Table 6.5: one period of r = .30 sin(.107 t) rad/s, 5 repetitions.
+    #[must_use]
+    pub fn velocity() -> Self {
+        Self {
+            mode: ControlMode::Velocity,
+            reference: Waveform::SineVelocity { amplitude: 0.30, angular_frequency: 0.107 },
+            duration: 58.7,
+            repetitions: 5,
+        }
+    }
+
+    /// Position tracking of the thesis's Table 6.7: 20 s of r = 1.0 sin(.546 t) rad, 5 repetitions.
+    #[must_use]
+    pub fn position() -> Self {
+        Self {
+            mode: ControlMode::Position,
+            reference: Waveform::SinePosition { amplitude: 1.0, angular_frequency: 0.546 },
+            duration: 20.0,
+            repetitions: 5,
+        }
+    }
+
+    /// Time that `arms` compensations take on a rig [s].
+    #[must_use]
+    pub fn rig_seconds(&self, arms: usize) -> f64 {
+        self.duration * f64::from(self.repetitions) * arms as f64
+    }
+}

@@ -1,0 +1,142 @@
+//! A recording of a drive: voltage, motion and, where there is one, the friction torque; from a CSV file or a bag.
+
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+use msgs::friction_msgs::RigMeasurement;
+
+use super::column::{Channel, axis_of};
+use super::table::{Found, Header, damaged, open};
+use super::timing::even_step;
+use super::{AxisKind, Column, RecordingError};
+use crate::bag::BagReader;
+
+const RIG_MEASUREMENT: &str = "/rig_measurement";
+
+/// An evenly sampled recording of a drive. A voltage held over a sample stands at its beginning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivenRecording {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// Voltage \[V\].
+    pub voltage: Vec<f64>,
+    /// Position \[m or rad\].
+    pub position: Option<Vec<f64>>,
+    /// Velocity \[m/s or rad/s\]; used in place of the position where given.
+    pub velocity: Option<Vec<f64>>,
+    /// Friction force \[N\] or torque \[N m\].
+    pub friction: Option<Vec<f64>>,
+    /// Kind of axis as the names tell it.
+    pub axis: Option<AxisKind>,
+}
+
+/// Which columns hold what; what is not named is recognised.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DrivenColumns {
+    /// Time.
+    pub time: Option<Column>,
+    /// Voltage.
+    pub voltage: Option<Column>,
+    /// Position.
+    pub position: Option<Column>,
+    /// Velocity; used in place of the position only where named, or where there is no position.
+    pub velocity: Option<Column>,
+    /// Friction force or torque from a sensor.
+    pub friction: Option<Column>,
+}
+
+/// Reads a CSV file, an MCAP file or a bag folder. Time steps may deviate by `tolerance`, a fraction, from the usual one.
+///
+/// # Errors
+/// [`RecordingError`], naming the file and, where there is one, the line, column or message.
+pub fn read(path: &Path, columns: &DrivenColumns, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
+        return from_bag(path, tolerance);
+    }
+    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    from_table(path, &bytes, columns, tolerance)
+}
+
+fn from_table(
+    path: &Path,
+    bytes: &[u8],
+    columns: &DrivenColumns,
+    tolerance: f64,
+) -> Result<DrivenRecording, RecordingError> {
+    let (mut reader, header) = open(path, bytes, "t_s,voltage_V,position_rad")?;
+    let table = Header { path, names: &header };
+    let time = table.require(Channel::Time, columns.time.as_ref())?;
+    let voltage = table.require(Channel::Voltage, columns.voltage.as_ref())?;
+    let mut position = table.optional(Channel::Position, columns.position.as_ref())?;
+    let mut velocity = table.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let friction = table.optional(Channel::Friction, columns.friction.as_ref())?;
+    match (&position, &velocity) {
+        (None, None) => return Err(table.unrecognised(Channel::Position)),
+        (Some(_), Some(_)) if columns.velocity.is_none() => velocity = None,
+        (Some(_), Some(_)) => position = None,
+        _ => {}
+    }
+    let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| axis_of(&found.source.name));
+    let wanted = [Some(time), Some(voltage), position, velocity, friction];
+    let mut values: [Option<Vec<f64>>; 5] = wanted.each_ref().map(|found| found.as_ref().map(|_| Vec::new()));
+    let mut lines = Vec::new();
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
+        let line = record.position().map_or(0, csv::Position::line);
+        let pairs =
+            wanted.iter().zip(&mut values).filter_map(|(found, to)| Some((found.as_ref()?, to.as_mut()?)));
+        for (found, to) in pairs {
+            let found: &Found = found;
+            to.push(table.number(&record, line, found)?);
+        }
+        lines.push(line);
+    }
+    if lines.is_empty() {
+        return Err(RecordingError::HeaderOnly { path: path.into() });
+    }
+    let [time, voltage, position, velocity, friction] = values;
+    let time = time.unwrap_or_default();
+    let time_step = even_step(path, &time, tolerance, |index| format!("line {}", lines[index]))?;
+    let voltage = voltage.unwrap_or_default();
+    Ok(DrivenRecording { path: path.into(), time_step, voltage, position, velocity, friction, axis })
+}
+
+/// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the cycle over which it was applied: a message carries that
+/// of the cycle before.
+fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
+    let bag = BagReader::open(path)?;
+    let messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
+    for (index, (_, rig)) in messages.iter().enumerate() {
+        let finite = [rig.tachometer_velocity, rig.voltage_applied, rig.torque].iter().all(|v| v.is_finite());
+        if !finite {
+            let detail =
+                "velocity, voltage and torque are expected to be finite; cut the bag there".to_owned();
+            let (path, topic) = (path.into(), RIG_MEASUREMENT);
+            return Err(RecordingError::Message { path, topic, index: index + 1, detail });
+        }
+    }
+    let start = messages.first().map_or(0, |(_, rig)| rig.header.stamp.to_nanos());
+    let since = |stamp: u64| {
+        let distance = stamp.abs_diff(start) as f64 * 1e-9;
+        if stamp < start { -distance } else { distance }
+    };
+    let mut time: Vec<f64> = messages.iter().map(|(_, rig)| since(rig.header.stamp.to_nanos())).collect();
+    let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
+    let time_step = even_step(path, &time, tolerance, place)?;
+    let voltage: Vec<f64> = messages.iter().skip(1).map(|(_, rig)| rig.voltage_applied).collect();
+    let count = voltage.len();
+    time.truncate(count);
+    let channel =
+        |of: fn(&RigMeasurement) -> f64| messages.iter().take(count).map(|(_, rig)| of(rig)).collect();
+    Ok(DrivenRecording {
+        path: path.into(),
+        time_step,
+        voltage,
+        position: None,
+        velocity: Some(channel(|rig| rig.tachometer_velocity)),
+        friction: Some(channel(|rig| rig.torque)),
+        axis: Some(AxisKind::Rotary),
+    })
+}

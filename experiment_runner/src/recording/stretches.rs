@@ -1,0 +1,386 @@
+//! A recording of friction: stretches and steady points, from a CSV file or a bag.
+//!
+//! A file may hold many runs: it is cut where the time jumps by more than five usual steps (a lost sample is no pause and is refused). Runs at a constant
+//! velocity become steady points, without their first fifth and last tenth, as in the thesis's experiment 1. A CSV file without a time column
+//! is read as steady points.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+use friction_ident::stretch::Before;
+use friction_ident::zero_phase::{LowPass, decimate};
+use friction_ident::{Given, Hampel, IdentError, SavitzkyGolay, SteadyPoint, Stretch, encoder_steps};
+use serde::Serialize;
+
+use super::column::{Channel, axis_of};
+use super::friction_torque::{AddedUncertainty, TorqueSource};
+use super::rosbag;
+use super::table::{self, Columns, Header, Motion, damaged};
+use super::timing::even_step;
+use super::{AxisKind, RecordingError};
+
+/// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Smoothing {
+    /// Savitzky-Golay, order 3 over 31 ms (31 samples at 1 kHz, five at least).
+    #[default]
+    #[value(name = "sg")]
+    SavitzkyGolay,
+    /// Butterworth, forwards and backwards.
+    Butterworth,
+    /// A measured velocity stays as it is; a position is differentiated by Savitzky-Golay.
+    None,
+}
+
+/// How a recording becomes stretches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preparation {
+    /// How the motion is smoothed.
+    pub smoothing: Smoothing,
+    /// Cutoff of the Butterworth low-pass \[Hz\]; a tenth of the sampling rate, at most 100, where it is not given.
+    pub cutoff: Option<f64>,
+    /// Its order.
+    pub order: usize,
+    /// Every how many samples one is kept, after an anti-alias low-pass.
+    pub decimate: usize,
+    /// Which samples are not believed.
+    pub outliers: Option<Hampel>,
+    /// Where the friction comes from.
+    pub torque: TorqueSource,
+    /// What is accelerated.
+    pub inertia: Option<Given>,
+    /// How far a time step may be from the usual one, as a fraction.
+    pub tolerance: f64,
+}
+
+impl Default for Preparation {
+    fn default() -> Self {
+        Self {
+            smoothing: Smoothing::default(),
+            cutoff: None,
+            order: 4,
+            decimate: 1,
+            outliers: None,
+            torque: TorqueSource::default(),
+            inertia: None,
+            tolerance: 0.05,
+        }
+    }
+}
+
+/// A sample that was replaced.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outlier {
+    /// Channel.
+    pub channel: &'static str,
+    /// When [s].
+    pub time: f64,
+    /// What was read.
+    pub measured: f64,
+    /// What it became.
+    pub by: f64,
+}
+
+/// What a file says about friction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionRecording {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Steady points.
+    pub points: Vec<SteadyPoint>,
+    /// Everything else.
+    pub stretches: Vec<Stretch>,
+    /// Samples read.
+    pub samples: usize,
+    /// Kind of axis as the column names tell it.
+    pub axis: Option<AxisKind>,
+    /// Samples that were replaced.
+    pub outliers: Vec<Outlier>,
+    /// What the inertia's error adds to the friction, in the worst stretch.
+    pub added: Option<AddedUncertainty>,
+    /// Pieces too short to be used.
+    pub left_out: usize,
+}
+
+/// What was read, before it is cut.
+struct Samples {
+    time: Vec<f64>,
+    position: Option<Vec<f64>>,
+    velocity: Option<Vec<f64>>,
+    force: Vec<f64>,
+}
+
+/// Reads a CSV file, an `.mcap` file or a bag's folder.
+///
+/// # Errors
+/// [`RecordingError`], naming the file and, where there is one, the line and the column.
+pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<FrictionRecording, RecordingError> {
+    let is_bag = path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap");
+    if is_bag {
+        let motor = match how.torque {
+            TorqueSource::Voltage(motor) => Some(motor),
+            _ => None,
+        };
+        let track = rosbag::track(path, motor.as_ref())?;
+        // The bag's reader has turned volts into torque already.
+        let torque = if motor.is_some() { TorqueSource::Driving } else { TorqueSource::Sensor };
+        let samples =
+            Samples { time: track.time, position: None, velocity: Some(track.velocity), force: track.force };
+        let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
+        let how = Preparation { torque, ..how.clone() };
+        return cut(path, &samples, Some(AxisKind::Rotary), &how, place);
+    }
+    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    parse(path, &bytes, columns, how)
+}
+
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    columns: &Columns,
+    how: &Preparation,
+) -> Result<FrictionRecording, RecordingError> {
+    if is_points(path, bytes, columns) {
+        return points(path, bytes, columns);
+    }
+    let rows = table::rows(path, bytes, columns, Motion::Both)?;
+    let samples = Samples {
+        time: rows.time.clone(),
+        position: rows.position.clone(),
+        velocity: rows.velocity.clone(),
+        force: rows.force.clone(),
+    };
+    cut(path, &samples, rows.axis, how, |index| rows.place(index))
+}
+
+/// Whether the file is a table of steady points: a velocity and a torque, and no time.
+pub fn holds_points(path: &Path, columns: &Columns) -> bool {
+    std::fs::read(path).is_ok_and(|bytes| is_points(path, &bytes, columns))
+}
+
+fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {
+    let Ok((_, names)) = table::open(path, bytes, EXAMPLE) else { return false };
+    let has = |channel: Channel, named: bool| named || channel.recognise(&names).is_some();
+    !has(Channel::Time, columns.time.is_some())
+        && has(Channel::Velocity, columns.velocity.is_some())
+        && has(Channel::Force, columns.force.is_some())
+}
+
+const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
+/// Names of the standard deviation of a point's friction.
+const DEVIATIONS: [&str; 4] = ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
+
+fn points(path: &Path, bytes: &[u8], columns: &Columns) -> Result<FrictionRecording, RecordingError> {
+    let (mut reader, names) = table::open(path, bytes, EXAMPLE)?;
+    let header = Header { path, names: &names };
+    let velocity = header.require(Channel::Velocity, columns.velocity.as_ref())?;
+    let force = header.require(Channel::Force, columns.force.as_ref())?;
+    let deviation = names
+        .iter()
+        .position(|name| DEVIATIONS.iter().any(|known| known.eq_ignore_ascii_case(name)))
+        .map(|index| table::Found {
+            index,
+            source: super::ChannelSource { name: names[index].clone(), scale: force.source.scale },
+        });
+    let mut points = Vec::new();
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
+        let line = record.position().map_or(0, csv::Position::line);
+        let number = |found| header.number(&record, line, found);
+        points.push(SteadyPoint {
+            velocity: number(&velocity)?,
+            torque: number(&force)?,
+            deviation: deviation.as_ref().map(number).transpose()?,
+        });
+    }
+    if points.is_empty() {
+        return Err(RecordingError::HeaderOnly { path: path.into() });
+    }
+    let axis = axis_of(&velocity.source.name).or_else(|| axis_of(&force.source.name));
+    Ok(FrictionRecording {
+        path: path.into(),
+        samples: points.len(),
+        points,
+        stretches: Vec::new(),
+        axis,
+        outliers: Vec::new(),
+        added: None,
+        left_out: 0,
+    })
+}
+
+/// Steps longer than this many usual ones are pauses between runs.
+const PAUSE: f64 = 5.0;
+
+/// Where the runs are: ranges of samples without a pause in them.
+fn runs(time: &[f64]) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut first = 0;
+    for k in 1..time.len() {
+        let before = k - 1 - first;
+        let usual = if before > 0 { (time[k - 1] - time[first]) / before as f64 } else { f64::INFINITY };
+        if time[k] - time[k - 1] > PAUSE * usual {
+            runs.push(first..k);
+            first = k;
+        }
+    }
+    runs.push(first..time.len());
+    runs
+}
+
+/// Samples below which a piece between two pauses is left out.
+const SHORTEST: usize = 12;
+
+fn cut(
+    path: &Path,
+    samples: &Samples,
+    axis: Option<AxisKind>,
+    how: &Preparation,
+    place: impl Fn(usize) -> String,
+) -> Result<FrictionRecording, RecordingError> {
+    let mut found = FrictionRecording {
+        path: path.into(),
+        points: Vec::new(),
+        stretches: Vec::new(),
+        samples: samples.time.len(),
+        axis,
+        outliers: Vec::new(),
+        added: None,
+        left_out: 0,
+    };
+    let runs = runs(&samples.time);
+    let alone = runs.len() == 1;
+    for run in runs {
+        if run.len() < SHORTEST && !alone {
+            found.left_out += 1;
+            continue;
+        }
+        let first = run.start;
+        let dt = even_step(path, &samples.time[run.clone()], how.tolerance, |index| place(first + index))?;
+        if run.len() < SHORTEST {
+            return Err(RecordingError::TooShort { path: path.into(), found: run.len(), needed: SHORTEST });
+        }
+        let stretch = prepare(samples, run, dt, how, &mut found)
+            .map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
+        match steady_part(&stretch) {
+            Some(part) => found.points.push(part.steady_point()),
+            None => found.stretches.push(stretch),
+        }
+    }
+    if found.points.is_empty() && found.stretches.is_empty() {
+        return Err(RecordingError::TooShort { path: path.into(), found: found.samples, needed: SHORTEST });
+    }
+    Ok(found)
+}
+
+fn prepare(
+    samples: &Samples,
+    run: Range<usize>,
+    dt: f64,
+    how: &Preparation,
+    found: &mut FrictionRecording,
+) -> Result<Stretch, IdentError> {
+    let mut clean = |channel: &'static str, values: &[f64]| -> Result<Vec<f64>, IdentError> {
+        let Some(hampel) = how.outliers else { return Ok(values.to_vec()) };
+        let cleaned = hampel.clean(values)?;
+        found.outliers.extend(cleaned.replaced.iter().map(|replaced| Outlier {
+            channel,
+            time: samples.time[run.start + replaced.index],
+            measured: replaced.measured,
+            by: replaced.by,
+        }));
+        Ok(cleaned.signal)
+    };
+    let slice = |values: &Option<Vec<f64>>| values.as_ref().map(|values| values[run.clone()].to_vec());
+    let column = clean("force", &samples.force[run.clone()])?;
+    let velocity = slice(&samples.velocity).map(|values| clean("velocity", &values)).transpose()?;
+    let position = slice(&samples.position).map(|values| clean("position", &values)).transpose()?;
+    // An encoder's steps are no motion: beside a measured velocity such a position says little, alone it is drawn from edge to edge.
+    let stepped = position.as_deref().is_some_and(|position| encoder_steps::step_of(position).is_some());
+    let position = match (position, &velocity) {
+        (Some(_), Some(_)) if stepped => None,
+        (Some(position), None) if stepped => Some(encoder_steps::between_edges(&position)),
+        (position, _) => position,
+    };
+
+    let filter = SavitzkyGolay::new(3, frame(dt, run.len()))?;
+    let rate = 1.0 / dt;
+    let smooth = |signal: &[f64]| -> Result<Vec<f64>, IdentError> {
+        match how.smoothing {
+            Smoothing::SavitzkyGolay => filter.smooth(signal),
+            Smoothing::Butterworth => {
+                let cutoff = how.cutoff.unwrap_or((rate / 10.0).min(100.0));
+                LowPass::butterworth(how.order, cutoff, rate)?.filter(signal)
+            }
+            Smoothing::None => Ok(signal.to_vec()),
+        }
+    };
+    let position = position.map(|position| smooth(&position)).transpose()?;
+    let velocity = match (&velocity, &position) {
+        (Some(velocity), _) => smooth(velocity)?,
+        (None, Some(position)) => filter.derivative(position, dt)?,
+        (None, None) => return Err(IdentError::NoMotion),
+    };
+    let acceleration =
+        if how.torque.needs_inertia() { filter.derivative(&velocity, dt)? } else { Vec::new() };
+    let (friction, added) = how.torque.friction(&column, &velocity, &acceleration, how.inertia);
+    if let Some(added) = added.filter(|added| found.added.is_none_or(|worst| worst.rms < added.rms)) {
+        found.added = Some(added);
+    }
+    let thin = |values: Vec<f64>| decimate(&values, how.decimate);
+    let mut stretch = Stretch::new(
+        dt * how.decimate as f64,
+        thin(velocity)?,
+        position.map(thin).transpose()?,
+        thin(friction)?,
+    )?;
+    let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
+    if stretch.velocity.first().is_some_and(|v| v.abs() < 0.05 * fastest) {
+        stretch.before = Before::Rested;
+    }
+    Ok(stretch)
+}
+
+/// Samples of the thesis's 31 ms, odd, five at least and no more than there are.
+fn frame(dt: f64, samples: usize) -> usize {
+    let half = (0.0155 / dt).round().clamp(2.0, 15.0) as usize;
+    (2 * half + 1).min(samples - (samples + 1) % 2)
+}
+
+/// The part of a run at a constant velocity that has settled; none if the velocity is not constant.
+fn steady_part(stretch: &Stretch) -> Option<Stretch> {
+    let n = stretch.len();
+    let part = n / 5..n - n / 10;
+    const BLOCKS: usize = 10;
+    let size = part.len() / BLOCKS;
+    if size < 5 {
+        return None;
+    }
+    let travel = stretch.travel();
+    let over = |first: usize, samples: usize| {
+        (travel[first + samples] - travel[first]) / (samples as f64 * stretch.time_step)
+    };
+    let last = part.end - 1;
+    let mean = over(part.start, last - part.start);
+    // Over blocks the velocity may not wander, over short windows it may not swing: noise does neither, a lag experiment swings.
+    let blocks = (0..BLOCKS - 1).map(|block| over(part.start + block * size, size));
+    let window = (size / 4).clamp(4, 50);
+    let windows = (part.start..last - window).step_by(window).map(|k| over(k, window));
+    let (count, squares) =
+        windows.fold((0usize, 0.0), |(count, sum), v| (count + 1, sum + (v - mean).powi(2)));
+    let swing = (squares / count.max(1) as f64).sqrt();
+    let steady = mean != 0.0
+        && blocks.into_iter().all(|v| (v - mean).abs() < 0.05 * mean.abs())
+        && swing < 0.15 * mean.abs();
+    steady.then(|| Stretch {
+        velocity: stretch.velocity[part.clone()].to_vec(),
+        position: stretch.position.as_ref().map(|position| position[part.clone()].to_vec()),
+        friction: stretch.friction[part].to_vec(),
+        ..stretch.clone()
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+use std::fmt::Write;
+
+use friction_ident::StretchKind;
+use friction_ident::stretch::Before;
+use msgs::sensor_msgs::JointState;
+use msgs::std_msgs::Header;
+
+use super::*;
+use crate::bag::{BagOptions, BagWriter};
+
+fn parsed(text: &str) -> Result<FrictionRecording, RecordingError> {
+    parse(Path::new("x.csv"), text.as_bytes(), &Columns::default(), &Preparation::default())
+}
+
+/// One run as rows: from rest to a velocity that is then held but for `swing`.
+fn run(start: f64, speed: f64, swing: f64) -> String {
+    let mut text = String::new();
+    for k in 0..3000 {
+        let t = f64::from(k) * 1e-3;
+        let v = speed * (1.0 - (-t / 0.05).exp()) * (1.0 + swing * (9.0 * t).sin());
+        writeln!(text, "{:.4},{v:.9},{:.9}", start + t, 0.09 * v.signum() + 0.04 * v).unwrap();
+    }
+    text
+}
+
+#[test]
+fn runs_with_pauses_between_them_become_points_and_stretches() {
+    let header = "t_s,velocity_rad_s,torque_Nm\n";
+    let text = [header, &run(0.0, 0.5, 0.0), &run(4.0, -0.7, 0.0), &run(9.0, 1.0, 0.5)].concat();
+    let found = parsed(&text).unwrap();
+    assert_eq!((found.points.len(), found.stretches.len(), found.samples), (2, 1, 9000));
+    for (point, speed) in found.points.iter().zip([0.5, -0.7]) {
+        assert!((point.velocity / speed - 1.0).abs() < 1e-4, "{point:?}");
+        assert!((point.torque - (0.09 * speed.signum() + 0.04 * speed)).abs() < 1e-5, "{point:?}");
+    }
+    assert_eq!(found.stretches[0].kind(None), StretchKind::Lag);
+    assert_eq!(found.stretches[0].before, Before::Rested, "it started from rest");
+    assert!((found.stretches[0].time_step - 1e-3).abs() < 1e-9);
+    assert_eq!(found.axis, Some(AxisKind::Rotary));
+}
+
+#[test]
+fn a_lost_sample_is_refused_and_a_pause_is_not() {
+    let header = "t_s,velocity_rad_s,torque_Nm\n";
+    let mut lines: Vec<String> = run(0.0, 1.0, 0.5).lines().map(str::to_owned).collect();
+    lines.remove(1000);
+    let message = parsed(&[header, &lines.join("\n")].concat()).unwrap_err().to_string();
+    assert!(message.contains("line 1002") && message.contains("0.002 s"), "{message}");
+}
+
+#[test]
+fn steady_points_need_no_time() {
+    let found =
+        parsed("velocity_rad_s,torque_Nm,torque_deviation_Nm\n0.1,0.1,0.001\n-0.2,-0.11,0.002\n").unwrap();
+    assert_eq!(found.points[1], SteadyPoint { velocity: -0.2, torque: -0.11, deviation: Some(0.002) });
+    assert!(found.stretches.is_empty());
+    assert_eq!(parsed("velocity_m_s,force_N\n0.1,0.1\n").unwrap().points[0].deviation, None);
+    for (text, said) in [
+        ("velocity_rad_s,torque_Nm\n", "no samples"),
+        ("velocity_rad_s,torque_Nm\n0.1,nan\n", "line 2"),
+        ("position_rad,torque_Nm\n0.1,0.1\n", "--time"),
+    ] {
+        let message = parsed(text).unwrap_err().to_string();
+        assert!(message.contains(said), "{message}");
+    }
+}
+
+/// Only an encoder: at .2 rad/s and 1 kHz its differences are 0 or 1.5 rad/s.
+#[test]
+fn an_encoder_alone_gives_a_velocity_without_spikes() {
+    let step = std::f64::consts::TAU / 4096.0;
+    let mut text = "t_s,position_rad,torque_Nm\n".to_owned();
+    let position = |t: f64| 0.2 * t + 0.05 * (1.0 - (2.0 * t).cos());
+    for k in 0..4000 {
+        let t = f64::from(k) * 1e-3;
+        writeln!(text, "{t:.4},{:.9},0.1", (position(t) / step).round() * step).unwrap();
+    }
+    let found = parsed(&text).unwrap();
+    let stretch = &found.stretches[0];
+    for (k, v) in stretch.velocity.iter().enumerate().skip(50).take(3900) {
+        let truth = 0.2 + 0.1 * (2.0 * k as f64 * 1e-3).sin();
+        assert!((v - truth).abs() < 0.05, "{k}: {v} instead of {truth}");
+    }
+}
+
+#[test]
+fn replaced_outliers_are_listed() {
+    let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
+    for k in 0..2000 {
+        let t = f64::from(k) * 1e-3;
+        let torque = if k == 700 { 5.0 } else { 0.1 + 0.001 * (1e5 * t).sin() };
+        writeln!(text, "{t:.4},{:.9},{torque:.9}", 1.0 + 0.5 * (9.0 * t).sin()).unwrap();
+    }
+    let how = Preparation { outliers: Some(Hampel::default()), ..Preparation::default() };
+    let found = parse(Path::new("x.csv"), text.as_bytes(), &Columns::default(), &how).unwrap();
+    assert_eq!(found.outliers.len(), 1);
+    let outlier = &found.outliers[0];
+    assert_eq!((outlier.channel, outlier.measured), ("force", 5.0));
+    assert!((outlier.time - 0.7).abs() < 1e-9 && (outlier.by - 0.1).abs() < 2e-3);
+    assert!(found.stretches[0].friction.iter().all(|f| *f < 0.2));
+}
+
+/// Friction from the voltage of a motor: `u` such that the inertia is accelerated and the friction overcome.
+#[test]
+fn friction_is_found_from_the_voltage() {
+    let motor = rosbag::Motor::default();
+    let inertia = Given { value: 0.0026, standard_error: 2.6e-5 };
+    let constant = motor.gear_ratio * motor.motor_constant;
+    let mut text = "t_s,velocity_rad_s,voltage_V\n".to_owned();
+    for k in 0..2000 {
+        let t = f64::from(k) * 1e-3;
+        let (v, a) = (1.0 + 0.5 * (9.0 * t).sin(), 4.5 * (9.0 * t).cos());
+        let torque = 0.09 + 0.04 * v + inertia.value * a;
+        writeln!(text, "{t:.4},{v:.12},{:.12}", torque * motor.resistance / constant + constant * v).unwrap();
+    }
+    let columns = Columns { force: Some("voltage_V".parse().unwrap()), ..Columns::default() };
+    let how = Preparation {
+        torque: TorqueSource::Voltage(motor),
+        inertia: Some(inertia),
+        ..Preparation::default()
+    };
+    let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap();
+    let stretch = &found.stretches[0];
+    for (f, v) in stretch.friction.iter().zip(&stretch.velocity).skip(30).take(1900) {
+        assert!((f - 0.09 - 0.04 * v).abs() < 2e-5, "{f} at {v}");
+    }
+    assert!((found.added.unwrap().largest / (2.6e-5 * 4.5) - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn a_bag_of_many_runs_is_cut_at_the_pauses() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("bag");
+    let mut bag = BagWriter::create(&dir, BagOptions::default()).unwrap();
+    for (run, speed) in [0.2, 0.4, -0.4].into_iter().enumerate() {
+        for i in 0..1000u64 {
+            let stamp = 1_600_000_000_000_000_000 + run as u64 * 5_000_000_000 + i * 2_000_000;
+            let state = JointState {
+                header: Header::at(stamp),
+                name: vec!["load_shaft".into()],
+                position: vec![0.0],
+                velocity: vec![speed],
+                effort: vec![0.1 * speed.signum()],
+            };
+            bag.write("/joint_states", stamp, &state).unwrap();
+        }
+    }
+    bag.finish().unwrap();
+    let found = read(&dir, &Columns::default(), &Preparation::default()).unwrap();
+    assert_eq!(found.points.len(), 3);
+    for (point, speed) in found.points.iter().zip([0.2, 0.4, -0.4]) {
+        assert!((point.velocity - speed).abs() < 1e-9, "{point:?}");
+    }
+    assert!(found.stretches.is_empty());
+}

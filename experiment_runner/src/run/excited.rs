@@ -1,0 +1,231 @@
+//! Runs under a profile: driven from rest, recorded, taken apart where they ran, averaged over the repetitions.
+
+use std::fmt::Write;
+
+use friction_ident::FrictionTorque;
+use friction_model::ModelName;
+
+use super::execute::Bench;
+use super::options::stream_seed;
+use super::recorder::{Kept, Recorder, Timeline};
+use super::{RecordPolicy, RunError};
+use crate::characterise::Channels;
+use crate::characterise::channels::block_means;
+use crate::profile::Excitation;
+use crate::protocol::Displacement;
+use crate::sequencer::{Completion, run_in_order};
+
+/// Cycles of a run that a thinned bag holds at most.
+const KEPT_CYCLES: f64 = 10_000.0;
+
+/// One run to be driven.
+#[derive(Debug, Clone)]
+pub(super) struct ExcitedJob {
+    /// What it is, in words.
+    pub stage: String,
+    /// Which of the experiment's groups of repetitions, from 0.
+    pub group: usize,
+    /// Repetition, from 0.
+    pub repetition: u32,
+    /// What is driven.
+    pub excitation: Excitation,
+    /// Whether the reference goes through the inverse of the drive too.
+    pub feed_forward: bool,
+    /// Ends the run once the encoder has moved so far [rad].
+    pub until: Option<f64>,
+}
+
+/// The means over the repetitions of a group, one value a cycle, as long as the shortest run.
+#[derive(Debug, Clone, Default)]
+pub(super) struct MeanRecord {
+    /// Time [s].
+    pub time: Vec<f64>,
+    /// Position [rad].
+    pub position: Vec<f64>,
+    /// Velocity [rad/s].
+    pub velocity: Vec<f64>,
+    /// Voltage [V].
+    pub voltage: Vec<f64>,
+    /// Friction torque by the chosen source [N m].
+    pub torque: Vec<f64>,
+    runs: f64,
+}
+
+impl MeanRecord {
+    fn add(&mut self, channels: &Channels, friction: &FrictionTorque, displacement: Displacement) {
+        let position = match displacement {
+            Displacement::Encoder => &channels.encoder,
+            Displacement::Potentiometer => &channels.potentiometer,
+        };
+        if self.runs == 0.0 {
+            self.time.clone_from(&channels.time);
+        }
+        self.time.truncate(channels.time.len());
+        let runs = self.runs;
+        let into = |sum: &mut Vec<f64>, values: &[f64]| {
+            if runs == 0.0 {
+                *sum = values.to_vec();
+            }
+            sum.truncate(values.len());
+            if runs > 0.0 {
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += (value - *sum) / (runs + 1.0));
+            }
+        };
+        into(&mut self.position, position);
+        into(&mut self.velocity, &channels.velocity);
+        into(&mut self.voltage, &channels.voltage);
+        into(&mut self.torque, &friction.torque);
+        self.runs += 1.0;
+    }
+}
+
+impl MeanRecord {
+    /// From sample `first` on, `samples` at most, time counted from there.
+    pub fn from(self, first: usize, samples: usize) -> Self {
+        let start = self.time.get(first).copied().unwrap_or(0.0);
+        let mut record = self.each(|values| values.iter().skip(first).take(samples).copied().collect());
+        record.time.iter_mut().for_each(|t| *t -= start);
+        record
+    }
+
+    /// Means of `size` samples each.
+    pub fn thinned(self, size: usize) -> Self {
+        self.each(|values| block_means(values, size))
+    }
+
+    fn each(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Self {
+            time: change(&self.time),
+            position: change(&self.position),
+            velocity: change(&self.velocity),
+            voltage: change(&self.voltage),
+            torque: change(&self.torque),
+            runs: self.runs,
+        }
+    }
+
+    /// As comma-separated values, as `frictionlab identify` reads them.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm\n");
+        let rows =
+            self.time.iter().zip(&self.position).zip(&self.velocity).zip(&self.voltage).zip(&self.torque);
+        for ((((t, x), w), u), torque) in rows {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{t:.6},{x:.8},{w:.7},{u:.7},{torque:.8}");
+        }
+        text
+    }
+}
+
+/// What the runs of an experiment gave.
+pub(super) struct Driven<R> {
+    /// What was made of each run, with its group.
+    pub results: Vec<(usize, R)>,
+    /// The means of each group.
+    pub means: Vec<MeanRecord>,
+    /// Time on the rig [s].
+    pub rig_seconds: f64,
+    /// Whether all were driven.
+    pub completion: Completion,
+}
+
+impl<R> Driven<R> {
+    /// What was made of the runs of a group.
+    pub fn of(&self, group: usize) -> impl Iterator<Item = &R> {
+        self.results.iter().filter(move |result| result.0 == group).map(|result| &result.1)
+    }
+}
+
+/// Name, noise stream and displacement sensor of an experiment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Series {
+    /// Name on `/experiment_status`.
+    pub name: &'static str,
+    /// Stream of the sensors' noise; no two experiments share one.
+    pub stream: u64,
+    /// The sensor of the position.
+    pub displacement: Displacement,
+}
+
+impl Bench<'_> {
+    /// Drives the jobs in order and makes something of each.
+    pub(super) fn drive<R: Send>(
+        &self,
+        series: Series,
+        jobs: Vec<ExcitedJob>,
+        recorder: &mut Recorder,
+        timeline: &mut Timeline,
+        reduce: impl Fn(&ExcitedJob, &Channels, &FrictionTorque) -> R + Sync,
+    ) -> Result<Driven<R>, RunError> {
+        let options = self.options;
+        let period = options.test_bed.simulation.period;
+        let jobs: Vec<(u64, u64, ExcitedJob)> = jobs
+            .into_iter()
+            .zip(series.stream << 32..)
+            .map(|(job, stream)| {
+                let seconds = job.excitation.profile.duration() + period;
+                (timeline.start_of(seconds), stream_seed(options.seed, stream), job)
+            })
+            .collect();
+        let every = |job: &ExcitedJob| match (options.record, job.repetition) {
+            (RecordPolicy::Full, _) => Some(1),
+            (RecordPolicy::Thinned, 0) => {
+                Some((job.excitation.profile.duration() / period / KEPT_CYCLES).ceil() as u64)
+            }
+            (RecordPolicy::Thinned, _) => None,
+        };
+        let work = |(start_ns, seed, job): &(u64, u64, ExcitedJob)| {
+            // Nothing compensates here: the observer only keeps the recorder's topics alike.
+            let observer = options.compensators.get(ModelName::Proposed);
+            let excitation = job.excitation.clone();
+            let mut control =
+                options.test_bed.excited_loop(excitation, job.feed_forward, &observer, *seed, *start_ns)?;
+            let mut kept = Kept::one_of(every(job));
+            let mut channels = Channels::new(period);
+            for _ in 0..=(job.excitation.profile.duration() / period).round() as u64 {
+                let sample = control.step()?;
+                kept.add(&sample);
+                channels.add(&sample);
+                if job.until.is_some_and(|far| sample.measurement.encoder_position.abs() > far) {
+                    break;
+                }
+            }
+            control.stop()?;
+            let friction = options.torque.friction(&channels).map_err(RunError::Torque)?;
+            let result = reduce(job, &channels, &friction);
+            Ok::<_, RunError>((result, kept, channels, friction))
+        };
+        let groups = jobs.iter().map(|job| job.2.group + 1).max().unwrap_or(0);
+        let mut driven = Driven {
+            results: Vec::with_capacity(jobs.len()),
+            means: vec![MeanRecord::default(); groups],
+            rig_seconds: 0.0,
+            completion: Completion::All,
+        };
+        let total = jobs.len() as f64;
+        driven.completion = run_in_order(
+            &jobs,
+            options.workers,
+            self.cancel,
+            work,
+            |(start_ns, _, job), (result, kept, channels, friction)| {
+                let stage = format!("{}, repetition {}", job.stage, job.repetition + 1);
+                if job.repetition == 0 {
+                    self.progress.stage(format!("{}: {}", series.name, job.stage));
+                }
+                if every(job).is_some() {
+                    recorder.status(*start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
+                }
+                recorder.write(kept)?;
+                let seconds = channels.time.len() as f64 * period;
+                self.progress.advance(job.excitation.profile.duration());
+                driven.rig_seconds += seconds;
+                driven.means[job.group].add(&channels, &friction, series.displacement);
+                driven.results.push((job.group, result));
+                Ok(())
+            },
+        )?;
+        recorder.flush()?;
+        Ok(driven)
+    }
+}

@@ -1,0 +1,169 @@
+//! Which structure predicts best: blocked cross-validation inside one recording.
+//!
+//! The recording is cut into contiguous blocks. Each in turn is predicted by a fit to the others, all parameters fitted anew, the nonlinear ones included. Rows next
+//! to the block are left out of the fit: the low-pass before the thinning reaches across.
+
+use serde::Serialize;
+
+use super::AxisStructure;
+use super::fit::Search;
+use super::shape::PositionScale;
+use crate::IdentError;
+use crate::conditioning::Conditioned;
+
+/// Rows on each side of a block that take no part in its fit: the length of the anti-alias low-pass's memory, in thinned samples.
+const GUARD: usize = 15;
+
+/// How well one structure predicts what it has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CrossValidation {
+    /// The structure.
+    pub structure: AxisStructure,
+    /// Sum of squared prediction errors of each block, over the rows of the whole recording \[N^2 or (N m)^2\].
+    pub blocks: Vec<f64>,
+    /// Mean square of the force \[N^2 or (N m)^2\].
+    pub force_power: f64,
+    /// `100 |prediction error| / |force|` over all blocks \[%\].
+    pub relative_error: f64,
+    /// Its standard error, from the spread of the blocks \[%\].
+    pub standard_error: f64,
+}
+
+/// Predicts each of `blocks` contiguous blocks from the others.
+///
+/// # Errors
+/// [`IdentError::BlockCount`] outside 2 to 50 or where a block would be shorter than its guards, and those of
+/// [`fit_structure`](super::fit_structure) for the recording as a whole or without one of its blocks.
+pub fn cross_validate(
+    recording: &Conditioned,
+    structure: AxisStructure,
+    blocks: usize,
+) -> Result<CrossValidation, IdentError> {
+    let mut search = Search::new(recording, structure, PositionScale::of(recording))?;
+    let rows = search.regressors.rows();
+    if !(2..=50).contains(&blocks) || rows / blocks < 2 * GUARD {
+        return Err(IdentError::BlockCount { blocks, rows, most: (rows / (2 * GUARD)).min(50) });
+    }
+    let start = search.whole()?.shape;
+    let mut squares = Vec::with_capacity(blocks);
+    for block in 0..blocks {
+        let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);
+        let kept = (0..rows).filter(|k| k + GUARD < first || *k >= end + GUARD).collect();
+        search.rows = Some(kept);
+        let found = search.from(start, &[])?;
+        let matrix = search.regressors.matrix(&found.shape)?;
+        let predicted = matrix.rows(first, end - first) * &found.solution.x;
+        let error = search.regressors.force.rows(first, end - first) - predicted;
+        squares.push(error.norm_squared() / rows as f64);
+    }
+    let force_power = search.regressors.force.norm_squared() / rows as f64;
+    let sum: f64 = squares.iter().sum();
+    let relative_error = 100.0 * (sum / force_power).sqrt();
+    let standard_error = 100.0 * sum_error(&squares) / (2.0 * (sum * force_power).sqrt());
+    Ok(CrossValidation { structure, blocks: squares, force_power, relative_error, standard_error })
+}
+
+/// Standard error of the sum of independent parts.
+fn sum_error(parts: &[f64]) -> f64 {
+    let n = parts.len() as f64;
+    let mean = parts.iter().sum::<f64>() / n;
+    let variance = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (n * variance).sqrt()
+}
+
+/// A structure against the best one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Ranked {
+    /// Its place in the list that was given.
+    pub index: usize,
+    /// Relative error less that of the best structure \[percentage points\].
+    pub excess: f64,
+    /// Standard error of the excess, from the differences block by block: what all structures find hard cancels.
+    pub excess_error: f64,
+}
+
+/// What the comparison says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Choice {
+    /// The structures from the best to the worst.
+    pub ranking: Vec<Ranked>,
+    /// Place in the given list of the best prediction.
+    pub best: usize,
+    /// Place in the given list of the structure to use.
+    pub chosen: usize,
+}
+
+/// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the structures whose excess over the best is within one
+/// standard error, the one with the fewest parameters; of equals the better one. The standard error is that of the paired difference.
+///
+/// None for an empty list, or for structures with different numbers of blocks.
+pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
+    let best =
+        (0..scores.len()).min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))?;
+    let winner = &scores[best];
+    if scores.iter().any(|score| score.blocks.len() != winner.blocks.len()) {
+        return None;
+    }
+    let mut ranking: Vec<Ranked> = scores
+        .iter()
+        .enumerate()
+        .map(|(index, score)| {
+            let difference: Vec<f64> = score.blocks.iter().zip(&winner.blocks).map(|(a, b)| a - b).collect();
+            let (a, b) = (score.blocks.iter().sum::<f64>(), winner.blocks.iter().sum::<f64>());
+            let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
+            let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
+            Ranked { index, excess: percent(a - b), excess_error: percent(sum_error(&difference)) }
+        })
+        .collect();
+    ranking.sort_by(|a, b| a.excess.total_cmp(&b.excess));
+    let within = ranking.iter().filter(|ranked| ranked.excess <= ranked.excess_error);
+    let chosen = within.min_by(|a, b| {
+        let parameters = |ranked: &Ranked| scores[ranked.index].structure.parameters();
+        parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess))
+    })?;
+    let chosen = chosen.index;
+    Some(Choice { ranking, best, chosen })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn score(structure: AxisStructure, blocks: &[f64]) -> CrossValidation {
+        let sum: f64 = blocks.iter().sum();
+        CrossValidation {
+            structure,
+            blocks: blocks.to_vec(),
+            force_power: 1.0,
+            relative_error: 100.0 * sum.sqrt(),
+            standard_error: 0.0,
+        }
+    }
+
+    /// Differences of 1e-4, 3e-4, 1e-4, 3e-4: their sum is 8e-4 with a standard error of sqrt(4 * 4/3) e-4.
+    #[test]
+    fn the_excess_is_paired_block_by_block() {
+        let best =
+            score(AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC }, &[0.01, 0.02, 0.01, 0.05]);
+        let other = score(AxisStructure::ASYMMETRIC, &[0.0101, 0.0203, 0.0101, 0.0503]);
+        let choice = choose(&[other.clone(), best.clone()]).unwrap();
+        assert_eq!((choice.best, choice.chosen), (1, 1));
+        let worse = choice.ranking[1];
+        let root = 0.09f64.sqrt() + 0.0908f64.sqrt();
+        assert!((worse.excess - 100.0 * 8e-4 / root).abs() < 1e-9, "{worse:?}");
+        assert!(
+            (worse.excess_error - 100.0 * (16.0f64 / 3.0).sqrt() * 1e-4 / root).abs() < 1e-9,
+            "{worse:?}"
+        );
+        assert!((worse.excess - (other.relative_error - best.relative_error)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn of_equally_good_structures_the_simplest_is_chosen() {
+        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
+        let scores =
+            [score(rich, &[0.01, 0.02, 0.03]), score(AxisStructure::ASYMMETRIC, &[0.011, 0.0195, 0.03])];
+        assert_eq!(choose(&scores).map(|choice| choice.chosen), Some(1));
+        assert_eq!(choose(&[]), None);
+    }
+}

@@ -1,0 +1,75 @@
+//! What the fitted numbers do not say, beyond their standard errors.
+
+use super::AxisStructure;
+use crate::estimate::{Doubt, Estimates, Verdict};
+
+/// Standard errors that an effect must be clear of zero by.
+const CLEAR: f64 = 2.0;
+
+/// Parameters that may have either sign.
+const SIGNED: [&str; 6] = ["offset", "spring", "f_c_slope", "f_c_curvature", "harmonic_cos", "harmonic_sin"];
+
+/// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck effect, a period without a force.
+pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
+    if structure.stribeck {
+        let sides: &[&str] = if structure.asymmetric { &[".forward", ".backward"] } else { &[""] };
+        let mut any = false;
+        let mut largest = (0.0f64, f64::INFINITY);
+        for side in sides {
+            let Some((effect, error)) = difference(estimates, &format!("f_s{side}"), &format!("f_c{side}"))
+            else {
+                continue;
+            };
+            if effect.abs() > CLEAR * error {
+                any = true;
+            }
+            if effect.abs() / error > largest.0.abs() / largest.1 {
+                largest = (effect, error);
+            }
+        }
+        if !any {
+            let (effect, standard_error) = largest;
+            let remedy = "slow motion: steady speeds below and around the dip";
+            doubt(estimates, "v_s", Doubt::BelowNoise { effect, standard_error }, remedy);
+        }
+    }
+    // A signed quantity about zero is a finding, not a failure.
+    for estimate in &mut estimates.parameters {
+        let about_zero =
+            matches!(estimate.verdict, Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. })
+                && estimate.standard_error.is_some();
+        if about_zero && SIGNED.contains(&estimate.name.as_str()) {
+            estimate.verdict = Verdict::Identified;
+        }
+    }
+    if structure.harmonic {
+        let part = |name: &str| {
+            let estimate = estimates.get(name);
+            estimate.map_or((0.0, 0.0), |e| (e.value, e.standard_error.unwrap_or(f64::INFINITY)))
+        };
+        let ((c, ce), (s, se)) = (part("harmonic_cos"), part("harmonic_sin"));
+        let (effect, standard_error) = (c.hypot(s), ce.max(se));
+        if effect < CLEAR * standard_error {
+            let remedy = "slow motion over many periods of the axis";
+            doubt(estimates, "period", Doubt::BelowNoise { effect, standard_error }, remedy);
+        }
+    }
+}
+
+/// Difference of two parameters and its standard error; none where one of them has no error.
+pub(super) fn difference(estimates: &Estimates, a: &str, b: &str) -> Option<(f64, f64)> {
+    let place = |name: &str| estimates.parameters.iter().position(|estimate| estimate.name == name);
+    let (i, j) = (place(a)?, place(b)?);
+    let of = |i: usize, j: usize| estimates.covariance.get(i).and_then(|row| row.get(j)).copied();
+    let variance = of(i, i)? + of(j, j)? - 2.0 * of(i, j)?;
+    let value = estimates.parameters[i].value - estimates.parameters[j].value;
+    (variance > 0.0).then(|| (value, variance.sqrt()))
+}
+
+fn doubt(estimates: &mut Estimates, name: &str, doubt: Doubt, remedy: &'static str) {
+    if let Some(estimate) = estimates.parameters.iter_mut().find(|estimate| estimate.name == name)
+        && estimate.verdict == Verdict::Identified
+    {
+        estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+    }
+}

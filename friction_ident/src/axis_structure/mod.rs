@@ -1,0 +1,39 @@
+//! An axis whose model is chosen: which of direction-wise friction, Stribeck effect, pre-sliding, delay and position dependence the data support.
+//!
+//! ```text
+//! force(t) = inertia a + f_v v + z (f_c + (f_s - f_c) exp(-(v/v_s)^2)) + offset        all at t + delay
+//!          + spring xi + z (f_c_slope xi + f_c_curvature xi^2)                         position, xi from -1 to 1 along the axis
+//!          + harmonic_cos cos(2 pi x / period) + harmonic_sin sin(2 pi x / period)     harmonic
+//! ```
+//!
+//! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its limit. With `asymmetric` the coefficients of the parts that push forward
+//! and backward are parameters of their own, and no offset is left to be told from them.
+//!
+//! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells how well it predicts what it has not seen, [`choose`] decides.
+//!
+//! [`closed_loop`] runs an axis under the controller that made a recording.
+//!
+//! The sign is that of the sampled velocity: when a reversal happens is known to one sample, and a curve near rest with a small `v_s` may follow the rest.
+//!
+//! What motion and driving force cannot tell: a delay of the actuator from a lead of the position sensor; a gain error of the force scale from all
+//! other forces at once (only ratios to the gain are known); the half sample that a held output adds to the delay from the drive's own.
+
+pub mod closed_loop;
+mod cross_validation;
+mod doubts;
+mod fit;
+mod naming;
+mod profile;
+mod regressors;
+mod shape;
+mod structure;
+
+pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};
+pub use fit::{StructureFit, fit_structure};
+pub use naming::AxisUnits;
+pub(crate) use regressors::read as read_between;
+pub use shape::{PositionScale, Shape};
+pub use structure::{AxisStructure, UnknownStructure};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+//! The parameters that enter the axis model nonlinearly, and where they may lie.
+
+use serde::Serialize;
+
+use super::AxisStructure;
+use super::regressors::LONGEST_DELAY;
+use crate::bounded::Bound;
+use crate::conditioning::Conditioned;
+
+/// Values of the nonlinear parameters; those that a structure does not have have no effect.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Shape {
+    /// How much later the force acts than it was recorded \[s\].
+    pub delay: f64,
+    /// Stribeck velocity v_s \[m/s or rad/s\].
+    pub v_s: f64,
+    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb level over stiffness.
+    pub displacement: f64,
+    /// Length along the axis after which the harmonic force repeats \[m or rad\].
+    pub period: f64,
+}
+
+/// One nonlinear parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ShapeTerm {
+    Delay,
+    StribeckVelocity,
+    Displacement,
+    Period,
+}
+
+impl ShapeTerm {
+    /// Those of a structure.
+    pub fn of(structure: &AxisStructure) -> Vec<Self> {
+        let all = [
+            (structure.delay, Self::Delay),
+            (structure.stribeck, Self::StribeckVelocity),
+            (structure.presliding, Self::Displacement),
+            (structure.harmonic, Self::Period),
+        ];
+        all.into_iter().filter_map(|(has, term)| has.then_some(term)).collect()
+    }
+
+    pub fn value(self, shape: &Shape) -> f64 {
+        match self {
+            Self::Delay => shape.delay,
+            Self::StribeckVelocity => shape.v_s,
+            Self::Displacement => shape.displacement,
+            Self::Period => shape.period,
+        }
+    }
+
+    pub fn set(self, shape: &mut Shape, value: f64) {
+        match self {
+            Self::Delay => shape.delay = value,
+            Self::StribeckVelocity => shape.v_s = value,
+            Self::Displacement => shape.displacement = value,
+            Self::Period => shape.period = value,
+        }
+    }
+
+    /// The unknown that the search moves: the delay itself, else the logarithm.
+    pub fn unknown(self, value: f64) -> f64 {
+        if self == Self::Delay { value } else { value.ln() }
+    }
+
+    /// Derivative of the value with respect to the unknown.
+    pub fn stretch(self, value: f64) -> f64 {
+        if self == Self::Delay { 1.0 } else { value }
+    }
+
+    /// Inverse of [`unknown`](Self::unknown).
+    pub fn natural(self, unknown: f64) -> f64 {
+        if self == Self::Delay { unknown } else { unknown.exp() }
+    }
+}
+
+/// Where the nonlinear parameters may lie for one recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Limits {
+    pub low: Shape,
+    pub high: Shape,
+    time_step: f64,
+}
+
+impl Limits {
+    pub fn of(recording: &Conditioned) -> Self {
+        let fastest = recording.velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        let (mut low, mut high, mut x) = (0.0f64, 0.0f64, 0.0f64);
+        for v in &recording.velocity {
+            x += v * recording.time_step;
+            (low, high) = (low.min(x), high.max(x));
+        }
+        let travel = (high - low).max(f64::MIN_POSITIVE);
+        let fastest = fastest.max(f64::MIN_POSITIVE);
+        Self {
+            low: Shape {
+                delay: 0.0,
+                v_s: 5e-3 * fastest,
+                displacement: 1e-6 * travel,
+                period: travel / 200.0,
+            },
+            high: Shape {
+                delay: LONGEST_DELAY as f64 * recording.time_step,
+                v_s: 0.25 * fastest,
+                displacement: 0.1 * travel,
+                period: 2.0 * travel,
+            },
+            time_step: recording.time_step,
+        }
+    }
+
+    /// Where a search begins that knows nothing.
+    pub fn start(&self) -> Shape {
+        let middle = |low: f64, high: f64| (low * high).sqrt();
+        Shape {
+            delay: 0.5 * self.time_step,
+            v_s: middle(self.low.v_s, self.high.v_s),
+            displacement: middle(self.low.displacement, self.high.displacement),
+            period: middle(self.low.period, self.high.period),
+        }
+    }
+
+    /// `count` values from end to end: evenly in the logarithm, or in turns per length for a period.
+    pub fn grid(&self, term: ShapeTerm, count: usize) -> Vec<f64> {
+        let (low, high) = (term.value(&self.low), term.value(&self.high));
+        let part = |i: usize| i as f64 / count.saturating_sub(1).max(1) as f64;
+        (0..count)
+            .map(|i| match term {
+                ShapeTerm::Delay => low + part(i) * (high - low),
+                ShapeTerm::Period => 1.0 / (1.0 / high + part(i) * (1.0 / low - 1.0 / high)),
+                _ => low * (high / low).powf(part(i)),
+            })
+            .collect()
+    }
+
+    pub fn bound(&self, term: ShapeTerm) -> Bound {
+        let scale = if term == ShapeTerm::Delay { self.time_step } else { 1.0 };
+        Bound::within(term.unknown(term.value(&self.low)), term.unknown(term.value(&self.high)), scale)
+    }
+}
+
+/// How positions are scaled for the polynomials: -1 to 1 over the estimation recording.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PositionScale {
+    /// Middle of the stretch \[m or rad\].
+    pub middle: f64,
+    /// Half its length \[m or rad\].
+    pub half: f64,
+}
+
+impl PositionScale {
+    pub(super) fn of(recording: &Conditioned) -> Self {
+        let position = recording.position.as_deref().unwrap_or_default();
+        let low = position.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = position.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high > low {
+            Self { middle: 0.5 * (low + high), half: 0.5 * (high - low) }
+        } else {
+            Self { middle: 0.0, half: 1.0 }
+        }
+    }
+
+    pub(super) fn normalised(&self, x: f64) -> f64 {
+        (x - self.middle) / self.half
+    }
+}

@@ -1,0 +1,176 @@
+//! Which terms the model of an axis has: a value, and its name.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+
+/// The structure of an axis model. Every one has an inertia, viscous and Coulomb friction; the fields say what it has beside them.
+///
+/// Written as a name: `symmetric` or `asymmetric`, then the rest joined by `+`, as in `asymmetric+stribeck+delay`.
+///
+/// ```
+/// use friction_ident::axis_structure::AxisStructure;
+///
+/// let structure: AxisStructure = "asymmetric+delay+stribeck".parse()?;
+/// assert_eq!(structure.to_string(), "asymmetric+stribeck+delay");
+/// assert_eq!(structure.parameters(), 9);
+/// # Ok::<(), friction_ident::axis_structure::UnknownStructure>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct AxisStructure {
+    /// Friction parameters of their own for each direction, in place of one set and an offset.
+    pub asymmetric: bool,
+    /// Friction rises from `f_c` to `f_s` towards rest, as `exp(-(v/v_s)^2)` (Stribeck; thesis eq. 2.9 with exponent 2).
+    pub stribeck: bool,
+    /// Friction passes through zero over a displacement after a reversal (Dahl's bristle) instead of in a step.
+    pub presliding: bool,
+    /// The force acts later than it was recorded.
+    pub delay: bool,
+    /// The friction level and a constant force vary along the axis, as polynomials of the position.
+    pub position: bool,
+    /// A force that repeats along the axis: cogging, the turn of a screw.
+    pub harmonic: bool,
+}
+
+/// The field that a part of a name switches on.
+type Field = fn(&mut AxisStructure) -> &mut bool;
+
+/// The parts of a name, with what they switch on.
+const PARTS: [(&str, Field); 5] = [
+    ("stribeck", |s| &mut s.stribeck),
+    ("presliding", |s| &mut s.presliding),
+    ("delay", |s| &mut s.delay),
+    ("position", |s| &mut s.position),
+    ("harmonic", |s| &mut s.harmonic),
+];
+
+impl AxisStructure {
+    /// Inertia, viscous and Coulomb friction, offset: the model that is published with the EMPS benchmark.
+    pub const SYMMETRIC: Self = Self {
+        asymmetric: false,
+        stribeck: false,
+        presliding: false,
+        delay: false,
+        position: false,
+        harmonic: false,
+    };
+    /// The same with viscous and Coulomb friction of each direction.
+    pub const ASYMMETRIC: Self = Self { asymmetric: true, ..Self::SYMMETRIC };
+
+    /// What an automatic choice compares: both simple structures, every effect on its own on top of the asymmetric one, and their
+    /// combinations around the delay, which is usually the largest.
+    pub fn candidates() -> Vec<Self> {
+        let base = Self::ASYMMETRIC;
+        vec![
+            Self::SYMMETRIC,
+            Self { delay: true, ..Self::SYMMETRIC },
+            base,
+            Self { delay: true, ..base },
+            Self { stribeck: true, ..base },
+            Self { presliding: true, ..base },
+            Self { position: true, ..base },
+            Self { stribeck: true, delay: true, ..base },
+            Self { presliding: true, delay: true, ..base },
+            Self { position: true, delay: true, ..base },
+            Self { harmonic: true, delay: true, ..base },
+            Self { stribeck: true, presliding: true, delay: true, ..base },
+            Self { stribeck: true, position: true, delay: true, ..base },
+            Self { stribeck: true, harmonic: true, delay: true, ..base },
+            Self { stribeck: true, presliding: true, position: true, delay: true, ..base },
+        ]
+    }
+
+    /// Parameters to be estimated, the nonlinear ones included.
+    pub fn parameters(&self) -> usize {
+        let sides = if self.asymmetric { 2 } else { 1 };
+        let extra = |has: bool, count: usize| if has { count } else { 0 };
+        1 + 2 * sides
+            + extra(!self.asymmetric, 1)
+            + extra(self.stribeck, sides + 1)
+            + extra(self.presliding, 1)
+            + extra(self.delay, 1)
+            + extra(self.position, 3)
+            + extra(self.harmonic, 3)
+    }
+
+    /// Whether it needs the position, and not the velocity alone.
+    pub fn needs_position(&self) -> bool {
+        self.position || self.harmonic
+    }
+}
+
+impl fmt::Display for AxisStructure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.asymmetric { "asymmetric" } else { "symmetric" })?;
+        let mut own = *self;
+        for (name, part) in PARTS {
+            if *part(&mut own) {
+                write!(f, "+{name}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Serialize for AxisStructure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// A name that is none of a structure.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, delay, \
+     position, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
+)]
+pub struct UnknownStructure {
+    /// The whole name.
+    pub name: String,
+    /// The part that is not known, or not there.
+    pub part: String,
+}
+
+impl FromStr for AxisStructure {
+    type Err = UnknownStructure;
+
+    fn from_str(name: &str) -> Result<Self, UnknownStructure> {
+        let unknown = |part: &str| UnknownStructure { name: name.to_owned(), part: part.to_owned() };
+        let mut parts = name.split('+').map(str::trim);
+        let mut structure = match parts.next() {
+            Some("symmetric") => Self::SYMMETRIC,
+            Some("asymmetric") => Self::ASYMMETRIC,
+            other => return Err(unknown(other.unwrap_or_default())),
+        };
+        for part in parts {
+            let (_, field) = PARTS.iter().find(|(known, _)| *known == part).ok_or_else(|| unknown(part))?;
+            *field(&mut structure) = true;
+        }
+        Ok(structure)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_reads_back() {
+        for structure in AxisStructure::candidates() {
+            assert_eq!(structure.to_string().parse(), Ok(structure));
+        }
+        for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")] {
+            let message = name.parse::<AxisStructure>().unwrap_err().to_string();
+            assert!(message.starts_with(part), "{message}");
+        }
+    }
+
+    #[test]
+    fn no_candidate_stands_there_twice() {
+        let all = AxisStructure::candidates();
+        for (i, a) in all.iter().enumerate() {
+            assert!(!all[i + 1..].contains(a), "{a}");
+        }
+    }
+}

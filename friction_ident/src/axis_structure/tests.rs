@@ -1,0 +1,153 @@
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+
+use super::*;
+use crate::{Conditioned, Conditioning, Doubt, IntervalMethod, Signals, Verdict, condition};
+
+const INERTIA: f64 = 5.0;
+const DELAY: f64 = 0.7e-3;
+const V_S: f64 = 0.05;
+
+fn position(t: f64) -> f64 {
+    0.15 * (1.1 * t).sin() + 0.05 * (3.7 * t).sin() + 0.004 * (23.0 * t).sin()
+}
+
+fn velocity(t: f64) -> f64 {
+    0.165 * (1.1 * t).cos() + 0.185 * (3.7 * t).cos() + 0.092 * (23.0 * t).cos()
+}
+
+fn acceleration(t: f64) -> f64 {
+    -0.1815 * (1.1 * t).sin() - 0.6845 * (3.7 * t).sin() - 2.116 * (23.0 * t).sin()
+}
+
+/// 12 s of an axis at 1 kHz whose force is known: Stribeck friction of each direction, delayed, with white noise.
+fn axis(friction: impl Fn(f64) -> f64, delay: f64, noise: f64) -> Conditioned {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
+    let time: Vec<f64> = (0..12_000).map(|i| f64::from(i) * 1e-3).collect();
+    let place: Vec<f64> = time.iter().map(|&t| position(t)).collect();
+    let force: Vec<f64> = time
+        .iter()
+        .map(|&t| {
+            let t = t + delay;
+            INERTIA * acceleration(t) + friction(velocity(t)) + noise * rng.sample::<f64, _>(StandardNormal)
+        })
+        .collect();
+    let signals = Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+    condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
+}
+
+fn stribeck(v: f64) -> f64 {
+    let near = (-(v / V_S).powi(2)).exp();
+    if v > 0.0 { 6.0 + 2.0 * near + 9.0 * v } else { -(7.0 + 3.0 * near) + 12.0 * v }
+}
+
+fn coulomb(v: f64) -> f64 {
+    5.0 * v.signum() + 8.0 * v
+}
+
+fn structure(name: &str) -> AxisStructure {
+    name.parse().unwrap()
+}
+
+#[test]
+fn the_true_parameters_lie_in_the_intervals() {
+    let recording = axis(stribeck, DELAY, 0.2);
+    let fit = fit_structure(&recording, structure("asymmetric+stribeck+delay"), &AxisUnits::LINEAR).unwrap();
+    for (name, truth) in [
+        ("inertia", INERTIA),
+        ("f_v.forward", 9.0),
+        ("f_v.backward", 12.0),
+        ("f_c.forward", 6.0),
+        ("f_c.backward", 7.0),
+        ("f_s.forward", 8.0),
+        ("f_s.backward", 10.0),
+        ("delay", DELAY),
+        ("v_s", V_S),
+    ] {
+        let estimate = fit.estimates.get(name).unwrap();
+        assert!(estimate.is_identified(), "{estimate:?}");
+        assert!(estimate.interval.unwrap().contains(truth), "{truth}: {estimate:?}");
+        assert!((estimate.value / truth - 1.0).abs() < 0.2, "{truth}: {estimate:?}");
+    }
+    assert_eq!(fit.estimates.get("delay").unwrap().interval.unwrap().method, IntervalMethod::Profile);
+    assert!((fit.steady_friction(0.3) - stribeck(0.3)).abs() < 0.1);
+    assert!((fit.steady_friction(-0.01) - stribeck(-0.01)).abs() < 0.4);
+    assert!(fit.effective_share > 0.5, "white noise is worth its samples: {}", fit.effective_share);
+}
+
+/// The symmetric and the asymmetric structure are the models of `rigid_axis`.
+#[test]
+fn the_simple_structures_agree_with_the_rigid_axis() {
+    let recording = axis(stribeck, 0.0, 0.2);
+    for (name, model) in
+        [("symmetric", crate::AxisModel::SYMMETRIC), ("asymmetric", crate::AxisModel::ASYMMETRIC)]
+    {
+        let fit = fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
+        let reference = crate::fit_axis(&recording, model).unwrap();
+        assert!((fit.relative_error / reference.relative_error - 1.0).abs() < 5e-3);
+        assert!((fit.estimates.value("inertia").unwrap() / reference.terms[0].value - 1.0).abs() < 1e-3);
+        let again = fit.predict(&recording).unwrap();
+        assert!((again.relative_error - fit.relative_error).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn cross_validation_finds_the_structure_that_made_the_data() {
+    let names = ["symmetric", "symmetric+delay", "asymmetric+delay", "asymmetric+stribeck+delay"];
+    let chosen = |recording: &Conditioned| {
+        let scores: Vec<_> =
+            names.iter().map(|name| cross_validate(recording, structure(name), 6).unwrap()).collect();
+        scores[choose(&scores).unwrap().chosen].structure.to_string()
+    };
+    assert_eq!(chosen(&axis(stribeck, DELAY, 0.2)), "asymmetric+stribeck+delay");
+    // Whole samples: between them the sampled sign of a step is early or late by part of one, which a curve near rest can follow.
+    assert_eq!(chosen(&axis(coulomb, 1e-3, 0.2)), "symmetric+delay");
+    assert_eq!(chosen(&axis(coulomb, 0.0, 0.2)), "symmetric");
+}
+
+#[test]
+fn a_stribeck_velocity_without_a_stribeck_effect_is_not_identified() {
+    let recording = axis(coulomb, 0.0, 0.5);
+    let fit = fit_structure(&recording, structure("asymmetric+stribeck"), &AxisUnits::LINEAR).unwrap();
+    let v_s = fit.estimates.get("v_s").unwrap();
+    assert!(matches!(v_s.verdict, Verdict::NotIdentifiable { .. }), "{v_s:?}");
+    // A delay of zero is at its bound, or its interval has no end below.
+    let fit = fit_structure(&recording, structure("symmetric+delay"), &AxisUnits::LINEAR).unwrap();
+    let delay = fit.estimates.get("delay").unwrap();
+    assert!(
+        matches!(
+            delay.verdict,
+            Verdict::NotIdentifiable {
+                doubt: Doubt::OpenInterval | Doubt::AtBound { .. } | Doubt::LargeError { .. },
+                ..
+            }
+        ),
+        "{delay:?}"
+    );
+}
+
+#[test]
+fn a_force_that_repeats_along_the_axis_is_found_with_its_period() {
+    let mut recording = axis(coulomb, 0.0, 0.2);
+    let place = recording.position.clone().unwrap();
+    for (force, x) in recording.force.iter_mut().zip(place) {
+        *force += 0.8 * (std::f64::consts::TAU * x / 0.016).sin();
+    }
+    let fit = fit_structure(&recording, structure("symmetric+harmonic"), &AxisUnits::LINEAR).unwrap();
+    assert!(fit.estimates.get("period").unwrap().interval.unwrap().contains(0.016), "{:?}", fit.estimates);
+    assert!(fit.estimates.get("harmonic_sin").unwrap().interval.unwrap().contains(0.8));
+    assert!(fit.estimates.get("harmonic_cos").unwrap().interval.unwrap().contains(0.0));
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let recording = axis(coulomb, 0.0, 0.2);
+    let blind = Conditioned { position: None, ..recording.clone() };
+    let error = fit_structure(&blind, structure("symmetric+position"), &AxisUnits::LINEAR).unwrap_err();
+    assert!(error.to_string().contains("position"), "{error}");
+    let error = cross_validate(&recording, AxisStructure::SYMMETRIC, 1).unwrap_err();
+    assert!(error.to_string().contains("between 2 and"), "{error}");
+    let forward = Conditioned { velocity: vec![0.1; recording.velocity.len()], ..recording };
+    let error = fit_structure(&forward, structure("asymmetric"), &AxisUnits::LINEAR).unwrap_err();
+    assert!(error.to_string().contains("cannot tell"), "{error}");
+}

@@ -1,0 +1,121 @@
+//! How well a model fits for the number of its parameters, and which of two models predicts better.
+
+use serde::Serialize;
+
+/// Fit and information criteria of one model on one set of residuals.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Information {
+    /// Residuals.
+    pub samples: usize,
+    /// Residuals that count as independent.
+    pub effective_samples: f64,
+    /// Free parameters.
+    pub parameters: usize,
+    /// Mean square.
+    pub mse: f64,
+    /// Akaike's criterion `n ln mse + 2 k` (1974), over the effective samples. Only differences between models on the same data count.
+    pub aic: f64,
+    /// Schwarz's criterion `n ln mse + k ln n` (1978), likewise.
+    pub bic: f64,
+}
+
+impl Information {
+    /// From a mean square over `samples` residuals of which `share` count as independent.
+    pub fn new(mse: f64, samples: usize, share: f64, parameters: usize) -> Self {
+        let n = samples as f64 * share;
+        let fit = n * mse.max(f64::MIN_POSITIVE).ln();
+        let k = parameters as f64;
+        Self {
+            samples,
+            effective_samples: n,
+            parameters,
+            mse,
+            aic: fit + 2.0 * k,
+            bic: fit + k * n.max(1.0).ln(),
+        }
+    }
+}
+
+/// By how much one model predicts worse than another, paired over blocks of the same data.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Difference {
+    /// Mean of the differences of the blocks' mean squares, above zero where the first model is worse.
+    pub mean: f64,
+    /// Standard error of the mean, from the scatter over the blocks.
+    pub standard_error: f64,
+}
+
+impl Difference {
+    /// Whether the two cannot be told apart: the difference is within two of its standard errors.
+    pub fn is_tie(&self) -> bool {
+        self.mean.abs() <= 2.0 * self.standard_error
+    }
+}
+
+/// Compares two models' residuals on the same samples, paired over `blocks` contiguous blocks: neighbouring samples are alike, blocks
+/// are nearly independent. Needs two blocks of at least one sample; otherwise the standard error is infinite.
+pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Difference {
+    let n = first.len().min(second.len());
+    let blocks = blocks.min(n);
+    if blocks < 2 {
+        return Difference { mean: 0.0, standard_error: f64::INFINITY };
+    }
+    let size = n / blocks;
+    let differences: Vec<f64> = (0..blocks)
+        .map(|block| {
+            let range = block * size..(block + 1) * size;
+            let square = |r: &[f64]| r[range.clone()].iter().map(|r| r * r).sum::<f64>() / size as f64;
+            square(first) - square(second)
+        })
+        .collect();
+    let m = blocks as f64;
+    let mean = differences.iter().sum::<f64>() / m;
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (m - 1.0);
+    Difference { mean, standard_error: (variance / m).sqrt() }
+}
+
+/// Differences of several kinds of recording put together, each weighed by its samples. What one kind shows otherwise than another is no
+/// scatter: only the scatter within the kinds counts.
+pub fn stratified(kinds: &[(Difference, usize)]) -> Difference {
+    let all = kinds.iter().map(|(_, n)| *n).sum::<usize>().max(1) as f64;
+    let weigh = |n: &usize| *n as f64 / all;
+    let mean = kinds.iter().map(|(difference, n)| weigh(n) * difference.mean).sum();
+    let variance: f64 =
+        kinds.iter().map(|(difference, n)| (weigh(n) * difference.standard_error).powi(2)).sum();
+    Difference { mean, standard_error: variance.sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn criteria_have_their_closed_forms() {
+        let found = Information::new(0.25, 100, 1.0, 3);
+        assert!((found.aic - (100.0 * 0.25f64.ln() + 6.0)).abs() < 1e-12);
+        assert!((found.bic - (100.0 * 0.25f64.ln() + 3.0 * 100f64.ln())).abs() < 1e-12);
+        // Twice the samples by counting each twice is no more evidence.
+        let doubled = Information::new(0.25, 200, 0.5, 3);
+        assert!((doubled.aic - found.aic).abs() < 1e-12);
+    }
+
+    #[test]
+    fn kinds_are_weighed_by_their_samples() {
+        let of = |mean, standard_error| Difference { mean, standard_error };
+        let both = stratified(&[(of(1.0, 0.3), 300), (of(-1.0, 0.4), 100)]);
+        assert!((both.mean - 0.5).abs() < 1e-15);
+        assert!((both.standard_error - (0.225f64.powi(2) + 0.1f64.powi(2)).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_clear_difference_is_told_from_a_tie() {
+        let noise = |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
+        let first: Vec<f64> = (0..2000).map(|i| noise(i, 1)).collect();
+        let second: Vec<f64> = (0..2000).map(|i| noise(i, 2)).collect();
+        let worse: Vec<f64> = (0..2000).map(|i| 1.3 * noise(i, 3)).collect();
+        assert!(paired_difference(&first, &second, 20).is_tie());
+        let difference = paired_difference(&worse, &first, 20);
+        assert!(!difference.is_tie() && difference.mean > 0.0, "{difference:?}");
+        assert!(paired_difference(&first, &second, 1).standard_error.is_infinite());
+    }
+}

@@ -1,0 +1,135 @@
+//! `cargo xtask bench-fits`: are the fits faster than SciPy's least squares over models that Numba compiled?
+//!
+//! Both sides read the same files, start from the same values, stop at the same tolerance and use one thread. They run in turns; what counts is the ratio of the medians.
+//! Both must find the same minimum: a fit that stops early would be fast too.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+use std::{env, fs};
+
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+
+use crate::python_env;
+
+/// Options of `cargo xtask bench-fits`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct BenchFits {
+    /// Turns; in each, both programs make every fit five times.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    turns: u32,
+    /// Least accepted ratio of SciPy's time to ours, where SciPy integrates as a user would write it.
+    #[arg(long, default_value_t = 10.0)]
+    bar: f64,
+}
+
+/// One fit as both programs report it.
+#[derive(Debug, Deserialize)]
+struct Fit {
+    what: String,
+    milliseconds: Vec<f64>,
+    evaluations: usize,
+    mse: f64,
+    parameters: BTreeMap<String, f64>,
+}
+
+/// What is compared: ours, the peer's, and whether the bar holds.
+const PAIRS: [(&str, &str, bool); 3] =
+    [("lag", "lag", true), ("joint", "joint, RK4", true), ("joint", "joint, fixed step", false)];
+
+impl BenchFits {
+    /// Runs both and prints the table.
+    ///
+    /// # Errors
+    /// When a program cannot be built or run, when the two find different minima, or when a ratio is below its bar.
+    pub fn run(&self) -> Result<()> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+        let target =
+            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        let python = python_env::scipy()?;
+        let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+        let build = ["build", "--release", "--locked", "-p", "friction_ident", "--example", "fit_speed"];
+        ensure!(
+            Command::new(cargo).args(build).current_dir(root).status()?.success(),
+            "the fits do not build"
+        );
+        let ours = target.join("release/examples/fit_speed");
+        let folder = target.join("bench-fits");
+        if folder.exists() {
+            fs::remove_dir_all(&folder)?;
+        }
+
+        let mut all: BTreeMap<(bool, String), Fit> = BTreeMap::new();
+        for turn in 1..=self.turns {
+            eprintln!("turn {turn} of {} ...", self.turns);
+            let script = root.join("tests/peers/scipy_fits.py");
+            let folder = folder.to_string_lossy().into_owned();
+            let mut rust = Command::new(&ours);
+            let mut scipy = Command::new(&python);
+            // One thread each: on two cores the threads of its linear algebra wait for one another.
+            scipy.envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")));
+            for (peer, command) in
+                [(false, rust.args([&folder, "5"])), (true, scipy.arg(script).args([&folder, "5"]))]
+            {
+                for fit in fits(command)? {
+                    all.entry((peer, fit.what.clone()))
+                        .and_modify(|seen| seen.milliseconds.extend(&fit.milliseconds))
+                        .or_insert(fit);
+                }
+            }
+        }
+        self.table(&all)
+    }
+
+    fn table(&self, all: &BTreeMap<(bool, String), Fit>) -> Result<()> {
+        println!(
+            "| fit | points | ours [ms] | SciPy and Numba [ms] | times faster | simulations, ours / SciPy |"
+        );
+        println!("|---|---|---|---|---|---|");
+        let mut slow = Vec::new();
+        for (own, peer, held) in PAIRS {
+            let find = |peer: bool, what: &str| {
+                all.get(&(peer, what.to_owned())).with_context(|| format!("no fit `{what}`"))
+            };
+            let (ours, theirs) = (find(false, own)?, find(true, peer)?);
+            let (mine, others) = (median(&ours.milliseconds), median(&theirs.milliseconds));
+            let ratio = others / mine;
+            let points = if own == "lag" { 9425 } else { 6000 };
+            println!(
+                "| {peer} | {points} | {mine:.2} | {others:.2} | {ratio:.1} | {} / {} |",
+                ours.evaluations, theirs.evaluations
+            );
+            // Schemes of different order see slightly different minima; noise of .0029 N m makes 8.4e-6.
+            ensure!(
+                (ours.mse / theirs.mse - 1.0).abs() < 0.005,
+                "{peer}: mean squares {:e} and {:e} are not the same minimum: {:?} {:?}",
+                ours.mse,
+                theirs.mse,
+                ours.parameters,
+                theirs.parameters
+            );
+            let bar = if held { self.bar } else { 1.0 };
+            if ratio < bar {
+                slow.push(format!("{peer}: {ratio:.1} times faster, but {bar} are expected"));
+            }
+        }
+        ensure!(slow.is_empty(), "{}", slow.join("; "));
+        Ok(())
+    }
+}
+
+fn fits(command: &mut Command) -> Result<Vec<Fit>> {
+    let output = command.output().with_context(|| format!("{command:?} does not start"))?;
+    ensure!(output.status.success(), "{command:?} failed: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout)?;
+    text.lines()
+        .map(|line| serde_json::from_str(line).with_context(|| format!("not a fit: {line}")))
+        .collect()
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
