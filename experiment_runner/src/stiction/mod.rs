@@ -139,7 +139,7 @@ pub const UNKNOWN: [&str; 6] = [
      less speed explain the voltage about as well. Its interval runs over all such delays.",
     "The static level itself: the axis lets go while the controller moves the voltage in jumps of one count of the sensors. A breakaway \
      voltage is the largest one that stood before the first count of motion, an upper value; the largest one withstood before in \
-     the same rest is a lower value.",
+     the same rest is a lower value. The push of a pendulum that leans, and the offset, are part of both.",
     "Whether static friction exceeds the Coulomb level, where a pendulum or a noisy controller shakes the axis at rest: shaking releases it early \
      and hides the difference.",
 ];

@@ -19,8 +19,9 @@ pub fn page(found: &StictionIdentification, tables: &[StictionTable]) -> Page {
             ranks of the values alone.", &found.breakaway)),
         Block::Table(quartiles(found, tables)),
         Block::Figure(distribution(found)),
-        Block::Note(format!("What these recordings cannot say. {}", UNKNOWN.join(" "))),
+        Block::Heading("What these recordings cannot say".to_owned()),
     ];
+    blocks.extend(UNKNOWN.map(|unknown| Block::Note(unknown.to_owned())));
     for (index, table) in tables.iter().enumerate() {
         let Some(episode) = found.episodes.get(index) else { continue };
         blocks.push(Block::Heading(name(table)));
