@@ -16,20 +16,26 @@ pub fn page(found: &Identified) -> Page {
         highlight: None,
     }));
     for (path, fit) in &found.fits {
-        blocks.push(Block::Heading(format!("{}", path.display())));
+        blocks.push(Block::Heading(
+            path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        ));
         let line = |name: &str, y: Vec<f64>, style| Trace::Line {
             name: name.to_owned(),
             x: fit.time.clone(),
             y,
             style,
         };
+        let starts = match fit.breakaways.len() {
+            0 => "The axis never started from rest.".to_owned(),
+            1 => "Point: where the axis left its rest.".to_owned(),
+            n => format!("Points: where the axis left its rest, {n} times."),
+        };
         let residual = fit.measured.iter().zip(&fit.predicted).map(|(a, b)| a - b).collect();
         blocks.push(Block::Figure(Figure {
             title: "Voltage, measured and from the drive's equation".to_owned(),
             caption: format!(
-                "Above, both; below, their difference ({:.2} % of the voltage). Points: where the axis left its rest, {} times.",
+                "Above, both; below, their difference ({:.2} % of the voltage). {starts}",
                 fit.relative_error,
-                fit.breakaways.len()
             ),
             x_label: "time [s]".to_owned(),
             log_x: false,
@@ -47,13 +53,21 @@ pub fn page(found: &Identified) -> Page {
                         },
                     ],
                 },
-                Panel { y_label: "difference [V]".to_owned(), traces: vec![line("difference", residual, LineStyle::Solid)] },
+                Panel {
+                    y_label: "difference [V]".to_owned(),
+                    traces: vec![line("difference", residual, LineStyle::Solid)],
+                },
             ],
         }));
     }
     Page {
         title: "Identified drive".to_owned(),
-        subtitle: format!("{} recording(s); frictionlab {}", found.fits.len(), env!("CARGO_PKG_VERSION")),
+        subtitle: format!(
+            "{} recording{}; frictionlab {}",
+            found.fits.len(),
+            if found.fits.len() == 1 { "" } else { "s" },
+            env!("CARGO_PKG_VERSION")
+        ),
         blocks,
     }
 }

@@ -45,28 +45,40 @@ pub(super) fn render(table: &Table, number: usize) -> String {
     out
 }
 
+/// Characters of a text that is kept on one line: those of an interval.
+const ONE_LINE: usize = 26;
+
 /// How a column is set.
 struct Column {
     numeric: bool,
+    /// Text that is short enough to stand on one line: intervals, units.
+    short: bool,
     /// Most digits behind a decimal point among its plain numbers.
     decimals: usize,
 }
 
 impl Column {
     fn of(cells: impl Iterator<Item = String>) -> Self {
-        let mut column = Column { numeric: false, decimals: 0 };
-        for cell in cells.filter(|c| !c.is_empty() && !is_dash(c)) {
-            if !is_number(&cell) {
-                return Column { numeric: false, decimals: 0 };
+        let cells: Vec<String> = cells.filter(|c| !c.is_empty() && !is_dash(c)).collect();
+        let mut column = Column { numeric: false, short: false, decimals: 0 };
+        for cell in &cells {
+            if !is_number(cell) {
+                let short = cells.iter().all(|cell| cell.chars().count() <= ONE_LINE)
+                    && cells.iter().any(|cell| cell.contains(' '));
+                return Column { numeric: false, short, decimals: 0 };
             }
             column.numeric = true;
-            column.decimals = column.decimals.max(decimals(&cell).unwrap_or(0));
+            column.decimals = column.decimals.max(decimals(cell).unwrap_or(0));
         }
         column
     }
 
     fn class(&self) -> &'static str {
-        if self.numeric { " class=\"num\"" } else { "" }
+        match (self.numeric, self.short) {
+            (true, _) => " class=\"num\"",
+            (false, true) => " class=\"short\"",
+            (false, false) => "",
+        }
     }
 
     /// Spaces as wide as the digits (and the point) that this number has less than the longest.
@@ -105,6 +117,14 @@ mod tests {
             rows: rows.iter().map(|r| r.iter().map(|c| (*c).to_owned()).collect()).collect(),
             ..Table::default()
         }
+    }
+
+    #[test]
+    fn intervals_and_units_stay_on_one_line_and_sentences_do_not() {
+        let sentence = "a sentence that goes on for more than one line would";
+        let html = render(&table(&[&["[1.0, 2.0]", sentence], &["[-1.25e-3, 1.25e-3]", "short one"]]), 1);
+        assert!(html.contains("<td class=\"short\">[1.0, 2.0]</td>"), "{html}");
+        assert!(html.contains("<td>short one</td>"), "{html}");
     }
 
     #[test]

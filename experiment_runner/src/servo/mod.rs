@@ -104,6 +104,8 @@ pub fn identify(
     let least = Mutex::new(f64::INFINITY);
     let mut seeds = Vec::new();
     let mut seconds = 0.0;
+    // Set by a search that has looked at `cancel` with something in its hands, so that however early the user stops there is a best so far.
+    let stop = AtomicBool::new(false);
     let work = |&seed: &u64| {
         let started = Instant::now();
         let mut counted = 0;
@@ -116,19 +118,22 @@ pub fn identify(
                 *least = error;
                 progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
             }
-            // The first search may not be empty-handed.
-            if cancel.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if cancel.load(Ordering::Relaxed) {
+                stop.store(true, Ordering::Relaxed);
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
         });
         Ok::<_, IdentError>((found, started.elapsed().as_secs_f64()))
     };
-    run_in_order(&jobs, settings.workers, cancel, work, |&seed, (found, took)| {
+    run_in_order(&jobs, settings.workers, &stop, work, |&seed, (found, took)| {
         let physics = Physics::new(parameters, &found.values);
         let held_out = (other.logs() > 0).then(|| other.error(&physics, f64::INFINITY));
         seconds += took;
         seeds.push(SeedResult { seed, found, held_out });
         Ok(())
     })?;
-    let stopped = cancel.load(Ordering::Relaxed);
+    let stopped = stop.load(Ordering::Relaxed);
     let all: Vec<Found> = seeds.iter().map(|result| result.found.clone()).collect();
     let best = (0..all.len()).min_by(|&a, &b| all[a].error.total_cmp(&all[b].error));
     let nothing = || IdentError::NoConvergence("no search found parameters that can be simulated".to_owned());

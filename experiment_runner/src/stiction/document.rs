@@ -5,7 +5,7 @@
 //! settings       resolution_rad, from_s, until_s, cutoff_hz, slowest_rad_s
 //! breakaway      median over all recordings: name, unit, value, interval (ranks), verdict
 //! episodes       file, cycles, rest_share, breakaways, quartiles (forward, backward) [V]
-//!   slip         estimates in volts, samples, unexplained share; or error
+//!   slip         estimates in volts, samples, delay (an estimate in seconds), unexplained share; or error
 //! unknown        what such recordings cannot say
 //! ```
 

@@ -135,11 +135,11 @@ pub const UNKNOWN: [&str; 6] = [
     "The inertia: the coefficient of the acceleration is inertia times resistance over torque constant.",
     "Viscous friction: the back-EMF acts on the voltage exactly as viscous friction does. Their sum is the coefficient of the speed; \
      it takes a current measurement, or the motor's constant, to part them.",
-    "The coefficient of the speed better than the delay: where a controller balances a pendulum, one millisecond of delay more or less \
-     changes it by a third. Its interval takes the delay found, to whole samples, as exact.",
+    "The coefficient of the speed to better than its interval: where a controller balances a pendulum, a little more delay and a little \
+     less speed explain the voltage about as well. Its interval runs over all such delays.",
     "The static level itself: the axis lets go while the controller moves the voltage in jumps of one count of the sensors. A breakaway \
      voltage is the largest one that stood before the first count of motion, an upper value; the largest one withstood before in \
-     the same rest is a lower value.",
+     the same rest is a lower value. The push of a pendulum that leans, and the offset, are part of both.",
     "Whether static friction exceeds the Coulomb level, where a pendulum or a noisy controller shakes the axis at rest: shaking releases it early \
      and hides the difference.",
 ];

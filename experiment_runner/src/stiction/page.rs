@@ -19,8 +19,9 @@ pub fn page(found: &StictionIdentification, tables: &[StictionTable]) -> Page {
             ranks of the values alone.", &found.breakaway)),
         Block::Table(quartiles(found, tables)),
         Block::Figure(distribution(found)),
-        Block::Note(format!("What these recordings cannot say. {}", UNKNOWN.join(" "))),
+        Block::Heading("What these recordings cannot say".to_owned()),
     ];
+    blocks.extend(UNKNOWN.map(|unknown| Block::Note(unknown.to_owned())));
     for (index, table) in tables.iter().enumerate() {
         let Some(episode) = found.episodes.get(index) else { continue };
         blocks.push(Block::Heading(name(table)));
@@ -31,13 +32,13 @@ pub fn page(found: &StictionIdentification, tables: &[StictionTable]) -> Page {
                 blocks.push(Block::Table(parameters(
                     "Friction while it slides",
                     &format!(
-                        "u = inertia a + speed v + coulomb sign(v) + offset + pendulum alpha over {} samples of the driven motion, with the delay of \
-                         the voltage that explains most, {:.0} ms; {:.1} % of the voltage is unexplained (root mean square). The intervals count neighbouring residuals as alike as they are.",
+                        "u(t - delay) = inertia a + speed v + coulomb sign(v) + offset + pendulum alpha over {} samples of the driven motion; \
+                         {:.1} % of the voltage is unexplained (root mean square). Every interval runs over all delays that explain the voltage \
+                         about as well, and counts neighbouring residuals as alike as they are.",
                         slip.samples,
-                        1e3 * slip.delay,
                         100.0 * slip.unexplained
                     ),
-                    &slip.estimates.parameters,
+                    slip.estimates.parameters.iter().chain([&slip.delay]),
                 )));
                 blocks.push(Block::Figure(friction(&slip.speed, &slip.friction)));
             }
@@ -59,7 +60,7 @@ fn name(table: &StictionTable) -> String {
     table.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-fn parameters(title: &str, caption: &str, estimates: &[Estimate]) -> Table {
+fn parameters<'a>(title: &str, caption: &str, estimates: impl IntoIterator<Item = &'a Estimate>) -> Table {
     let row = |estimate: &Estimate| {
         vec![
             estimate.name.clone(),
@@ -73,7 +74,7 @@ fn parameters(title: &str, caption: &str, estimates: &[Estimate]) -> Table {
         title: title.to_owned(),
         caption: caption.to_owned(),
         columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
-        rows: estimates.iter().map(row).collect(),
+        rows: estimates.into_iter().map(row).collect(),
         highlight: None,
     }
 }

@@ -36,12 +36,11 @@ pub fn render(found: &StictionIdentification, tables: &[StictionTable]) -> Strin
             Ok(slip) => {
                 let _ = writeln!(
                     text,
-                    "  sliding, {} samples, {:.0} ms of delay, {:.1} % of the voltage unexplained",
+                    "  sliding, {} samples, {:.1} % of the voltage unexplained",
                     slip.samples,
-                    1e3 * slip.delay,
                     100.0 * slip.unexplained
                 );
-                for estimate in &slip.estimates.parameters {
+                for estimate in slip.estimates.parameters.iter().chain([&slip.delay]) {
                     line(&mut text, estimate);
                 }
             }

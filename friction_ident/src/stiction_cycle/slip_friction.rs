@@ -1,9 +1,13 @@
 //! What brakes the axis while it slides, in volts.
 //!
-//! `u = a theta'' + b theta' + c sign(theta') + offset + d alpha` by least squares over the samples where the axis surely moves.
-//! With a small armature inductance `a` is inertia times resistance over torque constant, and `b` is the back-EMF constant and
+//! `u(t - delay) = a theta'' + b theta' + c sign(theta') + offset + d alpha` by least squares over the samples where the axis surely
+//! moves. With a small armature inductance `a` is inertia times resistance over torque constant, and `b` is the back-EMF constant and
 //! viscous friction together. A pendulum hinged to the axis acts through `alpha''`; its own equation of motion turns that into
 //! `theta''` and, for small angles, `alpha`, so that one column for `alpha` holds the whole coupling.
+//!
+//! The delay is an unknown like the others: [`delay_profile`] finds it and carries what is not known of it into every interval.
+
+mod delay_profile;
 
 use std::ops::ControlFlow;
 
@@ -11,9 +15,8 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::StictionRecording;
-use crate::bounded::{Bound, Patience, Residuals, minimise};
-use crate::estimate::{Estimates, Unknown};
-use crate::residual_whiteness::effective_share;
+use crate::bounded::{Bound, Minimum, Patience, Residuals, minimise};
+use crate::estimate::{Estimate, Estimates, Unknown};
 use crate::zero_phase::LowPass;
 use crate::{Conditioning, IdentError, Signals, condition};
 
@@ -24,7 +27,7 @@ pub struct SlipOptions {
     pub cutoff: f64,
     /// Slower motion is left out \[rad/s\]: there the axis may stick.
     pub slowest: f64,
-    /// Delays from the voltage to its effect that are tried \[samples\]: from none to this many; the one that explains most is kept.
+    /// Longest delay from the voltage to its effect that is tried \[samples\].
     pub longest_delay: usize,
 }
 
@@ -38,12 +41,13 @@ impl Default for SlipOptions {
 /// Friction while sliding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlipFriction {
-    /// `inertia`, `speed`, `coulomb`, `offset`, `pendulum`, in volts and volts per motion.
+    /// `inertia`, `speed`, `coulomb`, `offset`, `pendulum`, in volts and volts per motion. The intervals run over every delay that explains
+    /// the voltage about as well; covariance and correlation are those at the delay found.
     pub estimates: Estimates,
     /// Samples used.
     pub samples: usize,
-    /// Time from the voltage to its effect that explains most \[s\].
-    pub delay: f64,
+    /// Time from the voltage to its effect \[s\]: the one that explains most, with the interval of its profile.
+    pub delay: Estimate,
     /// Residual over voltage, both root mean square, over the samples used.
     pub unexplained: f64,
     /// Speed of each sample used \[rad/s\].
@@ -75,92 +79,128 @@ pub fn slip_friction(
     options: &SlipOptions,
 ) -> Result<SlipFriction, IdentError> {
     recording.check()?;
-    let fit = |delay| fit(recording, &within, options, delay);
-    let mut best = fit(0)?;
-    for delay in 1..=options.longest_delay {
-        match fit(delay) {
-            Ok(found) if found.unexplained < best.unexplained => best = found,
-            _ => {}
-        }
-    }
-    Ok(best)
+    let sliding = Sliding::new(recording, &within, options)?;
+    let (best, estimates, delay) = delay_profile::over_delays(&sliding, options.longest_delay as f64)?;
+    let x = &best.minimum.x;
+    let others = |i: usize| -> f64 {
+        [0, 3, 4].iter().filter_map(|&j| Some(sliding.columns.get(j)?[i] * x.get(j)?)).sum()
+    };
+    let friction = sliding.target(best.delay).iter().enumerate().map(|(i, u)| u - others(i)).collect();
+    let speed = sliding.columns.get(1).cloned().unwrap_or_default();
+    Ok(SlipFriction {
+        estimates,
+        samples: sliding.used.len(),
+        delay,
+        unexplained: best.unexplained,
+        speed,
+        friction,
+    })
 }
 
-fn fit(
-    recording: &StictionRecording,
-    within: &std::ops::Range<usize>,
-    options: &SlipOptions,
-    delay: usize,
-) -> Result<SlipFriction, IdentError> {
-    let rate = 1.0 / recording.time_step;
-    let filter = LowPass::butterworth(ORDER, options.cutoff, rate)?;
-    let trim = (0.1 * rate).round() as usize;
-    // The whole recording is filtered, so that the cut between the parts makes no transient.
-    let how = Conditioning { cutoff: options.cutoff, order: ORDER, trim, decimate: 1 };
-    let late: Vec<f64> = (0..recording.samples())
-        .filter_map(|k| recording.voltage.get(k.saturating_sub(delay)).copied())
+/// The regressors of the samples where the axis slides, and the voltage, all through the same low-pass.
+struct Sliding {
+    time_step: f64,
+    columns: Vec<Vec<f64>>,
+    /// Of the whole recording, so that it can be shifted.
+    voltage: Vec<f64>,
+    /// Samples of the recording.
+    used: Vec<usize>,
+}
+
+/// The least squares at one delay.
+struct AtDelay {
+    /// \[samples\]
+    delay: f64,
+    minimum: Minimum,
+    /// Residual over voltage, root mean square.
+    unexplained: f64,
+}
+
+impl Sliding {
+    fn new(
+        recording: &StictionRecording,
+        within: &std::ops::Range<usize>,
+        options: &SlipOptions,
+    ) -> Result<Self, IdentError> {
+        let rate = 1.0 / recording.time_step;
+        let filter = LowPass::butterworth(ORDER, options.cutoff, rate)?;
+        let trim = (0.1 * rate).round() as usize;
+        // The whole recording is filtered, so that the cut between the parts makes no transient.
+        let how = Conditioning { cutoff: options.cutoff, order: ORDER, trim, decimate: 1 };
+        let voltage = filter.filter(recording.voltage)?;
+        let signals = Signals {
+            time_step: recording.time_step,
+            position: Some(recording.angle),
+            velocity: None,
+            force: &voltage,
+        };
+        let axis = condition(&signals, &how)?;
+        let alpha = recording.pendulum.map(|alpha| filter.filter(alpha)).transpose()?;
+        // The sign jumps; it passes the same filter as the voltage that answers it.
+        let sign: Vec<f64> = std::iter::repeat_n(0.0, trim)
+            .chain(axis.velocity.iter().map(|v| v.signum()))
+            .chain(std::iter::repeat_n(0.0, trim))
+            .collect();
+        let sign = filter.filter(&sign)?;
+        let kept: Vec<usize> = (0..axis.velocity.len())
+            .filter(|&k| within.contains(&(k + trim)) && axis.velocity[k].abs() >= options.slowest)
+            .collect();
+        let columns: Vec<Vec<f64>> = [
+            Some(kept.iter().map(|&k| axis.acceleration[k]).collect()),
+            Some(kept.iter().map(|&k| axis.velocity[k]).collect()),
+            Some(kept.iter().map(|&k| sign[k + trim]).collect()),
+            Some(vec![1.0; kept.len()]),
+            alpha.as_ref().map(|alpha| kept.iter().map(|&k| alpha[k + trim]).collect()),
+        ]
+        .into_iter()
+        .flatten()
         .collect();
-    let voltage = filter.filter(&late)?;
-    let signals = Signals {
-        time_step: recording.time_step,
-        position: Some(recording.angle),
-        velocity: None,
-        force: &voltage,
-    };
-    let axis = condition(&signals, &how)?;
-    let alpha = recording.pendulum.map(|alpha| filter.filter(alpha)).transpose()?;
-    // The sign jumps; it passes the same filter as the voltage that answers it.
-    let sign: Vec<f64> = std::iter::repeat_n(0.0, trim)
-        .chain(axis.velocity.iter().map(|v| v.signum()))
-        .chain(std::iter::repeat_n(0.0, trim))
-        .collect();
-    let sign = filter.filter(&sign)?;
-    let used: Vec<usize> = (0..axis.velocity.len())
-        .filter(|&k| within.contains(&(k + trim)) && axis.velocity[k].abs() >= options.slowest)
-        .collect();
-    let columns: Vec<Vec<f64>> = [
-        Some(used.iter().map(|&k| axis.acceleration[k]).collect()),
-        Some(used.iter().map(|&k| axis.velocity[k]).collect()),
-        Some(used.iter().map(|&k| sign[k + trim]).collect()),
-        Some(vec![1.0; used.len()]),
-        alpha.as_ref().map(|alpha| used.iter().map(|&k| alpha[k + trim]).collect()),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    let needed = 20 * columns.len();
-    if used.len() < needed {
-        return Err(IdentError::TooFewSamples {
-            what: "friction while sliding",
-            needed,
-            found: used.len(),
-            lower: "the slowest speed that counts",
-        });
+        let needed = 20 * columns.len();
+        if kept.len() < needed {
+            return Err(IdentError::TooFewSamples {
+                what: "friction while sliding",
+                needed,
+                found: kept.len(),
+                lower: "the slowest speed that counts",
+            });
+        }
+        let used = kept.into_iter().map(|k| k + trim).collect();
+        Ok(Self { time_step: recording.time_step, columns, voltage, used })
     }
-    let target: Vec<f64> = used.iter().map(|&k| axis.force[k]).collect();
-    let mut problem = Linear { columns: &columns, target: &target };
-    let start = vec![0.0; columns.len()];
-    let bounds = vec![Bound::free(1.0); columns.len()];
-    let go = &mut |_: &_| ControlFlow::Continue(());
-    let minimum = minimise(&mut problem, &start, &bounds, &Patience::default(), go)
-        .ok_or_else(|| IdentError::NoConvergence("the voltages are not finite".to_owned()))?;
-    let unknowns: Vec<Unknown> = UNKNOWNS
-        .iter()
-        .take(columns.len())
-        .map(|&(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy })
-        .collect();
-    let share = effective_share(minimum.residuals.as_slice());
-    let estimates = Estimates::linearised(&minimum, &unknowns, share);
-    let speed = columns[1].clone();
-    let friction = (0..used.len())
-        .map(|i| {
-            target[i] - [0, 3, 4].iter().filter_map(|&j| Some(columns.get(j)?[i] * minimum.x[j])).sum::<f64>()
-        })
-        .collect();
-    let power: f64 = target.iter().map(|u| u * u).sum();
-    let unexplained = (minimum.sum / power.max(f64::MIN_POSITIVE)).sqrt();
-    let delay = delay as f64 * recording.time_step;
-    Ok(SlipFriction { estimates, samples: used.len(), delay, unexplained, speed, friction })
+
+    /// The voltage `delay` samples before each sample used \[V\]; between samples on a straight line, far below whose period the
+    /// low-pass cuts.
+    fn target(&self, delay: f64) -> Vec<f64> {
+        let whole = delay.floor();
+        let part = delay - whole;
+        let at = |k: usize| self.voltage.get(k).copied().unwrap_or(0.0);
+        let value = |&k: &usize| {
+            let late = k.saturating_sub(whole as usize);
+            (1.0 - part) * at(late) + part * at(late.saturating_sub(1))
+        };
+        self.used.iter().map(value).collect()
+    }
+
+    fn fit(&self, delay: f64) -> Result<AtDelay, IdentError> {
+        let target = self.target(delay);
+        let mut problem = Linear { columns: &self.columns, target: &target };
+        let start = vec![0.0; self.columns.len()];
+        let bounds = vec![Bound::free(1.0); self.columns.len()];
+        let go = &mut |_: &_| ControlFlow::Continue(());
+        let minimum = minimise(&mut problem, &start, &bounds, &Patience::default(), go)
+            .ok_or_else(|| IdentError::NoConvergence("the voltages are not finite".to_owned()))?;
+        let power: f64 = target.iter().map(|u| u * u).sum();
+        let unexplained = (minimum.sum / power.max(f64::MIN_POSITIVE)).sqrt();
+        Ok(AtDelay { delay, minimum, unexplained })
+    }
+
+    fn unknowns(&self) -> Vec<Unknown> {
+        UNKNOWNS
+            .iter()
+            .take(self.columns.len())
+            .map(|&(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy })
+            .collect()
+    }
 }
 
 struct Linear<'a> {
@@ -192,40 +232,96 @@ impl Residuals for Linear<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
 
-    /// A made-up axis under a quantised encoder gives back what it was made of.
-    #[test]
-    fn the_terms_of_a_known_axis_come_back() {
-        let dt = 0.002;
-        let resolution = 2.0 * std::f64::consts::PI / 2048.0;
-        let (a, b, c, offset) = (0.02, 0.15, 0.25, 0.05);
+    const DT: f64 = 0.002;
+    const RESOLUTION: f64 = 2.0 * std::f64::consts::PI / 2048.0;
+    const TRUTH: [(&str, f64); 4] = [("inertia", 0.02), ("speed", 0.15), ("coulomb", 0.25), ("offset", 0.05)];
+
+    /// Angle and voltage of a made-up axis; the voltage acts `delay` \[s\] late and `noise` \[V\] of slow disturbance rides on it.
+    fn axis(delay: f64, noise: f64, n: usize) -> (Vec<f64>, Vec<f64>) {
+        let [(_, a), (_, b), (_, c), (_, offset)] = TRUTH;
         let motion = |t: f64| {
             let terms = [(1.1, 0.8), (0.6, 2.3), (0.2, 5.1)];
             terms.iter().fold((0.0, 0.0, 0.0), |(q, v, acc), &(size, w)| {
                 (q + size * (w * t).sin(), v + size * w * (w * t).cos(), acc - size * w * w * (w * t).sin())
             })
         };
-        let n = 10_000;
-        let (mut angle, mut voltage) = (Vec::new(), Vec::new());
-        for k in 0..n {
-            let (q, v, acc) = motion(k as f64 * dt);
-            angle.push((q / resolution).round() * resolution);
-            voltage.push(a * acc + b * v + c * v.signum() + offset);
-        }
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(11);
+        let mut disturbance = 0.0;
+        (0..n)
+            .map(|k| {
+                let t = k as f64 * DT;
+                let (_, v, acc) = motion(t + delay);
+                disturbance = 0.98 * disturbance + 0.2 * noise * rng.sample::<f64, _>(StandardNormal);
+                let voltage = a * acc + b * v + c * v.signum() + offset + disturbance;
+                ((motion(t).0 / RESOLUTION).round() * RESOLUTION, voltage)
+            })
+            .unzip()
+    }
+
+    fn identify(angle: &[f64], voltage: &[f64]) -> Result<SlipFriction, IdentError> {
         let recording =
-            StictionRecording { time_step: dt, angle: &angle, resolution, voltage: &voltage, pendulum: None };
-        let found = slip_friction(&recording, 0..n, &SlipOptions::default()).unwrap();
-        for (name, truth) in [("inertia", a), ("speed", b), ("coulomb", c), ("offset", offset)] {
+            StictionRecording { time_step: DT, angle, resolution: RESOLUTION, voltage, pendulum: None };
+        slip_friction(&recording, 0..angle.len(), &SlipOptions::default())
+    }
+
+    #[test]
+    fn the_terms_of_a_known_axis_come_back() {
+        let (angle, voltage) = axis(0.0, 0.0, 10_000);
+        let found = identify(&angle, &voltage).unwrap();
+        for (name, truth) in TRUTH {
             let estimate = found.estimates.get(name).unwrap();
             assert!((estimate.value / truth - 1.0).abs() < 0.05, "{estimate:?}");
             assert!(estimate.is_identified());
         }
-        // An axis that stands still says nothing.
-        let still = vec![0.0; n];
-        let recording = StictionRecording { angle: &still, ..recording };
-        assert!(matches!(
-            slip_friction(&recording, 0..n, &SlipOptions::default()),
-            Err(IdentError::TooFewSamples { .. })
-        ));
+        assert!(found.delay.value <= 0.1 * DT, "{:?}", found.delay);
+    }
+
+    #[test]
+    fn an_axis_that_stands_still_says_nothing() {
+        let still = vec![0.0; 10_000];
+        assert!(matches!(identify(&still, &still), Err(IdentError::TooFewSamples { .. })));
+    }
+
+    #[test]
+    fn a_delay_between_samples_comes_back_within_its_interval() {
+        let (angle, voltage) = axis(0.0075, 0.01, 10_000);
+        let found = identify(&angle, &voltage).unwrap();
+        let interval = found.delay.interval.unwrap();
+        assert!(interval.contains(0.0075) && interval.high - interval.low < 0.01, "{:?}", found.delay);
+        assert!(found.delay.is_identified());
+        for (name, truth) in TRUTH {
+            let estimate = found.estimates.get(name).unwrap();
+            assert!(estimate.interval.unwrap().contains(truth), "{truth}: {estimate:?}");
+        }
+    }
+
+    /// The delay takes part in every interval: none is narrower than with the delay known.
+    #[test]
+    fn intervals_are_at_least_those_of_a_known_delay_and_wider_for_what_the_delay_moves() {
+        let (angle, voltage) = axis(0.006, 0.01, 10_000);
+        let recording = StictionRecording {
+            time_step: DT,
+            angle: &angle,
+            resolution: RESOLUTION,
+            voltage: &voltage,
+            pendulum: None,
+        };
+        let options = SlipOptions::default();
+        let sliding = Sliding::new(&recording, &(0..angle.len()), &options).unwrap();
+        let (best, profiled, _) = delay_profile::over_delays(&sliding, 15.0).unwrap();
+        let share = crate::residual_whiteness::effective_share(best.minimum.residuals.as_slice());
+        let known = Estimates::linearised(&best.minimum, &sliding.unknowns(), share);
+        let width = |estimates: &Estimates, name: &str| {
+            let interval = estimates.get(name).unwrap().interval.unwrap();
+            interval.high - interval.low
+        };
+        for (name, _) in TRUTH {
+            assert!(width(&profiled, name) >= width(&known, name) * (1.0 - 1e-9), "{name}");
+        }
+        // theta(t + delay) = theta + delay theta' + delay^2 theta'' / 2: the acceleration's term feels a delay through the speed's.
+        assert!(width(&profiled, "inertia") > 1.5 * width(&known, "inertia"));
     }
 }

@@ -7,7 +7,7 @@
 //!                         added_uncertainty (rms, largest) of the friction by the inertia; null with a torque sensor
 //! recordings              of each kind: points or samples fitted to, and held out
 //! settings                models, asymmetric, elements, joint, inertia, damping_ratio, smoothing, decimate, reach
-//! ranking                 by ("held_out" or "bic"), and in order: model, tie, difference_of_mean_square and ln_ratio_of_mean_square (mean,
+//! ranking                 by ("held_out" or "bic"), chosen, and in order: model, tie, difference_of_mean_square and ln_ratio_of_mean_square (mean,
 //!                         standard_error), each to the first and paired over blocks
 //! models                  name ->
 //!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation
@@ -66,7 +66,11 @@ pub fn render(found: &FrictionIdentification) -> String {
             "decimate": preparation.decimate,
             "reach": found.settings.reach,
         },
-        "ranking": { "by": found.criterion, "order": ranking },
+        "ranking": {
+            "by": found.criterion,
+            "chosen": found.chosen().map(|result| result.found.name),
+            "order": ranking,
+        },
         "models": models,
         "notes": found.notes,
         "interrupted": found.interrupted,

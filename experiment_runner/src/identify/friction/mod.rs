@@ -145,6 +145,13 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
+    /// The model to use: of the first and those that cannot be told from it the one with the fewest parameters, the better one of two alike.
+    pub fn chosen(&self) -> Option<&ModelResult> {
+        let first = self.models.first()?;
+        let tied = self.models.iter().skip(1).filter(|result| result.tie);
+        std::iter::once(first).chain(tied).min_by_key(|result| result.found.information.parameters)
+    }
+
     /// The result of a model.
     pub fn model(&self, name: ModelName) -> Option<&ModelResult> {
         self.models.iter().find(|result| result.found.name == name)

@@ -25,14 +25,14 @@ struct Node {
 #[error("the parameters cannot be written as YAML: {0}")]
 pub struct ParametersError(String);
 
-/// The file as text; `model` is the first in order.
+/// The file as text; `model` is the chosen one.
 ///
 /// # Errors
 /// [`ParametersError`] if a model cannot be described, which no model built from finite numbers is.
 pub fn render(found: &FrictionIdentification) -> Result<String, ParametersError> {
     let mut parameters = BTreeMap::new();
     let mut asymmetric = serde_json::Map::new();
-    if let Some(first) = found.models.first() {
+    if let Some(first) = found.chosen() {
         parameters.insert("model".to_owned(), Value::from(first.found.name.as_str()));
     }
     for result in &found.models {
@@ -53,7 +53,7 @@ pub fn render(found: &FrictionIdentification) -> Result<String, ParametersError>
     Ok(header(found) + &yaml)
 }
 
-/// Where it comes from, and how sure the first model's parameters are.
+/// Where it comes from, and how sure the chosen model's parameters are.
 fn header(found: &FrictionIdentification) -> String {
     let mut text = format!("# Identified by frictionlab {} from", env!("CARGO_PKG_VERSION"));
     for file in &found.files {
@@ -63,7 +63,7 @@ fn header(found: &FrictionIdentification) -> String {
         let _ = write!(text, " {path}");
     }
     text.push_str(".\n");
-    if let Some(first) = found.models.first() {
+    if let Some(first) = found.chosen() {
         for estimate in &first.found.estimates.parameters {
             let (value, error) = wording::value(estimate);
             let plus = if error.is_empty() { String::new() } else { format!(" +- {error}") };

@@ -82,6 +82,7 @@ pub fn identify(
         );
     }
     notes.extend(wording::source_notes(files, settings));
+    notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
     Ok(FrictionIdentification {
         settings: settings.clone(),
         files: files.iter().map(Source::from).collect(),

@@ -1,4 +1,4 @@
-//! What the terminal shows: the models in order, and the first one's parameters.
+//! What the terminal shows: the models in order, and the chosen one's parameters.
 
 use std::fmt::Write;
 
@@ -42,9 +42,9 @@ pub fn render(found: &FrictionIdentification) -> String {
     if let Some(simpler) = wording::simpler(found) {
         let _ = writeln!(text, "{simpler}");
     }
-    if let Some(first) = found.models.first() {
-        let _ = writeln!(text, "\n{}", first.found.name);
-        let rows: Vec<_> = first
+    if let Some(chosen) = found.chosen() {
+        let _ = writeln!(text, "\n{}", chosen.found.name);
+        let rows: Vec<_> = chosen
             .found
             .estimates
             .parameters
@@ -67,7 +67,7 @@ pub fn render(found: &FrictionIdentification) -> String {
                 writeln!(text, "  {:width$}  {value:>numbers$}{plus} {}{note}", estimate.name, estimate.unit);
         }
     }
-    for note in found.notes.iter().chain(found.models.iter().take(1).flat_map(|first| &first.found.notes)) {
+    for note in found.notes.iter().chain(found.chosen().iter().flat_map(|chosen| &chosen.found.notes)) {
         let _ = writeln!(text, "\nnote: {note}");
     }
     text

@@ -1,9 +1,9 @@
 //! What the page, the terminal and the document say alike.
 
-use friction_ident::{Estimate, Stage, Verdict};
+use friction_ident::{Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
-use super::{Criterion, FrictionIdentification, ModelResult, Settings};
+use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
 use crate::identify::quantity::with_error;
 use crate::recording::stretches::FrictionRecording;
 
@@ -103,15 +103,31 @@ pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
     }
 }
 
-/// Models that cannot be told from the first and have fewer parameters.
+/// Which model is chosen, where it is not the first.
 pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
-    let first = found.models.first()?;
-    let fewer = |result: &&ModelResult| {
-        result.tie && result.found.information.parameters < first.found.information.parameters
-    };
-    let names: Vec<_> = found.models.iter().skip(1).filter(fewer).map(|r| r.found.name.as_str()).collect();
-    (!names.is_empty())
-        .then(|| format!("As good within the uncertainty, with fewer parameters: {}.", names.join(", ")))
+    let (first, chosen) = (found.models.first()?, found.chosen()?);
+    (chosen.found.name != first.found.name).then(|| {
+        format!(
+            "Chosen: {}, which has the fewest parameters of those that cannot be told from the first.",
+            chosen.found.name
+        )
+    })
+}
+
+/// Kinds that were fitted but are not among the recordings held out: the ranking knows nothing of them.
+pub(super) fn unseen_kinds(data: &FrictionData, held_out: &FrictionData) -> Option<String> {
+    let count = FrictionIdentification::count;
+    let unseen: Vec<&str> = KINDS
+        .iter()
+        .filter(|&&kind| count(data, kind) > 0 && count(held_out, kind) == 0)
+        .map(|kind| kind.describe())
+        .collect();
+    (!unseen.is_empty()).then(|| {
+        format!(
+            "The recordings held out do not show {}: the order of the models says nothing about it. Add such a recording to --validate.",
+            unseen.join(", ")
+        )
+    })
 }
 
 /// What is to be said about the files.

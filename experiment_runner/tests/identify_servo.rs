@@ -1,0 +1,168 @@
+//! `frictionlab identify-servo`, as a person uses it: short logs, damaged logs, and a change of mind.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::{Value, json};
+
+/// A log of 1.5 s: the pendulum follows a sine with a lag that shrinks with the gain.
+fn log(gain: f64) -> Value {
+    let entries: Vec<Value> = (0..300)
+        .map(|k| {
+            let t = 0.0052 * f64::from(k);
+            let lag = 10.0 / gain;
+            json!({
+                "timestamp": t,
+                "goal_position": 0.5 * (4.0 * t).sin(),
+                "position": 0.4 * (4.0 * (t - lag)).sin(),
+                "speed": 1.6 * (4.0 * (t - lag)).cos(),
+                "torque_enable": true,
+            })
+        })
+        .collect();
+    json!({ "mass": 0.3, "length": 0.1, "kp": gain, "vin": 7.5, "trajectory": "sine", "entries": entries })
+}
+
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for gain in [100.0, 400.0] {
+        std::fs::write(folder.path().join(format!("kp{gain}.json")), log(gain).to_string()).unwrap();
+    }
+    folder
+}
+
+fn command(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_frictionlab"));
+    command.current_dir(folder).arg("identify-servo").args(args);
+    command
+}
+
+fn document(folder: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("servo.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn what_was_fitted_and_what_was_held_out_is_written_and_does_not_depend_on_the_threads() {
+    let folder = folder();
+    let run = |jobs: &str, out: &str| -> Output {
+        let args = ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "2"];
+        command(folder.path(), &args)
+            .args(["--evaluations", "200", "--jobs", jobs, "--out", out])
+            .output()
+            .unwrap()
+    };
+    let output = run("1", "one");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(shown.contains("level m1") && shown.contains("held out"), "{shown}");
+    let found = document(&folder.path().join("one"));
+    assert_eq!(found["level"], "m1");
+    assert_eq!(found["stopped"], false);
+    assert_eq!(found["seeds"].as_array().unwrap().len(), 2);
+    let roles: Vec<(&Value, &Value)> =
+        found["logs"].as_array().unwrap().iter().map(|log| (&log["gain"], &log["held_out"])).collect();
+    assert_eq!(roles, [(&json!(100.0), &json!(false)), (&json!(400.0), &json!(true))]);
+    // The held-out error is that of the best seed on the one log held out.
+    let best = found["seeds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .min_by(|a, b| a["train_mrad"].as_f64().unwrap().total_cmp(&b["train_mrad"].as_f64().unwrap()))
+        .unwrap();
+    let (alone, of_seed) =
+        (found["logs"][1]["error_mrad"].as_f64().unwrap(), best["held_out_mrad"].as_f64().unwrap());
+    assert!((alone / of_seed - 1.0).abs() < 1e-9, "{alone} {of_seed}");
+    assert!(folder.path().join("one/report.html").is_file());
+
+    assert!(run("2", "two").status.success());
+    let again = document(&folder.path().join("two"));
+    for part in ["seeds", "parameters", "train", "held_out", "logs"] {
+        assert_eq!(found[part], again[part], "{part}");
+    }
+}
+
+#[test]
+fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
+    let folder = folder();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    let whole = log(200.0).to_string();
+    write("cut.json", whole[..whole.len() / 2].to_owned());
+    write("nan.json", whole.replacen("\"speed\":1.", "\"speed\":NaN,\"was\":1.", 1));
+    let without = |field: &str| {
+        let mut log = log(200.0);
+        log["entries"][7].as_object_mut().unwrap().remove(field);
+        log.to_string()
+    };
+    write("no_goal.json", without("goal_position"));
+    let mut empty = log(200.0);
+    empty["entries"] = json!([]);
+    write("empty.json", empty.to_string());
+    let mut massless = log(200.0);
+    massless["mass"] = json!(0.0);
+    write("massless.json", massless.to_string());
+
+    for (args, said) in [
+        (&["cut.json"][..], &["cut.json", "line 1"][..]),
+        (&["nan.json"], &["nan.json", "line 1"]),
+        (&["no_goal.json"], &["no_goal.json", "missing field `goal_position`"]),
+        (&["empty.json"], &["empty.json", "at least 3 samples", "0"]),
+        (&["massless.json"], &["massless.json", "mass"]),
+        (&["nowhere.json"], &["nowhere.json"]),
+        (&["kp100.json", "empty.json"], &["empty.json"]),
+        (&["kp400.json", "--hold-out", "kp=400"], &["log"]),
+        (&["kp100.json", "--hold-out", "kp=400"], &["kp=400", "the logs have 100"]),
+        (&["kp100.json", "--hold-out", "hard"], &["--hold-out", "kp=400"]),
+        (&["kp100.json", "--level", "m9"], &["m6"]),
+    ] {
+        let output = command(folder.path(), args).args(["--out", "made"]).output().unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(message.starts_with("error: "), "{args:?}: {message}");
+        for part in said {
+            assert!(message.contains(part), "{args:?}: {message}");
+        }
+        assert!(!message.contains("panicked"), "{message}");
+        assert!(!folder.path().join("made").exists(), "{args:?}");
+    }
+}
+
+/// Ctrl-C, as early as the program hears it.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_change_of_mind_leaves_the_best_so_far() {
+    use std::process::Stdio;
+
+    let folder = folder();
+    let args = ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "3"];
+    let mut child = command(folder.path(), &args)
+        .args(["--jobs", "1", "--evaluations", "4000000000", "--out", "made"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    while !hears_interrupts(child.id()) {
+        assert!(child.try_wait().unwrap().is_none(), "ended before the signal");
+        std::thread::yield_now();
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("stopped before the end") && said.contains("made"), "{said}");
+    let found = document(&folder.path().join("made"));
+    assert_eq!(found["stopped"], true);
+    // One search was under way, the others had not begun.
+    assert_eq!(found["seeds"].as_array().unwrap().len(), 1);
+    assert!(found["seeds"][0]["train_mrad"].as_f64().unwrap() > 0.0);
+    let page = std::fs::read_to_string(folder.path().join("made/report.html")).unwrap();
+    assert!(page.contains("Stopped before the end"));
+}
+
+/// Whether the process has a handler for SIGINT: bit 1 of the signals caught (proc(5)).
+#[cfg(target_os = "linux")]
+fn hears_interrupts(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 0b10 != 0)
+}
