@@ -92,7 +92,7 @@ pub enum Doubt {
     #[error("only its ratio to the torque per volt is determined")]
     RatioOnly,
     /// Repeated searches that fit equally well disagree.
-    #[error("{fits} equally good fits have it anywhere from {low:.3e} to {high:.3e}")]
+    #[error("the {fits} equally good fits disagree on it")]
     Scatter {
         /// Least of them.
         low: f64,

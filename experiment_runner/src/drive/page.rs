@@ -43,8 +43,8 @@ pub fn page(found: &Identified) -> Page {
                 Panel {
                     y_label: "voltage [V]".to_owned(),
                     traces: vec![
-                        line("measured", fit.measured.clone(), LineStyle::Faint),
-                        line("predicted", fit.predicted.clone(), LineStyle::Solid),
+                        line("measured", fit.measured.clone(), LineStyle::Solid),
+                        line("predicted", fit.predicted.clone(), LineStyle::Dashed),
                         Trace::Points {
                             name: "start out of rest".to_owned(),
                             x: fit.breakaways.iter().map(|b| b.time).collect(),

@@ -13,7 +13,10 @@ const CLOUD: usize = 1500;
 
 /// The page.
 pub fn page(found: &Identification, recording: &Recording, validation: Option<&Recording>) -> Page {
-    let name = |recording: &Recording| recording.path.display().to_string();
+    // The folder says nothing to whoever the page is sent to; the document has the whole path.
+    let name = |recording: &Recording| {
+        recording.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    };
     let how = found.settings.conditioning;
     let mut blocks = vec![Block::Heading("What was found".to_owned())];
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
@@ -125,7 +128,7 @@ fn over_time(found: &Identification, predictions: &[(&str, &Prediction)]) -> Fig
             (*name).to_owned(),
             &prediction.time,
             prediction.predicted.clone(),
-            LineStyle::Solid,
+            LineStyle::Dashed,
         ));
         residual.push(line((*name).to_owned(), &prediction.time, prediction.residual(), LineStyle::Solid));
     }

@@ -27,8 +27,9 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
     blocks.push(Block::Table(Table {
         title: format!("Parameters of {}", found.fit.structure),
         caption: format!(
-            "Errors count the residual as worth {:.1} % of its samples; intervals of delay, v_s, presliding and period are those of the profile of the sum of squares.",
-            100.0 * found.fit.effective_share
+            "Errors count the residual as worth {:.1} % of its samples; intervals of delay, v_s, presliding and period are those of the profile of the sum of squares.{}",
+            100.0 * found.fit.effective_share,
+            harmonic(found)
         ),
         columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
         rows: rows(&found.fit.estimates.parameters).into_iter().map(|row| row.to_vec()).collect(),
@@ -40,6 +41,17 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
         blocks.push(Block::Figure(residual("On the validation recording", other, axis)));
     }
     blocks
+}
+
+/// What to say of the two parts of a harmonic force; empty where the structure has none.
+fn harmonic(found: &Structured) -> String {
+    let part = |name| found.fit.estimates.get(name);
+    let (Some(cos), Some(sin)) = (part("harmonic_cos"), part("harmonic_sin")) else { return String::new() };
+    format!(
+        " harmonic_cos and harmonic_sin are one wave of amplitude {:.2} {} and are judged by it: either of them may be near zero.",
+        cos.value.hypot(sin.value),
+        cos.unit
+    )
 }
 
 fn ranking(found: &Structured) -> Table {
