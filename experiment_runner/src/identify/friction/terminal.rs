@@ -44,6 +44,10 @@ pub fn render(found: &FrictionIdentification) -> String {
     }
     if let Some(first) = found.models.first() {
         let _ = writeln!(text, "\n{}", first.found.name);
+        let from_drive = |estimate| match wording::from_drive(first, estimate) {
+            added if added.is_empty() => String::new(),
+            added => format!(", from the drive ± {added}"),
+        };
         let rows: Vec<_> = first
             .found
             .estimates
@@ -63,8 +67,13 @@ pub fn render(found: &FrictionIdentification) -> String {
             } else {
                 format!("  {}", wording::verdict(estimate))
             };
-            let _ =
-                writeln!(text, "  {:width$}  {value:>numbers$}{plus} {}{note}", estimate.name, estimate.unit);
+            let _ = writeln!(
+                text,
+                "  {:width$}  {value:>numbers$}{plus}{} {}{note}",
+                estimate.name,
+                from_drive(estimate),
+                estimate.unit
+            );
         }
     }
     for note in found.notes.iter().chain(found.models.iter().take(1).flat_map(|first| &first.found.notes)) {
