@@ -72,7 +72,6 @@ pub struct FrictionArgs {
         long,
         value_name = "K,R,J",
         value_delimiter = ',',
-        num_args = 3,
         default_value = "1,2,2",
         help_heading = "Friction models"
     )]

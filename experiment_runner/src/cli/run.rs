@@ -41,7 +41,7 @@ pub struct RunArgs {
     pub torque_source: TorqueSourceArg,
     /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia; they make the
     /// uncertainty of a torque from voltage or current
-    #[arg(long, value_name = "K,R,J", value_delimiter = ',', num_args = 3, default_value = "1,2,2")]
+    #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
     pub drive_errors: Vec<f64>,
     /// Output folder; must be new or empty [default: runs/EXPERIMENT-N with the first free N]
     #[arg(long, value_name = "DIR")]
