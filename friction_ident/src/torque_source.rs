@@ -5,12 +5,14 @@
 //! ```text
 //! F = (k / R_a) (u - k w) - J w'        from the voltage
 //! F = k i - J w'                        from the current,        k = A K_m
+//! F = T - J w'                          from a recorded force T that drives the axis
 //! ```
 //!
 //! * `w` and `w'` come from the measured velocity through a zero-phase Butterworth low-pass ([`VELOCITY_CUTOFF`],
 //!   second order in each direction), `w'` by central differences of the smoothed velocity.
 //! * A voltage or current sample is the mean over the period that *ends* at its instant. Its value at the instant
-//!   is the mean of this sample and the next; without this, half a period of delay would look like frictional lag.
+//!   is the mean of this sample and the next; without this, half a period of delay would look like frictional lag. A driving force counts
+//!   as read at its instant.
 //!
 //! Two kinds of uncertainty are kept apart. Noise differs from sample to sample and averages out. An error of a drive
 //! constant is the same throughout a recording and does not; it is kept as the torque error that one standard
@@ -38,11 +40,13 @@ pub enum TorqueSource {
     Voltage,
     /// The motor's current and velocity.
     Current,
+    /// A recorded force or torque that drives the axis, and the velocity.
+    Driving,
 }
 
 impl TorqueSource {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Sensor, Self::Voltage, Self::Current];
+    /// All four.
+    pub const ALL: [Self; 4] = [Self::Sensor, Self::Voltage, Self::Current, Self::Driving];
 
     /// Name in files and tables.
     pub const fn name(self) -> &'static str {
@@ -50,6 +54,29 @@ impl TorqueSource {
             Self::Sensor => "sensor",
             Self::Voltage => "voltage",
             Self::Current => "current",
+            Self::Driving => "driving",
+        }
+    }
+
+    /// In words.
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Sensor => "the torque or force column",
+            Self::Voltage => "the motor's voltage and speed, less inertia times acceleration",
+            Self::Current => "the motor's current, less inertia times acceleration",
+            Self::Driving => "the driving force less inertia times acceleration",
+        }
+    }
+
+    /// The constants of the drive that enter.
+    pub const fn constants(self) -> &'static [DriveConstant] {
+        match self {
+            Self::Sensor => &[],
+            Self::Voltage => {
+                &[DriveConstant::TorqueConstant, DriveConstant::ArmatureResistance, DriveConstant::Inertia]
+            }
+            Self::Current => &[DriveConstant::TorqueConstant, DriveConstant::Inertia],
+            Self::Driving => &[DriveConstant::Inertia],
         }
     }
 }
@@ -62,8 +89,74 @@ pub struct DriveConstants {
     pub torque_constant: Uncertain,
     /// Armature resistance R_a \[ohm\].
     pub armature_resistance: Uncertain,
-    /// Inertia J at the load side \[kg m^2\].
+    /// Inertia J at the load side \[kg m^2, or kg on a linear axis\].
     pub inertia: Uncertain,
+}
+
+impl DriveConstants {
+    /// A drive whose force is recorded itself: torque constant and resistance are one, and only the inertia must be known.
+    #[must_use]
+    pub const fn force_recorded(inertia: Uncertain) -> Self {
+        Self { torque_constant: Uncertain::exact(1.0), armature_resistance: Uncertain::exact(1.0), inertia }
+    }
+
+    /// Friction \[N m or N\] at an instant: `channel` is what `source` names there \[V, A or N m\], beside the velocity \[rad/s\] and the
+    /// acceleration \[rad/s^2\].
+    #[must_use]
+    pub fn friction(&self, source: TorqueSource, channel: f64, velocity: f64, acceleration: f64) -> f64 {
+        let (k, r, j) = (self.torque_constant.value, self.armature_resistance.value, self.inertia.value);
+        match source {
+            TorqueSource::Sensor => channel,
+            TorqueSource::Voltage => k / r * (channel - k * velocity) - j * acceleration,
+            TorqueSource::Current => k * channel - j * acceleration,
+            TorqueSource::Driving => channel - j * acceleration,
+        }
+    }
+
+    /// What one standard error of `constant` adds to [`friction`](Self::friction) \[N m or N\], to first order and with its sign.
+    #[must_use]
+    pub fn friction_error(
+        &self,
+        source: TorqueSource,
+        constant: DriveConstant,
+        channel: f64,
+        velocity: f64,
+        acceleration: f64,
+    ) -> f64 {
+        let (k, r) = (self.torque_constant.value, self.armature_resistance.value);
+        match (constant, source) {
+            (_, TorqueSource::Sensor) => 0.0,
+            (DriveConstant::Inertia, _) => -self.inertia.standard_error * acceleration,
+            (DriveConstant::TorqueConstant, TorqueSource::Voltage) => {
+                self.torque_constant.standard_error * (channel - 2.0 * k * velocity) / r
+            }
+            (DriveConstant::TorqueConstant, TorqueSource::Current) => {
+                self.torque_constant.standard_error * channel
+            }
+            (DriveConstant::ArmatureResistance, TorqueSource::Voltage) => {
+                -self.armature_resistance.standard_error * k * (channel - k * velocity) / (r * r)
+            }
+            (DriveConstant::TorqueConstant | DriveConstant::ArmatureResistance, _) => 0.0,
+        }
+    }
+
+    /// Checks that the constants which `source` needs are above zero and their standard errors not below.
+    ///
+    /// # Errors
+    /// [`IdentError::DriveConstant`], naming the one that is out of range.
+    pub fn check(&self, source: TorqueSource) -> Result<(), IdentError> {
+        for constant in source.constants() {
+            let (name, Uncertain { value, standard_error }) = match constant {
+                DriveConstant::TorqueConstant => ("torque_constant", self.torque_constant),
+                DriveConstant::ArmatureResistance => ("armature_resistance", self.armature_resistance),
+                DriveConstant::Inertia => ("inertia", self.inertia),
+            };
+            if !(value > 0.0 && value.is_finite() && standard_error >= 0.0 && standard_error.is_finite()) {
+                return Err(IdentError::DriveConstant { name, value, standard_error });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// One of the [`DriveConstants`].
@@ -78,8 +171,19 @@ pub enum DriveConstant {
     Inertia,
 }
 
+impl DriveConstant {
+    /// Name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TorqueConstant => "torque_constant",
+            Self::ArmatureResistance => "armature_resistance",
+            Self::Inertia => "inertia",
+        }
+    }
+}
+
 /// Standard deviation of one sample of each channel: its noise and its rounding, step / sqrt(12), together.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelDeviations {
     /// Torque sensor \[N m\].
@@ -100,7 +204,7 @@ pub struct DriveSignals<'a> {
     pub time_step: f64,
     /// Velocity w of the load \[rad/s\].
     pub velocity: &'a [f64],
-    /// Torque sensor \[N m\].
+    /// Torque sensor, or the torque that drives the axis \[N m\].
     pub torque: &'a [f64],
     /// Voltage u, the mean over the period that ends at the sample \[V\].
     pub voltage: &'a [f64],
@@ -155,7 +259,7 @@ pub fn friction_torque(
     deviations: &ChannelDeviations,
 ) -> Result<FrictionTorque, IdentError> {
     let driving = match source {
-        TorqueSource::Sensor => ("the torque", signals.torque),
+        TorqueSource::Sensor | TorqueSource::Driving => ("the torque", signals.torque),
         TorqueSource::Voltage => ("the voltage", signals.voltage),
         TorqueSource::Current => ("the current", signals.current),
     };
@@ -168,50 +272,35 @@ pub fn friction_torque(
             constants: Vec::new(),
         });
     }
-    check_constants(drive)?;
+    drive.check(source)?;
     let smoothing = Smoothing::new(signals.time_step)?;
     let velocity = smoothing.filter.filter(signals.velocity)?;
     let acceleration = slopes(&velocity, signals.time_step);
-    let at = at_instants(driving.1);
-    let (k, r, j) = (drive.torque_constant, drive.armature_resistance, drive.inertia);
+    let at = if source == TorqueSource::Driving { driving.1.to_vec() } else { at_instants(driving.1) };
     let each = |value: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
         let motion = velocity.iter().zip(&acceleration);
-        at.iter().zip(motion).map(|(&drive, (&w, &slope))| value(drive, w, slope)).collect()
+        at.iter().zip(motion).map(|(&channel, (&w, &slope))| value(channel, w, slope)).collect()
     };
-    let error = |constant, torque| ConstantError { constant, torque };
-    let inertia = error(DriveConstant::Inertia, each(&|_, _, slope| -j.standard_error * slope));
-    let (torque, by_drive, by_velocity, constants) = match source {
-        TorqueSource::Current => (
-            each(&|i, _, slope| k.value * i - j.value * slope),
-            k.value * deviations.current,
-            0.0,
-            vec![error(DriveConstant::TorqueConstant, each(&|i, _, _| k.standard_error * i)), inertia],
-        ),
-        _ => {
-            let (k1, r1) = (k.value, r.value);
-            (
-                each(&|u, w, slope| k1 / r1 * (u - k1 * w) - j.value * slope),
-                k1 / r1 * deviations.voltage,
-                k1 * k1 / r1,
-                vec![
-                    error(
-                        DriveConstant::TorqueConstant,
-                        each(&|u, w, _| k.standard_error * (u - 2.0 * k1 * w) / r1),
-                    ),
-                    error(
-                        DriveConstant::ArmatureResistance,
-                        each(&|u, w, _| -r.standard_error * k1 * (u - k1 * w) / (r1 * r1)),
-                    ),
-                    inertia,
-                ],
-            )
-        }
-    };
+    let torque = each(&|channel, w, slope| drive.friction(source, channel, w, slope));
+    let constants = source
+        .constants()
+        .iter()
+        .map(|&constant| ConstantError {
+            constant,
+            torque: each(&|channel, w, slope| drive.friction_error(source, constant, channel, w, slope)),
+        })
+        .collect();
+    let (k, r) = (drive.torque_constant.value, drive.armature_resistance.value);
     // The mean of two samples halves the variance.
-    let drive_noise = by_drive * std::f64::consts::FRAC_1_SQRT_2;
+    let halved = std::f64::consts::FRAC_1_SQRT_2;
+    let (drive_noise, by_velocity) = match source {
+        TorqueSource::Voltage => (k / r * deviations.voltage * halved, k * k / r),
+        TorqueSource::Current => (k * deviations.current * halved, 0.0),
+        TorqueSource::Driving | TorqueSource::Sensor => (deviations.torque, 0.0),
+    };
     // The smoothed velocity and its slope come from the same noise but are orthogonal: even and odd weights.
-    let velocity_noise =
-        deviations.velocity * (by_velocity * smoothing.value_gain).hypot(j.value * smoothing.slope_gain);
+    let velocity_noise = deviations.velocity
+        * (by_velocity * smoothing.value_gain).hypot(drive.inertia.value * smoothing.slope_gain);
     Ok(FrictionTorque { source, torque, noise: drive_noise.hypot(velocity_noise), constants })
 }
 
@@ -265,20 +354,6 @@ fn check(signals: &DriveSignals<'_>, driving: (&'static str, &[f64])) -> Result<
     for (channel, values) in [("the velocity", signals.velocity), driving] {
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
             return Err(IdentError::NotFinite { channel, index, value: values[index] });
-        }
-    }
-    Ok(())
-}
-
-fn check_constants(drive: &DriveConstants) -> Result<(), IdentError> {
-    for (name, constant) in [
-        ("torque_constant", drive.torque_constant),
-        ("armature_resistance", drive.armature_resistance),
-        ("inertia", drive.inertia),
-    ] {
-        let Uncertain { value, standard_error } = constant;
-        if !(value > 0.0 && value.is_finite() && standard_error >= 0.0 && standard_error.is_finite()) {
-            return Err(IdentError::DriveConstant { name, value, standard_error });
         }
     }
     Ok(())

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use friction_ident::Conditioning;
 use friction_ident::axis_structure::AxisStructure;
+use rig_driver::DriveParameters;
 
 use super::identify_friction::{self, FrictionArgs};
 use super::{BadInput, Interrupted};
@@ -113,7 +114,8 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "auto|NAMES", help_heading = "Model", conflicts_with = "without_inertia")]
     structure: Option<StructureChoice>,
 
-    /// Voltage-driven recording: drive.yaml of identify-drive gives the motor's constants.
+    /// Voltage- or current-driven recording: drive.yaml of identify-drive gives the motor's constants, and the inertia for
+    /// --torque-source.
     #[arg(long, value_name = "FILE", help_heading = "Bag", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]
     drive: Option<PathBuf>,
 
@@ -250,22 +252,27 @@ fn with_structure(document: &str, found: &Structured) -> anyhow::Result<String> 
     Ok(format!("{tree:#}\n"))
 }
 
+/// What `--drive` says of the drive.
+pub(super) fn drive_file(args: &IdentifyArgs) -> Result<Option<DriveParameters>, BadInput> {
+    let Some(file) = &args.drive else { return Ok(None) };
+    let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
+    Ok(Some(DriveConstants::read(&text).map_err(blame)?.parameters))
+}
+
 /// The motor's constants, from the options or a drive's file.
 pub(super) fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
-    let Some(file) = &args.drive else {
-        return Ok(Motor {
+    Ok(match drive_file(args)? {
+        Some(drive) => Motor {
+            gear_ratio: drive.gear_ratio,
+            motor_constant: drive.motor_constant,
+            resistance: drive.armature_resistance,
+        },
+        None => Motor {
             gear_ratio: args.gear_ratio,
             motor_constant: args.motor_constant,
             resistance: args.resistance,
-        });
-    };
-    let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
-    let constants = DriveConstants::read(&text).map_err(blame)?.parameters;
-    Ok(Motor {
-        gear_ratio: constants.gear_ratio,
-        motor_constant: constants.motor_constant,
-        resistance: constants.armature_resistance,
+        },
     })
 }
 

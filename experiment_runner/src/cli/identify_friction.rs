@@ -7,7 +7,7 @@ use std::thread;
 
 use anyhow::Context;
 use friction_ident::output_error::OutputErrorOptions;
-use friction_ident::{Hampel, StagedOptions, Uncertain};
+use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncertain};
 use friction_model::ModelName;
 
 use super::identify::{IdentifyArgs, default_folder};
@@ -15,7 +15,6 @@ use super::{BadInput, Interrupted, print};
 use crate::identify::friction::{self, FrictionError, Settings};
 use crate::output::write_all;
 use crate::progress::Progress;
-use crate::recording::friction_torque::TorqueSource;
 use crate::recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
 use crate::recording::table::Columns;
 use crate::recording::{AxisKind, Column};
@@ -36,9 +35,10 @@ pub struct FrictionArgs {
     elements: usize,
 
     /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in 0.0026:0.00003. The micro-damping is then
-    /// computed from it; --torque-source other than sensor needs it.
+    /// computed from it; --torque-source other than sensor needs it, from here or from --drive. Without :SE the last of
+    /// --drive-errors counts there.
     #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
-    inertia: Option<Uncertain>,
+    inertia: Option<Inertia>,
 
     /// Damping ratio from which the micro-damping is computed.
     #[arg(
@@ -60,9 +60,22 @@ pub struct FrictionArgs {
     reach: Option<f64>,
 
     /// Where the friction comes from. sensor: the force column is friction. driving: it drives the axis, friction is that less inertia times
-    /// acceleration. voltage, current: the column is the motor's (voltage_V, current_A, or --force NAME).
+    /// acceleration. voltage, current: the column is the motor's mean over the period before each sample (voltage_V, current_A, or
+    /// --force NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and --resistance. What the errors of
+    /// the constants add to each parameter is shown beside its standard error, as `from the drive`.
     #[arg(long, value_enum, value_name = "SOURCE", help_heading = "Friction models")]
     torque_source: Option<SourceChoice>,
+
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia (where --inertia has
+    /// none).
+    #[arg(
+        long,
+        value_name = "K,R,J",
+        value_delimiter = ',',
+        default_value = "1,2,2",
+        help_heading = "Friction models"
+    )]
+    drive_errors: Vec<f64>,
 
     /// How the motion is smoothed; the friction never is.
     #[arg(long, value_enum, default_value_t, help_heading = "Friction models")]
@@ -79,6 +92,13 @@ pub struct FrictionArgs {
     /// Threads [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Friction models")]
     jobs: Option<u16>,
+}
+
+/// An inertia as given on the command line.
+#[derive(Debug, Clone, Copy)]
+struct Inertia {
+    value: f64,
+    standard_error: Option<f64>,
 }
 
 /// A model, or all of them.
@@ -125,12 +145,16 @@ fn choice(text: &str) -> Result<Choice, String> {
     }
 }
 
-fn inertia(text: &str) -> Result<Uncertain, String> {
-    let (value, error) = text.split_once(':').unwrap_or((text, "0"));
+fn inertia(text: &str) -> Result<Inertia, String> {
+    let (value, error) = match text.split_once(':') {
+        Some((value, error)) => (value, Some(error)),
+        None => (text, None),
+    };
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    match (number(value), number(error)) {
-        (Some(value), Some(standard_error)) if value > 0.0 && standard_error >= 0.0 => {
-            Ok(Uncertain { value, standard_error })
+    match (number(value), error.map(number)) {
+        (Some(value), None) if value > 0.0 => Ok(Inertia { value, standard_error: None }),
+        (Some(value), Some(Some(error))) if value > 0.0 && error >= 0.0 => {
+            Ok(Inertia { value, standard_error: Some(error) })
         }
         _ => {
             Err("expected an inertia above zero, and after a colon its standard error, as in 0.0026:0.00003"
@@ -240,21 +264,16 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
     let torque = match choice {
         None | Some(SourceChoice::Sensor) => TorqueSource::Sensor,
         Some(SourceChoice::Driving) => TorqueSource::Driving,
-        Some(SourceChoice::Voltage) => TorqueSource::Voltage(super::identify::motor(args)?),
-        Some(SourceChoice::Current) => TorqueSource::Current(super::identify::motor(args)?),
+        Some(SourceChoice::Voltage) => TorqueSource::Voltage,
+        Some(SourceChoice::Current) => TorqueSource::Current,
     };
-    if torque.needs_inertia() && friction.inertia.is_none() {
-        return Err(BadInput(format!(
-            "friction from {} needs the inertia; give it with --inertia J:SE (`frictionlab identify` without --model finds it)",
-            torque.describe()
-        )));
-    }
+    let drive = if torque == TorqueSource::Sensor { None } else { Some(drive_constants(args, torque)?) };
     if torque == TorqueSource::Driving && args.files.iter().any(|file| is_bag(file)) {
         return Err(BadInput(
             "a bag has the friction torque or the voltage; use --torque-source sensor or voltage".to_owned(),
         ));
     }
-    if matches!(torque, TorqueSource::Current(_)) && args.files.iter().any(|file| is_bag(file)) {
+    if torque == TorqueSource::Current && args.files.iter().any(|file| is_bag(file)) {
         return Err(BadInput("a bag has no current; use --torque-source sensor or voltage".to_owned()));
     }
     Ok(Preparation {
@@ -264,8 +283,37 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
         decimate: args.decimate.unwrap_or(1),
         outliers: friction.outliers.then(Hampel::default),
         torque,
-        inertia: friction.inertia,
+        drive,
         tolerance: args.time_tolerance,
+    })
+}
+
+/// The drive as far as it is known: from `--drive` or the options, with the standard errors of `--drive-errors`.
+fn drive_constants(args: &IdentifyArgs, source: TorqueSource) -> Result<DriveConstants, BadInput> {
+    let [k, r, j] = super::drive_errors::fractions(&args.friction.drive_errors)?;
+    let file = super::identify::drive_file(args)?;
+    let inertia = match (args.friction.inertia, file) {
+        (Some(Inertia { value, standard_error: Some(standard_error) }), _) => {
+            Uncertain { value, standard_error }
+        }
+        (Some(Inertia { value, standard_error: None }), _) => Uncertain::relative(value, j),
+        (None, Some(file)) => Uncertain::relative(file.inertia, j),
+        (None, None) => {
+            return Err(BadInput(format!(
+                "friction from {} needs the inertia; give it with --inertia J:SE or --drive drive.yaml (`frictionlab identify` without --model and \
+                 `frictionlab identify-drive` find it)",
+                source.describe()
+            )));
+        }
+    };
+    if source == TorqueSource::Driving {
+        return Ok(DriveConstants::force_recorded(inertia));
+    }
+    let motor = super::identify::motor(args)?;
+    Ok(DriveConstants {
+        torque_constant: Uncertain::relative(motor.gear_ratio * motor.motor_constant, k),
+        armature_resistance: Uncertain::relative(motor.resistance, r),
+        inertia,
     })
 }
 
@@ -311,7 +359,12 @@ fn settings(
             asymmetric: friction.asymmetric,
             joint: !friction.no_joint,
             elements: friction.elements,
-            inertia: friction.inertia,
+            inertia: preparation.drive.map(|drive| drive.inertia).or(friction.inertia.map(
+                |Inertia { value, standard_error }| Uncertain {
+                    value,
+                    standard_error: standard_error.unwrap_or(0.0),
+                },
+            )),
             damping_ratio: friction.damping_ratio,
             output_error,
         },

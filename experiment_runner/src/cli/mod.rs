@@ -1,5 +1,6 @@
 //! The `frictionlab` command, one file a subcommand.
 
+mod drive_errors;
 pub mod features;
 pub mod identify;
 pub mod identify_drive;

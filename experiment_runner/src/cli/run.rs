@@ -41,7 +41,7 @@ pub struct RunArgs {
     pub torque_source: TorqueSourceArg,
     /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia; they make the
     /// uncertainty of a torque from voltage or current
-    #[arg(long, value_name = "K,R,J", value_delimiter = ',', num_args = 3, default_value = "1,2,2")]
+    #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
     pub drive_errors: Vec<f64>,
     /// Output folder; must be new or empty [default: runs/EXPERIMENT-N with the first free N]
     #[arg(long, value_name = "DIR")]
@@ -193,14 +193,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     models.dedup();
     let protocols = protocols(&args.protocol)?;
     let experiment = experiment(args, &protocols)?;
-    let mut errors = [0.0; 3];
-    for (error, &percent) in errors.iter_mut().zip(&args.drive_errors) {
-        if !(0.0..=100.0).contains(&percent) {
-            let expected = "--drive-errors takes three percentages from 0 to 100, as in --drive-errors 1,2,2";
-            return Err(BadInput(format!("{expected}, but one is {percent}")).into());
-        }
-        *error = 0.01 * percent;
-    }
+    let errors = super::drive_errors::fractions(&args.drive_errors)?;
     let source = match args.torque_source {
         TorqueSourceArg::Sensor => TorqueSource::Sensor,
         TorqueSourceArg::Voltage => TorqueSource::Voltage,

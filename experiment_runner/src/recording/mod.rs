@@ -1,14 +1,15 @@
 //! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear refusal.
 //!
-//! [`stretches`] reads recordings of friction, one or many runs in a file, with [`friction_torque`] for rigs without a torque sensor.
+//! [`stretches`] reads recordings of friction, one or many runs in a file, from a torque sensor or worked out of what drives the axis;
+//! [`drive_error`] is what the drive's constants then leave uncertain.
 //! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing, [`servo_log`]
 //! the JSON logs of a position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
 //! sure that the samples are evenly spaced. Whatever is returned has finite values, one length and SI units.
 
 pub mod column;
+pub mod drive_error;
 pub mod driven;
 mod error;
-pub mod friction_torque;
 pub mod rosbag;
 pub mod servo_log;
 pub mod stiction_table;

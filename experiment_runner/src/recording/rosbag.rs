@@ -49,7 +49,8 @@ impl Motor {
 /// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages without the fields
 /// needed, and those of [`even_step`].
 pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Recording, RecordingError> {
-    let Track { topic, time, velocity, force } = track(path, motor)?;
+    let channel = motor.map_or(BagChannel::Friction, |motor| BagChannel::Driving(*motor));
+    let Track { topic, time, velocity, force } = track(path, channel)?;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
     let time_step = even_step(path, &time, tolerance, place)?;
     let source = |field: &str| ChannelSource { name: format!("{topic} {field}"), scale: 1.0 };
@@ -74,6 +75,17 @@ pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Record
     })
 }
 
+/// Which channel of a bag is read beside the velocity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum BagChannel {
+    /// Friction torque [N m].
+    Friction,
+    /// Voltage at the motor, the mean over the period before [V].
+    Voltage,
+    /// The torque that drives the axis, worked out from the voltage [N m].
+    Driving(Motor),
+}
+
 /// What was recorded, at whatever times.
 pub(super) struct Track {
     pub topic: &'static str,
@@ -81,16 +93,19 @@ pub(super) struct Track {
     pub time: Vec<f64>,
     /// From the tachometer [rad/s].
     pub velocity: Vec<f64>,
-    /// Friction, or with a motor what drives the axis [N m].
+    /// The channel that was asked for [N m or V].
     pub force: Vec<f64>,
 }
 
 /// Reads all messages.
-pub(super) fn track(path: &Path, motor: Option<&Motor>) -> Result<Track, RecordingError> {
+pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, RecordingError> {
     let bag = BagReader::open(path)?;
-    let (topic, samples) = match motor {
-        Some(motor) => (RIG_MEASUREMENT, driven(path, &bag, motor)?),
-        None => (JOINT_STATES, measured(path, &bag)?),
+    let (topic, samples) = match channel {
+        BagChannel::Friction => (JOINT_STATES, measured(path, &bag)?),
+        BagChannel::Voltage => (RIG_MEASUREMENT, driven(path, &bag, |voltage, _| voltage)?),
+        BagChannel::Driving(motor) => {
+            (RIG_MEASUREMENT, driven(path, &bag, |voltage, velocity| motor.torque(voltage, velocity))?)
+        }
     };
     let start = samples.first().map_or(0, |sample| sample.stamp);
     // Differences of the unsigned stamps lose their sign before the first one.
@@ -157,11 +172,16 @@ fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError>
     messages.into_iter().enumerate().map(sample).collect()
 }
 
-fn driven(path: &Path, bag: &BagReader, motor: &Motor) -> Result<Vec<Sample>, RecordingError> {
+/// Samples of the rig's measurement, with what `value` makes of voltage [V] and velocity [rad/s].
+fn driven(
+    path: &Path,
+    bag: &BagReader,
+    value: impl Fn(f64, f64) -> f64,
+) -> Result<Vec<Sample>, RecordingError> {
     let messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
     let sample = |(index, (_, rig)): (usize, (u64, RigMeasurement))| {
         let velocity = rig.tachometer_velocity;
-        let torque = motor.torque(rig.voltage_applied, velocity);
+        let torque = value(rig.voltage_applied, velocity);
         Sample::checked(path, RIG_MEASUREMENT, index, rig.header.stamp.to_nanos(), velocity, torque)
     };
     messages.into_iter().enumerate().map(sample).collect()

@@ -11,19 +11,22 @@ use csv::StringRecord;
 use friction_ident::quantiser::{Turn, between_counts, step_of};
 use friction_ident::stretch::Before;
 use friction_ident::zero_phase::{LowPass, decimate};
-use friction_ident::{Hampel, IdentError, SavitzkyGolay, SteadyPoint, Stretch, Uncertain};
+use friction_ident::{
+    ChannelDeviations, ConstantError, DriveConstants, DriveSignals, Hampel, IdentError, SavitzkyGolay,
+    SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
+};
 use serde::Serialize;
 
 use super::column::{Channel, axis_of};
-use super::friction_torque::{AddedUncertainty, TorqueSource};
-use super::rosbag;
+use super::drive_error::DriveError;
+use super::rosbag::{self, BagChannel};
 use super::table::{self, Columns, Header, Motion, damaged};
 use super::timing::even_step;
 use super::{AxisKind, RecordingError};
 
 mod pieces;
 
-use pieces::{runs, steady_part};
+use pieces::{cropped, runs, steady_part};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
@@ -54,10 +57,22 @@ pub struct Preparation {
     pub outliers: Option<Hampel>,
     /// Where the friction comes from.
     pub torque: TorqueSource,
-    /// What is accelerated.
-    pub inertia: Option<Uncertain>,
+    /// The drive, for every source but a sensor.
+    pub drive: Option<DriveConstants>,
     /// How far a time step may be from the usual one, as a fraction.
     pub tolerance: f64,
+}
+
+impl Preparation {
+    /// The drive's constants; without any the source's check refuses an inertia of zero.
+    fn constants(&self) -> DriveConstants {
+        self.drive.unwrap_or(DriveConstants::force_recorded(Uncertain::exact(0.0)))
+    }
+
+    /// No friction errors yet, one entry for each constant that enters.
+    fn drive_errors(&self) -> Vec<DriveError> {
+        self.torque.constants().iter().map(|&constant| DriveError::new(constant)).collect()
+    }
 }
 
 impl Default for Preparation {
@@ -69,7 +84,7 @@ impl Default for Preparation {
             decimate: 1,
             outliers: None,
             torque: TorqueSource::default(),
-            inertia: None,
+            drive: None,
             tolerance: 0.05,
         }
     }
@@ -103,8 +118,8 @@ pub struct FrictionRecording {
     pub axis: Option<AxisKind>,
     /// Samples that were replaced.
     pub outliers: Vec<Outlier>,
-    /// What the inertia's error adds to the friction, in the worst stretch.
-    pub added: Option<AddedUncertainty>,
+    /// What the errors of the drive's constants do to the friction, constant by constant; empty with a torque sensor.
+    pub drive_errors: Vec<DriveError>,
     /// Pieces too short to be used.
     pub left_out: usize,
 }
@@ -124,18 +139,15 @@ struct Samples {
 pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<FrictionRecording, RecordingError> {
     let is_bag = path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap");
     if is_bag {
-        let motor = match how.torque {
-            TorqueSource::Voltage(motor) => Some(motor),
-            _ => None,
+        let channel = match how.torque {
+            TorqueSource::Voltage => BagChannel::Voltage,
+            _ => BagChannel::Friction,
         };
-        let track = rosbag::track(path, motor.as_ref())?;
-        // The bag's reader has turned volts into torque already.
-        let torque = if motor.is_some() { TorqueSource::Driving } else { TorqueSource::Sensor };
+        let track = rosbag::track(path, channel)?;
         let samples =
             Samples { time: track.time, position: None, velocity: Some(track.velocity), force: track.force };
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
-        let how = Preparation { torque, ..how.clone() };
-        return cut(path, &samples, Some(AxisKind::Rotary), &how, place);
+        return cut(path, &samples, Some(AxisKind::Rotary), how, place);
     }
     let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns, how)
@@ -148,7 +160,7 @@ fn parse(
     how: &Preparation,
 ) -> Result<FrictionRecording, RecordingError> {
     if is_points(path, bytes, columns) {
-        return points(path, bytes, columns);
+        return points(path, bytes, columns, how);
     }
     let rows = table::rows(path, bytes, columns, Motion::Both)?;
     let samples = Samples {
@@ -177,7 +189,16 @@ const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
 /// Names of the standard deviation of a point's friction.
 const DEVIATIONS: [&str; 4] = ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
 
-fn points(path: &Path, bytes: &[u8], columns: &Columns) -> Result<FrictionRecording, RecordingError> {
+/// Steady points: nothing is accelerated, and where there is no sensor friction is what drives.
+fn points(
+    path: &Path,
+    bytes: &[u8],
+    columns: &Columns,
+    how: &Preparation,
+) -> Result<FrictionRecording, RecordingError> {
+    let (drive, source) = (how.constants(), how.torque);
+    drive.check(source).map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
+    let mut drive_errors = how.drive_errors();
     let (mut reader, names) = table::open(path, bytes, EXAMPLE)?;
     let header = Header { path, names: &names };
     let velocity = header.require(Channel::Velocity, columns.velocity.as_ref())?;
@@ -194,9 +215,13 @@ fn points(path: &Path, bytes: &[u8], columns: &Columns) -> Result<FrictionRecord
     while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
         let line = record.position().map_or(0, csv::Position::line);
         let number = |found| header.number(&record, line, found);
+        let (velocity, channel) = (number(&velocity)?, number(&force)?);
+        for error in &mut drive_errors {
+            error.points.push(drive.friction_error(source, error.constant, channel, velocity, 0.0));
+        }
         points.push(SteadyPoint {
-            velocity: number(&velocity)?,
-            torque: number(&force)?,
+            velocity,
+            torque: drive.friction(source, channel, velocity, 0.0),
             deviation: deviation.as_ref().map(number).transpose()?,
         });
     }
@@ -211,7 +236,7 @@ fn points(path: &Path, bytes: &[u8], columns: &Columns) -> Result<FrictionRecord
         stretches: Vec::new(),
         axis,
         outliers: Vec::new(),
-        added: None,
+        drive_errors,
         left_out: 0,
     })
 }
@@ -233,7 +258,7 @@ fn cut(
         samples: samples.time.len(),
         axis,
         outliers: Vec::new(),
-        added: None,
+        drive_errors: how.drive_errors(),
         left_out: 0,
     };
     let runs = runs(&samples.time);
@@ -248,10 +273,20 @@ fn cut(
         if run.len() < SHORTEST {
             return Err(RecordingError::TooShort { path: path.into(), found: run.len(), needed: SHORTEST });
         }
-        let stretch = prepare(samples, run, dt, how, &mut found)
+        let (stretch, constants) = prepare(samples, run, dt, how, &mut found)
             .map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
-        match steady_part(&stretch) {
-            Some(part) => found.points.push(part.steady_point()),
+        let steady = steady_part(&stretch);
+        for (error, constant) in found.drive_errors.iter_mut().zip(constants) {
+            match &steady {
+                Some(part) => {
+                    let torque = constant.torque.get(part.clone()).unwrap_or_default();
+                    error.points.push(torque.iter().sum::<f64>() / torque.len().max(1) as f64);
+                }
+                None => error.stretches.push(constant.torque),
+            }
+        }
+        match steady {
+            Some(part) => found.points.push(cropped(&stretch, part).steady_point()),
             None => found.stretches.push(stretch),
         }
     }
@@ -267,7 +302,7 @@ fn prepare(
     dt: f64,
     how: &Preparation,
     found: &mut FrictionRecording,
-) -> Result<Stretch, IdentError> {
+) -> Result<(Stretch, Vec<ConstantError>), IdentError> {
     let mut clean = |channel: &'static str, values: &[f64]| -> Result<Vec<f64>, IdentError> {
         let Some(hampel) = how.outliers else { return Ok(values.to_vec()) };
         let cleaned = hampel.clean(values)?;
@@ -304,30 +339,37 @@ fn prepare(
         }
     };
     let position = position.map(|position| smooth(&position)).transpose()?;
-    let velocity = match (&velocity, &position) {
-        (Some(velocity), _) => smooth(velocity)?,
+    let from_position = velocity.is_none();
+    let measured = match (velocity, &position) {
+        (Some(velocity), _) => velocity,
         (None, Some(position)) => filter.derivative(position, dt)?,
         (None, None) => return Err(IdentError::NoMotion),
     };
-    let acceleration =
-        if how.torque.needs_inertia() { filter.derivative(&velocity, dt)? } else { Vec::new() };
-    let (friction, added) = how.torque.friction(&column, &velocity, &acceleration, how.inertia);
-    if let Some(added) = added.filter(|added| found.added.is_none_or(|worst| worst.rms < added.rms)) {
-        found.added = Some(added);
-    }
+    let signals = DriveSignals {
+        time_step: dt,
+        velocity: &measured,
+        torque: &column,
+        voltage: &column,
+        current: &column,
+    };
+    // What the scatter of the samples is, the residuals of the fit say.
+    let friction = friction_torque(how.torque, &signals, &how.constants(), &ChannelDeviations::default())?;
+    let velocity = if from_position { measured } else { smooth(&measured)? };
     let thin = |values: Vec<f64>| decimate(&values, how.decimate);
     let mut stretch = Stretch::new(
         dt * how.decimate as f64,
         thin(velocity)?,
         position.map(thin).transpose()?,
-        thin(friction)?,
+        thin(friction.torque)?,
     )?;
     // Experiment 2 begins at a fortieth of its fastest velocity, and has slid before.
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
     if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {
         stretch.before = Before::Rested;
     }
-    Ok(stretch)
+    let thinned = |error: ConstantError| Ok(ConstantError { torque: thin(error.torque)?, ..error });
+    let errors = friction.constants.into_iter().map(thinned).collect::<Result<_, IdentError>>()?;
+    Ok((stretch, errors))
 }
 
 /// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path between its counts and stays as it is.

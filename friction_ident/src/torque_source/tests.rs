@@ -35,6 +35,17 @@ fn recording(n: usize, drive: &DriveConstants) -> [Vec<f64>; 4] {
     [velocity, torque, voltage, amperes]
 }
 
+/// What `source` needs: the torque column holds what drives the axis if that is recorded.
+fn channels_of(source: TorqueSource, n: usize) -> [Vec<f64>; 4] {
+    let mut channels = recording(n, &srv02());
+    if source == TorqueSource::Driving {
+        for (i, torque) in channels[1].iter_mut().enumerate() {
+            *torque += srv02().inertia.value * motion(i as f64 * STEP).1;
+        }
+    }
+    channels
+}
+
 fn signals(channels: &[Vec<f64>; 4]) -> DriveSignals<'_> {
     let [velocity, torque, voltage, current] = channels;
     DriveSignals { time_step: STEP, velocity, torque, voltage, current }
@@ -42,8 +53,8 @@ fn signals(channels: &[Vec<f64>; 4]) -> DriveSignals<'_> {
 
 #[test]
 fn every_source_gives_the_friction_that_made_the_recording() {
-    let channels = recording(3000, &srv02());
     for source in TorqueSource::ALL {
+        let channels = channels_of(source, 3000);
         let found = friction_torque(source, &signals(&channels), &srv02(), &EXACT).unwrap();
         assert_eq!(found.noise, 0.0);
         for i in 200..2800 {
@@ -61,8 +72,8 @@ fn every_source_gives_the_friction_that_made_the_recording() {
 /// A drive whose constants are off by one standard error each: the error is the one announced, constant by constant.
 #[test]
 fn a_wrong_constant_makes_the_error_that_was_announced() {
-    let channels = recording(2000, &srv02());
-    for source in [TorqueSource::Voltage, TorqueSource::Current] {
+    for source in [TorqueSource::Voltage, TorqueSource::Current, TorqueSource::Driving] {
+        let channels = channels_of(source, 2000);
         let right = friction_torque(source, &signals(&channels), &srv02(), &EXACT).unwrap();
         for (which, announced) in right.constants.iter().enumerate() {
             let mut wrong = srv02();
@@ -128,6 +139,10 @@ fn what_cannot_be_used_is_named() {
     let mut wrong = srv02();
     wrong.inertia.value = -1.0;
     assert!(say(&whole, &wrong).contains("inertia"));
+    // Constants that do not enter are not asked for.
+    wrong = DriveConstants { torque_constant: Uncertain::exact(0.0), ..srv02() };
+    assert!(say(&whole, &wrong).contains("torque_constant"));
+    assert!(friction_torque(TorqueSource::Driving, &whole, &wrong, &EXACT).is_ok());
     let mut broken = channels.clone();
     broken[0][7] = f64::NAN;
     assert!(say(&signals(&broken), &srv02()).contains("sample 7 of the velocity"));

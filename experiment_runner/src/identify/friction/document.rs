@@ -4,13 +4,16 @@
 //! format                  "frictionlab-friction-identification"; format_version, program_version
 //! axis                    "linear" or "rotary"
 //! files, validation       file, samples, points, stretches, outliers (channel, time, measured, by), pieces_left_out,
-//!                         added_uncertainty (rms, largest) of the friction by the inertia; null with a torque sensor
+//!                         added_uncertainty (rms, largest) of the friction by the drive's constants; null with a torque sensor
 //! recordings              of each kind: points or samples fitted to, and held out
-//! settings                models, asymmetric, elements, joint, inertia, damping_ratio, smoothing, decimate, reach
+//! settings                models, asymmetric, elements, joint, inertia, damping_ratio, torque_source, drive_constants
+//!                         (each value and standard_error; null with a sensor), smoothing, decimate, reach
 //! ranking                 by ("held_out" or "bic"), chosen, and in order: model, tie, difference_of_mean_square and ln_ratio_of_mean_square (mean,
 //!                         standard_error), each to the first and paired over blocks
 //! models                  name ->
-//!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation
+//!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation,
+//!                         from_drive (standard_error, and by_constant how far one standard error of each moves it); null with a sensor.
+//!                         standard_error and interval_95 do not contain from_drive
 //!   correlation           names, matrix: of the last fit
 //!   fit, held_out         rms [N or N m] over all, and of each kind; held_out is null without --validate
 //!   information           samples, effective_samples, parameters, mse, aic, bic
@@ -23,6 +26,7 @@
 use friction_ident::{Estimate, Estimates, FrictionData};
 use serde_json::{Map, Value, json};
 
+use super::from_drive::FromDrive;
 use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, wording};
 
 /// The document as text.
@@ -62,6 +66,7 @@ pub fn render(found: &FrictionIdentification) -> String {
             "inertia": staged.inertia,
             "damping_ratio": staged.damping_ratio,
             "torque_source": preparation.torque.describe(),
+            "drive_constants": preparation.drive,
             "smoothing": preparation.smoothing,
             "decimate": preparation.decimate,
             "reach": found.settings.reach,
@@ -115,12 +120,12 @@ fn model(result: &ModelResult) -> Value {
                 "stage": stage.stage,
                 "samples": stage.samples,
                 "rms": stage.rms,
-                "parameters": parameters(&stage.estimates),
+                "parameters": parameters(&stage.estimates, None),
             })
         })
         .collect();
     json!({
-        "parameters": parameters(&found.estimates),
+        "parameters": parameters(&found.estimates, result.from_drive.as_ref()),
         "correlation": last.map(|stage| json!({
             "names": stage.estimates.parameters.iter().map(|p| p.name.clone()).collect::<Vec<_>>(),
             "matrix": stage.estimates.correlation,
@@ -140,12 +145,21 @@ fn errors(errors: &Errors) -> Value {
     json!({ "rms": errors.all, "rms_of_kind": kinds })
 }
 
-fn parameters(estimates: &Estimates) -> Value {
-    estimates.parameters.iter().map(|p| (p.name.clone(), parameter(p))).collect::<Map<_, _>>().into()
+fn parameters(estimates: &Estimates, from_drive: Option<&FromDrive>) -> Value {
+    let named = |p: &Estimate| (p.name.clone(), parameter(p, from_drive));
+    estimates.parameters.iter().map(named).collect::<Map<_, _>>().into()
 }
 
-fn parameter(estimate: &Estimate) -> Value {
+fn parameter(estimate: &Estimate, from_drive: Option<&FromDrive>) -> Value {
+    let from_drive = from_drive.and_then(|from| {
+        let standard_error = from.of(&estimate.name)?;
+        let moves = from.by_constant(&estimate.name);
+        let by_constant: Map<String, Value> =
+            moves.iter().map(|(constant, by)| (constant.name().to_owned(), json!(by))).collect();
+        Some(json!({ "standard_error": standard_error, "by_constant": by_constant }))
+    });
     json!({
+        "from_drive": from_drive,
         "value": estimate.value,
         "unit": estimate.unit,
         "standard_error": estimate.standard_error,

@@ -1,10 +1,11 @@
 //! Identification of friction models from recordings of friction: what `frictionlab identify` does with steady points, bags and several files.
 //!
 //! [`run`] works out everything; [`document`] is the JSON, [`page`] and [`pictures`] the HTML, [`parameters`] the ROS parameter file, [`terminal`]
-//! the text; [`thesis_tables`] holds the thesis's printed figures, [`band`] the uncertainty of a fitted curve, [`wording`] what all of them say alike.
+//! the text; [`thesis_tables`] holds the thesis's printed figures, [`band`] the uncertainty of a fitted curve, [`from_drive`] what the drive's constants add to it, [`wording`] what all of them say alike.
 
 pub mod band;
 pub mod document;
+pub mod from_drive;
 pub mod page;
 pub mod parameters;
 pub mod pictures;
@@ -21,6 +22,7 @@ use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, Stretc
 use friction_model::{AnyModel, ModelName};
 
 use crate::recording::AxisKind;
+use crate::recording::drive_error::AddedUncertainty;
 use crate::recording::stretches::{FrictionRecording, Preparation};
 
 /// What is asked for.
@@ -76,6 +78,8 @@ pub struct ModelResult {
     pub ratio: Difference,
     /// Whether it cannot be told from the first.
     pub tie: bool,
+    /// What the errors of the drive's constants add to the parameters; none with a torque sensor.
+    pub from_drive: Option<from_drive::FromDrive>,
 }
 
 /// By what the models stand in order.
@@ -101,8 +105,8 @@ pub struct Source {
     pub stretches: usize,
     /// What was replaced.
     pub outliers: Vec<crate::recording::stretches::Outlier>,
-    /// What the inertia's error adds to the friction.
-    pub added: Option<crate::recording::friction_torque::AddedUncertainty>,
+    /// What the errors of the drive's constants add to the friction.
+    pub added: Option<AddedUncertainty>,
     /// Pieces too short to be used.
     pub left_out: usize,
 }
@@ -115,7 +119,7 @@ impl From<&FrictionRecording> for Source {
             points: recording.points.len(),
             stretches: recording.stretches.len(),
             outliers: recording.outliers.clone(),
-            added: recording.added,
+            added: AddedUncertainty::of(&recording.drive_errors),
             left_out: recording.left_out,
         }
     }

@@ -4,6 +4,10 @@ use super::thesis_tables;
 use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, pictures, wording};
 use crate::report::figure::{Block, Page, Table};
 
+/// Reads the column `from the drive`.
+const FROM_DRIVE: &str = " From the drive: the standard deviation that the errors of the drive's constants add, in the same unit. The standard errors and \
+                          intervals beside it do not contain it.";
+
 /// Samples of a list that are shown one by one.
 const SHOWN: usize = 20;
 
@@ -120,6 +124,11 @@ fn by_kind(found: &FrictionIdentification) -> Table {
 }
 
 fn parameters(result: &ModelResult) -> Table {
+    let driven = result.from_drive.is_some();
+    let mut columns = vec!["parameter", "value", "standard error", "95 % interval"];
+    columns.extend(driven.then_some("from the drive"));
+    columns.extend(["unit", "what the data say"]);
+    let columns = columns.into_iter().map(str::to_owned).collect();
     let rows = result
         .found
         .estimates
@@ -127,24 +136,22 @@ fn parameters(result: &ModelResult) -> Table {
         .iter()
         .map(|estimate| {
             let (value, error) = wording::value(estimate);
-            vec![
-                estimate.name.clone(),
-                value,
-                error,
-                wording::interval(estimate),
-                estimate.unit.to_owned(),
-                wording::verdict(estimate),
-            ]
+            let mut row = vec![estimate.name.clone(), value, error, wording::interval(estimate)];
+            if driven {
+                row.push(wording::from_drive(result, estimate));
+            }
+            row.extend([estimate.unit.to_owned(), wording::verdict(estimate)]);
+            row
         })
         .collect();
     Table {
         title: format!("{}: parameters", result.found.name),
-        caption: "The standard errors count neighbouring residuals by how alike they are. A parameter that is not identifiable has a number that is safe \
-                  to compute with, and no more."
-            .to_owned(),
-        columns: ["parameter", "value", "standard error", "95 % interval", "unit", "what the data say"]
-            .map(str::to_owned)
-            .to_vec(),
+        caption: format!(
+            "The standard errors count neighbouring residuals by how alike they are. A parameter that is not identifiable has a number that is safe \
+             to compute with, and no more.{}",
+            if driven { FROM_DRIVE } else { "" }
+        ),
+        columns,
         rows,
         highlight: None,
     }

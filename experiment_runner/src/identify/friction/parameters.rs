@@ -67,6 +67,8 @@ fn header(found: &FrictionIdentification) -> String {
         for estimate in &first.found.estimates.parameters {
             let (value, error) = wording::value(estimate);
             let plus = if error.is_empty() { String::new() } else { format!(" +- {error}") };
+            let added = wording::from_drive(first, estimate);
+            let plus = if added.is_empty() { plus } else { format!("{plus}, from the drive +- {added}") };
             let unit = if estimate.unit.is_empty() { String::new() } else { format!(" {}", estimate.unit) };
             let doubt = if estimate.is_identified() { "" } else { ", not identified by these recordings" };
             let _ = writeln!(text, "# {}.{}: {value}{plus}{unit}{doubt}", first.found.name, estimate.name);

@@ -5,9 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use friction_ident::information::{Difference, Information, paired_difference, paired_ratio};
 use friction_ident::staged::residuals;
-use friction_ident::{FrictionData, IdentError, Identified, SteadyPoint, Stretch, identify_model};
+use friction_ident::{
+    DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch, identify_model,
+};
 use friction_model::ModelName;
 
+use super::from_drive::FromDrive;
 use super::{
     Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source, wording,
 };
@@ -36,12 +39,20 @@ pub fn identify(
     let (data, mut notes) = sorted(files, reach);
     let held_out = (!validation.is_empty()).then(|| sorted(validation, reach).0);
 
-    let mut models: Vec<Identified> = Vec::new();
+    let moved = moved(files, reach, settings);
+    let stages_only = StagedOptions { joint: false, ..settings.staged };
+
+    let mut models: Vec<(Identified, Option<FromDrive>)> = Vec::new();
     let mut refused: Vec<(ModelName, IdentError)> = Vec::new();
     let work = |name: &ModelName| {
-        let found = identify_model(*name, &data, &settings.staged, &mut |stage, step| {
+        let mut watch = |stage, step: &friction_ident::bounded::Step| {
             progress.stage(wording::progress(*name, stage, step.sum));
             if cancel.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let found = identify_model(*name, &data, &settings.staged, &mut watch).and_then(|found| {
+            let refit = |data: &_| identify_model(*name, data, &stages_only, &mut watch);
+            let from_drive = FromDrive::work_out(&found, &moved, refit)?;
+            Ok((found, from_drive))
         });
         progress.advance(1.0);
         Ok::<_, std::convert::Infallible>(found)
@@ -54,7 +65,7 @@ pub fn identify(
         Ok(())
     });
     let interrupted = cancel.load(Ordering::Relaxed)
-        && (completion != Completion::All || models.iter().any(|model| model.stopped));
+        && (completion != Completion::All || models.iter().any(|(model, _)| model.stopped));
     if models.is_empty() {
         return Err(match refused.into_iter().next() {
             Some((model, source)) => {
@@ -111,6 +122,28 @@ fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec
     (data, notes)
 }
 
+/// The recordings as they were if each constant of the drive were higher by one standard error. They sort as the others do: their motion is the same.
+fn moved(
+    files: &[FrictionRecording],
+    reach: Option<f64>,
+    settings: &Settings,
+) -> Vec<(DriveConstant, FrictionData)> {
+    let constants = settings.preparation.torque.constants().iter();
+    constants
+        .map(|&constant| {
+            let (mut points, mut stretches) = (Vec::new(), Vec::new());
+            for file in files {
+                if let Some(error) = file.drive_errors.iter().find(|error| error.constant == constant) {
+                    let (more_points, more_stretches) = error.moved(&file.points, &file.stretches);
+                    points.extend(more_points);
+                    stretches.extend(more_stretches);
+                }
+            }
+            (constant, FrictionData::sort(points, stretches, reach))
+        })
+        .collect()
+}
+
 /// How far the contact bends, from stretches that turn back and forth and whose friction stays well below the level at which it slides.
 fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Option<f64> {
     let root_mean_square =
@@ -151,25 +184,25 @@ fn turns(stretch: &Stretch) -> bool {
 
 /// Information criteria over one and the same number of independent samples: that of the model that leaves least. Its own for each would compare models by
 /// how much of a pattern they leave.
-fn on_common_ground(models: &mut [Identified]) {
-    let least = models.iter().map(|model| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
+fn on_common_ground(models: &mut [(Identified, Option<FromDrive>)]) {
+    let least = models.iter().map(|(model, _)| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
     let Some(least) = least else { return };
     let share = least.effective_samples / least.samples.max(1) as f64;
-    for model in models {
+    for (model, _) in models {
         let own = model.information;
         model.information = Information::new(own.mse, own.samples, share, own.parameters);
     }
 }
 
 fn ranked(
-    models: Vec<Identified>,
+    models: Vec<(Identified, Option<FromDrive>)>,
     data: &FrictionData,
     held_out: Option<&FrictionData>,
     criterion: Criterion,
 ) -> Vec<ModelResult> {
     let mut scored: Vec<(f64, Vec<f64>, ModelResult)> = models
         .into_iter()
-        .map(|found| {
+        .map(|(found, from_drive)| {
             let here = residuals(&found.model, data);
             let there = held_out.map(|data| residuals(&found.model, data));
             let fit = Errors::of(&found.model, data, &here);
@@ -182,8 +215,15 @@ fn ranked(
             // What is not a number is worse than all.
             let score = if score.is_nan() { f64::INFINITY } else { score };
             let none = Difference { mean: 0.0, standard_error: 0.0 };
-            let result =
-                ModelResult { found, fit, held_out: tried, difference: none, ratio: none, tie: false };
+            let result = ModelResult {
+                found,
+                fit,
+                held_out: tried,
+                difference: none,
+                ratio: none,
+                tie: false,
+                from_drive,
+            };
             (score, there.unwrap_or(here), result)
         })
         .collect();
@@ -224,7 +264,7 @@ mod tests {
             samples: 0,
             axis: None,
             outliers: Vec::new(),
-            added: None,
+            drive_errors: Vec::new(),
             left_out: 0,
         }
     }

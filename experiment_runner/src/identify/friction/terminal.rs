@@ -44,6 +44,10 @@ pub fn render(found: &FrictionIdentification) -> String {
     }
     if let Some(chosen) = found.chosen() {
         let _ = writeln!(text, "\n{}", chosen.found.name);
+        let from_drive = |estimate| match wording::from_drive(chosen, estimate) {
+            added if added.is_empty() => String::new(),
+            added => format!(", from the drive ± {added}"),
+        };
         let rows: Vec<_> = chosen
             .found
             .estimates
@@ -63,8 +67,13 @@ pub fn render(found: &FrictionIdentification) -> String {
             } else {
                 format!("  {}", wording::verdict(estimate))
             };
-            let _ =
-                writeln!(text, "  {:width$}  {value:>numbers$}{plus} {}{note}", estimate.name, estimate.unit);
+            let _ = writeln!(
+                text,
+                "  {:width$}  {value:>numbers$}{plus}{} {}{note}",
+                estimate.name,
+                from_drive(estimate),
+                estimate.unit
+            );
         }
     }
     for note in found.notes.iter().chain(found.chosen().iter().flat_map(|chosen| &chosen.found.notes)) {

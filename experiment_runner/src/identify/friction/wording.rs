@@ -5,6 +5,7 @@ use friction_model::ModelName;
 
 use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
 use crate::identify::quantity::with_error;
+use crate::recording::drive_error::AddedUncertainty;
 use crate::recording::stretches::FrictionRecording;
 
 /// One line for the progress bar.
@@ -25,6 +26,12 @@ pub(super) fn value(estimate: &Estimate) -> (String, String) {
         Some(error) => with_error(estimate.value, error),
         None => (significant(estimate.value), String::new()),
     }
+}
+
+/// What the drive's constants add to a parameter's uncertainty; empty where nothing does.
+pub(super) fn from_drive(result: &ModelResult, estimate: &Estimate) -> String {
+    let added = result.from_drive.as_ref().and_then(|from| from.of(&estimate.name));
+    added.map_or(String::new(), |added| if added == 0.0 { "0".to_owned() } else { format!("{added:.1e}") })
 }
 
 /// The 95 % interval, open ends as such.
@@ -149,10 +156,10 @@ pub(super) fn source_notes(files: &[FrictionRecording], settings: &Settings) -> 
                 file.left_out
             ));
         }
-        if let Some(added) = file.added {
+        if let Some(added) = AddedUncertainty::of(&file.drive_errors) {
             notes.push(format!(
-                "{path}: the friction is {}; the standard error of the inertia adds {} {unit} (root mean square) to it, {} {unit} at the largest \
-                 acceleration. It is the same error in every sample and is not in the standard errors of the parameters.",
+                "{path}: the friction is {}; the standard errors of the drive's constants add {} {unit} (root mean square) to it, {} {unit} at \
+                 most. It is the same error in every sample and is not in the standard errors of the parameters; `from the drive` says what it adds to each.",
                 settings.preparation.torque.describe(),
                 significant(added.rms),
                 significant(added.largest)

@@ -24,7 +24,7 @@ pub(super) fn runs(time: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// The part of a run at a constant velocity that has settled; none if the velocity is not constant.
-pub(super) fn steady_part(stretch: &Stretch) -> Option<Stretch> {
+pub(super) fn steady_part(stretch: &Stretch) -> Option<Range<usize>> {
     let n = stretch.len();
     let part = n / 5..n - n / 10;
     const BLOCKS: usize = 10;
@@ -48,10 +48,15 @@ pub(super) fn steady_part(stretch: &Stretch) -> Option<Stretch> {
     let steady = mean != 0.0
         && blocks.into_iter().all(|v| (v - mean).abs() < 0.05 * mean.abs())
         && swing < 0.15 * mean.abs();
-    steady.then(|| Stretch {
+    steady.then_some(part)
+}
+
+/// A part of a stretch, which must lie within it.
+pub(super) fn cropped(stretch: &Stretch, part: Range<usize>) -> Stretch {
+    Stretch {
         velocity: stretch.velocity[part.clone()].to_vec(),
         position: stretch.position.as_ref().map(|position| position[part.clone()].to_vec()),
         friction: stretch.friction[part].to_vec(),
         ..stretch.clone()
-    })
+    }
 }

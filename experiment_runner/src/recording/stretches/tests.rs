@@ -103,28 +103,61 @@ fn replaced_outliers_are_listed() {
 /// Friction from the voltage of a motor: `u` such that the inertia is accelerated and the friction overcome.
 #[test]
 fn friction_is_found_from_the_voltage() {
-    let motor = rosbag::Motor::default();
+    let (constant, resistance) = (0.5369, 2.6);
     let inertia = Uncertain { value: 0.0026, standard_error: 2.6e-5 };
-    let constant = motor.gear_ratio * motor.motor_constant;
+    let drive = DriveConstants {
+        torque_constant: Uncertain::exact(constant),
+        armature_resistance: Uncertain::exact(resistance),
+        inertia,
+    };
     let mut text = "t_s,velocity_rad_s,voltage_V\n".to_owned();
     for k in 0..2000 {
         let t = f64::from(k) * 1e-3;
-        let (v, a) = (1.0 + 0.5 * (9.0 * t).sin(), 4.5 * (9.0 * t).cos());
+        let motion = |t: f64| (1.0 + 0.5 * (9.0 * t).sin(), 4.5 * (9.0 * t).cos());
+        // The mean over the period that ends here is the value in its middle, but for 2e-7 of it.
+        let (v, a) = motion(t - 5e-4);
         let torque = 0.09 + 0.04 * v + inertia.value * a;
-        writeln!(text, "{t:.4},{v:.12},{:.12}", torque * motor.resistance / constant + constant * v).unwrap();
+        let voltage = torque * resistance / constant + constant * v;
+        writeln!(text, "{t:.4},{:.12},{voltage:.12}", motion(t).0).unwrap();
     }
     let columns = Columns { force: Some("voltage_V".parse().unwrap()), ..Columns::default() };
-    let how = Preparation {
-        torque: TorqueSource::Voltage(motor),
-        inertia: Some(inertia),
-        ..Preparation::default()
-    };
+    let how = Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
     let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap();
     let stretch = &found.stretches[0];
     for (f, v) in stretch.friction.iter().zip(&stretch.velocity).skip(30).take(1900) {
         assert!((f - 0.09 - 0.04 * v).abs() < 2e-5, "{f} at {v}");
     }
-    assert!((found.added.unwrap().largest / (2.6e-5 * 4.5) - 1.0).abs() < 0.01);
+    let errors = &found.drive_errors;
+    assert_eq!(errors.iter().map(|e| e.constant).collect::<Vec<_>>(), TorqueSource::Voltage.constants());
+    let largest = errors[2].stretches[0][30..1900].iter().fold(0.0f64, |largest, e| largest.max(e.abs()));
+    assert!((largest / (2.6e-5 * 4.5) - 1.0).abs() < 0.01, "{largest}");
+    // Without constants nothing is worked out.
+    let how = Preparation { drive: None, ..how };
+    let message = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap_err().to_string();
+    assert!(message.contains("inertia"), "{message}");
+}
+
+/// At constant speed `F = (k/R)(u - k w)`; the error of R is a fraction of it, that of k less so (the back-EMF).
+#[test]
+fn steady_points_from_the_voltage_carry_the_errors_of_the_constants() {
+    let drive = DriveConstants {
+        torque_constant: Uncertain::relative(0.5, 0.01),
+        armature_resistance: Uncertain::relative(2.5, 0.02),
+        inertia: Uncertain::relative(0.0026, 0.02),
+    };
+    let columns = Columns { force: Some("voltage_V".parse().unwrap()), ..Columns::default() };
+    let how = Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
+    let text = "velocity_rad_s,voltage_V\n1.0,1.0\n-1.0,-1.0\n";
+    let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap();
+    for (point, sign) in found.points.iter().zip([1.0, -1.0]) {
+        assert!((point.torque - 0.1 * sign).abs() < 1e-12, "{point:?}");
+    }
+    let [k, r, j] = &found.drive_errors[..] else { panic!("three constants") };
+    // .005 (u - 2 k w) / R and -.02 F.
+    for (error, expected) in [(k, 0.0), (r, -0.002), (j, 0.0)] {
+        assert!((error.points[0] - expected).abs() < 1e-12, "{error:?}");
+        assert!((error.points[1] + expected).abs() < 1e-12, "{error:?}");
+    }
 }
 
 #[test]
