@@ -91,6 +91,16 @@ pub enum Doubt {
     /// Only its ratio to something unknown is determined.
     #[error("only its ratio to the torque per volt is determined")]
     RatioOnly,
+    /// The sensor's steps are too coarse for the noise to fill them: the mean error of rounding is not known well enough.
+    #[error(
+        "the sensor's steps of {step:.3e} are too coarse for the noise of {noise:.3e} that should fill them"
+    )]
+    CoarseSensor {
+        /// One step.
+        step: f64,
+        /// Standard deviation of the noise before rounding.
+        noise: f64,
+    },
     /// Repeated searches that fit equally well disagree.
     #[error("the {fits} equally good fits disagree on it")]
     Scatter {

@@ -3,12 +3,16 @@
 //! An encoder that rounds down tells the position to within a count `[k, k + 1)`. In pre-sliding that matters: with 4096 counts a turn the breakaway displacement
 //! of the thesis's test bed is 3.9 counts, and a fit to the raw counts finds it several percent too large, because a staircase reaches less far than
 //! the motion does. What is exact are the instants at which the count changes: there the position is the edge between both counts. [`between_counts`] runs a
-//! path through these edges, goes beyond the last edge before a turn as far as the speed on both sides says, and starts as far inside the first count as
-//! the first edges say.
+//! path through these edges, and beyond the last edge before a turn as far as the motion says: straight to a corner, or on legs that are half a cosine each.
+//! The first edges say how far inside its count the path starts.
 //!
 //! A motion that changes counts often enough is asked for: a leg within one count leaves no trace. [`step_of`] tells the resolution from the readings.
 
 use crate::IdentError;
+
+mod cosine_legs;
+
+use cosine_legs::Turns;
 
 /// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which all differences are multiples, where the
 /// position stands still for a fifth of the samples at least. None for a position without such steps.
@@ -45,7 +49,7 @@ pub enum Turn {
     /// At constant speed to a corner: ramps and triangles.
     #[default]
     Sharp,
-    /// Slowing down evenly: sines.
+    /// From halt to halt, each leg half a cosine: sines. The first leg begins with the recording.
     Round,
 }
 
@@ -88,15 +92,25 @@ pub fn between_counts(position: &[f64], resolution: f64, turn: Turn) -> Result<V
         return Err(IdentError::Resolution(resolution));
     }
     let crossings = crossings(&counts);
-    let knots = knots(&crossings, counts.len(), turn).ok_or(IdentError::TooFewSamples {
+    let path = path(&crossings, counts.len(), turn).ok_or(IdentError::TooFewSamples {
         what: "the path between the counts of an encoder (edges passed)",
         needed: 2,
         found: crossings.len(),
         lower: "the resolution",
     })?;
-    let path = along(&knots, counts.len());
     let start = path.first().copied().unwrap_or(0.0);
     Ok(path.iter().map(|x| resolution * (x - start)).collect())
+}
+
+/// Positions in counts at whole samples.
+fn path(crossings: &[Crossing], samples: usize, turn: Turn) -> Option<Vec<f64>> {
+    let knots = knots(crossings, samples)?;
+    if turn == Turn::Sharp {
+        return Some(along(&knots, samples));
+    }
+    let ends = [knots.first()?.1, knots.last()?.1];
+    let turns = Turns::through(crossings, ends, samples.saturating_sub(1) as f64)?;
+    Some(turns.path(crossings, samples))
 }
 
 /// Every edge passed, in time; several between two samples share the time evenly.
@@ -116,7 +130,7 @@ fn crossings(counts: &[f64]) -> Vec<Crossing> {
 }
 
 /// Points (time, position) through which the path runs in straight lines.
-fn knots(crossings: &[Crossing], samples: usize, turn: Turn) -> Option<Vec<(f64, f64)>> {
+fn knots(crossings: &[Crossing], samples: usize) -> Option<Vec<(f64, f64)>> {
     let last_time = samples.saturating_sub(1) as f64;
     // Speed between two neighbouring edges of one leg, in counts a sample.
     let speed = |i: usize| {
@@ -131,16 +145,8 @@ fn knots(crossings: &[Crossing], samples: usize, turn: Turn) -> Option<Vec<(f64,
     };
     let after = |i: usize| known.iter().find(|(j, _)| *j >= i).or(known.last()).map(|(_, speed)| *speed);
     let (first, last) = (crossings.first()?, crossings.last()?);
-    // From rest at constant acceleration the two first edges are passed at times whose squares differ by one count.
-    let from_rest = |near: f64, far: Option<f64>, side: bool| {
-        let far = far.filter(|far| turn == Turn::Round && side && *far > near)?;
-        Some((near * near / (far * far - near * near)).min(1.0))
-    };
     let mut knots = Vec::with_capacity(2 * crossings.len() + 2);
-    let second = crossings.get(1);
-    let lead = from_rest(first.time, second.map(|c| c.time), second.is_some_and(|c| c.side == first.side))
-        .unwrap_or((after(0)? * first.time).min(1.0));
-    knots.push((0.0, first.edge - first.side * lead));
+    knots.push((0.0, first.edge - first.side * (after(0)? * first.time).min(1.0)));
     for (i, crossing) in crossings.iter().enumerate() {
         knots.push((crossing.time, crossing.edge));
         let Some(next) = crossings.get(i + 1) else { break };
@@ -149,42 +155,11 @@ fn knots(crossings: &[Crossing], samples: usize, turn: Turn) -> Option<Vec<(f64,
         }
         // Both pass the same edge, with the turn between them.
         let (up, down, room) = (before(i)?, after(i + 1)?, next.time - crossing.time);
-        match turn {
-            Turn::Sharp => {
-                let height = (up * down * room / (up + down)).min(1.0);
-                let share = down / (up + down);
-                knots.push((crossing.time + share * room, crossing.edge + crossing.side * height));
-            }
-            // In eight pieces.
-            Turn::Round => {
-                // A parabola through this edge and the one before it, on both sides as far as they are passed: half the time squared falls by one count.
-                let (centre, half) = (crossing.time + 0.5 * room, 0.5 * room);
-                let outer = [
-                    i.checked_sub(1).and_then(|i| crossings.get(i)).filter(|c| c.side == crossing.side),
-                    crossings.get(i + 2).filter(|c| c.side == next.side),
-                ];
-                let squares: Vec<f64> = outer.iter().flatten().map(|c| (c.time - centre).powi(2)).collect();
-                let height = if squares.is_empty() {
-                    0.125 * (up + down) * room
-                } else {
-                    half * half / (squares.iter().sum::<f64>() / squares.len() as f64 - half * half)
-                };
-                let height = height.clamp(0.0, 1.0);
-                knots.extend((1..8).map(|j| {
-                    let s = f64::from(j) / 8.0;
-                    let x = crossing.edge + crossing.side * height * 4.0 * s * (1.0 - s);
-                    (crossing.time + s * room, x)
-                }));
-            }
-        }
+        let height = (up * down * room / (up + down)).min(1.0);
+        let share = down / (up + down);
+        knots.push((crossing.time + share * room, crossing.edge + crossing.side * height));
     }
-    let before_last = crossings.len().checked_sub(2).and_then(|i| crossings.get(i));
-    let tail = from_rest(
-        last_time - last.time,
-        before_last.map(|c| last_time - c.time),
-        before_last.is_some_and(|c| c.side == last.side),
-    )
-    .unwrap_or((before(crossings.len().saturating_sub(1))? * (last_time - last.time)).min(1.0));
+    let tail = (before(crossings.len().saturating_sub(1))? * (last_time - last.time)).min(1.0);
     knots.push((last_time.max(last.time + 0.5), last.edge + last.side * tail));
     Some(knots)
 }

@@ -91,6 +91,40 @@ fn noisy_experiments_give_parameters_within_their_errors() {
     assert!((found.information.mse.sqrt() / 1e-3 - 1.0).abs() < 0.02, "{:?}", found.information);
 }
 
+/// Linearised intervals of the joint stage, white noise of 1e-3 N m on points and samples: 93 to 97 % of them cover the truth, and what chance may add or take at this
+/// number of repetitions (three standard deviations). `FRICTION_COVERAGE` sets that number, 40 if unset.
+#[test]
+fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
+    const NAMES: [&str; 7] = ["f_s", "f_c", "v_s", "f_v", "z_b", "sigma", "tau"];
+    let count = std::env::var("FRICTION_COVERAGE").ok().and_then(|text| text.parse().ok()).unwrap_or(40u64);
+    let n = count as f64;
+    let truth = truth(Proposed);
+    let clean = experiments(&truth, 0.0, 1);
+    let (mut covered, mut squares) = ([0.0; 7], [0.0; 7]);
+    for seed in 0..count {
+        let mut rng = Pcg64Mcg::seed_from_u64(7000 + seed);
+        let mut noise = || 1e-3 * rng.sample::<f64, _>(StandardNormal);
+        let mut data = clean.clone();
+        data.points.iter_mut().for_each(|point| point.torque += noise());
+        for stretch in data.pre_sliding.iter_mut().chain(&mut data.lag).chain(&mut data.mixed) {
+            stretch.friction.iter_mut().for_each(|friction| *friction += noise());
+        }
+        let found = identify(Proposed, &data, &StagedOptions::default());
+        for (i, name) in NAMES.iter().enumerate() {
+            let (estimate, value) = (found.estimates.get(name).unwrap(), truth.parameter(name).unwrap());
+            let interval = estimate.interval.unwrap();
+            assert_eq!(interval.method, IntervalMethod::Linearised);
+            covered[i] += f64::from(u8::from(interval.contains(value))) / n;
+            squares[i] += ((estimate.value - value) / estimate.standard_error.unwrap()).powi(2) / n;
+        }
+    }
+    println!("{NAMES:?} covered {covered:?}, rms of error over standard error {:?}", squares.map(f64::sqrt));
+    let chance = |share: f64| 3.0 * (share * (1.0 - share) / n).sqrt();
+    for (name, share) in NAMES.iter().zip(covered) {
+        assert!(share > 0.93 - chance(0.93) && share < 0.97 + chance(0.97), "{name}: covered in {share}");
+    }
+}
+
 #[test]
 fn each_direction_can_have_its_own_parameters() {
     let forward = truth(LuGre);

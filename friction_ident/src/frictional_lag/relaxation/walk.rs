@@ -12,9 +12,9 @@ const SMALL: f64 = 1e-8;
 const ROUNDING: f64 = 1e-13;
 /// Longest step of the logarithms.
 const LONGEST: f64 = 1.0;
-/// Fall of the sum of squares, in variances of the residual, below which a step is made without another pass: a tenth of a standard error, of which the step
-/// leaves less than a tenth.
-const WORTH: f64 = 1e-2;
+/// Fall of the sum of squares, in variances of the residual, below which a step is made without another pass: a fifth of a standard error, of which the step
+/// leaves a hundredth or so.
+const WORTH: f64 = 0.05;
 
 pub(super) type Vector = SVector<f64, UNKNOWNS>;
 
