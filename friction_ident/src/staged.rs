@@ -14,19 +14,22 @@ use crate::bounded::{Ending, Step};
 use crate::damped_model::with_computed_damping;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
-use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
-use crate::information::{Difference, Information, paired_difference, stratified};
+use crate::information::Information;
 use crate::micro_damping::THESIS_ZETA;
-use crate::output_error::{
-    Measured, OutputErrorFit, OutputErrorOptions, fit_output_error, predict, prediction_rms,
-};
-use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
+use crate::output_error::{Measured, OutputErrorFit, OutputErrorOptions, fit_output_error};
 use crate::residual_whiteness::effective_share;
-use crate::starting_model::{breakaway_reach, scaled_to, with_elements};
+use crate::starting_model::{scaled_to, with_elements};
 use crate::static_curve::{StribeckFit, StribeckOptions, StribeckParameter, StribeckValues, fit_stribeck};
-use crate::steady_point::SteadyPoint;
-use crate::stretch::{Stretch, StretchKind};
+use crate::stretch::Stretch;
 use crate::uncertain::Uncertain;
+
+mod friction_data;
+mod prediction;
+mod starts;
+
+pub use friction_data::FrictionData;
+use friction_data::{weighted, weighted_points};
+pub use prediction::{difference, residuals, residuals_of_kind, rms_of_kind};
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,112 +60,6 @@ impl Default for StagedOptions {
             output_error: OutputErrorOptions::default(),
         }
     }
-}
-
-/// Recordings of friction, sorted by what they show.
-#[derive(Debug, Clone, Default)]
-pub struct FrictionData {
-    /// Steady points: those given, and one for each stretch at constant velocity.
-    pub points: Vec<SteadyPoint>,
-    /// Pre-sliding.
-    pub pre_sliding: Vec<Stretch>,
-    /// Velocity that varies one way.
-    pub lag: Vec<Stretch>,
-    /// Everything else.
-    pub mixed: Vec<Stretch>,
-}
-
-impl FrictionData {
-    /// Sorts. `reach` is how far the contact bends before it slides [m or rad], if that is known; otherwise a stretch that moves less than a thousandth
-    /// of the longest one counts as pre-sliding.
-    pub fn sort(points: Vec<SteadyPoint>, stretches: Vec<Stretch>, reach: Option<f64>) -> Self {
-        let range = |stretch: &Stretch| {
-            let travel = stretch.travel();
-            travel.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - travel.iter().copied().fold(f64::INFINITY, f64::min)
-        };
-        let longest = stretches.iter().map(range).fold(0.0, f64::max);
-        let reach = reach.unwrap_or(0.5e-3 * longest);
-        let mut data = Self { points, ..Self::default() };
-        for stretch in stretches {
-            match stretch.kind(Some(reach)) {
-                StretchKind::Steady => data.points.push(stretch.steady_point()),
-                StretchKind::PreSliding => data.pre_sliding.push(stretch),
-                StretchKind::Lag => data.lag.push(stretch),
-                StretchKind::Mixed => data.mixed.push(stretch),
-            }
-        }
-        // Either all points have a deviation of their own or none.
-        if data.points.iter().any(|point| point.deviation.is_none()) {
-            data.points.iter_mut().for_each(|point| point.deviation = None);
-        }
-        data
-    }
-
-    /// The stretches of a kind.
-    pub fn stretches(&self, kind: StretchKind) -> &[Stretch] {
-        match kind {
-            StretchKind::Steady => &[],
-            StretchKind::PreSliding => &self.pre_sliding,
-            StretchKind::Lag => &self.lag,
-            StretchKind::Mixed => &self.mixed,
-        }
-    }
-
-    /// Whether there is nothing.
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty() && self.pre_sliding.is_empty() && self.lag.is_empty() && self.mixed.is_empty()
-    }
-
-    /// Steady points for the static stage: those of constant velocities, or where they are too few, what slow enough sliding shows.
-    fn static_points(&self) -> Vec<SteadyPoint> {
-        if self.points.len() >= FEWEST_POINTS {
-            return self.points.clone();
-        }
-        let mut points: Vec<SteadyPoint> =
-            self.points.iter().map(|point| SteadyPoint { deviation: None, ..*point }).collect();
-        points.extend(
-            self.lag.iter().chain(&self.mixed).flat_map(|stretch| binned(stretch, self.reach_hint())),
-        );
-        points
-    }
-
-    fn reach_hint(&self) -> f64 {
-        let range = |stretch: &Stretch| {
-            let travel = stretch.travel();
-            travel.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-                - travel.iter().copied().fold(f64::INFINITY, f64::min)
-        };
-        self.pre_sliding.iter().map(range).fold(0.0, f64::max)
-    }
-}
-
-/// Points below which sliding that is not steady is used for the static characteristic too.
-const FEWEST_POINTS: usize = 8;
-
-/// Mean friction over velocity in bins, from samples that slid since the last reversal by more than `reach`.
-fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
-    const BINS: usize = 40;
-    let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
-    let mut sums = vec![(0.0, 0.0, 0usize); 2 * BINS];
-    let travel = stretch.travel();
-    let mut turned = travel.first().copied().unwrap_or(0.0);
-    let mut before = 0.0;
-    for ((&v, &friction), &at) in stretch.velocity.iter().zip(&stretch.friction).zip(&travel) {
-        if v * before <= 0.0 {
-            turned = at;
-        }
-        before = v;
-        let slid = (at - turned).abs() > reach;
-        if slid && v.abs() > 0.01 * fastest {
-            let bin =
-                ((v.abs() / fastest * BINS as f64) as usize).min(BINS - 1) + if v > 0.0 { BINS } else { 0 };
-            let (velocities, frictions, count) = &mut sums[bin];
-            (*velocities, *frictions, *count) = (*velocities + v, *frictions + friction, *count + 1);
-        }
-    }
-    let mean = |&(v, f, n): &(f64, f64, usize)| SteadyPoint::new(v / n as f64, f / n as f64);
-    sums.iter().filter(|(_, _, n)| *n >= 5).map(mean).collect()
 }
 
 /// Which stage.
@@ -329,79 +226,6 @@ impl Work<'_> {
         Ok(self.keep(stage, samples, fit))
     }
 
-    /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by a scan over all of them, where that is
-    /// nearer to the recordings. A path that cannot be fitted so leaves the model as it is: the search that follows may still do better.
-    fn best_operator(&self, model: AnyModel) -> AnyModel {
-        let operator = match self.name {
-            ModelName::Proposed => PreSlidingModel::Proposed,
-            ModelName::LuGre => PreSlidingModel::LuGre,
-            ModelName::Dahl => PreSlidingModel::Dahl { delta: model.parameter("delta").unwrap_or(1.0) },
-            ModelName::ElastoPlastic => PreSlidingModel::ElastoPlastic,
-            ModelName::Gms => PreSlidingModel::Gms { elements: self.options.elements },
-            ModelName::Xiong => PreSlidingModel::Xiong { elements: self.options.elements },
-            _ => return model,
-        };
-        let travels: Vec<Vec<f64>> = self
-            .data
-            .pre_sliding
-            .iter()
-            .map(|stretch| {
-                let travel = stretch.travel();
-                let start = travel.first().copied().unwrap_or(0.0);
-                travel.into_iter().map(|x| x - start).collect()
-            })
-            .collect();
-        let paths: Vec<PreSlidingPath> = travels
-            .iter()
-            .zip(&self.data.pre_sliding)
-            .map(|(displacement, stretch)| PreSlidingPath { displacement, torque: &stretch.friction })
-            .collect();
-        let Ok(found) = fit_pre_sliding(&paths, operator) else { return model };
-        let mut parameters = model.parameters();
-        for estimate in &found.estimates.parameters {
-            let (name, element) = match estimate.name.split_once('[') {
-                Some((name, rest)) => (name, rest.trim_end_matches(']').parse().unwrap_or(usize::MAX)),
-                None => (estimate.name.as_str(), 0),
-            };
-            if PRE_SLIDING.contains(&name) {
-                parameters.set_at(name, element, estimate.value);
-            }
-        }
-        // An element that never slipped on these paths is as soft as the fit likes: no softer than one that slips at eight times their end.
-        let level = model.parameter("f_s").unwrap_or(f64::INFINITY);
-        for (share, stiffness) in [("alpha", "sigma0"), ("lambda", "k")] {
-            let softest = level / (8.0 * self.reach().unwrap_or(f64::INFINITY));
-            let pairs = parameters.values(share).into_iter().zip(parameters.values(stiffness));
-            for (element, (share, k)) in pairs.enumerate() {
-                parameters.set_at(stiffness, element, k.max(share * softest));
-            }
-        }
-        let measured = Measured { points: &[], stretches: &self.data.pre_sliding };
-        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
-        parameters.try_into().ok().filter(nearer).unwrap_or(model)
-    }
-
-    /// The model with the time constant of the lag stage's own fit, which scans all of them and needs no start, where that is nearer to the recordings.
-    fn best_lag(&self, model: AnyModel) -> AnyModel {
-        let recordings: Vec<LagRecording> = self
-            .data
-            .lag
-            .iter()
-            .map(|stretch| LagRecording {
-                velocity: &stretch.velocity,
-                torque: &stretch.friction,
-                dt: stretch.time_step,
-            })
-            .collect();
-        // A velocity that noise turns round is left to the search that follows.
-        let Ok(found) = fit_lag(&recordings, &LagOptions::default()) else { return model };
-        let mut parameters = model.parameters();
-        parameters.set("tau", found.values.tau);
-        let measured = Measured { points: &[], stretches: &self.data.lag };
-        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
-        parameters.try_into().ok().filter(nearer).unwrap_or(model)
-    }
-
     /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.
     fn micro_damping(&mut self, model: AnyModel) -> Result<AnyModel, IdentError> {
         let Some(inertia) = self.options.inertia else { return Ok(model) };
@@ -505,75 +329,6 @@ fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
     }
 }
 
-/// The stretch with the deviation that the model leaves on it.
-fn weighted(stretch: &Stretch, model: &AnyModel) -> Stretch {
-    let squares: f64 =
-        predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| (p - f).powi(2)).sum();
-    let largest = stretch.friction.iter().fold(0.0f64, |largest, f| largest.max(f.abs()));
-    // Exact data leave nothing: then all count alike.
-    let deviation = (squares / stretch.len() as f64).sqrt().max(1e-9 * largest);
-    Stretch { deviation: Some(deviation), ..stretch.clone() }
-}
-
-/// Points with the deviation that the model leaves on them, so that they weigh rightly beside single samples.
-fn weighted_points(points: &[SteadyPoint], model: &AnyModel) -> Vec<SteadyPoint> {
-    let off = |point: &SteadyPoint| model.steady_state(point.velocity) - point.torque;
-    let largest = points.iter().fold(0.0f64, |largest, point| largest.max(point.torque.abs()));
-    let scale = points.iter().map(|point| (off(point) / point.deviation.unwrap_or(1.0)).powi(2)).sum::<f64>();
-    let scale = (scale / points.len().max(1) as f64).sqrt();
-    points
-        .iter()
-        .map(|point| {
-            let deviation = (scale * point.deviation.unwrap_or(1.0)).max(1e-9 * largest);
-            SteadyPoint { deviation: Some(deviation), ..*point }
-        })
-        .collect()
-}
-
-/// Predicted minus measured friction over all points and samples, kind by kind in the order of [`StretchKind::ALL`].
-pub fn residuals(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
-    StretchKind::ALL.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect()
-}
-
-/// Predicted minus measured friction of one kind of recording.
-pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
-    if kind == StretchKind::Steady {
-        return data.points.iter().map(|point| model.steady_state(point.velocity) - point.torque).collect();
-    }
-    let off = |stretch: &Stretch| -> Vec<f64> {
-        predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
-    };
-    data.stretches(kind).iter().flat_map(off).collect()
-}
-
-/// By how much `first` predicts worse than `second` in mean square, paired over blocks within each kind of recording.
-pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> Difference {
-    let kinds: Vec<_> = StretchKind::ALL
-        .iter()
-        .map(|&kind| {
-            let [first, second] = [first, second].map(|model| residuals_of_kind(model, data, kind));
-            let samples = first.len();
-            // Blocks of ten correlation times of what differs, at least five of them.
-            let apart: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a * a - b * b).collect();
-            let mean = apart.iter().sum::<f64>() / samples.max(1) as f64;
-            let centred: Vec<f64> = apart.iter().map(|d| d - mean).collect();
-            let blocks = (samples as f64 * effective_share(&centred) / 10.0) as usize;
-            (paired_difference(&first, &second, blocks.clamp(5, 50)), samples)
-        })
-        .filter(|(_, samples)| *samples > 0)
-        .collect();
-    stratified(&kinds)
-}
-
-/// Root mean square of predicted minus measured friction, of one kind of recording; none where there is none.
-pub fn rms_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Option<f64> {
-    let measured = match kind {
-        StretchKind::Steady => Measured { points: &data.points, stretches: &[] },
-        _ => Measured { points: &[], stretches: data.stretches(kind) },
-    };
-    (!measured.is_empty()).then(|| prediction_rms(model, &measured))
-}
-
 /// Every number of the model with what the last stage that estimated it says.
 fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) -> Estimates {
     let all = FreeParameters::new(model, |_| true);
@@ -597,11 +352,6 @@ fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) -> Estimate
     // Correlations are those of the last fit, where it covers everything it estimated.
     let last = stages.last().map(|stage| stage.estimates.clone()).unwrap_or_default();
     Estimates { parameters, ..last }
-}
-
-/// How far the identified contact bends before it slides [m or rad], where the model has a stiffness.
-pub fn reach(found: &Identified) -> Option<f64> {
-    breakaway_reach(&found.model)
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
 use super::*;
+use crate::output_error::predict;
+use crate::steady_point::SteadyPoint;
 
 const DT: f64 = 1e-3;
 

@@ -1,0 +1,53 @@
+//! What an identified model predicts on recordings, kind by kind, and which of two predicts better.
+
+use friction_model::AnyModel;
+
+use super::FrictionData;
+use crate::information::{Difference, paired_difference, stratified};
+use crate::output_error::{Measured, predict, prediction_rms};
+use crate::residual_whiteness::effective_share;
+use crate::stretch::{Stretch, StretchKind};
+
+/// Predicted minus measured friction over all points and samples, kind by kind in the order of [`StretchKind::ALL`].
+pub fn residuals(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
+    StretchKind::ALL.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect()
+}
+
+/// Predicted minus measured friction of one kind of recording.
+pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
+    if kind == StretchKind::Steady {
+        return data.points.iter().map(|point| model.steady_state(point.velocity) - point.torque).collect();
+    }
+    let off = |stretch: &Stretch| -> Vec<f64> {
+        predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
+    };
+    data.stretches(kind).iter().flat_map(off).collect()
+}
+
+/// By how much `first` predicts worse than `second` in mean square, paired over blocks within each kind of recording.
+pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> Difference {
+    let kinds: Vec<_> = StretchKind::ALL
+        .iter()
+        .map(|&kind| {
+            let [first, second] = [first, second].map(|model| residuals_of_kind(model, data, kind));
+            let samples = first.len();
+            // Blocks of ten correlation times of what differs, at least five of them.
+            let apart: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a * a - b * b).collect();
+            let mean = apart.iter().sum::<f64>() / samples.max(1) as f64;
+            let centred: Vec<f64> = apart.iter().map(|d| d - mean).collect();
+            let blocks = (samples as f64 * effective_share(&centred) / 10.0) as usize;
+            (paired_difference(&first, &second, blocks.clamp(5, 50)), samples)
+        })
+        .filter(|(_, samples)| *samples > 0)
+        .collect();
+    stratified(&kinds)
+}
+
+/// Root mean square of predicted minus measured friction, of one kind of recording; none where there is none.
+pub fn rms_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Option<f64> {
+    let measured = match kind {
+        StretchKind::Steady => Measured { points: &data.points, stretches: &[] },
+        _ => Measured { points: &[], stretches: data.stretches(kind) },
+    };
+    (!measured.is_empty()).then(|| prediction_rms(model, &measured))
+}
