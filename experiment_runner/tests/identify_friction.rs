@@ -365,10 +365,13 @@ fn the_inertia_computes_the_damping_and_takes_the_drive_away() {
     let driving = ["driven.csv", "points.csv", "--model", "coulomb_viscous", "--out", "driven"];
     let printed =
         desk.ok(&[&driving[..], &["--torque-source", "driving", "--inertia", "0.0026:0.00026"]].concat());
-    assert!(printed.contains("standard error of the inertia adds"), "{printed}");
+    assert!(printed.contains("standard errors of the drive's constants add"), "{printed}");
     let document = desk.json("driven");
     let f_c = number(&document, "/models/coulomb_viscous/parameters/f_c/value");
     assert!((f_c / 0.0929 - 1.0).abs() < 0.05, "{f_c}");
+    // The joint stage listens to the driven recording: what the inertia adds there reaches the parameters.
+    let moved = number(&document, "/models/coulomb_viscous/parameters/f_c/from_drive/standard_error");
+    assert!(moved > 1e-9 && moved < 1e-3, "{moved}");
     let added = number(&document, "/files/0/added_uncertainty/largest");
     assert!(added > 1e-5 && added < 1e-3, "{added}");
     desk.refused(&[&driving[..], &["--torque-source", "driving"]].concat(), &["--inertia J:SE"]);

@@ -85,7 +85,7 @@ pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
 pub use savitzky_golay::SavitzkyGolay;
-pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model};
+pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model, refine_jointly};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
     Unidentifiable, fit_stribeck,

@@ -147,8 +147,29 @@ pub fn identify_model(
     let model = work.dynamic_stage(Stage::PreSliding, model, watch)?;
     let model = work.micro_damping(model)?;
     let model = work.dynamic_stage(Stage::Lag, model, watch)?;
-    let model = work.joint(model, watch)?;
+    let model = work.joint(model, &model, watch)?;
     Ok(work.finish(model))
+}
+
+/// The joint refinement alone, begun at `model`: how its parameters answer when the recordings change a little. `by_stages` is what the stages find
+/// in `data`; its residuals weigh the recordings, as in [`identify_model`]. None where `data` holds no motion.
+///
+/// # Errors
+/// [`IdentError`] for recordings that are not fit for use.
+pub fn refine_jointly(
+    model: &AnyModel,
+    by_stages: &AnyModel,
+    data: &FrictionData,
+    options: &StagedOptions,
+    watch: &mut dyn FnMut(Stage, &Step) -> ControlFlow<()>,
+) -> Result<Option<StageResult>, IdentError> {
+    let options = StagedOptions { joint: true, ..*options };
+    let name = model.name();
+    let mut work =
+        Work { name, data, options: &options, stages: Vec::new(), notes: Vec::new(), stopped: false };
+    let model = work.micro_damping(*model)?;
+    work.joint(model, by_stages, watch)?;
+    Ok(work.stages.pop().filter(|last| last.stage == Stage::Joint && !work.stopped))
 }
 
 /// What the stages share.
@@ -239,12 +260,12 @@ impl Work<'_> {
         Ok(model)
     }
 
-    /// Everything free, over everything.
-    fn joint(&mut self, model: AnyModel, watch: Watch) -> Result<AnyModel, IdentError> {
+    /// Everything free, over everything, each recording as heavy as the residuals of `by_stages` on it are small.
+    fn joint(&mut self, model: AnyModel, by_stages: &AnyModel, watch: Watch) -> Result<AnyModel, IdentError> {
         let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
             .into_iter()
             .flatten()
-            .map(|stretch| weighted(stretch, &model))
+            .map(|stretch| weighted(stretch, by_stages))
             .collect();
         if self.stopped || !self.options.joint || stretches.is_empty() {
             return Ok(model);
@@ -257,7 +278,7 @@ impl Work<'_> {
                 || (DAMPING.contains(&name) && !computed)
         };
         let free = FreeParameters::new(&model, |row| shown(row.name));
-        let points = weighted_points(&self.data.points, &model);
+        let points = weighted_points(&self.data.points, by_stages);
         let measured = Measured { points: &points, stretches: &stretches };
         let fit = self.fit(Stage::Joint, &free, &measured, watch)?;
         Ok(self.keep(Stage::Joint, measured.len(), fit))

@@ -2,11 +2,13 @@
 //!
 //! The parameters' standard errors come from residuals, and an error that is the same in every sample leaves no residual. So each stage of the
 //! identification is done again with each constant higher by one standard error; how far a parameter moves is its standard deviation by that
-//! constant. The joint refinement is left out on both sides of the comparison.
+//! constant. The joint refinement begins at the model found, with the constants as they are and with each of them moved: both then end in the same
+//! valley, and the difference is the constant's.
 
 use std::collections::BTreeMap;
 
-use friction_ident::{DriveConstant, FrictionData, IdentError, Identified, Stage};
+use friction_ident::staged::StageResult;
+use friction_ident::{DriveConstant, FrictionData, IdentError, Identified};
 
 /// How far the parameters of a model move with the constants.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,26 +18,27 @@ pub struct FromDrive {
 }
 
 impl FromDrive {
-    /// Compares `found` with what `refit` finds in the `moved` recordings of each constant. None where there is nothing to move, or a refit was
-    /// stopped.
+    /// Compares what `refit` finds in `data` with what it finds in the `moved` recordings of each constant; `found` is the whole identification.
+    /// None where there is nothing to move, or a refit was stopped.
     ///
     /// # Errors
     /// Those of the refit.
     pub(super) fn work_out(
         found: &Identified,
+        data: &FrictionData,
         moved: &[(DriveConstant, FrictionData)],
-        mut refit: impl FnMut(&FrictionData) -> Result<Identified, IdentError>,
+        mut refit: impl FnMut(&FrictionData) -> Result<Option<ByName>, IdentError>,
     ) -> Result<Option<Self>, IdentError> {
+        if moved.is_empty() {
+            return Ok(None);
+        }
+        let Some(before) = refit(data)? else { return Ok(None) };
         let mut moves: BTreeMap<String, Vec<(DriveConstant, f64)>> = BTreeMap::new();
         for (constant, data) in moved {
-            let other = refit(data)?;
-            if other.stopped || found.stopped {
-                return Ok(None);
-            }
-            let before = of_stages(found);
-            for (name, value) in of_stages(&other) {
-                if let Some(own) = before.get(name) {
-                    moves.entry(name.to_owned()).or_default().push((*constant, value - own));
+            let Some(after) = refit(data)? else { return Ok(None) };
+            for (name, value) in after {
+                if let Some(own) = before.get(&name) {
+                    moves.entry(name).or_default().push((*constant, value - own));
                 }
             }
         }
@@ -47,7 +50,7 @@ impl FromDrive {
                 .is_none_or(|e| matches!(e.verdict, friction_ident::Verdict::NotIdentifiable { .. }))
         };
         moves.retain(|name, _| !doubtful(name));
-        Ok((!moved.is_empty()).then_some(Self { moves }))
+        Ok(Some(Self { moves }))
     }
 
     /// Standard deviation of a parameter by all constants together, in its unit.
@@ -64,13 +67,14 @@ impl FromDrive {
     }
 }
 
-/// What the stages before the joint refinement say of each parameter, the last one's word.
-fn of_stages(found: &Identified) -> BTreeMap<&str, f64> {
-    found
-        .stages
-        .iter()
-        .filter(|stage| stage.stage != Stage::Joint)
+/// Parameter -> value.
+pub(super) type ByName = BTreeMap<String, f64>;
+
+/// Every stage's word on each parameter, the last one's where several speak.
+pub(super) fn by_name<'a>(stages: impl IntoIterator<Item = &'a StageResult>) -> ByName {
+    stages
+        .into_iter()
         .flat_map(|stage| &stage.estimates.parameters)
-        .map(|estimate| (estimate.name.as_str(), estimate.value))
+        .map(|estimate| (estimate.name.clone(), estimate.value))
         .collect()
 }

@@ -7,10 +7,11 @@ use friction_ident::information::{Difference, Information, paired_difference, pa
 use friction_ident::staged::residuals;
 use friction_ident::{
     DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch, identify_model,
+    refine_jointly,
 };
 use friction_model::ModelName;
 
-use super::from_drive::FromDrive;
+use super::from_drive::{FromDrive, by_name};
 use super::{
     Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source, wording,
 };
@@ -50,8 +51,17 @@ pub fn identify(
             if cancel.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let found = identify_model(*name, &data, &settings.staged, &mut watch).and_then(|found| {
-            let refit = |data: &_| identify_model(*name, data, &stages_only, &mut watch);
-            let from_drive = FromDrive::work_out(&found, &moved, refit)?;
+            let refit = |data: &_| {
+                let stages = identify_model(*name, data, &stages_only, &mut watch)?;
+                let joint = if settings.staged.joint {
+                    refine_jointly(&found.model, &stages.model, data, &settings.staged, &mut watch)?
+                } else {
+                    None
+                };
+                let stopped = stages.stopped || cancel.load(Ordering::Relaxed);
+                Ok((!stopped).then(|| by_name(stages.stages.iter().chain(&joint))))
+            };
+            let from_drive = FromDrive::work_out(&found, &data, &moved, refit)?;
             Ok((found, from_drive))
         });
         progress.advance(1.0);
