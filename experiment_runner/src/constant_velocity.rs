@@ -206,12 +206,13 @@ mod tests {
 
     fn run(sensors: Sensors, velocity: f64) -> SteadyRun {
         let bed = TestBed {
+            estimator: Default::default(),
             simulation: SimulationOptions { sensors, ..Default::default() },
             friction: AnyModel::test_bed(ModelName::Proposed),
             controller: Default::default(),
         };
         let job = SteadyJob { set: 0, repetition: 0, velocity };
-        let control = bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, false, 5, 0).unwrap();
+        let control = bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, None, 5, 0).unwrap();
         let reading = TorqueReading::new(
             TorqueSource::Sensor,
             &bed.simulation.drive,

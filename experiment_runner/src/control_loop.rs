@@ -3,8 +3,8 @@
 //! One step is a function of state and input: no clock, no files, no allocation. Whoever calls it decides whether time is the
 //! processor's (offline, in lock-step) or the wall's (live).
 
-use controller::{Command, Controller, Feedback};
-use friction_observer::FrictionObserver;
+use controller::{Command, ControlMode, Controller, Feedback};
+use friction_observer::{FrictionEstimator, Seen};
 use rig_driver::{Rig, RigError};
 
 use crate::cycle::CycleSample;
@@ -14,10 +14,10 @@ use crate::waveform::Waveform;
 /// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so that bags are reproducible.
 pub const EPOCH_NS: u64 = 1_509_494_400_000_000_000;
 
-/// Rig, observer and controller with a reference.
+/// Rig, estimator and controller with a reference.
 pub struct ControlLoop {
     rig: Box<dyn Rig + Send>,
-    observer: FrictionObserver,
+    estimator: FrictionEstimator,
     controller: Controller,
     reference: Waveform,
     excitation: Option<Excitation>,
@@ -29,12 +29,12 @@ impl ControlLoop {
     #[must_use]
     pub fn new(
         rig: Box<dyn Rig + Send>,
-        observer: FrictionObserver,
+        estimator: FrictionEstimator,
         controller: Controller,
         reference: Waveform,
         start_ns: u64,
     ) -> Self {
-        Self { rig, observer, controller, reference, excitation: None, start_ns }
+        Self { rig, estimator, controller, reference, excitation: None, start_ns }
     }
 
     /// The same loop driven by `excitation` in place of its reference.
@@ -67,7 +67,18 @@ impl ControlLoop {
             }
         };
         let velocity = measurement.tachometer_velocity;
-        let estimate = self.observer.observe(velocity, Some(measurement.torque));
+        let error = match self.controller.options().mode {
+            ControlMode::Velocity => velocity - reference.velocity,
+            ControlMode::Position => measurement.encoder_position - reference.position,
+        };
+        let estimate = self.estimator.estimate(&Seen {
+            velocity,
+            position: measurement.encoder_position,
+            reference_velocity: reference.velocity,
+            error,
+            voltage: measurement.voltage_applied,
+            torque: Some(measurement.torque),
+        });
         let feedback =
             Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
         let command = match open_loop {

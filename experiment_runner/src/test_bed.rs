@@ -3,10 +3,11 @@
 use controller::design::LinearDrive;
 use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions};
 use friction_model::{AnyModel, ModelError, TimeStep};
-use friction_observer::FrictionObserver;
-use rig_driver::{RigError, SimulationOptions};
+use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, ObserverError};
+use rig_driver::{Drive, FrictionCoupling, RigError, SimulationOptions};
 use serde::{Deserialize, Serialize};
 
+use crate::compensation::Means;
 use crate::control_loop::ControlLoop;
 use crate::profile::Excitation;
 use crate::waveform::Waveform;
@@ -21,6 +22,18 @@ pub struct TestBed {
     pub friction: AnyModel,
     /// Gains and options of the controller; mode, period, limit and compensation are set for each run.
     pub controller: ControllerOptions,
+    /// What the estimator believes and listens to; its technique is set for each run.
+    pub estimator: EstimatorOptions,
+}
+
+/// What an estimator believes of `drive` if it knows it exactly.
+#[must_use]
+pub fn nominal_drive(drive: &Drive, coupling: FrictionCoupling) -> NominalDrive {
+    NominalDrive {
+        gain: drive.gain(),
+        time_constant: drive.time_constant(),
+        volts_per_newton_metre: drive.friction_volts(coupling),
+    }
 }
 
 /// A loop that cannot be put together.
@@ -33,6 +46,9 @@ pub enum TestBedError {
     /// The controller.
     #[error(transparent)]
     Controller(#[from] ControllerError),
+    /// The estimator.
+    #[error(transparent)]
+    Observer(#[from] ObserverError),
     /// The observer's model.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -41,7 +57,7 @@ pub enum TestBedError {
 impl TestBed {
     /// A loop on this bench that starts at rest.
     ///
-    /// The observer runs `observer` in any case; its estimate enters the command only if `compensate` is set. `seed` is that of
+    /// An estimator over `observer` runs in any case; its estimate enters the command only by some `means`. `seed` is that of
     /// the sensors' noise, `start_ns` the stamp of cycle 0.
     ///
     /// # Errors
@@ -51,22 +67,26 @@ impl TestBed {
         mode: ControlMode,
         reference: Waveform,
         observer: &AnyModel,
-        compensate: bool,
+        means: Option<Means>,
         seed: u64,
         start_ns: u64,
     ) -> Result<ControlLoop, TestBedError> {
         let simulation = SimulationOptions { seed, ..self.simulation };
         let period = simulation.period;
-        let options = ControllerOptions {
+        let mut options = ControllerOptions {
             mode,
             period,
-            compensation: Compensation { enabled: compensate, ..self.controller.compensation },
+            compensation: Compensation { enabled: false, ..self.controller.compensation },
             voltage_limit: simulation.voltage_limit,
             ..self.controller
         };
+        let mut estimator = self.estimator;
+        if let Some(means) = means {
+            means.configure(&mut estimator, &mut options);
+        }
         Ok(ControlLoop::new(
             simulation.build(self.friction)?,
-            FrictionObserver::new(observer, TimeStep::new(period)?),
+            FrictionEstimator::new(observer, estimator, TimeStep::new(period)?)?,
             Controller::new(options)?,
             reference,
             start_ns,
@@ -93,7 +113,7 @@ impl TestBed {
             bed.controller.inverse = Some(inverse);
         }
         let unused = Waveform::ConstantVelocity { velocity: 0.0 };
-        let control = bed.control_loop(excitation.mode(), unused, observer, false, seed, start_ns)?;
+        let control = bed.control_loop(excitation.mode(), unused, observer, None, seed, start_ns)?;
         Ok(control.excited(excitation))
     }
 }

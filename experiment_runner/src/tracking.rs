@@ -1,33 +1,12 @@
 //! Following a reference with and without friction compensation.
 
-use friction_model::ModelName;
 use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
 
+use crate::compensation::Arm;
 use crate::control_loop::ControlLoop;
 use crate::cycle::CycleSample;
 use crate::protocol::TrackingProtocol;
-
-/// What compensates the friction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Arm {
-    /// Nothing: the linear controller alone.
-    None,
-    /// An observer over a model.
-    Observer(ModelName),
-}
-
-impl Arm {
-    /// The arm's name in tables.
-    #[must_use]
-    pub const fn label(&self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Observer(model) => model.as_str(),
-        }
-    }
-}
 
 /// One run to be driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,7 +111,7 @@ impl SquareMean {
 #[cfg(test)]
 mod tests {
     use controller::ControllerOptions;
-    use friction_model::AnyModel;
+    use friction_model::{AnyModel, ModelName};
     use rig_driver::{FrictionCoupling, Sensors, SimulationOptions};
 
     use super::*;
@@ -153,13 +132,9 @@ mod tests {
         };
         controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
         let plant = AnyModel::test_bed(ModelName::Proposed);
-        let bed = TestBed { simulation, friction: plant, controller };
-        let model = match arm {
-            Arm::None => plant,
-            Arm::Observer(name) => AnyModel::test_bed(name),
-        };
-        let control =
-            bed.control_loop(protocol.mode, protocol.reference, &model, arm != Arm::None, 1, 0).unwrap();
+        let bed = TestBed { simulation, friction: plant, controller, estimator: Default::default() };
+        let model = arm.model().map_or(plant, AnyModel::test_bed);
+        let control = bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 1, 0).unwrap();
         TrackingJob { arm, repetition: 0 }.run(protocol, control, |_| {}).unwrap()
     }
 
@@ -175,7 +150,7 @@ mod tests {
         let none = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::None);
         assert!(close(none.mse, 1.96e-5, 0.03) && close(none.max_error, 165e-4, 0.03), "{none:?}");
         let proposed =
-            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
+            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::observer(ModelName::Proposed));
         assert!(
             close(proposed.mse, 0.503e-5, 0.05) && close(proposed.max_error, 31.7e-4, 0.05),
             "{proposed:?}"
@@ -189,7 +164,7 @@ mod tests {
         let none = run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::None);
         assert!(close(none.mse, 3.30e-4, 0.03) && close(none.max_error, 572e-4, 0.03), "{none:?}");
         let proposed =
-            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::Observer(ModelName::Proposed));
+            run(&protocol, FrictionCoupling::NewtonMetreAsVolt, Arm::observer(ModelName::Proposed));
         assert!(
             close(proposed.mse, 1.473e-4, 0.05) && close(proposed.max_error, 421e-4, 0.05),
             "{proposed:?}"
@@ -210,7 +185,7 @@ mod tests {
             "{position:?}"
         );
         for name in [ModelName::LuGre, ModelName::Proposed] {
-            let arm = Arm::Observer(name);
+            let arm = Arm::observer(name);
             assert!(
                 run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, arm).mse < velocity.mse / 3.0
             );

@@ -11,9 +11,11 @@ use std::{
 use anyhow::Context;
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
+use friction_observer::EstimatorOptions;
 use rig_driver::SimulationOptions;
 
 use super::{BadInput, Interrupted, model_name};
+use crate::compensation::Means;
 use crate::{
     live::{self, LiveError, LiveOptions},
     protocol::TrackingProtocol,
@@ -52,6 +54,9 @@ pub struct LiveArgs {
     /// Angular frequency of the sine [rad/s] [default: 0.107 for velocity, 0.546 for position]
     #[arg(long, value_name = "W")]
     pub frequency: Option<f64>,
+    /// By what means friction is compensated
+    #[arg(long, value_enum, value_name = "MEANS", default_value_t)]
+    pub means: Means,
     /// Estimate friction, but do not compensate it
     #[arg(long)]
     pub no_compensation: bool,
@@ -133,6 +138,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         simulation: SimulationOptions { period: 1.0 / f64::from(args.rate), ..Default::default() },
         friction: AnyModel::test_bed(args.plant),
         controller: ControllerOptions::default(),
+        estimator: EstimatorOptions::default(),
     };
     Ok(LiveOptions {
         out: args.out.clone().unwrap_or_else(|| super::run::first_free("live")),
@@ -140,7 +146,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         mode,
         reference: reference(args)?,
         observer: super::run::compensators(args.parameters.as_deref())?.get(args.model),
-        compensate: !args.no_compensation,
+        means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
     })

@@ -10,10 +10,12 @@ use anyhow::Context;
 use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
+use friction_observer::EstimatorOptions;
 use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
 use super::{BadInput, Interrupted, model_name};
 use crate::characterise::{Measured, TorqueReading};
+use crate::compensation::Means;
 use crate::models::file;
 use crate::progress::Progress;
 use crate::protocol::{ConstantVelocityProtocol, Protocol, TrackingProtocol};
@@ -21,7 +23,7 @@ use crate::run::{
     self, Characterisation, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError,
     RunOptions, Status, read_parameter_file, shipped,
 };
-use crate::test_bed::TestBed;
+use crate::test_bed::{TestBed, nominal_drive};
 
 /// Run experiments on the simulated test bed
 ///
@@ -52,6 +54,9 @@ pub struct RunArgs {
     /// Models that compensate, each compared with none at all
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "lugre,proposed", value_parser = model_name)]
     pub model: Vec<ModelName>,
+    /// By what means they compensate; `feedback` is the observer on the measured velocity
+    #[arg(long, value_enum, value_name = "MEANS", value_delimiter = ',', default_value = "feedback")]
+    pub means: Vec<Means>,
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
@@ -177,6 +182,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     };
     let mut controller = ControllerOptions::default();
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
+    let estimator = EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
     let compensators = compensators(args.parameters.as_deref())?;
     let mut constant_velocity =
         if args.quick { ConstantVelocityProtocol::quick() } else { ConstantVelocityProtocol::default() };
@@ -191,6 +197,8 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     }
     let mut models = args.model.clone();
     models.dedup();
+    let mut means = args.means.clone();
+    means.dedup();
     let protocols = protocols(&args.protocol)?;
     let experiment = experiment(args, &protocols)?;
     let errors = super::drive_errors::fractions(&args.drive_errors)?;
@@ -206,8 +214,9 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
     let mut options = RunOptions {
         experiment,
-        test_bed: TestBed { simulation, friction: plant(args)?, controller },
+        test_bed: TestBed { simulation, friction: plant(args)?, controller, estimator },
         models,
+        means,
         compensators,
         seed: args.seed,
         record: args.record,
@@ -378,7 +387,7 @@ fn table(title: &str, comparison: &Comparison) -> String {
     for row in &comparison.rows {
         text += &format!(
             "  {:<18}{:>12.3e}{:>7.1} %{:>14.4}{:>7.1} %\n",
-            row.arm.label(),
+            row.arm.to_string(),
             row.mse,
             row.mse_improvement,
             row.max_error,

@@ -34,6 +34,7 @@ pub use error::LiveError;
 pub use report::LiveReport;
 pub use timing::{Percentiles, Timing};
 
+use crate::compensation::Means;
 use crate::{
     bag::{BagOptions, BagWriter},
     cycle::CycleSample,
@@ -62,8 +63,8 @@ pub struct LiveOptions {
     pub reference: Waveform,
     /// Model of the observer.
     pub observer: AnyModel,
-    /// Whether the estimate enters the command.
-    pub compensate: bool,
+    /// By what means the estimate enters the command; none for not at all.
+    pub means: Option<Means>,
     /// Seed of the sensors' noise.
     pub seed: u64,
     /// Length of the run [s]; `None` until it is stopped.
@@ -163,8 +164,8 @@ impl LiveOptions {
         if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
             return Err(LiveError::Duration(duration));
         }
-        let Self { test_bed, mode, reference, observer, compensate, seed, .. } = self;
-        Ok(test_bed.control_loop(*mode, *reference, observer, *compensate, *seed, start_ns)?)
+        let Self { test_bed, mode, reference, observer, means, seed, .. } = self;
+        Ok(test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?)
     }
 
     /// What the bag says about the run.

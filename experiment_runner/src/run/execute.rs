@@ -17,13 +17,14 @@ use super::results::{
 };
 use super::trace::Trace;
 use super::{Characterisation, Compensators, Experiment, RunError, RunOptions, page, parameter_file};
+use crate::compensation::Arm;
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
 use crate::protocol::{Kind, TrackingProtocol};
 use crate::report::render_page;
 use crate::sequencer::{Completion, run_in_order};
-use crate::tracking::{Arm, TrackingJob, TrackingRun};
+use crate::tracking::{TrackingJob, TrackingRun};
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -99,8 +100,7 @@ pub fn execute(
         }
     }
 
-    let arms: Vec<Arm> =
-        std::iter::once(Arm::None).chain(options.models.iter().copied().map(Arm::Observer)).collect();
+    let arms = Arm::all(&options.means, &options.models);
     let mut tasks = Vec::new();
     for (wanted, name, protocol) in [
         (options.experiment.tracks_velocity(), "velocity tracking", &options.velocity_tracking),
@@ -232,15 +232,22 @@ impl Bench<'_> {
     fn check(&self) -> Result<(), RunError> {
         let options = self.options;
         for protocol in [&options.velocity_tracking, &options.position_tracking] {
-            for &name in &options.models {
-                let model = options.compensators.get(name);
-                options.test_bed.control_loop(protocol.mode, protocol.reference, &model, true, 0, 0)?;
+            for arm in Arm::all(&options.means, &options.models) {
+                let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
+                options.test_bed.control_loop(
+                    protocol.mode,
+                    protocol.reference,
+                    &model,
+                    arm.means(),
+                    0,
+                    0,
+                )?;
             }
             options.test_bed.control_loop(
                 protocol.mode,
                 protocol.reference,
                 &options.test_bed.friction,
-                false,
+                None,
                 0,
                 0,
             )?;
@@ -267,7 +274,7 @@ impl Bench<'_> {
             // Nothing compensates here: the observer only keeps the recorder's topics alike.
             let observer = self.options.compensators.get(ModelName::Proposed);
             let control =
-                bed.control_loop(SteadyJob::MODE, job.reference(), &observer, false, seed, start_ns)?;
+                bed.control_loop(SteadyJob::MODE, job.reference(), &observer, None, seed, start_ns)?;
             let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
             let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
             Ok::<_, RunError>((run, kept))
@@ -317,13 +324,10 @@ impl Bench<'_> {
         let work = |&(start_ns, job): &(u64, TrackingJob)| {
             // Repetition n has the same noise under every compensation: differences are the compensation's.
             let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
-            let (model, compensate) = match job.arm {
-                Arm::None => (models.get(ModelName::Proposed), false),
-                Arm::Observer(name) => (models.get(name), true),
-            };
+            let model = models.get(job.arm.model().unwrap_or(ModelName::Proposed));
             let bed = &self.options.test_bed;
             let control =
-                bed.control_loop(protocol.mode, protocol.reference, &model, compensate, seed, start_ns)?;
+                bed.control_loop(protocol.mode, protocol.reference, &model, job.arm.means(), seed, start_ns)?;
             let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();
             let run = job.run(protocol, control, |sample| {
@@ -343,9 +347,9 @@ impl Bench<'_> {
             self.cancel,
             work,
             |(start_ns, job), (run, kept, trace)| {
-                let stage = format!("compensation {}", job.arm.label());
+                let stage = format!("compensation {}", job.arm);
                 if job.repetition == 0 {
-                    self.progress.stage(format!("{name}: {}", job.arm.label()));
+                    self.progress.stage(format!("{name}: {}", job.arm));
                     recorder.status(*start_ns, name, &stage, runs.len() as f64 / total)?;
                     traces.push((job.arm, trace));
                 }

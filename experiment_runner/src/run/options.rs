@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Compensators;
 use crate::characterise::TorqueReading;
+use crate::compensation::{Arm, Means};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
     BreakawayRateProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol, Protocol, ProtocolError,
@@ -152,6 +153,8 @@ pub struct RunOptions {
     pub test_bed: TestBed,
     /// Models that compensate, each compared with none at all.
     pub models: Vec<ModelName>,
+    /// By what means they compensate.
+    pub means: Vec<Means>,
     /// Parameters of the compensating models; identified static parameters take their place where the run identifies.
     pub compensators: Compensators,
     /// Seed of everything random.
@@ -193,8 +196,8 @@ impl RunOptions {
 
     /// Compensations compared: none, and each model.
     #[must_use]
-    pub const fn arms(&self) -> usize {
-        1 + self.models.len()
+    pub fn arms(&self) -> usize {
+        Arm::all(&self.means, &self.models).len()
     }
 
     /// Time that the run would take on a rig [s].
@@ -262,7 +265,9 @@ pub(super) mod tests {
                 simulation: Default::default(),
                 friction: AnyModel::test_bed(ModelName::Proposed),
                 controller: Default::default(),
+                estimator: Default::default(),
             },
+            means: vec![Means::Feedback],
             models: vec![ModelName::LuGre, ModelName::Proposed],
             compensators: Compensators::default(),
             seed: 1,

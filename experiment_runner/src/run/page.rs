@@ -8,9 +8,9 @@ use super::Compensators;
 use super::results::{Comparison, Identification, RunResults, Status, mean_and_deviation};
 use super::trace::Trace;
 use crate::characterise::Measured;
+use crate::compensation::Arm;
 use crate::constant_velocity::SteadyRun;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
-use crate::tracking::Arm;
 
 /// The whole page.
 pub(super) fn build(
@@ -79,8 +79,8 @@ fn summary(results: &RunResults) -> Block {
         let Some(best) = comparison.best().map(|index| &comparison.rows[index]) else { continue };
         text += &match best.arm {
             Arm::None => format!("No compensation improved {name} tracking. "),
-            Arm::Observer(model) => format!(
-                "In {name} tracking the {model} observer does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
+            arm => format!(
+                "In {name} tracking {arm} does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
                  linear controller alone. ",
                 best.mse_improvement, best.max_error_improvement
             ),
@@ -233,7 +233,7 @@ fn comparison_table(title: &str, comparison: &Comparison) -> Table {
             let percent =
                 |value: f64| if row.arm == Arm::None { "-".to_owned() } else { format!("{value:.1}") };
             vec![
-                row.arm.label().to_owned(),
+                row.arm.to_string(),
                 spread(format!("{:.3e}", row.mse), format!("{:.0e}", row.mse_deviation)),
                 spread(format!("{:.4}", row.max_error), format!("{:.4}", row.max_error_deviation)),
                 percent(row.mse_improvement),
@@ -285,16 +285,11 @@ fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Trace)]) -> F
     }
     // What the sensor shows lies behind everything else.
     if let Some((arm, last)) = traces.last() {
-        friction.push(line(
-            format!("measured ({})", arm.label()),
-            last,
-            &last.friction_measured,
-            LineStyle::Faint,
-        ));
-        friction.push(line(format!("true ({})", arm.label()), last, &last.friction_true, LineStyle::Dashed));
+        friction.push(line(format!("measured ({arm})"), last, &last.friction_measured, LineStyle::Faint));
+        friction.push(line(format!("true ({arm})"), last, &last.friction_true, LineStyle::Dashed));
     }
     for (arm, trace) in traces {
-        let name = arm.label().to_owned();
+        let name = arm.to_string();
         response.push(line(name.clone(), trace, &trace.response, LineStyle::Solid));
         error.push(line(name.clone(), trace, &trace.error, LineStyle::Solid));
         if *arm != Arm::None {

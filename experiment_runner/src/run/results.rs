@@ -6,8 +6,9 @@ use friction_model::AnyModel;
 use serde::Serialize;
 
 use super::{Characterisation, RunOptions};
+use crate::compensation::Arm;
 use crate::constant_velocity::SteadyRun;
-use crate::tracking::{Arm, TrackingRun};
+use crate::tracking::TrackingRun;
 
 /// Whether a run came to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -218,7 +219,7 @@ mod tests {
             effort: 1.0,
             torque_residual: 0.0,
         };
-        let arms = [Arm::None, Arm::Observer(ModelName::LuGre), Arm::Observer(ModelName::Proposed)];
+        let arms = [Arm::None, Arm::observer(ModelName::LuGre), Arm::observer(ModelName::Proposed)];
         let runs = vec![
             run(arms[0], 0, 4.0, 2.0),
             run(arms[0], 1, 6.0, 2.0),

@@ -1,0 +1,10 @@
+//! Friction compensation compared: by which means, over which model.
+//!
+//! * [`means`]: the techniques, and what each sets in the estimator and the controller.
+//! * [`arm`]: one column of a comparison: nothing, a technique, or a technique over a model.
+
+pub mod arm;
+pub mod means;
+
+pub use arm::Arm;
+pub use means::Means;

@@ -1,0 +1,34 @@
+//! Errors of the observers.
+
+/// An option that cannot be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ObserverError {
+    /// A number out of its range.
+    #[error("{name} must be {expected}, but is {value}; change it in the observer's parameters")]
+    OutOfRange {
+        /// The option.
+        name: &'static str,
+        /// What came.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+}
+
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ObserverError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(ObserverError::OutOfRange { name, value, expected: "a finite number above zero" })
+    }
+}
+
+pub(crate) fn within(
+    name: &'static str,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), ObserverError> {
+    if range.contains(&value) { Ok(()) } else { Err(ObserverError::OutOfRange { name, value, expected }) }
+}
