@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
     BadInput, Interrupted, features, identify, identify_drive, identify_servo, identify_stiction, models,
-    protocols, run, simulate, truth_matrix,
+    monte_carlo, protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -29,6 +29,7 @@ enum Command {
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
+    MonteCarlo(monte_carlo::MonteCarloArgs),
     Protocols(protocols::ProtocolsArgs),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
+        Command::MonteCarlo(args) => monte_carlo::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),

@@ -10,6 +10,7 @@ pub mod identify_stiction;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;
+pub mod monte_carlo;
 pub mod protocols;
 pub mod run;
 pub mod simulate;
