@@ -79,8 +79,12 @@ impl ControlLoop {
             voltage: measurement.voltage_applied,
             torque: Some(measurement.torque),
         });
-        let feedback =
-            Feedback { position: measurement.encoder_position, velocity, friction: estimate.torque };
+        let feedback = Feedback {
+            position: measurement.encoder_position,
+            velocity,
+            friction: estimate.torque,
+            cycle: Some(measurement.cycle),
+        };
         let command = match open_loop {
             None => self.controller.step(&reference, &feedback),
             Some(volts) => {
