@@ -49,7 +49,7 @@ impl ControlLoop {
         self.rig.period()
     }
 
-    /// One cycle. The velocity is the tachometer's, the position the encoder's.
+    /// One cycle. The controller's velocity is the tachometer's unless the estimator's options say otherwise, the position the encoder's.
     ///
     /// # Errors
     /// [`RigError`] if the rig refuses the voltage; it is at zero volts then.
@@ -79,9 +79,11 @@ impl ControlLoop {
             voltage: measurement.voltage_applied,
             torque: Some(measurement.torque),
         });
+        let believed = self.estimator.velocity();
+        let fed = self.estimator.options().feeds_controller && believed.is_finite();
         let feedback = Feedback {
             position: measurement.encoder_position,
-            velocity,
+            velocity: if fed { believed } else { velocity },
             friction: estimate.torque,
             cycle: Some(measurement.cycle),
         };

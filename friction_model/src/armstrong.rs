@@ -223,6 +223,17 @@ impl FrictionModel for Armstrong {
         force
     }
 
+    /// The spring alone; in a slip nothing is left to deflect.
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], ArmstrongMemory>, _: f64, rate: f64) -> f64 {
+        let ArmstrongParameters { f_s, k_t, .. } = self.parameters;
+        let [x, elapsed] = state.continuous;
+        if state.memory.slip == 0.0 {
+            state.continuous = [saturate(f_s / k_t, x + rate * dt.seconds()), elapsed];
+        }
+        0.0
+    }
+
     /// Of a slip after a long rest; after a short one the Stribeck part is smaller.
     fn steady_state(&self, velocity: f64) -> f64 {
         let ArmstrongParameters { f_s, f_c, v_s, f_v, .. } = self.parameters;

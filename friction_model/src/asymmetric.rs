@@ -123,6 +123,22 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         })
     }
 
+    #[inline]
+    fn step_injected(
+        &self,
+        discrete: &Self::Discrete,
+        dt: TimeStep,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
+        with_both(state, |a, b| {
+            let forward = self.forward.step_injected(&discrete.0, dt, a, velocity, rate);
+            let backward = self.backward.step_injected(&discrete.1, dt, b, velocity, rate);
+            carried(forward, backward)
+        })
+    }
+
     fn steady_state(&self, velocity: f64) -> f64 {
         self.side(velocity).steady_state(velocity)
     }

@@ -47,7 +47,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate, sign};
+use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
@@ -214,6 +214,15 @@ impl FrictionModel for BlimanSorine {
             ];
         }
         x_1 + x_2 + self.parameters.f_v * v
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], ()>, velocity: f64, rate: f64) -> f64 {
+        let [x_1, x_2] = state.continuous;
+        let [decay_1, decay_2] = self.decay.map(|decay| relaxed(velocity.abs() * decay, dt.seconds()));
+        let (f_1, f_2) = (self.parameters.f_1, self.parameters.f_2);
+        state.continuous = [saturate(f_1, x_1 + rate * decay_1), saturate(f_2, x_2 + rate * decay_2)];
+        0.0
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

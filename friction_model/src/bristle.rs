@@ -243,6 +243,12 @@ impl FrictionModel for Bristle {
         force
     }
 
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], BristleMemory>, _: f64, rate: f64) -> f64 {
+        self.travel(&mut state.memory, rate * dt.seconds());
+        0.0
+    }
+
     /// The mean: the force itself fluctuates.
     fn steady_state(&self, velocity: f64) -> f64 {
         sign(velocity) * self.kinetic() + self.parameters.f_v * velocity

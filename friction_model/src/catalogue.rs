@@ -318,6 +318,29 @@ macro_rules! models {
                 }
             }
 
+            /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state. See [`Stepper::step_injected`].
+            #[inline]
+            pub fn step_injected(&mut self, velocity: f64, rate: f64) -> f64 {
+                match self {
+                    $($(
+                        Self::$variant(stepper) => stepper.step_injected(velocity, rate),
+                        Self::Asymmetric(AsymmetricStepper::$variant(stepper)) => stepper.step_injected(velocity, rate),
+                    )+)+
+                }
+            }
+
+            /// The part of the force at `velocity` that is viscous, see [`FrictionModel::viscous`].
+            #[inline]
+            #[must_use]
+            pub fn viscous(&self, velocity: f64) -> f64 {
+                match self {
+                    $($(
+                        Self::$variant(stepper) => stepper.viscous(velocity),
+                        Self::Asymmetric(AsymmetricStepper::$variant(stepper)) => stepper.viscous(velocity),
+                    )+)+
+                }
+            }
+
             /// Back to rest.
             pub fn reset(&mut self) {
                 match self {

@@ -26,7 +26,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, fused, saturate, sign};
+use crate::model::{bounded, fused, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::SHAPE;
 use crate::{
@@ -166,6 +166,14 @@ impl FrictionModel for Dahl {
             state.continuous = [saturate(self.z_c, z_end * (1.0 - w))];
         }
         p.sigma0 * z + p.f_v * v
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+        let [z] = state.continuous;
+        let moved = rate * relaxed(velocity.abs() * self.inverse_z_c, dt.seconds());
+        state.continuous = [saturate(self.z_c, z + moved)];
+        0.0
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

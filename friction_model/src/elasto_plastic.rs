@@ -29,7 +29,7 @@ use core::f64::consts::PI;
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, sign};
+use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
@@ -176,6 +176,17 @@ impl FrictionModel for ElastoPlastic {
         let overshoots = outward * next > z_ss && outward * z <= z_ss;
         state.continuous = [if overshoots { outward * z_ss } else { next }];
         p.sigma0 * z + p.sigma1 * (v - rate * z) + p.f_v * v
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+        let p = &self.parameters;
+        let [z] = state.continuous;
+        let z_ss = self.curve.level(velocity) / p.sigma0;
+        let relaxation = self.alpha(z, velocity, z_ss) * velocity.abs() / z_ss;
+        let moved = rate * relaxed(relaxation, dt.seconds());
+        state.continuous = [saturate(p.f_s / p.sigma0, z + moved)];
+        p.sigma1 * rate
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

@@ -31,7 +31,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, sign};
+use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
@@ -261,6 +261,19 @@ impl<const N: usize> FrictionModel for Gms<N> {
             }
         }
         force
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; N], [f64; N]>, velocity: f64, rate: f64) -> f64 {
+        let p = &self.parameters;
+        let inverse_g = 1.0 / self.curve.level(velocity);
+        let mut damping = 0.0;
+        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&state.memory) {
+            let relaxation = if *slips == 0.0 { 0.0 } else { element.c * element.inverse_width * inverse_g };
+            *z = saturate(element.width * p.f_s, *z + rate * relaxed(relaxation, dt.seconds()));
+            damping += element.sigma1;
+        }
+        damping * rate
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

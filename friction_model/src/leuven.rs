@@ -184,6 +184,14 @@ impl FrictionModel for Leuven {
         hysteresis + p.sigma1 * v * elastic + p.f_v * v
     }
 
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], Hysteresis>, _: f64, rate: f64) -> f64 {
+        let [z] = state.continuous;
+        state.memory.commit(&self.sine, z + rate * dt.seconds());
+        state.continuous = [state.memory.deflection()];
+        self.parameters.sigma1 * rate
+    }
+
     fn steady_state(&self, velocity: f64) -> f64 {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }

@@ -23,7 +23,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::bounded;
+use crate::model::{bounded, relaxed, saturate};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
@@ -161,6 +161,16 @@ impl FrictionModel for LuGre {
         let z_steady = (g / p.sigma0).copysign(v);
         state.continuous = [z_steady + (z - z_steady) * (-rate * dt).exp()];
         p.sigma0 * z + self.damping(v) * (v - rate * z) + p.f_v * v
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+        let p = &self.parameters;
+        let [z] = state.continuous;
+        let relaxation = p.sigma0 * velocity.abs() / self.curve.level(velocity);
+        let moved = rate * relaxed(relaxation, dt.seconds());
+        state.continuous = [saturate(p.f_s / p.sigma0, z + moved)];
+        self.damping(velocity) * rate
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

@@ -2,6 +2,8 @@
 
 use core::fmt::Debug;
 
+#[cfg(not(feature = "std"))]
+use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
 use crate::{ModelError, ModelName, ParameterSet};
@@ -194,6 +196,36 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> f64;
 
+    /// What an extra `rate` in the derivative of every continuous state does in one period `dt`, after [`step`](Self::step) at
+    /// `velocity`: moves the states, projects them back onto their bounds, and returns what the extra rates add to the force of that step where the
+    /// force depends on them (micro-damping). The rate has each state's own unit per second, as in a state observer
+    /// with one scalar gain (thesis eqs. 5.12 to 5.14). Models without states ignore it.
+    fn inject(
+        &self,
+        _dt: TimeStep,
+        _state: &mut State<Self::Continuous, Self::Memory>,
+        _velocity: f64,
+        _rate: f64,
+    ) -> f64 {
+        0.0
+    }
+
+    /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, see [`inject`](Self::inject). What is not a
+    /// number counts as zero, and more than [`MAX_SPEED`] is cut to it.
+    #[inline]
+    fn step_injected(
+        &self,
+        discrete: &Self::Discrete,
+        dt: TimeStep,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
+        let force = self.step(discrete, state, velocity);
+        let rate = bounded(rate);
+        if rate == 0.0 { force } else { force + self.inject(dt, state, bounded(velocity), rate) }
+    }
+
     /// The force after a long time at constant `velocity`.
     fn steady_state(&self, velocity: f64) -> f64;
 
@@ -226,6 +258,14 @@ impl<M> FromParameters for M where M: FrictionModel + TryFrom<Self::Parameters, 
 #[inline]
 pub(crate) fn bounded(velocity: f64) -> f64 {
     if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
+}
+
+/// `int_0^h exp(-a t) dt`: what is left after `h` [s] of a rate of one into a state that relaxes at `a` [1/s], zero or more.
+#[inline]
+pub(crate) fn relaxed(a: f64, h: f64) -> f64 {
+    let x = a * h;
+    // The quotient loses digits below this, where the series is exact.
+    if x < 1e-8 { h } else { -(-x).exp_m1() / a }
 }
 
 /// `a b + c`: with one rounding where the program is built for a processor that has an instruction for it, as C compilers do.

@@ -35,7 +35,7 @@ use core::fmt::Debug;
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{between, bounded, saturate};
+use crate::model::{between, bounded, relaxed, saturate};
 use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::virgin_curve::Sine;
@@ -255,6 +255,16 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
         state.memory.commit(&self.virgin, z + discrete.dt * between(slowest, fastest, v));
         state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
         contact + p.f_v * v
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], Hysteresis>, _: f64, rate: f64) -> f64 {
+        let p = &self.parameters;
+        let [gamma, z] = state.continuous;
+        let gamma = gamma + rate * relaxed(1.0 / p.tau, dt.seconds());
+        state.memory.commit(&self.virgin, z + rate * dt.seconds());
+        state.continuous = [between(p.f_c, p.f_s, gamma), state.memory.deflection()];
+        p.sigma * rate
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

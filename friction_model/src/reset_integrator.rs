@@ -153,6 +153,13 @@ impl FrictionModel for ResetIntegrator {
         force
     }
 
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, _: f64, rate: f64) -> f64 {
+        let ResetIntegratorParameters { sigma1, p_0, .. } = self.parameters;
+        state.continuous = state.continuous.map(|p| saturate(p_0, p + rate * dt.seconds()));
+        sigma1 * rate
+    }
+
     fn steady_state(&self, velocity: f64) -> f64 {
         sign(velocity) * self.kinetic() + self.parameters.f_v * velocity
     }

@@ -232,6 +232,15 @@ impl FrictionModel for Wojewoda {
         force
     }
 
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], WojewodaMemory>, _: f64, rate: f64) -> f64 {
+        let [z] = state.continuous;
+        let z = z + rate * dt.seconds();
+        self.break_away(&mut state.memory, z);
+        state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z)];
+        0.0
+    }
+
     fn steady_state(&self, velocity: f64) -> f64 {
         sign(velocity) * self.sliding(self.falling(velocity), 0.0) + self.parameters.f_v * velocity
     }

@@ -29,7 +29,7 @@
 use num_traits::Float as _;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{between, bounded, saturate};
+use crate::model::{between, bounded, relaxed, saturate};
 use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
@@ -244,6 +244,19 @@ impl<const N: usize> FrictionModel for Xiong<N> {
         }
         *gamma = g + (*gamma - g) * discrete.gamma_decay;
         force
+    }
+
+    #[inline]
+    fn inject(&self, dt: TimeStep, state: &mut State<Self::Continuous, ()>, _: f64, rate: f64) -> f64 {
+        let p = &self.parameters;
+        let ([gamma], z) = &mut state.continuous;
+        *gamma = between(p.f_c, p.f_s, *gamma + rate * relaxed(1.0 / p.tau, dt.seconds()));
+        let mut damping = 0.0;
+        for (element, z) in self.elements.iter().zip(z).take(p.lambda.len()) {
+            *z = saturate(element.lambda * p.f_s / element.k, *z + rate * dt.seconds());
+            damping += element.sigma;
+        }
+        damping * rate
     }
 
     fn steady_state(&self, velocity: f64) -> f64 {

@@ -14,6 +14,11 @@ pub enum ObserverError {
         /// What was expected.
         expected: &'static str,
     },
+    /// The Riccati equation of a Kalman filter has no usable solution.
+    #[error(
+        "no gain for the Kalman filter of the velocity: bring encoder_step, tachometer_noise, friction_walk and the drive's constants nearer to the defaults"
+    )]
+    NoGain,
 }
 
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ObserverError> {

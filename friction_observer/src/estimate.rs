@@ -2,16 +2,39 @@
 
 use friction_model::{ModelName, Regime};
 
+/// What makes an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A friction model, adapted or not.
+    Model(ModelName),
+    /// The disturbance observer.
+    DisturbanceObserver,
+    /// The compensator that learns the curve.
+    RbfCompensator,
+}
+
+impl Source {
+    /// Its name in messages: that of the model, or `disturbance_observer` or `rbf_compensator`.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Model(model) => model.as_str(),
+            Self::DisturbanceObserver => "disturbance_observer",
+            Self::RbfCompensator => "rbf_compensator",
+        }
+    }
+}
+
 /// One cycle's friction estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Model behind the estimate.
-    pub model: ModelName,
+    /// What made the estimate.
+    pub source: Source,
     /// Friction torque [N m]; positive opposes positive velocity.
     pub torque: f64,
-    /// Bristle deflection z [rad]; zero for static models.
+    /// Bristle deflection z [rad]; zero for static models and without one.
     pub deflection: f64,
-    /// Stribeck state gamma [N m]: the present sliding level.
+    /// Stribeck state gamma [N m]: the present sliding level; zero without a model.
     pub gamma: f64,
     /// Stick or slip.
     pub regime: Regime,

@@ -3,7 +3,10 @@
 use friction_model::{AnyModel, ModelName, TimeStep};
 use serde::{Deserialize, Serialize};
 
-use crate::{Estimate, FrictionObserver, NominalDrive, ObserverError, Seen, Technique};
+use crate::change::Change;
+use crate::error::within;
+use crate::running::{Adapted, Running};
+use crate::{Estimate, NominalDrive, ObserverError, Seen, Technique, VelocitySource};
 
 /// Everything an estimator is made of, but for its friction model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -11,16 +14,42 @@ use crate::{Estimate, FrictionObserver, NominalDrive, ObserverError, Seen, Techn
 pub struct EstimatorOptions {
     /// Where the estimate comes from.
     pub technique: Technique,
-    /// Error injection gain k of the observer on the measured velocity: `-k e` in each state's derivative (thesis section 5.2); zero for none.
+    /// Error injection gain k of the observer on the measured velocity: `-k e` in each state's derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without
+    /// such an observer ignore it.
     pub injection: f64,
+    /// Which velocity the estimator believes.
+    #[serde(default)]
+    pub velocity: VelocitySource,
+    /// Whether the velocity controller is given the estimator's velocity too, in place of the tachometer's.
+    #[serde(default)]
+    pub feeds_controller: bool,
     /// What is believed of the drive.
     pub drive: NominalDrive,
 }
 
 impl Default for EstimatorOptions {
-    /// The observer on the measured velocity, without error injection, on the SRV-02.
+    /// The observer on the velocity of the tachometer, without error injection, on the SRV-02.
     fn default() -> Self {
-        Self { technique: Technique::default(), injection: 0.0, drive: NominalDrive::SRV02 }
+        Self {
+            technique: Technique::default(),
+            injection: 0.0,
+            velocity: VelocitySource::default(),
+            feeds_controller: false,
+            drive: NominalDrive::SRV02,
+        }
+    }
+}
+
+impl EstimatorOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ObserverError`] names the option that is out of range.
+    pub fn check(&self) -> Result<(), ObserverError> {
+        self.technique.check()?;
+        within("injection", self.injection, -1e3..=1e3, "from -1e3 to 1e3")?;
+        self.velocity.check()?;
+        self.drive.check()
     }
 }
 
@@ -28,47 +57,80 @@ impl Default for EstimatorOptions {
 #[derive(Debug, Clone)]
 pub struct FrictionEstimator {
     options: EstimatorOptions,
-    feedback: FrictionObserver,
-    feedforward: FrictionObserver,
+    dt: TimeStep,
+    running: Running,
+    change: Option<Change>,
+    /// Velocity and torque of the last cycle.
+    velocity: f64,
+    torque: f64,
 }
 
 impl FrictionEstimator {
+    /// How long the estimate takes to go over after a [`change`](Self::change) [s].
+    pub const FADE: f64 = 0.1;
+
     /// An estimator at rest, called once every `dt`.
     ///
     /// # Errors
     /// [`ObserverError`] names the option that is out of range.
     pub fn new(model: &AnyModel, options: EstimatorOptions, dt: TimeStep) -> Result<Self, ObserverError> {
-        options.technique.check()?;
-        options.drive.check()?;
-        let observer = FrictionObserver::new(model, dt);
-        Ok(Self { options, feedback: observer.clone(), feedforward: observer })
+        let running = Running::new(model, &options, dt)?;
+        Ok(Self { options, dt, running, change: None, velocity: 0.0, torque: 0.0 })
     }
 
-    /// The friction now. What is not a finite number is not believed, see [`FrictionObserver::observe`].
+    /// The friction now. What is not a finite number is not believed, see [`crate::FrictionObserver::observe`].
     #[inline]
     pub fn estimate(&mut self, seen: &Seen) -> Estimate {
-        match self.options.technique {
-            Technique::Feedback => self.feedback.observe(seen.velocity, seen.torque),
-            Technique::Feedforward => self.feedforward.observe(seen.reference_velocity, seen.torque),
-            Technique::Both { share } => {
-                let seen_by = self.feedback.observe(seen.velocity, seen.torque);
-                let asked = self.feedforward.observe(seen.reference_velocity, seen.torque);
-                let torque = seen_by.torque + share * (asked.torque - seen_by.torque);
-                Estimate { torque, residual: seen.torque.map(|measured| measured - torque), ..seen_by }
-            }
+        let (velocity, mut estimate) = self.running.estimate(seen);
+        if let Some(change) = &mut self.change
+            && !change.mix(seen, &mut estimate)
+        {
+            self.change = None;
         }
+        (self.velocity, self.torque) = (velocity, estimate.torque);
+        estimate
     }
 
-    /// Back to rest.
+    /// Goes over to another model or other options. What estimated before goes on beside the new one and fades out, linearly in [`FADE`](Self::FADE) seconds; the torque does
+    /// not jump. A change during another one fades from the last torque. What an adaptation had learned is not carried over.
+    ///
+    /// # Errors
+    /// [`ObserverError`] names the option that is out of range; the estimator goes on as it was then.
+    pub fn change(&mut self, model: &AnyModel, options: EstimatorOptions) -> Result<(), ObserverError> {
+        let next = Running::new(model, &options, self.dt)?;
+        let cycles = Self::FADE / self.dt.seconds();
+        let before = std::mem::replace(&mut self.running, next);
+        self.change = Some(match self.change {
+            None => Change::away_from(before, cycles),
+            Some(_) => Change::away_from_torque(self.torque, cycles),
+        });
+        self.options = options;
+        Ok(())
+    }
+
+    /// Back to rest. What an adaptation has learned stays; a change under way is over.
     pub fn reset(&mut self) {
-        self.feedback.reset();
-        self.feedforward.reset();
+        self.running.reset();
+        self.change = None;
+        (self.velocity, self.torque) = (0.0, 0.0);
     }
 
-    /// The model that estimates.
+    /// The velocity that the estimator believed in the last cycle [rad/s]; zero before the first, not a number while there was none to believe.
+    #[must_use]
+    pub const fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
+    /// What an adaptation has come to.
+    #[must_use]
+    pub fn adapted(&self) -> Adapted {
+        self.running.adapted()
+    }
+
+    /// The model that it was made with.
     #[must_use]
     pub const fn model(&self) -> ModelName {
-        self.feedback.model()
+        self.running.model()
     }
 
     /// The options.

@@ -1,24 +1,38 @@
 //! Friction observers: what the friction torque is now.
 //!
-//! [`FrictionObserver`] runs any model of `friction_model` at the control period. [`FrictionEstimator`] is the whole: which velocity it believes, which
-//! [`Technique`] makes the estimate, and over which model. It allocates nothing and cannot panic.
+//! [`FrictionEstimator`] is the whole: which velocity it believes ([`VelocitySource`]), which [`Technique`] makes the estimate, and over which model.
+//! The parts can be used alone: [`FrictionObserver`] runs any model of `friction_model` at the control period, [`DisturbanceObserver`] and
+//! [`RbfCompensator`] need no model, and [`adaptive`] follows friction that drifts. None allocates or panics while it steps.
 
+pub mod adaptive;
+mod change;
+mod disturbance_observer;
 mod drive;
+mod drive_inverse;
 mod error;
 mod estimate;
 mod estimator;
+mod finite;
 #[cfg(feature = "msgs")]
 pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
 mod observer;
+mod rbf;
+mod running;
 mod seen;
 mod technique;
+pub mod velocity_estimator;
 
+pub use disturbance_observer::{DisturbanceObserver, DisturbanceObserverOptions, FilterOrder};
 pub use drive::NominalDrive;
+pub use drive_inverse::DriveInverse;
 pub use error::ObserverError;
-pub use estimate::Estimate;
+pub use estimate::{Estimate, Source};
 pub use estimator::{EstimatorOptions, FrictionEstimator};
 pub use observer::FrictionObserver;
+pub use rbf::{RbfCompensator, RbfOptions};
+pub use running::Adapted;
 pub use seen::Seen;
 pub use technique::Technique;
+pub use velocity_estimator::{VelocityEstimator, VelocitySource};

@@ -8,10 +8,10 @@ use crate::Estimate;
 /// The estimate as a message. `stamp_ns` is the time of the measurement it was made with, in nanoseconds since the epoch.
 #[must_use]
 pub fn friction_estimate(stamp_ns: u64, estimate: &Estimate) -> FrictionEstimate {
-    let &Estimate { model, torque, deflection, gamma, regime, velocity, residual } = estimate;
+    let &Estimate { source, torque, deflection, gamma, regime, velocity, residual } = estimate;
     FrictionEstimate {
         header: Header::at(stamp_ns),
-        model: model.as_str().to_owned(),
+        model: source.as_str().to_owned(),
         torque,
         deflection,
         gamma,
@@ -29,11 +29,12 @@ mod tests {
     use friction_model::ModelName;
 
     use super::*;
+    use crate::Source;
 
     #[test]
     fn a_rig_without_torque_sensor_has_no_residual() {
         let estimate = Estimate {
-            model: ModelName::LuGre,
+            source: Source::Model(ModelName::LuGre),
             torque: 0.5,
             deflection: 1e-5,
             gamma: 0.4,

@@ -1,8 +1,15 @@
-//! The observer: a friction model driven by the measured velocity (thesis section 5.2, error injection gain k = 0).
+//! The observer: a friction model driven by the measured velocity, with error injection (thesis section 5.2).
+//!
+//! ```text
+//! x^' = f(x^, v) - k e,     F^ = F(x^, x^', v)
+//! ```
+//!
+//! for every state of the model, `e` the controlled output minus its reference (eqs. 5.12 to 5.14, with the terms in `sigma v` that 5.13 leaves out). The last of these equations contains the rates, so that
+//! part of the injection is plain proportional gain: `sigma k` N m per unit of error for a model with micro-damping `sigma`.
 
 use friction_model::{AnyModel, AnyStepper, ModelName, TimeStep};
 
-use crate::Estimate;
+use crate::{Estimate, Source};
 
 /// A friction model that follows the measured velocity in real time.
 #[derive(Debug, Clone)]
@@ -23,10 +30,22 @@ impl FrictionObserver {
     /// A velocity that is not a finite number is not believed: the estimate is zero torque and the model stays where it is.
     #[inline]
     pub fn observe(&mut self, velocity: f64, measured_torque: Option<f64>) -> Estimate {
+        self.observe_injected(velocity, 0.0, measured_torque)
+    }
+
+    /// [`observe`](Self::observe) with `rate`, which is `-k e`, in the derivative of every state of the model.
+    #[inline]
+    pub fn observe_injected(&mut self, velocity: f64, rate: f64, measured_torque: Option<f64>) -> Estimate {
         let internals = self.stepper.internals(velocity);
-        let torque = if velocity.is_finite() { self.stepper.step(velocity) } else { 0.0 };
+        let torque = if !velocity.is_finite() {
+            0.0
+        } else if rate == 0.0 {
+            self.stepper.step(velocity)
+        } else {
+            self.stepper.step_injected(velocity, rate)
+        };
         Estimate {
-            model: self.stepper.name(),
+            source: Source::Model(self.stepper.name()),
             torque,
             deflection: internals.deflection,
             gamma: internals.gamma,
@@ -34,6 +53,13 @@ impl FrictionObserver {
             velocity,
             residual: measured_torque.map(|measured| measured - torque),
         }
+    }
+
+    /// The part of the friction at `velocity` [rad/s] that is viscous [N m].
+    #[inline]
+    #[must_use]
+    pub fn viscous(&self, velocity: f64) -> f64 {
+        self.stepper.viscous(velocity)
     }
 
     /// Back to rest.

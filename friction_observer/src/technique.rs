@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::ObserverError;
+use crate::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use crate::error::within;
+use crate::{DisturbanceObserverOptions, ObserverError, RbfOptions};
 
 /// Where the estimate comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -19,6 +20,16 @@ pub enum Technique {
         /// Weight of the feedforward estimate, from 0 to 1; the feedback estimate has the rest.
         share: f64,
     },
+    /// A model of which one factor is adapted.
+    Adaptive(LevelOptions),
+    /// A model of which the parameters that enter linearly while sliding are adapted.
+    AdaptiveParameters(ParameterOptions),
+    /// A model of which the pre-sliding stiffness is adapted.
+    AdaptiveStiffness(StiffnessOptions),
+    /// What the nominal drive does not explain. Needs no friction model.
+    DisturbanceObserver(DisturbanceObserverOptions),
+    /// A network of radial basis functions that learns the friction-speed curve on line. Needs no friction model.
+    Rbf(RbfOptions),
 }
 
 impl Technique {
@@ -30,6 +41,17 @@ impl Technique {
         match self {
             Self::Feedback | Self::Feedforward => Ok(()),
             Self::Both { share } => within("share", *share, 0.0..=1.0, "from 0 to 1"),
+            Self::Adaptive(options) => options.check(),
+            Self::AdaptiveParameters(options) => options.check(),
+            Self::AdaptiveStiffness(options) => options.check(),
+            Self::DisturbanceObserver(options) => options.check(),
+            Self::Rbf(options) => options.check(),
         }
+    }
+
+    /// Whether a friction model stands behind it.
+    #[must_use]
+    pub const fn needs_model(&self) -> bool {
+        !matches!(self, Self::DisturbanceObserver(_) | Self::Rbf(_))
     }
 }

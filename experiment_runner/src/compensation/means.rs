@@ -1,7 +1,8 @@
 //! The techniques of compensation, as a person chooses them.
 
 use controller::ControllerOptions;
-use friction_observer::{EstimatorOptions, Technique};
+use friction_observer::adaptive::{LevelOptions, ParameterOptions};
+use friction_observer::{DisturbanceObserverOptions, EstimatorOptions, RbfOptions, Technique};
 use serde::{Deserialize, Serialize};
 
 /// By what means friction is compensated.
@@ -17,6 +18,14 @@ pub enum Means {
     Feedforward,
     /// Half of each
     Both,
+    /// A model whose friction level follows what is measured
+    Adaptive,
+    /// A model whose parameters of sliding follow what is measured
+    AdaptiveParameters,
+    /// A disturbance observer, without a model
+    DisturbanceObserver,
+    /// A network that learns the friction-speed curve while it runs, without a model
+    Rbf,
 }
 
 impl Means {
@@ -27,6 +36,10 @@ impl Means {
             Self::Feedback => "feedback",
             Self::Feedforward => "feedforward",
             Self::Both => "both",
+            Self::Adaptive => "adaptive",
+            Self::AdaptiveParameters => "adaptive-parameters",
+            Self::DisturbanceObserver => "disturbance-observer",
+            Self::Rbf => "rbf",
         }
     }
 
@@ -34,7 +47,10 @@ impl Means {
     #[must_use]
     pub const fn needs_model(self) -> bool {
         match self {
-            Self::Feedback | Self::Feedforward | Self::Both => true,
+            Self::Feedback | Self::Feedforward | Self::Both | Self::Adaptive | Self::AdaptiveParameters => {
+                true
+            }
+            Self::DisturbanceObserver | Self::Rbf => false,
         }
     }
 
@@ -44,6 +60,10 @@ impl Means {
             Self::Feedback => Technique::Feedback,
             Self::Feedforward => Technique::Feedforward,
             Self::Both => Technique::Both { share: 0.5 },
+            Self::Adaptive => Technique::Adaptive(LevelOptions::SRV02),
+            Self::AdaptiveParameters => Technique::AdaptiveParameters(ParameterOptions::SRV02),
+            Self::DisturbanceObserver => Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02),
+            Self::Rbf => Technique::Rbf(RbfOptions::SRV02),
         };
         controller.compensation.enabled = true;
     }
