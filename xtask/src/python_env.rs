@@ -66,7 +66,7 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     Ok(PythonEnv { dir, bag_tools, rclpy })
 }
 
-/// A Python with SciPy and Numba, in an environment of its own: they are only needed for `cargo xtask bench-fits`, and their numpy must not disturb rclpy's.
+/// A Python with SciPy and Numba, in an environment of its own: they are only needed for `cargo xtask bench-fits` and `bench-monte-carlo`, and their numpy must not disturb rclpy's.
 ///
 /// # Errors
 /// No Python 3 with `venv`, no network the first time.

@@ -15,7 +15,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 #[derive(Debug, clap::Args)]
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
-    /// seeds of servo identification
+    /// seeds of servo identification, 1000 draws of compensation with wrong parameters
     #[arg(long)]
     full: bool,
 }
@@ -47,6 +47,17 @@ impl Test {
             let seeds =
                 ["run", "--release", "--locked", "--package", "friction_ident", "--example", "servo_seeds"];
             cargo(root, &seeds, &environment)?;
+            let bars = [
+                "run",
+                "--release",
+                "--locked",
+                "--package",
+                "experiment_runner",
+                "--no-default-features",
+                "--example",
+                "monte_carlo_bars",
+            ];
+            cargo(root, &bars, &environment)?;
         }
         println!(
             "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
