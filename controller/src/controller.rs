@@ -1,83 +1,43 @@
-//! The whole controller: linear part, plant inverse, friction compensation and the voltage limit.
+//! The whole controller: linear part, plant inverse, friction compensation, additions and the voltage limit.
 
-use serde::{Deserialize, Serialize};
-
-use crate::design::LinearDrive;
-use crate::error::positive;
+use crate::acceleration_feedback::AccelerationEstimator;
+use crate::dither::DitherGenerator;
+use crate::error::{non_negative, positive};
+use crate::fault::FaultLatch;
+use crate::guard::CompensationGuard;
+use crate::impulse::Knocker;
+use crate::ramp::Ramp;
+use crate::velocity_law::VelocityController;
 use crate::{
-    Command, ControlMode, ControllerError, DerivativeOn, LagCompensator, LagGains, Pid, PidGains, Reference,
+    Command, ControlFault, ControlMode, ControllerError, ControllerOptions, DerivativeOn, Feedback, Pid,
+    Reference,
 };
-
-/// Friction compensation: the observer's estimate, as volts, added to the command.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Compensation {
-    /// Whether friction is compensated at all.
-    pub enabled: bool,
-    /// Voltage that overcomes 1 N m of friction, R_a / (A K_m) [V/(N m)].
-    pub volts_per_newton_metre: f64,
-    /// Fraction of the estimate that is compensated; 1 for all of it.
-    pub scale: f64,
-}
-
-/// Everything a controller is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ControllerOptions {
-    /// What is regulated.
-    pub mode: ControlMode,
-    /// Period of the control cycle [s].
-    pub period: f64,
-    /// Gains of the velocity controller.
-    pub lag: LagGains,
-    /// Gains of the position controller.
-    pub pid: PidGains,
-    /// What the PID differentiates.
-    pub derivative_on: DerivativeOn,
-    /// Time constant of the PID's derivative filter [s].
-    pub derivative_filter: f64,
-    /// Drive for the plant inverse `B(s) = (T s + 1) / K`; `None` leaves it out.
-    pub inverse: Option<LinearDrive>,
-    /// Friction compensation.
-    pub compensation: Compensation,
-    /// Largest magnitude of the command [V].
-    pub voltage_limit: f64,
-}
-
-impl Default for ControllerOptions {
-    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical and switched on, no plant inverse, +-6 V.
-    fn default() -> Self {
-        Self {
-            mode: ControlMode::Velocity,
-            period: 1e-3,
-            lag: LagGains::THESIS,
-            pid: PidGains::THESIS,
-            derivative_on: DerivativeOn::Measurement,
-            derivative_filter: 0.005,
-            inverse: None,
-            compensation: Compensation { enabled: true, volts_per_newton_metre: 4.8426, scale: 1.0 },
-            voltage_limit: 6.0,
-        }
-    }
-}
-
-/// What the controller is told of the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Feedback {
-    /// Position [rad].
-    pub position: f64,
-    /// Velocity [rad/s].
-    pub velocity: f64,
-    /// Friction torque as estimated [N m]; not used while compensation is off.
-    pub friction: f64,
-}
 
 /// A controller running at a fixed period.
 #[derive(Debug, Clone)]
 pub struct Controller {
     options: ControllerOptions,
-    lag: LagCompensator,
+    velocity: VelocityController,
     pid: Pid,
+    acceleration: Option<AccelerationEstimator>,
+    dither: Option<DitherGenerator>,
+    knocker: Option<Knocker>,
+    guard: Option<CompensationGuard>,
+    faults: FaultLatch,
+    /// Volts of compensation per newton metre of estimated friction, on the way to what the options say.
+    weight: Ramp,
+    /// What is left of a jump that the linear law could not take into its state [V].
+    bump: Ramp,
+    /// What the last cycle saw and gave; `None` before the first.
+    last: Option<Last>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    reference: Reference,
+    feedback: Feedback,
+    /// Limited sum without what alternates by itself, dither and impulses [V].
+    steady: f64,
 }
 
 impl Controller {
@@ -88,6 +48,7 @@ impl Controller {
     pub fn new(options: ControllerOptions) -> Result<Self, ControllerError> {
         positive("voltage_limit", options.voltage_limit)?;
         positive("volts_per_newton_metre", options.compensation.volts_per_newton_metre)?;
+        non_negative("fade", options.fade)?;
         if !(0.0..=2.0).contains(&options.compensation.scale) {
             return Err(ControllerError::OutOfRange {
                 name: "scale",
@@ -95,13 +56,19 @@ impl Controller {
                 expected: "from 0 to 2 (1 compensates the whole estimate)",
             });
         }
-        if let Some(drive) = options.inverse {
-            positive("gain", drive.gain)?;
-            positive("time_constant", drive.time_constant)?;
-        }
+        options.inverse.check()?;
+        let dt = options.period;
         Ok(Self {
-            lag: LagCompensator::new(options.lag, options.period)?,
-            pid: Pid::new(options.pid, options.derivative_on, options.derivative_filter, options.period)?,
+            velocity: VelocityController::new(options.velocity, dt)?,
+            pid: Pid::new(options.pid, options.derivative_on, options.derivative_filter, dt)?,
+            acceleration: options.acceleration.map(|a| AccelerationEstimator::new(a, dt)).transpose()?,
+            dither: options.dither.map(|dither| DitherGenerator::new(dither, dt)).transpose()?,
+            knocker: options.impulse.map(|impulse| Knocker::new(impulse, dt)).transpose()?,
+            guard: options.guard.map(|guard| CompensationGuard::new(guard, dt)).transpose()?,
+            faults: FaultLatch::new(options.tolerated_cycles),
+            weight: Ramp::at(options.compensation.weight()),
+            bump: Ramp::at(0.0),
+            last: None,
             options,
         })
     }
@@ -112,117 +79,182 @@ impl Controller {
         &self.options
     }
 
-    /// Voltage for this cycle, in its parts. If anything it is told is not a finite number, the command is zero volts and
-    /// the controller's state stays as it was.
+    /// Changes mode, law, gains, inverse, compensation or additions while running, without a jump of the voltage.
+    ///
+    /// The linear law starts with the state that gives the voltage of the last cycle once more for the same reference and measurement: for a PI or PID
+    /// with integral gain that is its integral, for a lag its state, which it leaves again with its time constant `T_i / gamma`. A PID without integral gain
+    /// has no such state; what it lacks is added and faded to zero within `fade`. The weight of the friction compensation moves from the old to the new in equal
+    /// steps within `fade`. Dither and impulses alternate by themselves and are left out of this; they start anew if they change. A lower voltage
+    /// limit cuts at once. A latched fault stays.
+    ///
+    /// # Errors
+    /// [`ControllerError::OutOfRange`] for options that cannot be, or another period; the controller then goes on as it was.
+    pub fn change(&mut self, options: ControllerOptions) -> Result<(), ControllerError> {
+        if options.period != self.options.period {
+            return Err(ControllerError::OutOfRange {
+                name: "period",
+                value: options.period,
+                expected: "what it was when the controller was built: the period cannot change while it runs",
+            });
+        }
+        let before = &self.options;
+        let mut next = Self::new(options)?;
+        let cycles = (options.fade / options.period).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+        next.weight = Ramp::new(self.weight.value(), options.compensation.weight(), cycles);
+        next.faults = self.faults.clone();
+        next.faults.tolerate(options.tolerated_cycles);
+        if before.dither == options.dither {
+            next.dither.clone_from(&self.dither);
+        }
+        if before.impulse == options.impulse {
+            next.knocker.clone_from(&self.knocker);
+        }
+        if before.guard == options.guard && before.compensation == options.compensation {
+            next.guard.clone_from(&self.guard);
+        }
+        if let (Some(new), Some(old)) = (&mut next.acceleration, &self.acceleration) {
+            new.take_over(old);
+        }
+        if let Some(last) = self.last {
+            next.start_from(last, &self.pid, before, cycles);
+        }
+        *self = next;
+        Ok(())
+    }
+
+    /// Sets the state of the linear law so that the last cycle's voltage comes out once more.
+    fn start_from(&mut self, last: Last, pid: &Pid, before: &ControllerOptions, cycles: u32) {
+        let Last { reference, feedback, steady } = last;
+        let limit = self.options.voltage_limit;
+        let wanted = steady.clamp(-limit, limit)
+            - self.options.inverse.volts(&reference)
+            - self.compensation(&feedback)
+            - self.acceleration.as_ref().map_or(0.0, |a| a.output(feedback.velocity));
+        let (error, seen) = self.error(&reference, &feedback);
+        let given = match self.options.mode {
+            ControlMode::Velocity => {
+                self.velocity.preload(wanted, error);
+                self.velocity.output(error)
+            }
+            ControlMode::Position => {
+                let rate = match self.options.derivative_on {
+                    on if before.mode == ControlMode::Position && on == before.derivative_on => {
+                        pid.derivative()
+                    }
+                    DerivativeOn::Error => reference.velocity - feedback.velocity,
+                    DerivativeOn::Measurement => -feedback.velocity,
+                };
+                self.pid.preload(wanted, error, seen, rate);
+                let crate::PidGains { k_p, k_i, k_d } = self.options.pid;
+                if k_i > 0.0 { wanted } else { k_p * error + k_d * rate }
+            }
+        };
+        let left = wanted - given;
+        // A rounding is no jump.
+        if left.abs() > 1e-9 * limit {
+            self.bump = Ramp::new(left, 0.0, cycles);
+        }
+        self.last = Some(last);
+    }
+
     #[inline]
-    pub fn step(&mut self, reference: &Reference, feedback: &Feedback) -> Command {
-        let mode = self.options.mode;
-        let (target, seen) = match mode {
+    fn error(&self, reference: &Reference, feedback: &Feedback) -> (f64, f64) {
+        let (target, seen) = match self.options.mode {
             ControlMode::Velocity => (reference.velocity, feedback.velocity),
             ControlMode::Position => (reference.position, feedback.position),
         };
-        let error = target - seen;
-        let linear = match mode {
-            ControlMode::Velocity => self.lag.output(error),
+        (target - seen, seen)
+    }
+
+    /// Compensating voltage [V].
+    #[inline]
+    fn compensation(&self, feedback: &Feedback) -> f64 {
+        let weight = self.weight.value();
+        // What is not compensated need not be a number.
+        if weight == 0.0 {
+            return 0.0;
+        }
+        weight * feedback.friction * self.guard.as_ref().map_or(1.0, CompensationGuard::scale)
+    }
+
+    /// Voltage for this cycle, in its parts.
+    ///
+    /// If anything it is told is not a finite number, or the measurement is the one before once more, the command is zero volts and the
+    /// controller's state stays as it was; more than `tolerated_cycles` of these in a row latch a [`ControlFault`], and the
+    /// command is zero volts until [`reset`](Self::reset).
+    #[inline]
+    pub fn step(&mut self, reference: &Reference, feedback: &Feedback) -> Command {
+        let mode = self.options.mode;
+        let (error, seen) = self.error(reference, feedback);
+        let nothing = Command {
+            mode,
+            reference: error + seen,
+            feedback: seen,
+            error,
+            fault: self.faults.latched(),
+            held_back: 1.0 - self.guard.as_ref().map_or(1.0, CompensationGuard::scale),
+            diagnosis: self.guard.as_ref().and_then(CompensationGuard::diagnosis),
+            ..Command::default()
+        };
+        if nothing.fault.is_some() {
+            return nothing;
+        }
+        let law = match mode {
+            ControlMode::Velocity => self.velocity.output(error),
             ControlMode::Position => self.pid.output(error, seen),
         };
-        let inverse = self.options.inverse.map_or(0.0, |drive| {
-            (reference.velocity + drive.time_constant * reference.acceleration) / drive.gain
-        });
-        let compensation = &self.options.compensation;
-        let friction = if compensation.enabled {
-            compensation.scale * compensation.volts_per_newton_metre * feedback.friction
-        } else {
-            0.0
-        };
-        let sum = linear + inverse + friction;
-        if !sum.is_finite() {
-            return Command { mode, reference: target, feedback: seen, error, ..Command::default() };
+        let linear = law + self.bump.value();
+        let inverse = self.options.inverse.volts(reference);
+        let friction = self.compensation(feedback);
+        let acceleration = self.acceleration.as_ref().map_or(0.0, |a| a.output(feedback.velocity));
+        let dither = self.dither.as_ref().map_or(0.0, DitherGenerator::output);
+        let impulse = self.knocker.as_ref().map_or(0.0, |knocker| knocker.output(linear + inverse));
+        let sum = linear + inverse + friction + acceleration + dither + impulse;
+        let stale = self.faults.is_stale(feedback.cycle);
+        if stale || !sum.is_finite() {
+            let why = if stale { ControlFault::Stale } else { ControlFault::NotFinite };
+            self.faults.missed(feedback.cycle, why);
+            return Command { fault: self.faults.latched(), ..nothing };
         }
+        self.faults.seen(feedback.cycle);
         let limit = self.options.voltage_limit;
-        let total = sum.min(limit).max(-limit);
+        let total = sum.clamp(-limit, limit);
         let saturated = total != sum;
         let limited = if saturated { sum.signum() } else { 0.0 };
         match mode {
-            ControlMode::Velocity => self.lag.update(error, limited),
+            ControlMode::Velocity => self.velocity.update(error, limited),
             ControlMode::Position => self.pid.update(error, seen, limited),
         }
-        Command {
-            mode,
-            reference: target,
-            feedback: seen,
-            error,
-            linear,
-            inverse,
-            friction,
-            dither: 0.0,
-            total,
-            saturated,
+        if let Some(acceleration) = &mut self.acceleration {
+            acceleration.update(feedback.velocity);
         }
+        if let Some(dither) = &mut self.dither {
+            dither.advance();
+        }
+        if let Some(knocker) = &mut self.knocker {
+            knocker.advance(linear + inverse);
+        }
+        if let Some(guard) = &mut self.guard {
+            guard.watch(friction, error, reference.velocity, limited);
+        }
+        self.weight.advance();
+        self.bump.advance();
+        let steady = (sum - dither - impulse).clamp(-limit, limit);
+        self.last = Some(Last { reference: *reference, feedback: *feedback, steady });
+        Command { linear, inverse, friction, acceleration, dither, impulse, total, saturated, ..nothing }
     }
 
-    /// Back to rest.
+    /// Back to rest; a latched fault is forgotten.
     pub fn reset(&mut self) {
-        self.lag.reset();
+        self.velocity.reset();
         self.pid.reset();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    #[test]
-    fn the_parts_add_up() {
-        let options = ControllerOptions { inverse: Some(LinearDrive::SRV02), ..Default::default() };
-        let mut controller = Controller::new(options).unwrap();
-        let reference = Reference { position: 0.0, velocity: 1.0, acceleration: 2.0 };
-        let command =
-            controller.step(&reference, &Feedback { velocity: 0.9, friction: 0.1, ..Default::default() });
-        assert!((command.inverse - (1.0 + 0.02388 * 2.0) / 1.863).abs() < 1e-12);
-        assert!((command.friction - 0.48426).abs() < 1e-12);
-        assert!((command.total - command.linear - command.inverse - command.friction).abs() < 1e-15);
-        assert!(!command.saturated);
-    }
-
-    #[test]
-    fn compensation_can_be_switched_off() {
-        let mut options = ControllerOptions::default();
-        options.compensation.enabled = false;
-        let mut controller = Controller::new(options).unwrap();
-        let command =
-            controller.step(&Reference::default(), &Feedback { friction: 0.1, ..Default::default() });
-        assert_eq!((command.friction, command.total), (0.0, 0.0));
-    }
-
-    proptest! {
-        /// Whatever comes in, the voltage stays within its limit and is a number.
-        #[test]
-        fn the_voltage_is_always_within_its_limit(
-            position_mode in any::<bool>(),
-            inputs in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>(), any::<f64>()), 1..100),
-        ) {
-            let mode = if position_mode { ControlMode::Position } else { ControlMode::Velocity };
-            let mut controller = Controller::new(ControllerOptions { mode, ..Default::default() }).unwrap();
-            for (r, position, velocity, friction) in inputs {
-                let reference = Reference { position: r, velocity: r, acceleration: r };
-                let command = controller.step(&reference, &Feedback { position, velocity, friction });
-                prop_assert!(command.total.abs() <= 6.0);
-            }
-        }
-
-        /// A value that is not a number leaves no trace once it is gone.
-        #[test]
-        fn a_bad_reading_leaves_no_trace(mode in prop::sample::select(vec![ControlMode::Velocity, ControlMode::Position])) {
-            let mut controller = Controller::new(ControllerOptions { mode, ..Default::default() }).unwrap();
-            let reference = Reference { position: 0.1, velocity: 0.1, acceleration: 0.0 };
-            controller.step(&reference, &Feedback::default());
-            let mut untouched = controller.clone();
-            let bad = Feedback { position: f64::NAN, velocity: f64::NAN, friction: 0.0 };
-            prop_assert_eq!(controller.step(&reference, &bad).total, 0.0);
-            prop_assert_eq!(controller.step(&reference, &Feedback::default()), untouched.step(&reference, &Feedback::default()));
-        }
+        self.acceleration.iter_mut().for_each(AccelerationEstimator::reset);
+        self.dither.iter_mut().for_each(DitherGenerator::reset);
+        self.knocker.iter_mut().for_each(Knocker::reset);
+        self.guard.iter_mut().for_each(CompensationGuard::reset);
+        self.faults.reset();
+        self.weight.finish();
+        self.bump = Ramp::at(0.0);
+        self.last = None;
     }
 }

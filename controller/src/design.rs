@@ -24,7 +24,7 @@ impl LinearDrive {
         self.gain / (1.0 + (w * self.time_constant).powi(2)).sqrt()
     }
 
-    fn check(&self) -> Result<(), ControllerError> {
+    pub(crate) fn check(&self) -> Result<(), ControllerError> {
         positive("gain", self.gain)?;
         positive("time_constant", self.time_constant)
     }

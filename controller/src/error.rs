@@ -32,3 +32,12 @@ pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ControllerE
         Err(ControllerError::OutOfRange { name, value, expected: "a finite number above zero" })
     }
 }
+
+/// Requires a finite number, zero or more.
+pub(crate) fn non_negative(name: &'static str, value: f64) -> Result<(), ControllerError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(ControllerError::OutOfRange { name, value, expected: "a finite number, zero or more" })
+    }
+}

@@ -86,6 +86,16 @@ impl LagCompensator {
         self.decay * self.x + self.gain * (self.e + error)
     }
 
+    /// Sets `x` so that the next output for the same `error` is `output` [V]. The lag has no integrator: with a constant error it leaves that
+    /// output again for its own, with its time constant `T_i / gamma`.
+    pub(crate) fn preload(&mut self, output: f64, error: f64) {
+        self.e = error;
+        // At `T_i = gamma dt / 2` the next output does not depend on the state.
+        if self.decay.abs() > 1e-9 {
+            self.x = (output / self.k_p - error - 2.0 * self.gain * error) / self.decay;
+        }
+    }
+
     /// Back to rest.
     pub fn reset(&mut self) {
         (self.x, self.e) = (0.0, 0.0);

@@ -20,11 +20,11 @@ pub fn motor_voltage(stamp_ns: u64, command: &Command) -> MotorVoltage {
     MotorVoltage { header: Header::at(stamp_ns), voltage: command.total }
 }
 
-/// The command in its parts. `stamp_ns` is the time of the measurement it answers to, in nanoseconds since the epoch.
+/// The command in its parts. The message has no field for the impulses and the acceleration feedback: the impulses are counted into its
+/// `dither`, the acceleration feedback into its `friction`, so that its parts sum to its total where it is not saturated. `stamp_ns` is the time of the measurement it answers to, in nanoseconds since the epoch.
 #[must_use]
 pub fn controller_state(stamp_ns: u64, command: &Command) -> ControllerState {
-    let &Command { mode, reference, feedback, error, linear, inverse, friction, dither, total, saturated } =
-        command;
+    let &Command { mode, reference, feedback, error, linear, inverse, total, saturated, .. } = command;
     ControllerState {
         header: Header::at(stamp_ns),
         mode: match mode {
@@ -36,8 +36,8 @@ pub fn controller_state(stamp_ns: u64, command: &Command) -> ControllerState {
         error,
         linear,
         inverse,
-        friction,
-        dither,
+        friction: command.friction + command.acceleration,
+        dither: command.dither + command.impulse,
         total,
         saturated,
     }
@@ -56,10 +56,13 @@ mod tests {
             error: 3.0,
             linear: 4.0,
             inverse: 5.0,
-            friction: 6.0,
-            dither: 7.0,
+            friction: 5.75,
+            acceleration: 0.25,
+            dither: 6.5,
+            impulse: 0.5,
             total: 8.0,
             saturated: true,
+            ..Command::default()
         };
         let state = controller_state(9, &command);
         assert_eq!(state.mode, ControllerState::POSITION);

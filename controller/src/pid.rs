@@ -123,6 +123,22 @@ impl Pid {
         }
     }
 
+    /// Sets the integral so that the next output for the same error and the same `rate` of what is differentiated [rad/s] is
+    /// `output` [V]; with K_i = 0 there is no state to set.
+    pub(crate) fn preload(&mut self, output: f64, error: f64, measurement: f64, rate: f64) {
+        self.derivative = rate;
+        self.before = Some((error, self.differentiated(error, measurement)));
+        if self.gains.k_i > 0.0 {
+            let others = self.gains.k_p * error + self.gains.k_d * rate;
+            self.integral = (output - others) / self.gains.k_i - 2.0 * self.half_period * error;
+        }
+    }
+
+    /// The derivative now [rad/s].
+    pub(crate) const fn derivative(&self) -> f64 {
+        self.derivative
+    }
+
     /// Back to rest.
     pub fn reset(&mut self) {
         (self.integral, self.derivative, self.before) = (0.0, 0.0, None);

@@ -85,6 +85,7 @@ impl ControlLoop {
             position: measurement.encoder_position,
             velocity: if fed { believed } else { velocity },
             friction: estimate.torque,
+            cycle: Some(measurement.cycle),
         };
         let command = match open_loop {
             None => self.controller.step(&reference, &feedback),
@@ -97,6 +98,12 @@ impl ControlLoop {
         self.rig.apply(command.total)?;
         let stamp_ns = self.start_ns + (measurement.time * 1e9).round() as u64;
         Ok(CycleSample { stamp_ns, measurement, reference, estimate, command, truth })
+    }
+
+    /// The estimator, for what an adaptation has come to.
+    #[must_use]
+    pub const fn estimator(&self) -> &FrictionEstimator {
+        &self.estimator
     }
 
     /// Leaves the motor at zero volts.

@@ -1,7 +1,7 @@
 //! The simulated laboratory bench: which rig, under which friction, compensated by which model.
 
 use controller::design::LinearDrive;
-use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions};
+use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions, PlantInverse};
 use friction_model::{AnyModel, ModelError, TimeStep};
 use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, ObserverError};
 use rig_driver::{Drive, FrictionCoupling, RigError, SimulationOptions};
@@ -110,7 +110,7 @@ impl TestBed {
         let inverse = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
         let mut bed = *self;
         if feed_forward {
-            bed.controller.inverse = Some(inverse);
+            bed.controller.inverse = PlantInverse::Whole(inverse);
         }
         let unused = Waveform::ConstantVelocity { velocity: 0.0 };
         let control = bed.control_loop(excitation.mode(), unused, observer, None, seed, start_ns)?;

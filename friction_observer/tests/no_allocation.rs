@@ -34,9 +34,8 @@ fn allocations(model: &AnyModel, options: EstimatorOptions, mode: ControlMode) -
                 torque: Some(0.1),
             };
             let friction = estimator.estimate(&seen).torque;
-            voltage = controller
-                .step(&reference, &Feedback { position, velocity, friction, ..Default::default() })
-                .total;
+            voltage =
+                controller.step(&reference, &Feedback { position, velocity, friction, cycle: None }).total;
             if k == CYCLES / 2
                 && let Some((model, options)) = change.take()
             {

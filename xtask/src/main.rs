@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_fits;
+mod bench_step;
 mod docs;
 mod python_env;
 mod test;
@@ -16,6 +17,8 @@ enum Task {
     Bench(bench::Bench),
     /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled by Numba.
     BenchFits(bench_fits::BenchFits),
+    /// Nanoseconds of a whole control step, estimator and controller, for every model and technique.
+    BenchStep(bench_step::BenchStep),
     /// The pages of the friction models under docs/models, from their sources and tested figures.
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
@@ -28,6 +31,7 @@ fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
         Task::BenchFits(bench) => bench.run(),
+        Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
         Task::PythonEnv => python_env::run(),
         Task::Test(test) => test.run(),

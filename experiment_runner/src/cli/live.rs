@@ -134,10 +134,12 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         ModeArg::Velocity => ControlMode::Velocity,
         ModeArg::Position => ControlMode::Position,
     };
+    let mut controller = ControllerOptions::default();
+    super::run::controller(args.parameters.as_deref(), &mut controller)?;
     let test_bed = TestBed {
         simulation: SimulationOptions { period: 1.0 / f64::from(args.rate), ..Default::default() },
         friction: AnyModel::test_bed(args.plant),
-        controller: ControllerOptions::default(),
+        controller,
         estimator: EstimatorOptions::default(),
     };
     Ok(LiveOptions {

@@ -21,7 +21,7 @@ use crate::progress::Progress;
 use crate::protocol::{ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::run::{
     self, Characterisation, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError,
-    RunOptions, Status, read_parameter_file, shipped,
+    RunOptions, Status, read_controller, read_parameter_file, shipped,
 };
 use crate::test_bed::{TestBed, nominal_drive};
 
@@ -181,6 +181,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         ..Default::default()
     };
     let mut controller = ControllerOptions::default();
+    self::controller(args.parameters.as_deref(), &mut controller)?;
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
     let estimator = EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
     let compensators = compensators(args.parameters.as_deref())?;
@@ -296,7 +297,17 @@ fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
 
 /// The models of a parameter file, or the test bed's where none is given.
 pub(super) fn compensators(file: Option<&Path>) -> Result<Compensators, BadInput> {
-    let Some(file) = file else { return Ok(Compensators::default()) };
+    Ok(file.map(|file| from_parameter_file(file, read_parameter_file)).transpose()?.unwrap_or_default())
+}
+
+/// Sets in `options` what a parameter file says of the controller.
+pub(super) fn controller(file: Option<&Path>, options: &mut ControllerOptions) -> Result<(), BadInput> {
+    let found = file.map(|file| from_parameter_file(file, read_controller)).transpose()?.flatten();
+    found.iter().for_each(|parameters| parameters.apply(options));
+    Ok(())
+}
+
+fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>) -> Result<T, BadInput> {
     let say = |what: String| {
         BadInput(format!(
             "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` writes it",
@@ -304,7 +315,7 @@ pub(super) fn compensators(file: Option<&Path>) -> Result<Compensators, BadInput
         ))
     };
     let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
-    read_parameter_file(&text).map_err(say)
+    read(&text).map_err(say)
 }
 
 /// The first folder `runs/EXPERIMENT-N` that is not there yet.

@@ -55,7 +55,7 @@ impl Means {
     }
 
     /// Sets the estimator and the controller up for it.
-    pub const fn configure(self, estimator: &mut EstimatorOptions, controller: &mut ControllerOptions) {
+    pub fn configure(self, estimator: &mut EstimatorOptions, controller: &mut ControllerOptions) {
         estimator.technique = match self {
             Self::Feedback => Technique::Feedback,
             Self::Feedforward => Technique::Feedforward,

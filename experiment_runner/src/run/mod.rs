@@ -7,6 +7,7 @@ mod characterisation_page;
 #[cfg(test)]
 mod characterisation_tests;
 mod compensators;
+mod controller_parameters;
 mod error;
 mod excited;
 mod execute;
@@ -19,8 +20,9 @@ mod trace;
 
 pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
 pub use compensators::Compensators;
+pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
 pub use execute::{Outcome, execute};
 pub use options::{Experiment, RecordPolicy, RunOptions, shipped};
-pub use parameter_file::read as read_parameter_file;
+pub use parameter_file::{read as read_parameter_file, read_controller};
 pub use results::{Comparison, RunResults, Status};

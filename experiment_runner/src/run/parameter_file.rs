@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use controller::{ControllerOptions, LagGains, PidGains};
+use controller::ControllerOptions;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::DriveParameters;
 use serde::{Deserialize, Serialize};
 
-use super::{Compensators, RunError, RunOptions};
+use super::{Compensators, ControllerParameters, RunError, RunOptions};
 
 /// The file: node name, then `ros__parameters`.
 #[derive(Debug, Serialize)]
@@ -15,7 +15,7 @@ struct File<'a> {
     #[serde(rename = "/friction_observer")]
     friction_observer: Node<BTreeMap<&'a str, Entry>>,
     #[serde(rename = "/controller")]
-    controller: Node<ControllerNode<'a>>,
+    controller: Node<ControllerParameters>,
     #[serde(rename = "/rig_driver")]
     rig_driver: Node<RigNode<'a>>,
 }
@@ -32,17 +32,6 @@ struct Node<P> {
 enum Entry {
     Choice(ModelName),
     Parameters(serde_json::Value),
-}
-
-#[derive(Debug, Serialize)]
-struct ControllerNode<'a> {
-    lag: &'a LagGains,
-    pid: &'a PidGains,
-    derivative_on: controller::DerivativeOn,
-    derivative_filter: f64,
-    volts_per_newton_metre: f64,
-    compensation_scale: f64,
-    voltage_limit: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -72,21 +61,14 @@ pub(super) fn render(
     if !asymmetric.is_empty() {
         observer.insert("asymmetric", Entry::Parameters(asymmetric.into()));
     }
-    let ControllerOptions { lag, pid, derivative_on, derivative_filter, compensation, .. } =
-        &options.test_bed.controller;
     let simulation = &options.test_bed.simulation;
     let file = File {
         friction_observer: Node { parameters: observer },
         controller: Node {
-            parameters: ControllerNode {
-                lag,
-                pid,
-                derivative_on: *derivative_on,
-                derivative_filter: *derivative_filter,
-                volts_per_newton_metre: compensation.volts_per_newton_metre,
-                compensation_scale: compensation.scale,
+            parameters: ControllerParameters::of(&ControllerOptions {
                 voltage_limit: simulation.voltage_limit,
-            },
+                ..options.test_bed.controller
+            }),
         },
         rig_driver: Node {
             parameters: RigNode {
@@ -109,21 +91,41 @@ fn describe(error: &dyn std::fmt::Display) -> RunError {
     RunError::Describe { what: "YAML", detail: error.to_string() }
 }
 
-/// Reads the models of a parameter file; those it does not name keep the test bed's parameters.
+/// Parameters of each node of a file.
+type Tree = BTreeMap<String, Node<serde_json::Value>>;
+
+fn tree(text: &str) -> Result<Tree, String> {
+    serde_saphyr::from_str(text)
+        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))
+}
+
+fn node<'a>(tree: &'a Tree, name: &str) -> Option<&'a serde_json::Value> {
+    tree.iter().find(|(found, _)| found.trim_start_matches('/') == name).map(|(_, node)| &node.parameters)
+}
+
+/// Reads the controller of a parameter file; none if the file says nothing of it.
+///
+/// # Errors
+/// A sentence about what is wrong in the text.
+pub fn read_controller(text: &str) -> Result<Option<ControllerParameters>, String> {
+    let tree = tree(text)?;
+    node(&tree, "controller").map(ControllerParameters::read).transpose()
+}
+
+/// Reads the models of a parameter file; those it does not name keep the test bed's parameters, all of them if the file is of the
+/// controller alone.
 ///
 /// # Errors
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str) -> Result<Compensators, String> {
-    type Tree = BTreeMap<String, Node<serde_json::Value>>;
-    let tree: Tree = serde_saphyr::from_str(text)
-        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
-    let node = tree
-        .iter()
-        .find(|(name, _)| name.trim_start_matches('/') == "friction_observer" || name.as_str() == "/**")
-        .map(|(_, node)| &node.parameters)
-        .ok_or(
-            "there is no node `friction_observer` in it; expected `/friction_observer: ros__parameters: ...`",
-        )?;
+    let tree = tree(text)?;
+    let Some(node) = node(&tree, "friction_observer").or_else(|| node(&tree, "**")) else {
+        return if node(&tree, "controller").is_some() {
+            Ok(Compensators::default())
+        } else {
+            Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned())
+        };
+    };
     let entries =
         node.as_object().ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
     let mut models = Compensators::default();
@@ -182,7 +184,7 @@ mod tests {
     fn a_file_with_a_mistake_says_where() {
         for (text, said) in [
             ("a: 1", "ros__parameters"),
-            ("/controller:\n  ros__parameters:\n    x: 1.0\n", "friction_observer"),
+            ("/rig_driver:\n  ros__parameters:\n    x: 1.0\n", "friction_observer"),
             ("/friction_observer:\n  ros__parameters:\n    model: lugri\n", "lugri"),
             ("/friction_observer:\n  ros__parameters:\n    lugre:\n      f_s: -1.0\n", "lugre"),
             (

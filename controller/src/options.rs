@@ -1,0 +1,87 @@
+//! Everything a controller is made of.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains, PlantInverse,
+    VelocityLaw,
+};
+
+/// Friction compensation: the observer's estimate, as volts, added to the command.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compensation {
+    /// Whether friction is compensated at all.
+    pub enabled: bool,
+    /// Voltage that overcomes 1 N m of friction, R_a / (A K_m) [V/(N m)].
+    pub volts_per_newton_metre: f64,
+    /// Fraction of the estimate that is compensated; 1 for all of it, less for under-compensation, at most 2.
+    pub scale: f64,
+}
+
+impl Compensation {
+    /// Volts added per newton metre of estimated friction [V/(N m)].
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        if self.enabled { self.scale * self.volts_per_newton_metre } else { 0.0 }
+    }
+}
+
+/// Everything a controller is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControllerOptions {
+    /// What is regulated.
+    pub mode: ControlMode,
+    /// Period of the control cycle [s].
+    pub period: f64,
+    /// Law and gains of the velocity controller.
+    pub velocity: VelocityLaw,
+    /// Gains of the position controller.
+    pub pid: PidGains,
+    /// What the PID differentiates.
+    pub derivative_on: DerivativeOn,
+    /// Time constant of the PID's derivative filter [s].
+    pub derivative_filter: f64,
+    /// How much of the inverse of the drive is fed forward.
+    pub inverse: PlantInverse,
+    /// Friction compensation.
+    pub compensation: Compensation,
+    /// Feedback of the estimated acceleration.
+    pub acceleration: Option<AccelerationFeedback>,
+    /// Dither.
+    pub dither: Option<Dither>,
+    /// The knocker's impulses.
+    pub impulse: Option<Impulse>,
+    /// Guard against over-compensation.
+    pub guard: Option<GuardOptions>,
+    /// Missing measurements in a row that give zero volts without a fault.
+    pub tolerated_cycles: u32,
+    /// Time in which a change of the compensation is faded in [s], zero or more.
+    pub fade: f64,
+    /// Largest magnitude of the command [V].
+    pub voltage_limit: f64,
+}
+
+impl Default for ControllerOptions {
+    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded, no plant inverse, no additions, +-6 V.
+    fn default() -> Self {
+        Self {
+            mode: ControlMode::Velocity,
+            period: 1e-3,
+            velocity: VelocityLaw::default(),
+            pid: PidGains::THESIS,
+            derivative_on: DerivativeOn::Measurement,
+            derivative_filter: 0.005,
+            inverse: PlantInverse::Off,
+            compensation: Compensation { enabled: true, volts_per_newton_metre: 4.8426, scale: 1.0 },
+            acceleration: None,
+            dither: None,
+            impulse: None,
+            guard: Some(GuardOptions::default()),
+            tolerated_cycles: 10,
+            fade: 0.1,
+            voltage_limit: 6.0,
+        }
+    }
+}
