@@ -83,7 +83,7 @@ impl TrackingJob {
 
 /// Mean of the square of equally spaced samples by the trapezoidal rule, and the largest magnitude.
 #[derive(Debug, Clone, Copy, Default)]
-struct SquareMean {
+pub(crate) struct SquareMean {
     n: u64,
     sum: f64,
     first: f64,
@@ -92,7 +92,8 @@ struct SquareMean {
 }
 
 impl SquareMean {
-    fn add(&mut self, value: f64) {
+    /// Takes the next sample in.
+    pub(crate) fn add(&mut self, value: f64) {
         let square = value * value;
         if self.n == 0 {
             self.first = square;
@@ -103,7 +104,13 @@ impl SquareMean {
         self.max = self.max.max(value.abs());
     }
 
-    fn mean(&self) -> f64 {
+    /// Largest magnitude so far.
+    pub(crate) const fn max(&self) -> f64 {
+        self.max
+    }
+
+    /// Mean of the squares so far.
+    pub(crate) fn mean(&self) -> f64 {
         if self.n < 2 { self.sum } else { (self.sum - 0.5 * (self.first + self.last)) / (self.n - 1) as f64 }
     }
 }
