@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::compensation::Means;
 use crate::control_loop::ControlLoop;
 use crate::profile::Excitation;
+use crate::protocol::InverseUse;
 use crate::waveform::Waveform;
 
 /// A simulated rig and the friction it really has.
@@ -55,6 +56,19 @@ pub enum TestBedError {
 }
 
 impl TestBed {
+    /// The same bench with `inverse` of its drive, exactly known, in the feed-forward path.
+    #[must_use]
+    pub fn with_inverse(mut self, inverse: InverseUse) -> Self {
+        let drive = &self.simulation.drive;
+        let drive = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
+        self.controller.inverse = match inverse {
+            InverseUse::Off => PlantInverse::Off,
+            InverseUse::Gain => PlantInverse::Gain(drive.gain),
+            InverseUse::Whole => PlantInverse::Whole(drive),
+        };
+        self
+    }
+
     /// A loop on this bench that starts at rest.
     ///
     /// An estimator over `observer` runs in any case; its estimate enters the command only by some `means`. `seed` is that of
@@ -106,12 +120,7 @@ impl TestBed {
         seed: u64,
         start_ns: u64,
     ) -> Result<ControlLoop, TestBedError> {
-        let drive = &self.simulation.drive;
-        let inverse = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
-        let mut bed = *self;
-        if feed_forward {
-            bed.controller.inverse = PlantInverse::Whole(inverse);
-        }
+        let bed = if feed_forward { self.with_inverse(InverseUse::Whole) } else { *self };
         let unused = Waveform::ConstantVelocity { velocity: 0.0 };
         let control = bed.control_loop(excitation.mode(), unused, observer, None, seed, start_ns)?;
         Ok(control.excited(excitation))

@@ -3,10 +3,11 @@
 use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
 
-use crate::compensation::Arm;
+use crate::compensation::{Arm, LimitCycle};
 use crate::control_loop::ControlLoop;
 use crate::cycle::CycleSample;
 use crate::protocol::TrackingProtocol;
+use crate::waveform::Waveform;
 
 /// One run to be driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,9 +37,18 @@ pub struct TrackingRun {
     pub effort: f64,
     /// Root mean square of the measured minus the estimated friction [N m].
     pub torque_residual: f64,
+    /// Root mean square of the true minus the estimated friction [N m], where the rig is simulated.
+    pub torque_error: Option<f64>,
+    /// The oscillation that remains after a step of position.
+    pub limit_cycle: Option<LimitCycle>,
 }
 
 impl TrackingJob {
+    /// Cycles between the samples that a limit cycle is looked for in.
+    const CYCLE_EVERY: u64 = 10;
+    /// Smallest amplitude that counts as a limit cycle [rad]: two counts of the encoder.
+    const LEAST_AMPLITUDE: f64 = 2.0 * std::f64::consts::TAU / 4096.0;
+
     /// All runs of the protocol: each arm, each repetition.
     #[must_use]
     pub fn all(protocol: &TrackingProtocol, arms: &[Arm]) -> Vec<Self> {
@@ -60,6 +70,9 @@ impl TrackingJob {
         let cycles = (protocol.duration / control.period()).round() as u64;
         let (mut true_error, mut measured_error) = (SquareMean::default(), SquareMean::default());
         let (mut volts, mut residual) = (SquareMean::default(), SquareMean::default());
+        let mut torque_error: Option<SquareMean> = None;
+        let stepped = matches!(protocol.reference, Waveform::StepPosition { .. });
+        let mut path = Vec::new();
         for _ in 0..=cycles {
             let sample = control.step()?;
             record(&sample);
@@ -67,7 +80,15 @@ impl TrackingJob {
             true_error.add(sample.error());
             volts.add(sample.command.total);
             residual.add(sample.measurement.torque - sample.estimate.torque);
+            if let Some(truth) = sample.truth {
+                let error = truth.friction - sample.estimate.torque;
+                torque_error.get_or_insert_default().add(error);
+            }
+            if stepped && sample.measurement.cycle.is_multiple_of(Self::CYCLE_EVERY) {
+                path.push(sample.error());
+            }
         }
+        let between = Self::CYCLE_EVERY as f64 * control.period();
         Ok(TrackingRun {
             arm: self.arm,
             repetition: self.repetition,
@@ -77,13 +98,15 @@ impl TrackingJob {
             max_error_measured: measured_error.max,
             effort: volts.mean().sqrt(),
             torque_residual: residual.mean().sqrt(),
+            torque_error: torque_error.map(|error| error.mean().sqrt()),
+            limit_cycle: LimitCycle::find(&path, between, Self::LEAST_AMPLITUDE),
         })
     }
 }
 
 /// Mean of the square of equally spaced samples by the trapezoidal rule, and the largest magnitude.
 #[derive(Debug, Clone, Copy, Default)]
-struct SquareMean {
+pub(crate) struct SquareMean {
     n: u64,
     sum: f64,
     first: f64,
@@ -92,7 +115,8 @@ struct SquareMean {
 }
 
 impl SquareMean {
-    fn add(&mut self, value: f64) {
+    /// Takes the next sample in.
+    pub(crate) fn add(&mut self, value: f64) {
         let square = value * value;
         if self.n == 0 {
             self.first = square;
@@ -103,7 +127,13 @@ impl SquareMean {
         self.max = self.max.max(value.abs());
     }
 
-    fn mean(&self) -> f64 {
+    /// Largest magnitude so far.
+    pub(crate) const fn max(&self) -> f64 {
+        self.max
+    }
+
+    /// Mean of the squares so far.
+    pub(crate) fn mean(&self) -> f64 {
         if self.n < 2 { self.sum } else { (self.sum - 0.5 * (self.first + self.last)) / (self.n - 1) as f64 }
     }
 }

@@ -12,6 +12,20 @@ pub enum Waveform {
         /// Velocity [rad/s].
         velocity: f64,
     },
+    /// A velocity that jumps from zero at a time.
+    StepVelocity {
+        /// Velocity afterwards [rad/s].
+        velocity: f64,
+        /// When it jumps [s].
+        at: f64,
+    },
+    /// A position that jumps from zero at a time.
+    StepPosition {
+        /// Position afterwards [rad].
+        position: f64,
+        /// When it jumps [s].
+        at: f64,
+    },
     /// Velocity `amplitude sin(w t)` [rad/s].
     SineVelocity {
         /// Amplitude [rad/s].
@@ -36,6 +50,14 @@ impl Waveform {
         match *self {
             Self::ConstantVelocity { velocity } => {
                 Reference { position: velocity * t, velocity, acceleration: 0.0 }
+            }
+            Self::StepVelocity { velocity, at } => {
+                let velocity = if t < at { 0.0 } else { velocity };
+                Reference { position: velocity * (t - at), velocity, acceleration: 0.0 }
+            }
+            Self::StepPosition { position, at } => {
+                let position = if t < at { 0.0 } else { position };
+                Reference { position, velocity: 0.0, acceleration: 0.0 }
             }
             Self::SineVelocity { amplitude, angular_frequency: w } => {
                 let (sin, cos) = (w * t).sin_cos();
@@ -67,6 +89,8 @@ mod tests {
         let h = 1e-5;
         for wave in [
             Waveform::ConstantVelocity { velocity: 1.2 },
+            Waveform::StepVelocity { velocity: 1.2, at: 0.5 },
+            Waveform::StepPosition { position: 1.2, at: 0.5 },
             Waveform::SineVelocity { amplitude: 0.3, angular_frequency: 0.107 },
             Waveform::SinePosition { amplitude: 1.0, angular_frequency: 0.546 },
         ] {

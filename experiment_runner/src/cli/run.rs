@@ -18,7 +18,7 @@ use crate::characterise::{Measured, TorqueReading};
 use crate::compensation::Means;
 use crate::models::file;
 use crate::progress::Progress;
-use crate::protocol::{ConstantVelocityProtocol, Protocol, TrackingProtocol};
+use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::run::{
     self, Characterisation, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError,
     RunOptions, Status, read_controller, read_parameter_file, shipped,
@@ -82,6 +82,9 @@ pub struct RunArgs {
     /// Friction as a torque, or taken off the volts as in the thesis's own simulations
     #[arg(long, value_enum, default_value_t)]
     pub friction: FrictionArg,
+    /// The thesis's units: friction in N m is taken off the volts, the same as `--friction as-volts`
+    #[arg(long, conflicts_with = "friction")]
+    pub thesis_units: bool,
     /// Sensors without noise and steps, for studies of the models alone
     #[arg(long)]
     pub ideal_sensors: bool,
@@ -164,9 +167,9 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
 }
 
 fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
-    let coupling = match args.friction {
-        FrictionArg::Physical => FrictionCoupling::Physical,
-        FrictionArg::AsVolts => FrictionCoupling::NewtonMetreAsVolt,
+    let coupling = match (args.friction, args.thesis_units) {
+        (FrictionArg::Physical, false) => FrictionCoupling::Physical,
+        (FrictionArg::AsVolts, _) | (_, true) => FrictionCoupling::NewtonMetreAsVolt,
     };
     let drive = Drive::srv02(match args.time_constant {
         TimeConstantArg::Thesis => TimeConstant::Thesis,
@@ -226,6 +229,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         pre_sliding,
         breakaway_rate,
         sequence: None,
+        compensation: CompensationProtocol::shipped()?,
         torque: TorqueReading::new(source, &drive, &sensors, errors),
         velocity_tracking,
         position_tracking,
@@ -237,11 +241,13 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         options.varying_velocity = options.varying_velocity.quick();
         options.pre_sliding = options.pre_sliding.quick();
         options.breakaway_rate = options.breakaway_rate.quick();
+        options.compensation = options.compensation.repeated(1);
     }
     if let Some(repetitions) = args.repetitions {
         options.varying_velocity.repetitions = repetitions;
         options.pre_sliding.repetitions = repetitions;
         options.breakaway_rate.repetitions = repetitions;
+        options.compensation = options.compensation.repeated(repetitions);
     }
     // A file says everything itself: neither --quick nor --repetitions changes it.
     protocols.into_iter().for_each(|protocol| options.set(protocol));
@@ -344,10 +350,8 @@ fn summary(outcome: &Outcome) -> String {
     }
     text += &results.added_to_points().map_or(String::new(), |said| said + "\n");
     text += &characterisation(&results.characterisation);
-    for (title, comparison) in
-        [("Velocity tracking", &results.velocity_tracking), ("Position tracking", &results.position_tracking)]
-    {
-        text += &comparison.as_ref().map_or(String::new(), |comparison| table(title, comparison));
+    for (name, comparison) in results.comparisons() {
+        text += &table(name, comparison);
     }
     let megabytes = results.bag.bytes as f64 * 1e-6;
     text += &format!(
@@ -404,6 +408,9 @@ fn table(title: &str, comparison: &Comparison) -> String {
             row.max_error,
             row.max_error_improvement
         );
+        if let Some(cycle) = row.limit_cycle {
+            text += &format!("{:22}hunts: {:.4} rad, {:.2} s\n", "", cycle.amplitude, cycle.period);
+        }
     }
     text
 }

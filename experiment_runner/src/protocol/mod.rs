@@ -5,6 +5,7 @@
 //! program everything is in SI units.
 
 mod breakaway_rate;
+mod compensation;
 mod constant_velocity;
 mod error;
 mod pre_sliding;
@@ -16,11 +17,12 @@ mod varying_velocity;
 use serde::{Deserialize, Serialize};
 
 pub use breakaway_rate::BreakawayRateProtocol;
+pub use compensation::{CompensationProtocol, CompensationTask};
 pub use constant_velocity::ConstantVelocityProtocol;
 pub use error::ProtocolError;
 pub use pre_sliding::{Displacement, OnsetRule, PreSlidingProtocol, REST};
 pub use sequence::SequenceProtocol;
-pub use tracking::TrackingProtocol;
+pub use tracking::{InverseUse, TrackingProtocol};
 pub use varying_velocity::VaryingVelocityProtocol;
 
 use quantity::{Dimension, Quantity};
@@ -37,17 +39,20 @@ pub enum Kind {
     PreSliding,
     /// Experiment 4: breakaway against the rate of the torque.
     BreakawayRate,
+    /// Compensations compared in tracking and regulation.
+    Compensation,
     /// A sequence of one's own.
     Sequence,
 }
 
 impl Kind {
     /// Every kind, in the order of the thesis.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::ConstantVelocity,
         Self::VaryingVelocity,
         Self::PreSliding,
         Self::BreakawayRate,
+        Self::Compensation,
         Self::Sequence,
     ];
 
@@ -59,6 +64,7 @@ impl Kind {
             Self::VaryingVelocity => "varying-velocity",
             Self::PreSliding => "pre-sliding",
             Self::BreakawayRate => "breakaway-rate",
+            Self::Compensation => "compensation",
             Self::Sequence => "sequence",
         }
     }
@@ -71,6 +77,7 @@ impl Kind {
             Self::VaryingVelocity => include_str!("../../protocols/varying-velocity.yaml"),
             Self::PreSliding => include_str!("../../protocols/pre-sliding.yaml"),
             Self::BreakawayRate => include_str!("../../protocols/breakaway-rate.yaml"),
+            Self::Compensation => include_str!("../../protocols/compensation.yaml"),
             Self::Sequence => include_str!("../../protocols/sequence.yaml"),
         }
     }
@@ -83,6 +90,9 @@ impl Kind {
             Self::VaryingVelocity => "velocity varied without a reversal: frictional lag",
             Self::PreSliding => "breakaway torque and displacement, and hysteresis below them",
             Self::BreakawayRate => "breakaway against the rate of the torque",
+            Self::Compensation => {
+                "compensations compared in tracking and regulation of velocity and position"
+            }
             Self::Sequence => "an example of a sequence of one's own",
         }
     }
@@ -100,6 +110,8 @@ pub enum Protocol {
     PreSliding(PreSlidingProtocol),
     /// Experiment 4.
     BreakawayRate(BreakawayRateProtocol),
+    /// Compensations compared.
+    Compensation(CompensationProtocol),
     /// A sequence of one's own.
     Sequence(SequenceProtocol),
 }
@@ -127,6 +139,7 @@ impl Protocol {
             Kind::BreakawayRate => {
                 Self::BreakawayRate(sheet::<breakaway_rate::Sheet>(text, name)?.try_into()?)
             }
+            Kind::Compensation => Self::Compensation(sheet::<compensation::Sheet>(text, name)?.try_into()?),
             Kind::Sequence => Self::Sequence(sheet::<sequence::Sheet>(text, name)?.try_into()?),
         })
     }
@@ -139,6 +152,7 @@ impl Protocol {
             Self::VaryingVelocity(_) => Kind::VaryingVelocity,
             Self::PreSliding(_) => Kind::PreSliding,
             Self::BreakawayRate(_) => Kind::BreakawayRate,
+            Self::Compensation(_) => Kind::Compensation,
             Self::Sequence(_) => Kind::Sequence,
         }
     }

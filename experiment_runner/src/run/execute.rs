@@ -15,16 +15,15 @@ use super::recorder::{Kept, Recorder, Timeline};
 use super::results::{
     BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
 };
-use super::trace::Trace;
-use super::{Characterisation, Compensators, Experiment, RunError, RunOptions, page, parameter_file};
+use super::tracked::{Sorted, TrackedTask};
+use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
 use crate::compensation::Arm;
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
-use crate::protocol::{Kind, TrackingProtocol};
+use crate::protocol::Kind;
 use crate::report::render_page;
 use crate::sequencer::{Completion, run_in_order};
-use crate::tracking::{TrackingJob, TrackingRun};
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -60,6 +59,7 @@ pub fn execute(
     require_empty(folder)?;
     let mut recorder = Recorder::create(&folder.join(BAG), options)?;
     let mut timeline = Timeline::new();
+    let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
     let mut rig_seconds = 0.0;
     let mut note = |completion: Completion| {
@@ -102,19 +102,14 @@ pub fn execute(
 
     let arms = Arm::all(&options.means, &options.models);
     let mut tasks = Vec::new();
-    for (wanted, name, protocol) in [
-        (options.experiment.tracks_velocity(), "velocity tracking", &options.velocity_tracking),
-        (options.experiment.tracks_position(), "position tracking", &options.position_tracking),
-    ] {
-        let mut task = Task::default();
-        if wanted && going {
-            let tracked = bench.track(name, protocol, &arms, &models, &mut recorder, &mut timeline)?;
-            rig_seconds += protocol.duration * tracked.runs.len() as f64;
-            going = note(tracked.completion);
-            task.comparison = Comparison::new(protocol.mode, &arms, tracked.runs);
-            task.traces = tracked.traces;
+    for TrackedTask { name, protocol, stream, .. } in &compared {
+        if !going {
+            break;
         }
-        tasks.push(task);
+        let tracked = bench.track((name, protocol, *stream), &arms, &models, &mut recorder, &mut timeline)?;
+        rig_seconds += protocol.duration * tracked.runs.len() as f64;
+        going = note(tracked.completion);
+        tasks.push((Comparison::new(protocol.mode, &arms, tracked.runs), tracked.traces));
     }
 
     progress.stage("report");
@@ -123,7 +118,10 @@ pub fn execute(
     recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
     let bag = recorder.finish()?;
     let wall_seconds = started.elapsed().as_secs_f64();
-    let [velocity, position] = <[Task; 2]>::try_from(tasks).unwrap_or_default();
+    let mut sorted = Sorted::default();
+    for (task, (comparison, traces)) in compared.into_iter().zip(tasks) {
+        sorted.take(task, comparison, traces);
+    }
     let results = RunResults {
         program_version: env!("CARGO_PKG_VERSION"),
         status,
@@ -131,8 +129,9 @@ pub fn execute(
         constant_velocity: steady,
         identification,
         characterisation,
-        velocity_tracking: velocity.comparison,
-        position_tracking: position.comparison,
+        velocity_tracking: sorted.velocity,
+        position_tracking: sorted.position,
+        compensation: sorted.tasks,
         bag: BagFigures {
             folder: BAG,
             messages: bag.messages,
@@ -141,7 +140,7 @@ pub fn execute(
         },
         timing: Timing { wall_seconds, rig_seconds, times_real_time: rig_seconds / wall_seconds },
     };
-    let report = render_page(&page::build(&results, &models, &velocity.traces, &position.traces));
+    let report = render_page(&page::build(&results, &models, &sorted.traces));
     let json = serde_json::to_string_pretty(&results)
         .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
     let mut files = vec![("parameters.yaml", parameters), ("report.html", report), ("run.json", json)];
@@ -208,18 +207,6 @@ fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification
     Ok(Identification { mse_identification: fit.mse, mse_validation, parameters, fit })
 }
 
-#[derive(Debug, Default)]
-struct Task {
-    comparison: Option<Comparison>,
-    traces: Vec<(Arm, Trace)>,
-}
-
-struct Tracked {
-    runs: Vec<TrackingRun>,
-    traces: Vec<(Arm, Trace)>,
-    completion: Completion,
-}
-
 /// What all experiments share.
 pub(super) struct Bench<'a> {
     pub(super) options: &'a RunOptions,
@@ -231,26 +218,14 @@ impl Bench<'_> {
     /// Puts every loop together once, so that a parameter out of range is told before anything is written.
     fn check(&self) -> Result<(), RunError> {
         let options = self.options;
-        for protocol in [&options.velocity_tracking, &options.position_tracking] {
+        let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
+        for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
+            let bed = options.test_bed.with_inverse(protocol.inverse);
             for arm in Arm::all(&options.means, &options.models) {
                 let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
-                options.test_bed.control_loop(
-                    protocol.mode,
-                    protocol.reference,
-                    &model,
-                    arm.means(),
-                    0,
-                    0,
-                )?;
+                bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
             }
-            options.test_bed.control_loop(
-                protocol.mode,
-                protocol.reference,
-                &options.test_bed.friction,
-                None,
-                0,
-                0,
-            )?;
+            bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
         }
         Ok(())
     }
@@ -301,66 +276,6 @@ impl Bench<'_> {
         )?;
         recorder.flush()?;
         Ok((runs, completion))
-    }
-
-    /// One tracking task under each compensation.
-    fn track(
-        &self,
-        name: &'static str,
-        protocol: &TrackingProtocol,
-        arms: &[Arm],
-        models: &Compensators,
-        recorder: &mut Recorder,
-        timeline: &mut Timeline,
-    ) -> Result<Tracked, RunError> {
-        let stream = match protocol.mode {
-            controller::ControlMode::Velocity => 1 << 32,
-            controller::ControlMode::Position => 2 << 32,
-        };
-        let jobs: Vec<(u64, TrackingJob)> = TrackingJob::all(protocol, arms)
-            .into_iter()
-            .map(|job| (timeline.start_of(protocol.duration), job))
-            .collect();
-        let work = |&(start_ns, job): &(u64, TrackingJob)| {
-            // Repetition n has the same noise under every compensation: differences are the compensation's.
-            let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
-            let model = models.get(job.arm.model().unwrap_or(ModelName::Proposed));
-            let bed = &self.options.test_bed;
-            let control =
-                bed.control_loop(protocol.mode, protocol.reference, &model, job.arm.means(), seed, start_ns)?;
-            let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
-            let mut trace = Trace::default();
-            let run = job.run(protocol, control, |sample| {
-                kept.add(sample);
-                if job.repetition == 0 {
-                    trace.add(sample);
-                }
-            })?;
-            Ok::<_, RunError>((run, kept, trace))
-        };
-        let total = jobs.len() as f64;
-        let mut runs: Vec<TrackingRun> = Vec::with_capacity(jobs.len());
-        let mut traces = Vec::new();
-        let completion = run_in_order(
-            &jobs,
-            self.options.workers,
-            self.cancel,
-            work,
-            |(start_ns, job), (run, kept, trace)| {
-                let stage = format!("compensation {}", job.arm);
-                if job.repetition == 0 {
-                    self.progress.stage(format!("{name}: {}", job.arm));
-                    recorder.status(*start_ns, name, &stage, runs.len() as f64 / total)?;
-                    traces.push((job.arm, trace));
-                }
-                recorder.write(kept)?;
-                self.progress.advance(protocol.duration);
-                runs.push(run);
-                Ok(())
-            },
-        )?;
-        recorder.flush()?;
-        Ok(Tracked { runs, traces, completion })
     }
 }
 

@@ -6,6 +6,7 @@ mod characterisation;
 mod characterisation_page;
 #[cfg(test)]
 mod characterisation_tests;
+mod comparison_page;
 mod compensators;
 mod controller_parameters;
 mod error;
@@ -17,6 +18,7 @@ mod parameter_file;
 mod recorder;
 mod results;
 mod trace;
+mod tracked;
 
 pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
 pub use compensators::Compensators;
@@ -25,4 +27,4 @@ pub use error::RunError;
 pub use execute::{Outcome, execute};
 pub use options::{Experiment, RecordPolicy, RunOptions, shipped};
 pub use parameter_file::{read as read_parameter_file, read_controller};
-pub use results::{Comparison, RunResults, Status};
+pub use results::{Comparison, RunResults, Status, TaskComparison};

@@ -8,8 +8,8 @@ use crate::characterise::TorqueReading;
 use crate::compensation::{Arm, Means};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
-    BreakawayRateProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol, Protocol, ProtocolError,
-    SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
+    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol,
+    Protocol, ProtocolError, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
 };
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
@@ -33,6 +33,8 @@ pub enum Experiment {
     BreakawayRate,
     /// A sequence of one's own, from `--protocol FILE`
     Sequence,
+    /// Compensations compared: tracking and regulation of velocity and position
+    Compensation,
     /// Follow a sine of velocity with and without compensation
     VelocityTracking,
     /// Follow a sine of position with and without compensation
@@ -66,6 +68,7 @@ impl Experiment {
             Kind::VaryingVelocity => matches!(self, Self::Characterise | Self::VaryingVelocity),
             Kind::PreSliding => matches!(self, Self::Characterise | Self::PreSliding),
             Kind::BreakawayRate => matches!(self, Self::Characterise | Self::BreakawayRate),
+            Kind::Compensation => matches!(self, Self::Compensation),
             Kind::Sequence => matches!(self, Self::Sequence),
         }
     }
@@ -78,6 +81,7 @@ impl Experiment {
             Kind::VaryingVelocity => Self::VaryingVelocity,
             Kind::PreSliding => Self::PreSliding,
             Kind::BreakawayRate => Self::BreakawayRate,
+            Kind::Compensation => Self::Compensation,
             Kind::Sequence => Self::Sequence,
         }
     }
@@ -93,6 +97,7 @@ impl Experiment {
             Self::PreSliding => "pre-sliding",
             Self::BreakawayRate => "breakaway-rate",
             Self::Sequence => "sequence",
+            Self::Compensation => "compensation",
             Self::VelocityTracking => "velocity-tracking",
             Self::PositionTracking => "position-tracking",
         }
@@ -173,6 +178,8 @@ pub struct RunOptions {
     pub sequence: Option<SequenceProtocol>,
     /// Where the friction torque of experiments 1 to 4 is from.
     pub torque: TorqueReading,
+    /// Tasks that compensations are compared in.
+    pub compensation: CompensationProtocol,
     /// Tracking of velocity.
     pub velocity_tracking: TrackingProtocol,
     /// Tracking of position.
@@ -190,6 +197,7 @@ impl RunOptions {
             Protocol::VaryingVelocity(protocol) => self.varying_velocity = protocol,
             Protocol::PreSliding(protocol) => self.pre_sliding = protocol,
             Protocol::BreakawayRate(protocol) => self.breakaway_rate = protocol,
+            Protocol::Compensation(protocol) => self.compensation = protocol,
             Protocol::Sequence(protocol) => self.sequence = Some(protocol),
         }
     }
@@ -208,6 +216,7 @@ impl RunOptions {
             (Kind::VaryingVelocity, self.varying_velocity.rig_seconds()),
             (Kind::PreSliding, self.pre_sliding.rig_seconds()),
             (Kind::BreakawayRate, self.breakaway_rate.rig_seconds()),
+            (Kind::Compensation, self.compensation.rig_seconds(self.arms())),
             (Kind::Sequence, self.sequence.as_ref().map_or(0.0, SequenceProtocol::rig_seconds)),
         ] {
             if self.experiment.includes(kind) {
@@ -277,6 +286,7 @@ pub(super) mod tests {
             pre_sliding: shipped.1.quick(),
             breakaway_rate: shipped.2.quick(),
             sequence: None,
+            compensation: CompensationProtocol::shipped().unwrap().repeated(1),
             torque: TorqueReading::new(
                 Default::default(),
                 &simulation.drive,

@@ -1,11 +1,11 @@
 //! The report of a run: what was measured, what was found, what it is worth.
 
-use controller::ControlMode;
 use friction_ident::StribeckFit;
 use friction_model::ModelName;
 
 use super::Compensators;
-use super::results::{Comparison, Identification, RunResults, Status, mean_and_deviation};
+use super::comparison_page::{comparison_table, tracking_figure};
+use super::results::{Identification, RunResults, Status, mean_and_deviation};
 use super::trace::Trace;
 use crate::characterise::Measured;
 use crate::compensation::Arm;
@@ -16,8 +16,7 @@ use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace 
 pub(super) fn build(
     results: &RunResults,
     models: &Compensators,
-    velocity: &[(Arm, Trace)],
-    position: &[(Arm, Trace)],
+    traces: &[(String, Vec<(Arm, Trace)>)],
 ) -> Page {
     let options = &results.options;
     let mut blocks = vec![summary(results)];
@@ -34,15 +33,12 @@ pub(super) fn build(
         blocks.extend(results.added_to_points().map(Block::Note));
     }
     blocks.extend(super::characterisation_page::blocks(&results.characterisation, options.torque.source));
-    for (title, comparison, traces) in [
-        ("Velocity tracking", &results.velocity_tracking, velocity),
-        ("Position tracking", &results.position_tracking, position),
-    ] {
-        if let Some(comparison) = comparison {
-            blocks.push(Block::Heading(title.to_owned()));
-            blocks.push(Block::Table(comparison_table(title, comparison)));
-            blocks.push(Block::Figure(tracking_figure(title, comparison.mode, traces)));
-        }
+    for (name, comparison) in results.comparisons() {
+        let title = capitalised(name);
+        let of_task = traces.iter().find(|(other, _)| other == name).map_or(&[][..], |(_, traces)| traces);
+        blocks.push(Block::Heading(title.clone()));
+        blocks.push(Block::Table(comparison_table(&title, comparison)));
+        blocks.push(Block::Figure(tracking_figure(&title, comparison.mode, of_task)));
     }
     blocks.push(Block::Heading("How this was made".to_owned()));
     blocks.push(Block::Text(how(results)));
@@ -62,7 +58,13 @@ pub(super) fn build(
     }
 }
 
-/// The run in three sentences.
+/// With a capital letter first.
+fn capitalised(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The run in a few sentences.
 fn summary(results: &RunResults) -> Block {
     let mut text = String::new();
     if let Some(found) = &results.identification {
@@ -72,15 +74,12 @@ fn summary(results: &RunResults) -> Block {
             p.f_c, p.f_s, p.f_v
         );
     }
-    for (name, comparison) in
-        [("velocity", &results.velocity_tracking), ("position", &results.position_tracking)]
-    {
-        let Some(comparison) = comparison else { continue };
+    for (name, comparison) in results.comparisons() {
         let Some(best) = comparison.best().map(|index| &comparison.rows[index]) else { continue };
         text += &match best.arm {
-            Arm::None => format!("No compensation improved {name} tracking. "),
+            Arm::None => format!("No compensation improved {name}. "),
             arm => format!(
-                "In {name} tracking {arm} does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
+                "In {name} {arm} does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
                  linear controller alone. ",
                 best.mse_improvement, best.max_error_improvement
             ),
@@ -209,106 +208,6 @@ fn means(runs: &[SteadyRun], set: u32, grid: &[f64]) -> (Vec<f64>, Vec<f64>, Vec
         error.push(torque.half_spread());
     }
     (x, y, error)
-}
-
-fn comparison_table(title: &str, comparison: &Comparison) -> Table {
-    let (unit, square) = match comparison.mode {
-        ControlMode::Velocity => ("rad/s", "(rad/s)²"),
-        ControlMode::Position => ("rad", "rad²"),
-    };
-    let repetitions = comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0);
-    // A single repetition has no scatter to show.
-    let spread = |value: String, deviation: String| {
-        if repetitions > 1 { format!("{value} ± {deviation}") } else { value }
-    };
-    let of = if repetitions > 1 {
-        format!("Mean over {repetitions} repetitions ± standard deviation")
-    } else {
-        "One repetition".to_owned()
-    };
-    let rows = comparison
-        .rows
-        .iter()
-        .map(|row| {
-            let percent =
-                |value: f64| if row.arm == Arm::None { "-".to_owned() } else { format!("{value:.1}") };
-            vec![
-                row.arm.to_string(),
-                spread(format!("{:.3e}", row.mse), format!("{:.0e}", row.mse_deviation)),
-                spread(format!("{:.4}", row.max_error), format!("{:.4}", row.max_error_deviation)),
-                percent(row.mse_improvement),
-                percent(row.max_error_improvement),
-                format!("{:.3e}", row.mse_measured),
-                format!("{:.3}", row.effort),
-                format!("{:.4}", row.torque_residual),
-            ]
-        })
-        .collect();
-    Table {
-        title: format!("{title}: compensations compared"),
-        caption: format!(
-            "{of}. Errors are those of the shaft itself, which the simulated rig knows; the mean square as \
-             measured contains the sensor's noise. Improvements are against the linear controller alone. The plant's friction is one of the models: \
-             a ranking among observers says which is nearest to that plant, no more."
-        ),
-        columns: vec![
-            "compensation".to_owned(),
-            format!("mse [{square}]"),
-            format!("largest error [{unit}]"),
-            "mse better by [%]".to_owned(),
-            "largest error better by [%]".to_owned(),
-            format!("mse as measured [{square}]"),
-            "rms voltage [V]".to_owned(),
-            "rms torque residual [N m]".to_owned(),
-        ],
-        rows,
-        highlight: comparison.best(),
-    }
-}
-
-fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Trace)]) -> Figure {
-    let (quantity, unit) = match mode {
-        ControlMode::Velocity => ("velocity", "rad/s"),
-        ControlMode::Position => ("position", "rad"),
-    };
-    let line = |name: String, trace: &Trace, y: &[f64], style| Drawn::Line {
-        name,
-        x: trace.t.clone(),
-        y: y.to_vec(),
-        style,
-    };
-    let mut response = Vec::new();
-    let mut error = Vec::new();
-    let mut friction = Vec::new();
-    if let Some((_, first)) = traces.first() {
-        response.push(line("reference".to_owned(), first, &first.reference, LineStyle::Dashed));
-    }
-    // What the sensor shows lies behind everything else.
-    if let Some((arm, last)) = traces.last() {
-        friction.push(line(format!("measured ({arm})"), last, &last.friction_measured, LineStyle::Faint));
-        friction.push(line(format!("true ({arm})"), last, &last.friction_true, LineStyle::Dashed));
-    }
-    for (arm, trace) in traces {
-        let name = arm.to_string();
-        response.push(line(name.clone(), trace, &trace.response, LineStyle::Solid));
-        error.push(line(name.clone(), trace, &trace.error, LineStyle::Solid));
-        if *arm != Arm::None {
-            friction.push(line(name, trace, &trace.friction_estimated, LineStyle::Solid));
-        }
-    }
-    Figure {
-        title: format!("{title} over time"),
-        caption: "First repetition of each compensation: reference and response, error of the shaft, and friction as measured, as it truly is \
-                  and as each observer estimates it."
-            .to_owned(),
-        x_label: "time [s]".to_owned(),
-        log_x: false,
-        panels: vec![
-            Panel { y_label: format!("{quantity} [{unit}]"), traces: response },
-            Panel { y_label: format!("error [{unit}]"), traces: error },
-            Panel { y_label: "friction torque [N m]".to_owned(), traces: friction },
-        ],
-    }
 }
 
 fn how(results: &RunResults) -> String {

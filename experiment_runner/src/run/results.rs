@@ -6,7 +6,7 @@ use friction_model::AnyModel;
 use serde::Serialize;
 
 use super::{Characterisation, RunOptions};
-use crate::compensation::Arm;
+use crate::compensation::{Arm, LimitCycle};
 use crate::constant_velocity::SteadyRun;
 use crate::tracking::TrackingRun;
 
@@ -39,6 +39,8 @@ pub struct RunResults {
     pub velocity_tracking: Option<Comparison>,
     /// Position tracking.
     pub position_tracking: Option<Comparison>,
+    /// Compensations compared in each task of the compensation experiments.
+    pub compensation: Vec<TaskComparison>,
     /// The bag.
     pub bag: BagFigures,
     /// How long it took: the only part that differs between two runs with the same seed.
@@ -46,6 +48,14 @@ pub struct RunResults {
 }
 
 impl RunResults {
+    /// Every comparison with the name of its task, in the order they were driven.
+    pub fn comparisons(&self) -> impl Iterator<Item = (&str, &Comparison)> {
+        let tracking =
+            [("velocity tracking", &self.velocity_tracking), ("position tracking", &self.position_tracking)];
+        let tracking = tracking.into_iter().filter_map(|(name, found)| Some((name, found.as_ref()?)));
+        tracking.chain(self.compensation.iter().map(|task| (task.name.as_str(), &task.comparison)))
+    }
+
     /// What a torque without a sensor adds to the uncertainty of the steady points, in words.
     #[must_use]
     pub fn added_to_points(&self) -> Option<String> {
@@ -125,8 +135,54 @@ pub struct ArmFigures {
     pub mse_measured: f64,
     /// Root mean square voltage [V].
     pub effort: f64,
+    /// Standard deviation of `effort` over the repetitions [V].
+    pub effort_deviation: f64,
     /// Root mean square of measured minus estimated friction [N m].
     pub torque_residual: f64,
+    /// Root mean square of true minus estimated friction [N m], where the rig is simulated.
+    pub torque_error: Option<f64>,
+    /// The oscillation that remains after a step of position.
+    pub limit_cycle: Option<LimitCycleFigures>,
+}
+
+/// Limit cycles of one compensation, over the repetitions that have one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LimitCycleFigures {
+    /// Repetitions that end in one.
+    pub repetitions: usize,
+    /// Mean amplitude [rad].
+    pub amplitude: f64,
+    /// Standard deviation of the amplitude [rad].
+    pub amplitude_deviation: f64,
+    /// Mean period [s].
+    pub period: f64,
+    /// Standard deviation of the period [s].
+    pub period_deviation: f64,
+}
+
+impl LimitCycleFigures {
+    /// Of the runs of one arm; `None` if no run has one.
+    fn of(runs: &[&TrackingRun]) -> Option<Self> {
+        let found: Vec<LimitCycle> = runs.iter().filter_map(|run| run.limit_cycle).collect();
+        let (amplitude, amplitude_deviation) = mean_and_deviation(found.iter().map(|cycle| cycle.amplitude));
+        let (period, period_deviation) = mean_and_deviation(found.iter().map(|cycle| cycle.period));
+        (!found.is_empty()).then_some(Self {
+            repetitions: found.len(),
+            amplitude,
+            amplitude_deviation,
+            period,
+            period_deviation,
+        })
+    }
+}
+
+/// Compensations compared in one task.
+#[derive(Debug, Clone, Serialize)]
+pub struct TaskComparison {
+    /// Name of the task.
+    pub name: String,
+    /// What the compensations are worth in it.
+    pub comparison: Comparison,
 }
 
 impl Comparison {
@@ -156,7 +212,13 @@ impl Comparison {
                 max_error_improvement: against(max_error, none.map(|row| row.max_error)),
                 mse_measured: figures(|run| run.mse_measured).0,
                 effort: figures(|run| run.effort).0,
+                effort_deviation: figures(|run| run.effort).1,
                 torque_residual: figures(|run| run.torque_residual).0,
+                torque_error: of_arm
+                    .iter()
+                    .all(|run| run.torque_error.is_some())
+                    .then(|| figures(|run| run.torque_error.unwrap_or_default()).0),
+                limit_cycle: LimitCycleFigures::of(&of_arm),
             });
         }
         (!rows.is_empty()).then_some(Self { mode, rows, runs })
@@ -218,6 +280,8 @@ mod tests {
             max_error_measured: max_error,
             effort: 1.0,
             torque_residual: 0.0,
+            torque_error: None,
+            limit_cycle: None,
         };
         let arms = [Arm::None, Arm::observer(ModelName::LuGre), Arm::observer(ModelName::Proposed)];
         let runs = vec![

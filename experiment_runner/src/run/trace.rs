@@ -19,6 +19,8 @@ pub(super) struct Trace {
     pub friction_true: Vec<f64>,
     /// Friction as the observer estimates it [N m].
     pub friction_estimated: Vec<f64>,
+    /// Voltage of the motor [V].
+    pub voltage: Vec<f64>,
 }
 
 impl Trace {
@@ -38,5 +40,6 @@ impl Trace {
         self.friction_measured.push(sample.measurement.torque);
         self.friction_true.push(sample.truth.map_or(f64::NAN, |truth| truth.friction));
         self.friction_estimated.push(sample.estimate.torque);
+        self.voltage.push(sample.command.total);
     }
 }
