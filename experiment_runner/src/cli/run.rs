@@ -215,7 +215,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         TorqueSourceArg::Current => TorqueSource::Current,
     };
     if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
-        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
+        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts and --thesis-units out";
         return Err(BadInput(why.to_owned()).into());
     }
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
