@@ -15,7 +15,7 @@ use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConsta
 
 use super::{BadInput, Interrupted, model_name};
 use crate::characterise::{Measured, TorqueReading};
-use crate::compensation::Means;
+use crate::compensation::{Means, thesis_tables};
 use crate::models::file;
 use crate::progress::Progress;
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
@@ -82,6 +82,10 @@ pub struct RunArgs {
     /// Friction as a torque, or taken off the volts as in the thesis's own simulations
     #[arg(long, value_enum, default_value_t)]
     pub friction: FrictionArg,
+    /// With `run compensation`: also Tables 5.1, 5.2 and 6.2 to 6.7 of the thesis, its figures beside ours, and every model as plant under every
+    /// model as observer
+    #[arg(long)]
+    pub thesis_tables: bool,
     /// The thesis's units: friction in N m is taken off the volts, the same as `--friction as-volts`
     #[arg(long, conflicts_with = "friction")]
     pub thesis_units: bool,
@@ -212,7 +216,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         TorqueSourceArg::Current => TorqueSource::Current,
     };
     if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
-        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
+        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts and --thesis-units out";
         return Err(BadInput(why.to_owned()).into());
     }
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
@@ -230,6 +234,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         breakaway_rate,
         sequence: None,
         compensation: CompensationProtocol::shipped()?,
+        thesis_tables: args.thesis_tables,
         torque: TorqueReading::new(source, &drive, &sensors, errors),
         velocity_tracking,
         position_tracking,
@@ -283,6 +288,13 @@ fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadI
             "`{}` does not run {}, for which a protocol is given; leave the name out, or the protocol",
             experiment.as_str(),
             other.kind().name()
+        )));
+    }
+    if args.thesis_tables && experiment != Experiment::Compensation {
+        let mend = "`frictionlab run compensation --thesis-tables` does";
+        return Err(BadInput(format!(
+            "`{}` does not compute the thesis's tables of compensation; {mend}",
+            experiment.as_str()
         )));
     }
     if experiment == Experiment::Sequence && protocols.is_empty() {
@@ -353,6 +365,7 @@ fn summary(outcome: &Outcome) -> String {
     for (name, comparison) in results.comparisons() {
         text += &table(name, comparison);
     }
+    text += &results.thesis_tables.as_ref().map_or(String::new(), thesis_tables::page::text);
     let megabytes = results.bag.bytes as f64 * 1e-6;
     text += &format!(
         "{:.0} s of rig time in {:.1} s: {:.0} times real time\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",

@@ -17,7 +17,7 @@ use super::results::{
 };
 use super::tracked::{Sorted, TrackedTask};
 use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
-use crate::compensation::Arm;
+use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
@@ -112,6 +112,16 @@ pub fn execute(
         tasks.push((Comparison::new(protocol.mode, &arms, tracked.runs), tracked.traces));
     }
 
+    let mut tables = None;
+    if options.thesis_tables && going {
+        let found = thesis_tables::compute(options.seed, options.workers, progress, cancel)?;
+        rig_seconds += thesis_tables::rig_seconds();
+        if !found.complete {
+            status = Status::Interrupted;
+        }
+        tables = Some(found);
+    }
+
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let parameters = parameter_file::render(options, &models, chosen)?;
@@ -132,6 +142,7 @@ pub fn execute(
         velocity_tracking: sorted.velocity,
         position_tracking: sorted.position,
         compensation: sorted.tasks,
+        thesis_tables: tables,
         bag: BagFigures {
             folder: BAG,
             messages: bag.messages,

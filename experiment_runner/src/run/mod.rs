@@ -7,6 +7,8 @@ mod characterisation_page;
 #[cfg(test)]
 mod characterisation_tests;
 mod comparison_page;
+#[cfg(test)]
+mod compensation_tests;
 mod compensators;
 mod controller_parameters;
 mod error;

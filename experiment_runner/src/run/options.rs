@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Compensators;
 use crate::characterise::TorqueReading;
-use crate::compensation::{Arm, Means};
+use crate::compensation::{Arm, Means, thesis_tables};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
     BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol,
@@ -180,6 +180,8 @@ pub struct RunOptions {
     pub torque: TorqueReading,
     /// Tasks that compensations are compared in.
     pub compensation: CompensationProtocol,
+    /// Whether the thesis's tables of compensation are computed too.
+    pub thesis_tables: bool,
     /// Tracking of velocity.
     pub velocity_tracking: TrackingProtocol,
     /// Tracking of position.
@@ -231,6 +233,9 @@ impl RunOptions {
         }
         if self.experiment.tracks_position() {
             seconds += self.position_tracking.rig_seconds(self.arms());
+        }
+        if self.thesis_tables {
+            seconds += thesis_tables::rig_seconds();
         }
         seconds
     }
@@ -287,6 +292,7 @@ pub(super) mod tests {
             breakaway_rate: shipped.2.quick(),
             sequence: None,
             compensation: CompensationProtocol::shipped().unwrap().repeated(1),
+            thesis_tables: false,
             torque: TorqueReading::new(
                 Default::default(),
                 &simulation.drive,

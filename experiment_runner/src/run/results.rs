@@ -6,6 +6,7 @@ use friction_model::AnyModel;
 use serde::Serialize;
 
 use super::{Characterisation, RunOptions};
+use crate::compensation::thesis_tables::ThesisTables;
 use crate::compensation::{Arm, LimitCycle};
 use crate::constant_velocity::SteadyRun;
 use crate::tracking::TrackingRun;
@@ -41,6 +42,8 @@ pub struct RunResults {
     pub position_tracking: Option<Comparison>,
     /// Compensations compared in each task of the compensation experiments.
     pub compensation: Vec<TaskComparison>,
+    /// The thesis's tables of compensation, with ours beside them.
+    pub thesis_tables: Option<ThesisTables>,
     /// The bag.
     pub bag: BagFigures,
     /// How long it took: the only part that differs between two runs with the same seed.

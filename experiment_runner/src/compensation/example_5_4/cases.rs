@@ -96,17 +96,17 @@ impl PositionCase {
         Self { plant: Some(model), observer: Some(model), injection: POSITION_INJECTION, duration }
     }
 
-    /// Every case: 20 s, in which the printed ratio of the rows without an observer is met, and 50 s, which give the printed row without friction. Linear
-    /// control with friction also runs for 200 s, where its limit cycle is read.
+    /// Every case: over 20 s, in which the printed ratio of the rows without an observer is met, the observers on one plant; over 50 s, which give the
+    /// printed row without friction, each on its own. Linear control with friction also runs for 100 s, where its limit cycle is read.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut cases = Vec::new();
         for duration in [20.0, 50.0] {
             cases.extend([Self::no_friction(duration), Self::on_proposed(None, duration)]);
-            cases.extend(ExampleModel::PRINTED.map(|model| Self::on_proposed(Some(model), duration)));
-            cases.extend(ExampleModel::PRINTED.map(|model| Self::on_its_own(model, duration)));
         }
-        cases.push(Self::on_proposed(None, 200.0));
+        cases.extend(ExampleModel::PRINTED.map(|model| Self::on_proposed(Some(model), 20.0)));
+        cases.extend(ExampleModel::PRINTED.map(|model| Self::on_its_own(model, 50.0)));
+        cases.push(Self::on_proposed(None, 100.0));
         cases
     }
 }
@@ -121,10 +121,12 @@ pub struct ExampleOptions {
 }
 
 impl ExampleOptions {
-    /// How many runs it takes.
+    /// Time that the runs simulate [s].
     #[must_use]
-    pub fn runs(&self) -> usize {
-        VelocityCase::all().len() * self.seeds as usize + PositionCase::all().len()
+    pub fn rig_seconds(&self) -> f64 {
+        let velocity = VelocityCase::all().len() as f64 * f64::from(self.seeds);
+        let position = PositionCase::all().iter().map(|case| case.duration).sum::<f64>();
+        velocity * VelocityExample::default().duration + position
     }
 }
 
@@ -171,6 +173,10 @@ impl Example {
             }
         };
         run_in_order(&jobs, options.workers, cancel, work, |job, (run, cycle)| {
+            let seconds = match *job {
+                Job::Velocity(..) => VelocityExample::default().duration,
+                Job::Position(case) => case.duration,
+            };
             match *job {
                 Job::Velocity(case, _) => match found.velocity.last_mut() {
                     Some((last, runs)) if *last == case => runs.push(run),
@@ -178,7 +184,7 @@ impl Example {
                 },
                 Job::Position(case) => found.position.push((case, run, cycle)),
             }
-            progress.advance(1.0);
+            progress.advance(seconds);
             Ok(())
         })?;
         Ok(found)

@@ -9,6 +9,8 @@ pub mod cases;
 mod closed_loop;
 mod models;
 mod position;
+#[cfg(test)]
+mod tests;
 mod velocity;
 
 pub use cases::{Example, ExampleOptions, PositionCase, VelocityCase};

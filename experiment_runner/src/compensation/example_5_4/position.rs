@@ -29,7 +29,7 @@ pub struct PositionExample {
 
 impl Default for PositionExample {
     fn default() -> Self {
-        Self { inertia: 0.0023, p: 0.1, i: 0.4, d: 0.05, duration: 20.0, step: 5e-5 }
+        Self { inertia: 0.0023, p: 0.1, i: 0.4, d: 0.05, duration: 20.0, step: 8e-5 }
     }
 }
 
@@ -57,7 +57,7 @@ impl PositionExample {
         O: FrictionModel<Continuous: Shift>,
     {
         /// Steps between the samples that a limit cycle is looked for in.
-        const EVERY: u64 = 200;
+        const EVERY: u64 = 125;
         let mut error = SquareMean::default();
         error.add(closed.error());
         let mut path = vec![closed.error()];
