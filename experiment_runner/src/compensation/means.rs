@@ -1,8 +1,11 @@
 //! The techniques of compensation, as a person chooses them.
 
 use controller::ControllerOptions;
+use controller::design::LinearDrive;
 use friction_observer::{EstimatorOptions, Technique};
 use serde::{Deserialize, Serialize};
+
+use super::additions;
 
 /// By what means friction is compensated.
 #[derive(
@@ -17,6 +20,14 @@ pub enum Means {
     Feedforward,
     /// Half of each
     Both,
+    /// A fast, small oscillation of the voltage, no model
+    Dither,
+    /// Short pulses in the direction in which the controller moves, no model
+    Knocker,
+    /// Feedback of the estimated acceleration with gains raised accordingly, no model
+    AccelerationFeedback,
+    /// Higher linear gains, as much as margins and noise allow: what a model must be compared with
+    RetunedPid,
 }
 
 impl Means {
@@ -27,6 +38,10 @@ impl Means {
             Self::Feedback => "feedback",
             Self::Feedforward => "feedforward",
             Self::Both => "both",
+            Self::Dither => "dither",
+            Self::Knocker => "knocker",
+            Self::AccelerationFeedback => "acceleration-feedback",
+            Self::RetunedPid => "retuned-pid",
         }
     }
 
@@ -35,16 +50,22 @@ impl Means {
     pub const fn needs_model(self) -> bool {
         match self {
             Self::Feedback | Self::Feedforward | Self::Both => true,
+            Self::Dither | Self::Knocker | Self::AccelerationFeedback | Self::RetunedPid => false,
         }
     }
 
-    /// Sets the estimator and the controller up for it.
+    /// Sets the estimator and the controller up for it; the controller's mode must be what it will be.
     pub fn configure(self, estimator: &mut EstimatorOptions, controller: &mut ControllerOptions) {
-        estimator.technique = match self {
-            Self::Feedback => Technique::Feedback,
-            Self::Feedforward => Technique::Feedforward,
-            Self::Both => Technique::Both { share: 0.5 },
-        };
-        controller.compensation.enabled = true;
+        let drive = LinearDrive { gain: estimator.drive.gain, time_constant: estimator.drive.time_constant };
+        controller.compensation.enabled = self.needs_model();
+        match self {
+            Self::Feedback => estimator.technique = Technique::Feedback,
+            Self::Feedforward => estimator.technique = Technique::Feedforward,
+            Self::Both => estimator.technique = Technique::Both { share: 0.5 },
+            Self::Dither => controller.dither = Some(additions::dither(controller.mode)),
+            Self::Knocker => controller.impulse = Some(additions::knocker(controller.mode)),
+            Self::AccelerationFeedback => additions::accelerate(&drive, controller),
+            Self::RetunedPid => additions::retune(&drive, controller),
+        }
     }
 }

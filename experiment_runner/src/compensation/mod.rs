@@ -1,8 +1,10 @@
 //! Friction compensation compared: by which means, over which model.
 //!
 //! * [`means`]: the techniques, and what each sets in the estimator and the controller.
+//! * [`additions`]: those that need no model, with their defaults.
 //! * [`arm`]: one column of a comparison: nothing, a technique, or a technique over a model.
 
+pub mod additions;
 pub mod arm;
 pub mod means;
 
