@@ -2,6 +2,7 @@
 //!
 //! * [`means`]: the techniques, and what each sets in the estimator and the controller.
 //! * [`monte_carlo`]: what each is worth when its parameters are wrong.
+//! * [`additions`]: those that need no model, with their defaults.
 //! * [`arm`]: one column of a comparison: nothing, a technique, or a technique over a model.
 //! * [`limit_cycle`]: the oscillation of a regulated position.
 //! * [`example_5_4`]: the thesis's example of section 5.4.
@@ -9,6 +10,7 @@
 //! * [`matrix`]: every model as plant under every model as observer.
 //! * [`thesis_tables`]: its tables of compensation, with ours beside them.
 
+pub mod additions;
 pub mod arm;
 pub mod example_5_4;
 pub mod limit_cycle;
