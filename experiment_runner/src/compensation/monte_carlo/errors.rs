@@ -163,7 +163,7 @@ mod tests {
                     for (before, after) in before.iter().zip(&after) {
                         // Levels that changed places and shares that were normalised go a little further.
                         assert!(
-                            (after / before - 1.0).abs() < 0.5,
+                            (after - before).abs() <= 0.5 * before.abs(),
                             "{name}.{}: {before} became {after}",
                             row.name
                         );
