@@ -63,7 +63,7 @@ impl TestBed {
         let drive = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
         self.controller.inverse = match inverse {
             InverseUse::Off => PlantInverse::Off,
-            InverseUse::Gain => PlantInverse::Gain(drive.gain),
+            InverseUse::Gain => PlantInverse::Gain(drive),
             InverseUse::Whole => PlantInverse::Whole(drive),
         };
         self

@@ -2,6 +2,8 @@
 
 use nalgebra::Complex;
 
+use super::LinearLoop;
+
 /// Margins of a loop. Where the gain or phase is crossed more than once, the smallest margin counts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
@@ -76,6 +78,20 @@ pub fn margins(open: impl Fn(f64) -> Complex<f64>, lowest: f64, highest: f64) ->
     found
 }
 
+/// Margins of a loop as it runs at the period `dt` [s], from `lowest` [rad/s] to the Nyquist frequency, where a sampled loop is real and may be at -180 degrees.
+#[must_use]
+pub fn margins_sampled(linear: &LinearLoop, dt: f64, lowest: f64) -> Margins {
+    // The bilinear rule sees the Nyquist frequency itself at infinity.
+    let nyquist = std::f64::consts::PI / dt * (1.0 - 1e-9);
+    let mut found = margins(|w| linear.open_sampled(w, dt), lowest, nyquist);
+    let last = linear.open_sampled(nyquist, dt);
+    if last.re < 0.0 && last.im.abs() < 1e-3 * last.re.abs() && last.norm() < 1.0 {
+        let factor = 1.0 / last.norm();
+        found.gain_margin = Some(found.gain_margin.map_or(factor, |before| before.min(factor)));
+    }
+    found
+}
+
 /// The end of the part of the interval, from its beginning, in which `same` holds.
 fn bisect(mut low: f64, mut high: f64, same: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
@@ -92,7 +108,7 @@ fn bisect(mut low: f64, mut high: f64, same: impl Fn(f64) -> bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::{LinearDrive, LinearLoop, LoopLaw};
+    use crate::design::{LinearDrive, LoopLaw};
     use crate::{DerivativeOn, LagGains, PidGains, VelocityLaw};
 
     fn of(law: LoopLaw) -> Margins {
@@ -130,6 +146,17 @@ mod tests {
             1e5,
         );
         assert!((drive.crossover.unwrap() / 65.824 - 1.0).abs() < 1e-4);
+    }
+
+    /// A sampled first-order loop under a proportional gain goes unstable at z = -1: `k K (1 - a) = 1 + a`.
+    #[test]
+    fn a_sampled_loop_has_a_gain_margin_at_the_nyquist_frequency() {
+        let drive = LinearDrive::SRV02;
+        let law = LoopLaw::Velocity(VelocityLaw::Pi(crate::PiGains { k_p: 2.0, k_i: 0.0 }));
+        let a = (-1e-3 / drive.time_constant).exp();
+        let expected = (1.0 + a) / (2.0 * drive.gain * (1.0 - a));
+        let found = margins_sampled(&LinearLoop { drive, law }, 1e-3, 0.1).gain_margin.unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     }
 
     /// `k / (s (s + 1)^2)`: phase -180 degrees at 1 rad/s, where the gain is k / 2.

@@ -155,7 +155,7 @@ impl Polynomial {
     #[must_use]
     pub fn is_hurwitz(&self) -> bool {
         let n = self.degree();
-        if self.0.is_empty() || self.0.iter().any(|c| !(c * self.leading() > 0.0)) {
+        if self.0.is_empty() || !self.0.iter().all(|c| c * self.leading() > 0.0) {
             return false;
         }
         let descending =
@@ -166,7 +166,8 @@ impl Polynomial {
             let at = |row: &[f64], k: usize| row.get(k).copied().unwrap_or(0.0);
             let next: Vec<f64> =
                 (1..upper.len()).map(|k| at(&upper, k) - top / pivot * at(&lower, k)).collect();
-            if !(next.first().copied().unwrap_or(0.0) * self.leading() > 0.0) {
+            let first = next.first().copied().unwrap_or(0.0) * self.leading();
+            if first <= 0.0 || first.is_nan() {
                 return false;
             }
             (upper, lower) = (lower, next);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::frequency::margins;
+use super::frequency::margins_sampled;
 use super::response::{StepDefinition, StepFigures, step_response};
 use super::{LinearDrive, LinearLoop, LoopLaw};
 use crate::error::{non_negative, positive};
@@ -102,7 +102,7 @@ pub fn pid_from_specification(
     positive("settling_time", settling_time)?;
     positive("period", realisation.period)?;
     non_negative("filter", realisation.filter)?;
-    if !(sensitivity_peak > 1.0) {
+    if sensitivity_peak <= 1.0 || sensitivity_peak.is_nan() {
         let expected = "above 1";
         return Err(ControllerError::OutOfRange {
             name: "sensitivity_peak",
@@ -196,8 +196,7 @@ fn judge(
         + excess(figures.settling_time, specification.settling_time)
         + 10.0 * (figures.overshoot - specification.overshoot).clamp(0.0, 10.0);
     if miss == 0.0 {
-        let peak = margins(|w| linear.open_sampled(w, period), 0.1 * poles.natural_frequency, 3.0 / period)
-            .sensitivity_peak;
+        let peak = margins_sampled(&linear, period, 0.1 * poles.natural_frequency).sensitivity_peak;
         miss += (peak / specification.sensitivity_peak - 1.0).max(0.0);
     }
     let noise = gains.k_p + gains.k_d / filter.max(0.5 * period);

@@ -115,8 +115,8 @@ impl StepResponse {
         let peak = self.output.iter().copied().map(relative).fold(0.0, f64::max);
         let low = self.first_reaching(definition.rise_from);
         let high = self.first_reaching(1.0 - definition.rise_from);
-        let outside = |y: &f64| !((relative(*y) - 1.0).abs() <= definition.band);
-        let settling_time = match self.output.iter().rposition(outside) {
+        let inside = |y: &f64| (relative(*y) - 1.0).abs() <= definition.band;
+        let settling_time = match self.output.iter().rposition(|y| !inside(y)) {
             None => Some(0.0),
             Some(last) => self.output.get(last + 1).map(|&inside| {
                 // The edge of the band lies between this sample and the next.

@@ -8,7 +8,7 @@ mod terminal;
 
 use controller::ControllerError;
 use controller::PidGains;
-use controller::design::frequency::{Margins, frequencies, margins};
+use controller::design::frequency::{Margins, frequencies, margins, margins_sampled};
 use controller::design::response::{StepDefinition, StepFigures, StepResponse, step_response};
 use controller::design::sector::{SectorMargin, friction_to_velocity, sector_margin};
 use controller::design::theory::{PositiveRealness, position_theorem, positive_realness};
@@ -78,7 +78,6 @@ pub fn assess(options: DesignOptions) -> Result<Assessment, ControllerError> {
     let nyquist = 0.999 * std::f64::consts::PI / period;
     let lowest = 1e-4 / linear.drive.time_constant;
     let open = |w: f64| linear.open(w);
-    let sampled = |w: f64| linear.open_sampled(w, period);
     let theorem_fails_from = match linear.law {
         LoopLaw::Velocity(_) => None,
         LoopLaw::Position { gains, .. } => {
@@ -100,7 +99,7 @@ pub fn assess(options: DesignOptions) -> Result<Assessment, ControllerError> {
         figures: definitions.iter().map(|definition| (*definition, response.figures(definition))).collect(),
         response,
         continuous: margins(open, lowest, 1e3 / period),
-        sampled: margins(sampled, lowest, nyquist),
+        sampled: margins_sampled(&linear, period, lowest),
         bode: bode(&linear, period, nyquist),
         realness: positive_realness(&h),
         theorem_fails_from,
