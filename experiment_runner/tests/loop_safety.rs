@@ -181,11 +181,11 @@ impl Rig for FaultyRig {
             Fault::None => {}
             Fault::StuckEncoder => seen.encoder_position = at(self.from).encoder_position,
             Fault::DeadTachometer => seen.tachometer_velocity = 0.0,
-            Fault::Spikes(every) if since % every == 0 => {
+            Fault::Spikes(every) if since.is_multiple_of(every) => {
                 seen.tachometer_velocity += 1e3;
                 seen.encoder_position -= 1e6;
             }
-            Fault::Dropouts(every) if since % every == 0 => {
+            Fault::Dropouts(every) if since.is_multiple_of(every) => {
                 (seen.tachometer_velocity, seen.encoder_position) = (f64::NAN, f64::INFINITY);
             }
             Fault::Spikes(_) | Fault::Dropouts(_) => {}
