@@ -21,19 +21,7 @@ fn a_design_is_reported_and_used_by_a_run() {
     let page = fs::read_to_string(root.path().join("lag/report.html")).unwrap();
     assert!(page.contains("Open loop") && page.contains("phase margin"));
 
-    let arguments = [
-        "design",
-        "position",
-        "--overshoot",
-        "5",
-        "--rise",
-        ".1",
-        "--settling",
-        ".5",
-        "--out",
-        "pid",
-        "--quiet",
-    ];
+    let arguments = ["design", "position", "--gains", "20,100,.3", "--out", "pid", "--quiet"];
     assert!(frictionlab(&arguments, root.path()).status.success());
     let mse = |out: &str, more: &[&str]| {
         let mut arguments =
@@ -47,7 +35,7 @@ fn a_design_is_reported_and_used_by_a_run() {
     };
     // Without compensation, stiffer gains follow better.
     let (before, designed) = (mse("a", &[]), mse("b", &["--parameters", "pid/controller.yaml"]));
-    assert!(designed < 0.7 * before, "{designed} {before}");
+    assert!(designed < 0.2 * before, "{designed} {before}");
     let written = fs::read_to_string(root.path().join("b/parameters.yaml")).unwrap();
     let gains = fs::read_to_string(root.path().join("pid/controller.yaml")).unwrap();
     let k_p = gains.lines().find(|line| line.trim_start().starts_with("k_p")).unwrap().trim();

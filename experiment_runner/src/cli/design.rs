@@ -96,13 +96,13 @@ struct PositionArgs {
 #[derive(Debug, clap::Args)]
 struct SharedArgs {
     /// Velocity gain K of the drive [rad/s per V] [default: 1.863, the SRV-02]
-    #[arg(long, value_name = "K", conflicts_with = "drive")]
+    #[arg(long, value_name = "K", conflicts_with = "drive", allow_negative_numbers = true)]
     gain: Option<f64>,
     /// Time constant T of the drive [s] [default: .02388]
-    #[arg(long, value_name = "T", conflicts_with = "drive")]
+    #[arg(long, value_name = "T", conflicts_with = "drive", allow_negative_numbers = true)]
     time_constant: Option<f64>,
     /// Voltage that overcomes 1 N m of friction, Ra/(A Km) [V/(N m)] [default: 4.8426]
-    #[arg(long, value_name = "R", conflicts_with = "drive")]
+    #[arg(long, value_name = "R", conflicts_with = "drive", allow_negative_numbers = true)]
     volts_per_newton_metre: Option<f64>,
     /// The drive as `identify-drive` writes it, or any file with /rig_driver: drive
     #[arg(long, value_name = "FILE")]
