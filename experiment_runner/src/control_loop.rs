@@ -100,6 +100,12 @@ impl ControlLoop {
         Ok(CycleSample { stamp_ns, measurement, reference, estimate, command, truth })
     }
 
+    /// The estimator, for what an adaptation has come to.
+    #[must_use]
+    pub const fn estimator(&self) -> &FrictionEstimator {
+        &self.estimator
+    }
+
     /// Leaves the motor at zero volts.
     ///
     /// # Errors

@@ -59,6 +59,11 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
         Self { model, friction, inverse_inertia: 1.0 / inertia, moment, applied: 0.0, force_rate: 0.0 }
     }
 
+    /// Gives the body another `inertia` [kg or kg m^2], above zero; it keeps its velocity.
+    pub fn set_inertia(&mut self, inertia: f64) {
+        self.inverse_inertia = 1.0 / inertia;
+    }
+
     /// Where it is.
     #[must_use]
     pub const fn moment(&self) -> &Moment<A> {

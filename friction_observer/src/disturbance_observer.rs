@@ -39,7 +39,7 @@ pub struct DisturbanceObserverOptions {
 
 impl DisturbanceObserverOptions {
     /// For the thesis's test bed with its tachometer.
-    pub const SRV02: Self = Self { bandwidth: 60.0, order: FilterOrder::Second, limit: 1.0 };
+    pub const SRV02: Self = Self { bandwidth: 100.0, order: FilterOrder::Second, limit: 1.0 };
 
     /// Checks every field.
     ///

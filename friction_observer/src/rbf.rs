@@ -38,8 +38,10 @@ pub struct RbfOptions {
     pub dead_zone: f64,
     /// Largest magnitude of a weight, and of the estimate [N m], above zero.
     pub limit: f64,
-    /// Speed v_0 up to which the sign is smoothed [rad/s], above zero; below half of it nothing is learned.
+    /// Speed v_0 up to which the sign is smoothed [rad/s], above zero.
     pub smooth_speed: f64,
+    /// Slowest speed at which something is learned [rad/s], above zero; well above the velocity's noise.
+    pub slowest: f64,
     /// Time constant of the filters of measurement and regressor [s], above zero.
     pub filter: f64,
     /// Share of the reference's velocity in the velocity at which the curve is read, from 0 to 1. Learning always uses the shaft's own.
@@ -53,9 +55,10 @@ impl RbfOptions {
         leakage: 0.02,
         dead_zone: 0.002,
         limit: 0.5,
-        smooth_speed: 0.02,
-        filter: 0.03,
-        share: 0.5,
+        smooth_speed: 0.01,
+        slowest: 0.02,
+        filter: 0.01,
+        share: 1.0,
     };
 
     /// Checks every field.
@@ -69,6 +72,7 @@ impl RbfOptions {
         within("dead_zone", self.dead_zone, 0.0..=1e3, "from 0 to 1e3 N m")?;
         positive("limit", self.limit)?;
         positive("smooth_speed", self.smooth_speed)?;
+        positive("slowest", self.slowest)?;
         positive("filter", self.filter)?;
         within("share", self.share, 0.0..=1.0, "from 0 to 1")
     }
@@ -138,8 +142,8 @@ impl RbfCompensator {
             }
         }
         let error = measured - predicted;
-        let RbfOptions { rate, leakage, dead_zone, limit, smooth_speed, .. } = self.options;
-        if error.abs() <= dead_zone || velocity.abs() < 0.5 * smooth_speed {
+        let RbfOptions { rate, leakage, dead_zone, limit, slowest, .. } = self.options;
+        if error.abs() <= dead_zone || velocity.abs() < slowest {
             return;
         }
         // What exceeds the dead zone, cut to the bound: no reading moves the weights by more than a reading that is possible.

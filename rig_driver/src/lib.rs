@@ -4,6 +4,7 @@
 //! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
 //! lock-step and reproducible from a seed. Real back ends join behind the same trait.
 
+mod drift;
 mod drive;
 mod error;
 mod measurement;
@@ -16,6 +17,7 @@ mod rig;
 mod sensors;
 mod simulated;
 
+pub use drift::FrictionDrift;
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;
 pub use measurement::Measurement;

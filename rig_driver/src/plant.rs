@@ -22,6 +22,10 @@ pub struct Plant<M: FrictionModel> {
     /// Drive torque per volt, A K_m / R_a [N m/V], for a shaft on which the whole friction torque acts.
     torque_per_volt: f64,
     back_emf: f64,
+    /// Inertia of that shaft [kg m^2].
+    inertia: f64,
+    /// Friction torque over the model's.
+    friction_factor: f64,
 }
 
 impl<M: FrictionModel> Plant<M> {
@@ -32,10 +36,21 @@ impl<M: FrictionModel> Plant<M> {
     #[must_use]
     pub fn new(drive: &Drive, coupling: FrictionCoupling, model: M) -> Self {
         let coupling = drive.friction_volts(coupling) / drive.volts_per_newton_metre();
+        let inertia = drive.parameters().inertia / coupling;
         Self {
-            body: Body::new(model, drive.parameters().inertia / coupling),
+            body: Body::new(model, inertia),
             torque_per_volt: 1.0 / (drive.volts_per_newton_metre() * coupling),
             back_emf: drive.back_emf(),
+            inertia,
+            friction_factor: 1.0,
+        }
+    }
+
+    /// From now on the friction torque is `factor` times the model's, above zero. For the model that is a shaft with so much less inertia and drive torque.
+    pub fn set_friction_factor(&mut self, factor: f64) {
+        if factor != self.friction_factor {
+            self.friction_factor = factor;
+            self.body.set_inertia(self.inertia / factor);
         }
     }
 
@@ -44,15 +59,16 @@ impl<M: FrictionModel> Plant<M> {
     #[must_use]
     pub fn truth(&self, volts: f64) -> Truth {
         let &Moment { position, velocity, .. } = self.body.moment();
-        let friction = self.body.friction(self.torque_per_volt * (volts - self.back_emf * velocity));
-        Truth { position, velocity, friction }
+        let torque_per_volt = self.torque_per_volt / self.friction_factor;
+        let friction = self.body.friction(torque_per_volt * (volts - self.back_emf * velocity));
+        Truth { position, velocity, friction: self.friction_factor * friction }
     }
 
     /// Advances by `h` [s] with `volts` held.
     #[inline]
     pub fn advance(&mut self, volts: f64, h: f64) {
-        let Self { body, torque_per_volt, back_emf } = self;
-        body.advance(h, |at| (*torque_per_volt * (volts - *back_emf * at.velocity)).into());
+        let (torque_per_volt, back_emf) = (self.torque_per_volt / self.friction_factor, self.back_emf);
+        self.body.advance(h, |at| (torque_per_volt * (volts - back_emf * at.velocity)).into());
     }
 
     /// Velocity [rad/s].
@@ -137,6 +153,30 @@ mod tests {
         let rest = plant.position();
         plant.advance(0.0, 5e-4);
         assert_eq!(plant.position(), rest);
+    }
+
+    /// With friction times 1.3 the steady state is `w = K (u - 1.3 r F(w))`, and the shaft without friction is as quick as before.
+    #[test]
+    fn a_friction_factor_scales_the_friction_and_nothing_else() {
+        let mut plant = plant(Proposed::test_bed());
+        plant.set_friction_factor(1.3);
+        for _ in 0..4000 {
+            plant.advance(3.0, 5e-4);
+        }
+        let (w, drive) = (plant.velocity(), Drive::srv02(TimeConstant::Thesis));
+        let friction = 1.3 * Proposed::test_bed().steady_state(w);
+        let expected = drive.gain() * (3.0 - drive.volts_per_newton_metre() * friction);
+        assert!((w - expected).abs() < 1e-9, "{w} is not {expected}");
+        assert!((plant.truth(3.0).friction - friction).abs() < 1e-9);
+        let mut free = Plant::new(
+            &drive,
+            FrictionCoupling::Physical,
+            Viscous::try_from(ViscousParameters { f_v: 0.0 }).unwrap(),
+        );
+        free.set_friction_factor(1.3);
+        (0..100).for_each(|_| free.advance(2.0, 5e-4));
+        let expected = 2.0 * drive.gain() * (1.0 - (-0.05 / drive.time_constant()).exp());
+        assert!((free.velocity() - expected).abs() < 1e-8);
     }
 
     #[test]

@@ -6,7 +6,9 @@ use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
 use crate::sensors::quantise;
-use crate::{Drive, FrictionCoupling, Measurement, Plant, Rig, RigError, Sensors, TimeConstant, Truth};
+use crate::{
+    Drive, FrictionCoupling, FrictionDrift, Measurement, Plant, Rig, RigError, Sensors, TimeConstant, Truth,
+};
 
 /// Everything a simulated rig is made of, but for its friction model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -26,6 +28,9 @@ pub struct SimulationOptions {
     pub substeps: u32,
     /// Seed of the sensors' noise.
     pub seed: u64,
+    /// How the friction drifts; not at all if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_drift: Option<FrictionDrift>,
 }
 
 impl Default for SimulationOptions {
@@ -39,6 +44,7 @@ impl Default for SimulationOptions {
             period: 1e-3,
             substeps: 2,
             seed: 1,
+            friction_drift: None,
         }
     }
 }
@@ -50,6 +56,7 @@ impl SimulationOptions {
     /// [`RigError`] names the field.
     pub fn check(&self) -> Result<(), RigError> {
         self.sensors.check()?;
+        self.friction_drift.map_or(Ok(()), |drift| drift.check())?;
         let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
         if !(self.voltage_limit > 0.0 && self.voltage_limit <= 10.0) {
             return error("voltage_limit", self.voltage_limit, "above 0 and at most 10 V, the card's range");
@@ -146,6 +153,9 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
         self.applied = if self.fault { 0.0 } else { quantise(cut, self.options.sensors.voltage_resolution) };
         let h = self.options.period / f64::from(self.options.substeps);
         self.velocity_before = self.plant.velocity();
+        if let Some(drift) = self.options.friction_drift {
+            self.plant.set_friction_factor(drift.factor(self.cycle as f64 * self.options.period));
+        }
         for _ in 0..self.options.substeps {
             self.plant.advance(self.applied, h);
         }
@@ -242,6 +252,13 @@ mod tests {
             (SimulationOptions { voltage_limit: 11.0, ..Default::default() }, "voltage_limit"),
             (SimulationOptions { period: 0.0, ..Default::default() }, "period"),
             (SimulationOptions { substeps: 0, ..Default::default() }, "substeps"),
+            (
+                SimulationOptions {
+                    friction_drift: Some(FrictionDrift { change: -1.0, start: 0.0, duration: 60.0 }),
+                    ..Default::default()
+                },
+                "friction_drift.change",
+            ),
         ] {
             let message = SimulatedRig::new(options, Proposed::test_bed()).unwrap_err().to_string();
             assert!(message.starts_with(name), "{message}");

@@ -3,6 +3,7 @@
 mod bench;
 mod bench_fits;
 mod bench_monte_carlo;
+mod bench_step;
 mod docs;
 mod python_env;
 mod test;
@@ -19,6 +20,8 @@ enum Task {
     BenchFits(bench_fits::BenchFits),
     /// Draws a second of the Monte Carlo of position tracking, beside the same loop compiled by Numba.
     BenchMonteCarlo(bench_monte_carlo::BenchMonteCarlo),
+    /// Nanoseconds of a whole control step, estimator and controller, for every model and technique.
+    BenchStep(bench_step::BenchStep),
     /// The pages of the friction models under docs/models, from their sources and tested figures.
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
@@ -32,6 +35,7 @@ fn main() -> anyhow::Result<()> {
         Task::Bench(bench) => bench.run(),
         Task::BenchFits(bench) => bench.run(),
         Task::BenchMonteCarlo(bench) => bench.run(),
+        Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
         Task::PythonEnv => python_env::run(),
         Task::Test(test) => test.run(),

@@ -158,3 +158,35 @@ impl Stiffness {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use friction_model::ModelName;
+
+    use super::*;
+
+    /// A contact that is softer or stiffer than the model, in small motions to and fro, seen by a torque sensor: the factor goes there, and stays in its bounds.
+    #[test]
+    fn the_stiffness_goes_to_that_of_the_contact() {
+        let dt = TimeStep::new(1e-3).unwrap();
+        for name in [ModelName::LuGre, ModelName::Proposed] {
+            for truth in [0.6, 1.0, 1.6, 5.0] {
+                let model = AnyModel::test_bed(name);
+                let options = StiffnessOptions { source: TorqueSource::Sensor, ..StiffnessOptions::SRV02 };
+                let mut stiffness = Stiffness::new(&model, &options, &NominalDrive::SRV02, dt).unwrap();
+                let mut contact = FrictionObserver::new(&stiffened(&model, truth), dt);
+                let mut given = FrictionObserver::new(&model, dt);
+                for k in 0..60_000 {
+                    let velocity = 0.02 * (4e-3 * f64::from(k)).sin();
+                    let torque = Some(contact.observe(velocity, None).torque);
+                    let seen = Seen { velocity, torque, ..Seen::default() };
+                    let own = given.observe(velocity, None).torque;
+                    stiffness.torque(velocity, 0.0, &seen, own);
+                }
+                let expected = f64::clamp(truth, 0.5, 2.0);
+                let found = stiffness.factor();
+                assert!((found / expected - 1.0).abs() < 0.2, "{name}: {found}, not {expected}");
+            }
+        }
+    }
+}
