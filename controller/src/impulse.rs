@@ -109,7 +109,7 @@ mod tests {
         let rising = knock(|k| k as f64);
         assert_eq!(rising[9..13], [0.0, 0.3, 0.3, 0.0]);
         assert_eq!(rising.iter().filter(|u| **u != 0.0).count(), 6);
-        let turning = knock(|k| (k as f64 - 10.0).abs() * -1.0);
+        let turning = knock(|k| -(k as f64 - 10.0).abs());
         // Rising until cycle 10, falling from there: the first pulse goes up, the later ones down.
         assert_eq!((turning[10], turning[20], turning[30]), (0.0, -0.3, -0.3));
     }

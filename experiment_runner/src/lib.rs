@@ -7,6 +7,7 @@ pub mod compensation;
 pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
+pub mod design;
 pub mod drive;
 pub mod features;
 pub mod identify;

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, features, identify, identify_drive, identify_servo, identify_stiction, models,
-    monte_carlo, protocols, run, simulate, truth_matrix,
+    BadInput, Interrupted, design, features, identify, identify_drive, identify_servo, identify_stiction,
+    models, monte_carlo, protocols, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -27,6 +27,7 @@ enum Command {
     IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
+    Design(design::DesignArgs),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     MonteCarlo(monte_carlo::MonteCarloArgs),
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
+        Command::Design(args) => design::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::MonteCarlo(args) => monte_carlo::execute(&args),

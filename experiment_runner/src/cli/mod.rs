@@ -1,5 +1,6 @@
 //! The `frictionlab` command, one file a subcommand.
 
+pub mod design;
 mod drive_errors;
 pub mod features;
 pub mod identify;

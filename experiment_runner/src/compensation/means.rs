@@ -1,9 +1,12 @@
 //! The techniques of compensation, as a person chooses them.
 
 use controller::ControllerOptions;
+use controller::design::LinearDrive;
 use friction_observer::adaptive::{LevelOptions, ParameterOptions};
 use friction_observer::{DisturbanceObserverOptions, EstimatorOptions, RbfOptions, Technique};
 use serde::{Deserialize, Serialize};
+
+use super::additions;
 
 /// By what means friction is compensated.
 #[derive(
@@ -26,6 +29,14 @@ pub enum Means {
     DisturbanceObserver,
     /// A network that learns the friction-speed curve while it runs, without a model
     Rbf,
+    /// A fast, small oscillation of the voltage, no model
+    Dither,
+    /// Short pulses in the direction in which the controller moves, no model
+    Knocker,
+    /// Feedback of the estimated acceleration with gains raised accordingly, no model
+    AccelerationFeedback,
+    /// Higher linear gains, as much as margins and noise allow: what a model must be compared with
+    RetunedPid,
 }
 
 impl Means {
@@ -40,6 +51,10 @@ impl Means {
             Self::AdaptiveParameters => "adaptive-parameters",
             Self::DisturbanceObserver => "disturbance-observer",
             Self::Rbf => "rbf",
+            Self::Dither => "dither",
+            Self::Knocker => "knocker",
+            Self::AccelerationFeedback => "acceleration-feedback",
+            Self::RetunedPid => "retuned-pid",
         }
     }
 
@@ -50,21 +65,39 @@ impl Means {
             Self::Feedback | Self::Feedforward | Self::Both | Self::Adaptive | Self::AdaptiveParameters => {
                 true
             }
-            Self::DisturbanceObserver | Self::Rbf => false,
+            Self::DisturbanceObserver
+            | Self::Rbf
+            | Self::Dither
+            | Self::Knocker
+            | Self::AccelerationFeedback
+            | Self::RetunedPid => false,
         }
     }
 
-    /// Sets the estimator and the controller up for it.
+    /// Sets the estimator and the controller up for it; the controller's mode must be what it will be.
     pub fn configure(self, estimator: &mut EstimatorOptions, controller: &mut ControllerOptions) {
-        estimator.technique = match self {
-            Self::Feedback => Technique::Feedback,
-            Self::Feedforward => Technique::Feedforward,
-            Self::Both => Technique::Both { share: 0.5 },
-            Self::Adaptive => Technique::Adaptive(LevelOptions::SRV02),
-            Self::AdaptiveParameters => Technique::AdaptiveParameters(ParameterOptions::SRV02),
-            Self::DisturbanceObserver => Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02),
-            Self::Rbf => Technique::Rbf(RbfOptions::SRV02),
+        let drive = LinearDrive { gain: estimator.drive.gain, time_constant: estimator.drive.time_constant };
+        let technique = match self {
+            Self::Feedback => Some(Technique::Feedback),
+            Self::Feedforward => Some(Technique::Feedforward),
+            Self::Both => Some(Technique::Both { share: 0.5 }),
+            Self::Adaptive => Some(Technique::Adaptive(LevelOptions::SRV02)),
+            Self::AdaptiveParameters => Some(Technique::AdaptiveParameters(ParameterOptions::SRV02)),
+            Self::DisturbanceObserver => {
+                Some(Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02))
+            }
+            Self::Rbf => Some(Technique::Rbf(RbfOptions::SRV02)),
+            Self::Dither | Self::Knocker | Self::AccelerationFeedback | Self::RetunedPid => None,
         };
-        controller.compensation.enabled = true;
+        // Additions to the controller leave the estimate out.
+        controller.compensation.enabled = technique.is_some();
+        estimator.technique = technique.unwrap_or(estimator.technique);
+        match self {
+            Self::Dither => controller.dither = Some(additions::dither(controller.mode)),
+            Self::Knocker => controller.impulse = Some(additions::knocker(controller.mode)),
+            Self::AccelerationFeedback => additions::accelerate(&drive, controller),
+            Self::RetunedPid => additions::retune(&drive, controller),
+            _ => {}
+        }
     }
 }

@@ -1,34 +1,10 @@
-//! Gains from specifications, for a drive `K / (T s + 1)` from volts to velocity (thesis chapter 6 and appendix A).
+//! The velocity loop: lag compensator and PI by the frequency response method (thesis section 6.2 and appendix A).
 
 use serde::{Deserialize, Serialize};
 
+use super::LinearDrive;
 use crate::error::positive;
-use crate::{ControllerError, LagGains, PidGains};
-
-/// The linear drive: `T w' + w = K u`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LinearDrive {
-    /// Velocity gain K [rad/s per V].
-    pub gain: f64,
-    /// Time constant T [s].
-    pub time_constant: f64,
-}
-
-impl LinearDrive {
-    /// The SRV-02 as the thesis rounds it: K = 1.863 rad/s per V, T = .02388 s.
-    pub const SRV02: Self = Self { gain: 1.863, time_constant: 0.02388 };
-
-    /// `|K / (j w T + 1)|` at `w` [rad/s].
-    #[must_use]
-    pub fn magnitude(&self, w: f64) -> f64 {
-        self.gain / (1.0 + (w * self.time_constant).powi(2)).sqrt()
-    }
-
-    pub(crate) fn check(&self) -> Result<(), ControllerError> {
-        positive("gain", self.gain)?;
-        positive("time_constant", self.time_constant)
-    }
-}
+use crate::{ControllerError, LagGains, PiGains};
 
 /// What a velocity loop shall do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -76,37 +52,47 @@ pub fn lag_from_specification(
     Ok(LagGains { k_p, t_i: 10.0 / specification.crossover, gamma })
 }
 
-/// What a position loop shall do.
+/// What a velocity loop without a remaining error shall do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct PositionSpecification {
-    /// Damping ratio of the dominant pair of poles, above 0.
-    pub damping: f64,
-    /// Natural frequency of the dominant pair [rad/s].
-    pub natural_frequency: f64,
-    /// Magnitude of the third, real pole [rad/s].
-    pub real_pole: f64,
+pub struct PiSpecification {
+    /// Gain crossover [rad/s].
+    pub crossover: f64,
+    /// Phase margin [degrees].
+    pub phase_margin: f64,
 }
 
-/// PID on the position of the drive, `K / (s (T s + 1))`, by placing the three closed-loop poles:
-/// `T s^3 + (1 + K K_d) s^2 + K K_p s + K K_i = T (s^2 + 2 zeta w s + w^2)(s + p)`.
+/// PI `K_p + K_i / s` with the stated crossover and phase margin.
+///
+/// The phase of the drive at the crossover leaves the PI `-180 + margin + atan(w T)`, which sets its zero,
+/// `T_i = tan(margin - 90 + atan(w T)) / w`; the gain then is 1 at `w`.
 ///
 /// # Errors
-/// [`ControllerError::OutOfRange`] for numbers that make no sense.
-pub fn pid_from_poles(
+/// [`ControllerError::OutOfRange`] for numbers that make no sense; [`ControllerError::Infeasible`] for a phase margin that no PI
+/// gives on this drive at this crossover.
+pub fn pi_from_specification(
     drive: &LinearDrive,
-    specification: &PositionSpecification,
-) -> Result<PidGains, ControllerError> {
+    specification: &PiSpecification,
+) -> Result<PiGains, ControllerError> {
     drive.check()?;
-    let PositionSpecification { damping: zeta, natural_frequency: w, real_pole: p } = *specification;
-    positive("damping", zeta)?;
-    positive("natural_frequency", w)?;
-    positive("real_pole", p)?;
-    let (k, t) = (drive.gain, drive.time_constant);
-    Ok(PidGains {
-        k_p: t * (w * w + 2.0 * zeta * w * p) / k,
-        k_i: t * w * w * p / k,
-        k_d: (t * (2.0 * zeta * w + p) - 1.0) / k,
-    })
+    let PiSpecification { crossover: w, phase_margin } = *specification;
+    positive("crossover", w)?;
+    positive("phase_margin", phase_margin)?;
+    let lag = (w * drive.time_constant).atan();
+    let lead = phase_margin.to_radians() - std::f64::consts::FRAC_PI_2 + lag;
+    if !(lead > 0.0 && lead < std::f64::consts::FRAC_PI_2) {
+        let least = 90.0 - lag.to_degrees();
+        return Err(ControllerError::Infeasible {
+            controller: "PI",
+            reason: format!(
+                "at {w} rad/s its phase margin on this drive is between {least:.1} and {:.1} degrees, not {phase_margin}; \
+                 ask for one in between, or for another crossover",
+                least + 90.0
+            ),
+        });
+    }
+    let t_i = lead.tan() / w;
+    let k_p = lead.sin() / drive.magnitude(w);
+    Ok(PiGains { k_p, k_i: k_p / t_i })
 }
 
 #[cfg(test)]
@@ -152,23 +138,22 @@ mod tests {
         assert!((180.0 + phase.to_degrees() - 105.2).abs() < 0.1);
     }
 
+    /// The open loop at the asked crossover has gain 1 and the asked phase.
     #[test]
-    fn pid_poles_are_where_they_were_asked_for() {
+    fn the_pi_crosses_over_where_it_was_asked_to() {
         let drive = LinearDrive::SRV02;
-        let gains = pid_from_poles(
-            &drive,
-            &PositionSpecification { damping: 0.7, natural_frequency: 15.0, real_pole: 30.0 },
-        )
-        .unwrap();
-        // The characteristic polynomial vanishes at -30 and at 15 exp(+-j acos(-.7)).
-        let polynomial = |s: f64| {
-            drive.time_constant * s.powi(3)
-                + (1.0 + drive.gain * gains.k_d) * s * s
-                + drive.gain * (gains.k_p * s + gains.k_i)
-        };
-        assert!(polynomial(-30.0).abs() < 1e-9);
-        let at_pair = drive.time_constant * (225.0 * 30.0);
-        assert!((drive.gain * gains.k_i - at_pair).abs() < 1e-9);
+        for (w, margin) in [(50.0, 60.0), (110.0, 80.0), (300.0, 45.0)] {
+            let gains =
+                pi_from_specification(&drive, &PiSpecification { crossover: w, phase_margin: margin })
+                    .unwrap();
+            let law = crate::design::LoopLaw::Velocity(crate::VelocityLaw::Pi(gains));
+            let open = crate::design::LinearLoop { drive, law }.open(w);
+            assert!((open.norm() - 1.0).abs() < 1e-12);
+            assert!((180.0 + open.arg().to_degrees() - margin).abs() < 1e-9);
+        }
+        let error = pi_from_specification(&drive, &PiSpecification { crossover: 50.0, phase_margin: 20.0 })
+            .unwrap_err();
+        assert!(error.to_string().contains("between 39.9 and 129.9"), "{error}");
     }
 
     #[test]

@@ -1,0 +1,31 @@
+//! The drive without friction, as designs see it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::ControllerError;
+use crate::error::positive;
+
+/// The linear drive from volts to velocity: `T w' + w = K u` (thesis chapter 6 and appendix A).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LinearDrive {
+    /// Velocity gain K [rad/s per V].
+    pub gain: f64,
+    /// Time constant T [s].
+    pub time_constant: f64,
+}
+
+impl LinearDrive {
+    /// The SRV-02 as the thesis rounds it: K = 1.863 rad/s per V, T = .02388 s.
+    pub const SRV02: Self = Self { gain: 1.863, time_constant: 0.02388 };
+
+    /// `|K / (j w T + 1)|` at `w` [rad/s].
+    #[must_use]
+    pub fn magnitude(&self, w: f64) -> f64 {
+        self.gain / (1.0 + (w * self.time_constant).powi(2)).sqrt()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ControllerError> {
+        positive("gain", self.gain)?;
+        positive("time_constant", self.time_constant)
+    }
+}

@@ -1,0 +1,80 @@
+//! `frictionlab design` as a person calls it.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn frictionlab(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_frictionlab")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// The thesis's specification gives its gains, and a run tracks with what was designed.
+#[test]
+fn a_design_is_reported_and_used_by_a_run() {
+    let root = tempfile::tempdir().unwrap();
+    let arguments =
+        ["design", "velocity", "--steady-state-error", ".01", "--crossover", "110", "--out", "lag"];
+    let done = frictionlab(&arguments, root.path());
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{done:?}");
+    assert!(said.contains("1.50870 V s/rad") && said.contains("strictly positive real"), "{said}");
+    let page = fs::read_to_string(root.path().join("lag/report.html")).unwrap();
+    assert!(page.contains("Open loop") && page.contains("phase margin"));
+
+    let arguments = [
+        "design",
+        "position",
+        "--overshoot",
+        "5",
+        "--rise",
+        ".1",
+        "--settling",
+        ".5",
+        "--out",
+        "pid",
+        "--quiet",
+    ];
+    assert!(frictionlab(&arguments, root.path()).status.success());
+    let mse = |out: &str, more: &[&str]| {
+        let mut arguments =
+            vec!["run", "position-tracking", "--quick", "--quiet", "--model", "proposed", "--out", out];
+        arguments.extend(more);
+        let done = frictionlab(&arguments, root.path());
+        assert!(done.status.success(), "{done:?}");
+        let text = fs::read_to_string(root.path().join(out).join("run.json")).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        json["position_tracking"]["rows"][0]["mse"].as_f64().unwrap()
+    };
+    // Without compensation, stiffer gains follow better.
+    let (before, designed) = (mse("a", &[]), mse("b", &["--parameters", "pid/controller.yaml"]));
+    assert!(designed < 0.7 * before, "{designed} {before}");
+    let written = fs::read_to_string(root.path().join("b/parameters.yaml")).unwrap();
+    let gains = fs::read_to_string(root.path().join("pid/controller.yaml")).unwrap();
+    let k_p = gains.lines().find(|line| line.trim_start().starts_with("k_p")).unwrap().trim();
+    assert!(written.contains(k_p), "{k_p} is not in\n{written}");
+}
+
+#[test]
+fn what_cannot_be_designed_is_refused_with_a_sentence() {
+    let root = tempfile::tempdir().unwrap();
+    for (arguments, said) in [
+        (&["design", "velocity", "--crossover", "50"][..], "expected one of"),
+        (
+            &["design", "velocity", "--crossover", "50", "--phase-margin", "20"],
+            "between 39.9 and 129.9 degrees",
+        ),
+        (&["design", "position", "--gains", "1,2"], "three numbers"),
+        (
+            &["design", "position", "--overshoot", "1", "--rise", ".001", "--settling", ".002"],
+            "the nearest has overshoot",
+        ),
+        (&["design", "velocity", "--gains", "1,20", "--gain", "-1"], "gain must be"),
+        (&["design", "velocity", "--gains", "1,20", "--drive", "nowhere.yaml"], "nowhere.yaml"),
+    ] {
+        let done = frictionlab(arguments, root.path());
+        let text = String::from_utf8_lossy(&done.stderr);
+        assert_eq!(done.status.code(), Some(2), "{arguments:?}: {text}");
+        assert!(text.contains(said), "{arguments:?}: {text}");
+    }
+    assert!(fs::read_dir(root.path()).unwrap().next().is_none(), "something was written");
+}
