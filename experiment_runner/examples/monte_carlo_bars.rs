@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use experiment_runner::compensation::monte_carlo::{
-    BeliefErrors, Sharing, StudyError, StudyOptions, Task, study::bench, terminal::summary,
+    BeliefErrors, Setting, Sharing, StudyError, StudyOptions, Task, terminal::summary,
 };
 use experiment_runner::compensation::{Arm, Means};
 use experiment_runner::progress::Progress;
@@ -25,7 +25,7 @@ fn main() -> Result<ExitCode, StudyError> {
         arms: Arm::all(&[Means::Feedback, Means::Feedforward], &[ModelName::Proposed]),
         draws,
         errors: BeliefErrors { fraction: 0.2, sharing: Sharing::Common, seed: 1 },
-        bed: bench(),
+        setting: Setting::Physical,
         workers: thread::available_parallelism().map_or(1, usize::from),
     };
     let progress = Progress::counting(options.length(), "draws", false);

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Context;
 use experiment_runner::compensation::Arm;
 use experiment_runner::compensation::monte_carlo::{
-    BeliefErrors, Sharing, StudyOptions, Task, Trial, study::bench,
+    BeliefErrors, Setting, Sharing, StudyOptions, Task, Trial,
 };
 use experiment_runner::progress::Progress;
 use friction_model::ModelName;
@@ -27,7 +27,7 @@ fn main() -> anyhow::Result<()> {
         arms: vec![Arm::None, Arm::observer(ModelName::Proposed)],
         draws,
         errors: BeliefErrors { fraction: 0.2, sharing: Sharing::Common, seed: u64::from(seed) },
-        bed: bench(),
+        setting: Setting::Physical,
         workers: 1,
     };
     let started = Instant::now();

@@ -12,7 +12,7 @@ use friction_model::ModelName;
 
 use super::{BadInput, Interrupted, model_name};
 use crate::compensation::monte_carlo::{
-    BeliefErrors, Sharing, StudyOptions, Task, page::page, study::bench, terminal::summary,
+    BeliefErrors, Setting, Sharing, StudyOptions, Task, page::page, terminal::summary,
 };
 use crate::compensation::{Arm, Means};
 use crate::output::write_all;
@@ -30,6 +30,7 @@ use crate::report::render_page;
 ///   frictionlab monte-carlo --task position-tracking --model lugre,gms,xiong,proposed --means feedback,feedforward
 ///   frictionlab monte-carlo --plant all --model lugre,gms,xiong,proposed --draws 100     # plant x observer
 ///   frictionlab monte-carlo --error 0 --draws 10                                         # with exact parameters
+///   frictionlab monte-carlo --setting thesis --sharing own --means feedback --model lugre,gms,xiong,proposed
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct MonteCarloArgs {
@@ -60,6 +61,10 @@ pub struct MonteCarloArgs {
     /// Which models share an error
     #[arg(long, value_enum, default_value_t)]
     sharing: Sharing,
+
+    /// Units and sensors
+    #[arg(long, value_enum, default_value_t)]
+    setting: Setting,
 
     /// Seed of errors and noise; the same seed gives the same figures
     #[arg(long, default_value_t = 1)]
@@ -152,7 +157,7 @@ fn options(args: &MonteCarloArgs) -> Result<StudyOptions, BadInput> {
         arms: Arm::all(&without_repeats(means), &models),
         draws: args.draws,
         errors: BeliefErrors { fraction: args.error / 100.0, sharing: args.sharing, seed: args.seed },
-        bed: bench(),
+        setting: args.setting,
         workers: args
             .jobs
             .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),

@@ -89,17 +89,15 @@ impl Means {
             Self::Rbf => Some(Technique::Rbf(RbfOptions::SRV02)),
             Self::Dither | Self::Knocker | Self::AccelerationFeedback | Self::RetunedPid => None,
         };
+        // Additions to the controller leave the estimate out.
+        controller.compensation.enabled = technique.is_some();
+        estimator.technique = technique.unwrap_or(estimator.technique);
         match self {
             Self::Dither => controller.dither = Some(additions::dither(controller.mode)),
             Self::Knocker => controller.impulse = Some(additions::knocker(controller.mode)),
             Self::AccelerationFeedback => additions::accelerate(&drive, controller),
             Self::RetunedPid => additions::retune(&drive, controller),
             _ => {}
-        }
-        // What adds no estimate to the command leaves the estimator to watch.
-        controller.compensation.enabled = technique.is_some();
-        if let Some(technique) = technique {
-            estimator.technique = technique;
         }
     }
 }

@@ -18,6 +18,6 @@ pub mod trial;
 pub mod worth;
 
 pub use errors::{BeliefErrors, Sharing};
-pub use study::{Cell, Study, StudyError, StudyOptions};
+pub use study::{Cell, Setting, Study, StudyError, StudyOptions};
 pub use task::Task;
 pub use trial::Trial;

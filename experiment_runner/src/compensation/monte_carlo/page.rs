@@ -3,7 +3,7 @@
 use friction_model::ModelName;
 
 use super::terminal::capitalised;
-use super::{Cell, Sharing, Study, Task};
+use super::{Cell, Setting, Sharing, Study, Task};
 use crate::compensation::{Arm, Means};
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 
@@ -13,12 +13,17 @@ pub fn page(study: &Study) -> Page {
     let errors = &study.errors;
     let mut blocks = vec![Block::Text(format!(
         "In each draw every parameter of a model, and every drive constant that the compensation uses, is multiplied by a factor of its own, even within ± {:.0} %; {}. \
-         Where F_s would come out below F_c the two change places. Sensor noise and converter steps are on, the linear controller's gains are the same in every arm \
+         Where F_s would come out below F_c the two change places. {}, the linear controller's gains are the same in every arm \
          unless the arm's name says otherwise, and the plant inverse is off. Errors are those of the shaft itself.",
         100.0 * errors.fraction,
         match errors.sharing {
             Sharing::Common => "parameters of one name have one factor in all models",
             Sharing::Own => "every model has factors of its own",
+        },
+        match study.setting {
+            Setting::Physical => "Friction is a torque, and the sensors have noise and converter steps",
+            Setting::Thesis =>
+                "As in the thesis's simulations friction in N m is taken off the volts and the sensors are ideal",
         }
     ))];
     if study.stopped {

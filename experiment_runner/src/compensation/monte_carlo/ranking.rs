@@ -98,7 +98,7 @@ impl Study {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensation::monte_carlo::{BeliefErrors, Sharing, Task, Trial};
+    use crate::compensation::monte_carlo::{BeliefErrors, Setting, Sharing, Task, Trial};
 
     #[test]
     fn places_and_orders_are_counted() {
@@ -120,6 +120,7 @@ mod tests {
             arms,
             draws: 4,
             errors: BeliefErrors { fraction: 0.2, sharing: Sharing::Common, seed: 1 },
+            setting: Setting::Physical,
             cells: vec![],
             stopped: false,
         };

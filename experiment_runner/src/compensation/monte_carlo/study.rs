@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use controller::ControllerOptions;
+use controller::{ControllerOptions, DerivativeOn};
 use friction_model::{AnyModel, ModelError, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{FrictionCoupling, RigError, SimulationOptions};
+use rig_driver::{FrictionCoupling, RigError, Sensors, SimulationOptions};
 use serde::Serialize;
 
 use super::{BeliefErrors, Task, Trial};
@@ -27,8 +27,8 @@ pub struct StudyOptions {
     pub draws: u32,
     /// Errors of the beliefs.
     pub errors: BeliefErrors,
-    /// Rig, controller and estimator; their friction, mode and technique are set for each run.
-    pub bed: TestBed,
+    /// Units and sensors.
+    pub setting: Setting,
     /// Threads; the figures do not depend on it.
     pub workers: usize,
 }
@@ -72,19 +72,37 @@ pub struct Study {
     pub draws: u32,
     /// Errors of the beliefs.
     pub errors: BeliefErrors,
+    /// Units and sensors.
+    pub setting: Setting,
     /// One for each task and plant.
     pub cells: Vec<Cell>,
     /// Whether the work was stopped before the last draw.
     pub stopped: bool,
 }
 
-/// The bench of a study: physical units, sensors with noise and steps, the thesis's gains, no plant inverse.
+/// Units and sensors of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Setting {
+    /// Friction as a torque, sensors with noise and steps, the derivative of the measurement
+    #[default]
+    Physical,
+    /// As the thesis's own simulations behave: friction in N m taken off the volts, ideal sensors, the derivative of the error
+    Thesis,
+}
+
+/// The bench of a study: the thesis's gains, no plant inverse.
 #[must_use]
-pub fn bench() -> TestBed {
-    let simulation = SimulationOptions::default();
-    let coupling = FrictionCoupling::Physical;
-    let drive = nominal_drive(&simulation.drive, coupling);
+pub fn bench(setting: Setting) -> TestBed {
+    let mut simulation = SimulationOptions::default();
     let mut controller = ControllerOptions::default();
+    if setting == Setting::Thesis {
+        simulation.sensors = Sensors::ideal();
+        simulation.friction_coupling = FrictionCoupling::NewtonMetreAsVolt;
+        simulation.voltage_limit = 10.0;
+        (controller.derivative_on, controller.derivative_filter) = (DerivativeOn::Error, 0.0);
+    }
+    let drive = nominal_drive(&simulation.drive, simulation.friction_coupling);
     controller.compensation.volts_per_newton_metre = drive.volts_per_newton_metre;
     TestBed {
         simulation,
@@ -137,6 +155,7 @@ impl StudyOptions {
             arms: self.arms.clone(),
             draws: self.draws,
             errors: self.errors,
+            setting: self.setting,
             cells,
             stopped: completion != Completion::All,
         })

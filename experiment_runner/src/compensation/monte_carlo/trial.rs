@@ -3,6 +3,7 @@
 use friction_model::{AnyModel, ModelName, ViscousParameters};
 use serde::Serialize;
 
+use super::study::bench;
 use super::{StudyError, StudyOptions, Task};
 use crate::compensation::Arm;
 use crate::test_bed::TestBed;
@@ -44,7 +45,7 @@ impl StudyOptions {
     }
 
     fn run(&self, task: Task, friction: AnyModel, arm: Arm, draw: u32) -> Result<Trial, StudyError> {
-        let mut bed = TestBed { friction, ..self.bed };
+        let mut bed = TestBed { friction, ..bench(self.setting) };
         // Techniques without a model are given the cheapest one, which they do not look at.
         let model = match arm.model() {
             Some(name) => self.errors.model(draw, &AnyModel::test_bed(name))?,
