@@ -24,4 +24,8 @@ pub enum RigError {
         "a motor voltage must be a finite number, but was {0}: zero volts are applied and a fault is latched; clear it once the controller is mended"
     )]
     VoltageNotFinite(f64),
+    /// The serial line or the device on it.
+    #[cfg(feature = "serial")]
+    #[error(transparent)]
+    Serial(#[from] crate::serial::SerialError),
 }

@@ -2,7 +2,7 @@
 //!
 //! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction model, seen through
 //! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
-//! lock-step and reproducible from a seed. Real back ends join behind the same trait.
+//! lock-step and reproducible from a seed. A real rig on a serial line is [`serial::SerialRig`].
 
 mod drive;
 mod error;
@@ -14,6 +14,8 @@ pub mod node;
 mod plant;
 mod rig;
 mod sensors;
+#[cfg(feature = "serial")]
+pub mod serial;
 mod simulated;
 
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};

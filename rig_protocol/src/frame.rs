@@ -39,6 +39,22 @@ impl Frame {
         self.bytes.get(..self.length).unwrap_or_default()
     }
 
+    /// The same frame as a speaker of another version would send it: for tests of what becomes of it.
+    #[must_use]
+    pub fn of_version(&self, version: u8) -> Self {
+        let mut stuffed = self.bytes;
+        let plain = stuffed.get_mut(..self.length.saturating_sub(1)).unwrap_or_default();
+        let length = cobs::decode_in_place(plain).unwrap_or(0);
+        match plain.get(..length).and_then(|body| body.split_last_chunk::<TRAILER>()) {
+            Some(([_, kind, payload @ ..], _)) => Self::versioned(version, *kind, |body| {
+                for byte in payload {
+                    body.put([*byte]);
+                }
+            }),
+            _ => *self,
+        }
+    }
+
     /// Wraps the payload that `fill` writes.
     pub(crate) fn new(kind: u8, fill: impl FnOnce(&mut Writer)) -> Self {
         Self::versioned(VERSION, kind, fill)
@@ -78,6 +94,13 @@ mod tests {
         });
         assert_eq!(frame.as_bytes().len(), MAX_FRAME);
         assert_eq!(frame.as_bytes().iter().position(|byte| *byte == 0), Some(MAX_FRAME - 1));
+    }
+
+    #[test]
+    fn another_version_differs_in_the_version_and_the_crc_alone() {
+        let frame = Frame::new(0x55, |body| _ = body.put([1, 0, 3]));
+        assert_eq!(frame.of_version(VERSION), frame);
+        assert_eq!(frame.of_version(9), Frame::versioned(9, 0x55, |body| _ = body.put([1, 0, 3])));
     }
 
     /// The examples in Cheshire and Baker, Consistent Overhead Byte Stuffing, IEEE/ACM Transactions on Networking 7 (1999).
