@@ -176,6 +176,7 @@ impl SerialRig {
         self.request(
             |session| HostMessage::Clear { session },
             |state| matches!(state, State::Inactive | State::Active),
+            |_| false,
         )
     }
 
@@ -206,11 +207,12 @@ impl SerialRig {
         }
     }
 
-    /// Sends a message until a measurement shows the state that it asks for.
+    /// Sends a message until a measurement shows the state that it asks for, or one in which it cannot be had.
     fn request(
         &mut self,
         message: impl Fn(Session) -> HostMessage,
         reached: impl Fn(State) -> bool,
+        hopeless: impl Fn(State) -> bool,
     ) -> Result<(), SerialError> {
         let end = Instant::now() + Duration::from_secs_f64(self.options.answer);
         let mut again = Instant::now();
@@ -223,10 +225,12 @@ impl SerialRig {
                 self.send(&message)?;
                 again = Instant::now() + REQUEST;
             }
-            if self.next(again)? && self.state().is_some_and(&reached) {
+            let measured = self.next(again)?;
+            let state = self.state().filter(|_| measured);
+            if state.is_some_and(&reached) {
                 return Ok(());
             }
-            if Instant::now() >= end {
+            if state.is_some_and(&hopeless) || Instant::now() >= end {
                 return Err(match self.newest {
                     Some((device, ..)) => SerialError::NotActive { state: device.state, cause: device.cause },
                     None => self.silent(),
@@ -363,7 +367,11 @@ impl Rig for SerialRig {
     }
 
     fn activate(&mut self) -> Result<(), RigError> {
-        self.request(|session| HostMessage::Activate { session }, |state| state == State::Active)?;
+        self.request(
+            |session| HostMessage::Activate { session },
+            |state| state == State::Active,
+            |state| matches!(state, State::Fault | State::EmergencyStopped),
+        )?;
         (self.active, self.asked, self.cut) = (true, 0.0, false);
         // Time begins with the cycle that follows.
         self.scaling.restart_clock();
@@ -372,7 +380,7 @@ impl Rig for SerialRig {
 
     fn deactivate(&mut self) -> Result<(), RigError> {
         self.active = false;
-        Ok(self.request(|_| HostMessage::Deactivate, |state| state != State::Active)?)
+        Ok(self.request(|_| HostMessage::Deactivate, |state| state != State::Active, |_| false)?)
     }
 }
 

@@ -92,7 +92,7 @@ impl Scaling {
         let readings = &now.readings;
         Measurement {
             cycle: self.cycle,
-            time: self.elapsed_us as f64 * 1e-6,
+            time: self.elapsed_us as f64 / 1e6,
             encoder_counts: self.encoder,
             encoder_position: self.encoder as f64 * step,
             tachometer_velocity: if channels.tachometer {
