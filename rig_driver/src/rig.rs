@@ -1,5 +1,6 @@
 //! The one trait every rig is driven through.
 
+use crate::safety::{Event, FaultReport, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
 /// A servo axis that is measured and driven once a control cycle.
@@ -9,17 +10,76 @@ pub trait Rig {
     /// Period of the control cycle [s].
     fn period(&self) -> f64;
 
+    /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need not know it.
+    fn tell_time(&mut self, _now: f64) {}
+
     /// Readings of the present cycle.
     fn measure(&mut self) -> Measurement;
 
     /// Sets the motor voltage [V] for the coming period. A voltage beyond the limits is cut, and the next measurement says so.
     ///
     /// # Errors
-    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault.
+    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault. Under supervision
+    /// ([`Supervised`](crate::safety::Supervised)) so is every voltage but zero while the rig is not active.
     fn apply(&mut self, volts: f64) -> Result<(), RigError>;
+
+    /// Puts the motor at zero volts at once, between cycles too. A rig that has to be stopped by more than a voltage of zero does that.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses.
+    fn halt(&mut self) -> Result<(), RigError> {
+        self.apply(0.0)
+    }
 
     /// What no sensor shows, where the rig is simulated.
     fn truth(&self) -> Option<Truth> {
         None
+    }
+
+    /// Asks for a transition between states; only a rig under supervision has any.
+    ///
+    /// # Errors
+    /// [`RigError::Refused`] if there is no such transition.
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        Err(Refused { state: State::Unconfigured, event: Event::Asked(request) }.into())
+    }
+
+    /// The fault that holds the motor at zero volts, as far as the rig knows it.
+    fn latched_fault(&self) -> Option<FaultReport> {
+        None
+    }
+}
+
+impl<R: Rig + ?Sized> Rig for Box<R> {
+    fn period(&self) -> f64 {
+        (**self).period()
+    }
+
+    fn tell_time(&mut self, now: f64) {
+        (**self).tell_time(now);
+    }
+
+    fn measure(&mut self) -> Measurement {
+        (**self).measure()
+    }
+
+    fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+        (**self).apply(volts)
+    }
+
+    fn halt(&mut self) -> Result<(), RigError> {
+        (**self).halt()
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        (**self).truth()
+    }
+
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        (**self).request(request)
+    }
+
+    fn latched_fault(&self) -> Option<FaultReport> {
+        (**self).latched_fault()
     }
 }
