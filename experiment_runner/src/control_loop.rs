@@ -49,6 +49,28 @@ impl ControlLoop {
         self.rig.period()
     }
 
+    /// Whether the rig sets the pace: [`wait`](Self::wait) returns when its next cycle has begun.
+    #[must_use]
+    pub fn keeps_time(&self) -> bool {
+        self.rig.keeps_time()
+    }
+
+    /// Waits for the rig's next cycle; a rig in lock-step with its caller does not wait.
+    ///
+    /// # Errors
+    /// [`RigError`] if the cycle does not come.
+    pub fn wait(&mut self) -> Result<(), RigError> {
+        self.rig.wait()
+    }
+
+    /// Lets the motor move.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig does not.
+    pub fn activate(&mut self) -> Result<(), RigError> {
+        self.rig.activate()
+    }
+
     /// One cycle. The velocity is the tachometer's, the position the encoder's.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! What can be wrong with a rig.
 
 use crate::SensorError;
+use crate::safety::{FaultReport, Refused, State};
 
 /// A rig that cannot be built, or a command it refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,4 +29,13 @@ pub enum RigError {
     #[cfg(feature = "serial")]
     #[error(transparent)]
     Serial(#[from] crate::serial::SerialError),
+    /// The safety layer latched a fault; the motor is at zero volts.
+    #[error("the driver stopped the motor: {0}")]
+    Safety(FaultReport),
+    /// The motor is to move, but the driver is not active.
+    #[error("the driver is {0} and the motor stays at zero volts; configure, activate or clear it first")]
+    NotActive(State),
+    /// A transition that the state does not allow.
+    #[error(transparent)]
+    Refused(Refused),
 }

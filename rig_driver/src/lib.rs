@@ -2,7 +2,8 @@
 //!
 //! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction model, seen through
 //! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
-//! lock-step and reproducible from a seed. A real rig on a serial line is [`serial::SerialRig`].
+//! lock-step and reproducible from a seed. Real back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one
+//! of them stands under the safety layer ([`safety`]), which trusts neither the controller nor the sensors.
 
 mod drive;
 mod error;
@@ -13,6 +14,7 @@ pub mod messages;
 pub mod node;
 mod plant;
 mod rig;
+pub mod safety;
 mod sensors;
 #[cfg(feature = "serial")]
 pub mod serial;

@@ -6,8 +6,14 @@ use crate::{Session, wire::Reader, wire::Writer};
 pub(crate) const LENGTH: usize = 62;
 
 /// A device's name: up to 16 bytes of printable ASCII.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
 pub struct Name([u8; 16]);
+
+impl core::fmt::Debug for Name {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("Name").field(&self.as_str()).finish()
+    }
+}
 
 impl Name {
     /// `text` as a name; none if it is longer than 16 bytes or has anything but printable ASCII.

@@ -51,13 +51,31 @@ impl Task {
         let mut rig_error = None;
         let mut stopped = false;
         let mut done = 0;
-        let mut before = None;
+        let mut before: Option<u64> = None;
+        // A rig with a clock of its own is waited for; the deadlines are for the others.
+        let paced_by_rig = self.control_loop.keeps_time();
+        if paced_by_rig {
+            // The first cycle's stamp is told already.
+            deadlines.wait();
+        }
+        if let Err(error) = self.control_loop.activate() {
+            return Done { timing: stopwatch.timing(0), priority, stopped, rig_error: Some(error) };
+        }
         while self.cycles.is_none_or(|cycles| done < cycles) {
             if self.stop.load(Ordering::Relaxed) {
                 stopped = true;
                 break;
             }
-            let (start, late) = deadlines.wait();
+            let (start, late) = if paced_by_rig {
+                if let Err(error) = self.control_loop.wait() {
+                    rig_error = Some(error);
+                    break;
+                }
+                let now = now_ns();
+                (now, before.is_some_and(|before| now - before >= 2 * period_ns))
+            } else {
+                deadlines.wait()
+            };
             if late {
                 self.counters.overruns.fetch_add(1, Ordering::Relaxed);
             }

@@ -16,6 +16,7 @@ mod reader;
 mod rig;
 mod scaling;
 mod statistics;
+mod supervision;
 
 pub use error::SerialError;
 pub use latency::Latency;
@@ -24,3 +25,4 @@ pub use rig::SerialRig;
 /// What a device says it is.
 pub use rig_protocol::{Cause, FaultReport, Hello, State};
 pub use statistics::LinkStatistics;
+pub use supervision::limits;

@@ -45,6 +45,8 @@ pub struct SerialRig {
     latency: Latency,
     /// The newest measurement: as it came, in SI units, and when.
     newest: Option<(rig_protocol::Measurement, Measurement, Instant)>,
+    /// A measurement was returned: time has begun.
+    seen: bool,
     /// `wait` has fetched the measurement that `measure` is to return.
     waited: bool,
     /// The device was activated in this session, and has not gone inactive since.
@@ -97,6 +99,7 @@ impl SerialRig {
             events,
             latency,
             newest: None,
+            seen: false,
             waited: false,
             active: false,
             fault: false,
@@ -165,19 +168,6 @@ impl SerialRig {
     pub fn emergency_stop(&mut self) -> Result<(), SerialError> {
         self.active = false;
         self.send(|_| HostMessage::EmergencyStop)
-    }
-
-    /// Clears what is latched in the device, and a voltage here that was not a number. The motor stays at zero volts until activated.
-    ///
-    /// # Errors
-    /// [`SerialError`] if the line is gone, or if the device still is in a fault after the time for an answer.
-    pub fn clear(&mut self) -> Result<(), SerialError> {
-        self.fault = false;
-        self.request(
-            |session| HostMessage::Clear { session },
-            |state| matches!(state, State::Inactive | State::Active),
-            |_| false,
-        )
     }
 
     /// Keeps the device active while there is no voltage to command. Its host's silence would make it inactive.
@@ -317,6 +307,8 @@ impl Rig for SerialRig {
             self.statistics.skipped += u64::from(measured && fresh);
             fresh |= measured;
         }
+        // Who comes late to a full queue finds only old ones in it; the device would refuse the answer.
+        fresh &= self.age().is_some_and(|age| age < 0.5 * self.options.validity);
         if fresh || self.next(end)? {
             self.waited = true;
             if let Some(age) = self.age() {
@@ -332,11 +324,11 @@ impl Rig for SerialRig {
         .into())
     }
 
-    /// The newest measurement. Without a [`wait`](Rig::wait) before, it waits itself; what went wrong with that shows as a fault in
-    /// the measurement, and as an error of the next command.
+    /// The newest measurement. Without a [`wait`](Rig::wait) before, it waits itself; if no cycle comes, the
+    /// measurement is the last one, marked as a fault.
     fn measure(&mut self) -> Measurement {
         let failed = !self.waited && self.wait().is_err();
-        self.waited = false;
+        (self.waited, self.seen) = (false, true);
         let seen = self.newest.map(|(_, seen, _)| seen).unwrap_or_default();
         Measurement { fault: seen.fault || self.fault || failed, ..seen }
     }
@@ -373,14 +365,28 @@ impl Rig for SerialRig {
             |state| matches!(state, State::Fault | State::EmergencyStopped),
         )?;
         (self.active, self.asked, self.cut) = (true, 0.0, false);
-        // Time begins with the cycle that follows.
-        self.scaling.restart_clock();
+        if !self.seen {
+            // Time begins with the cycle that follows.
+            self.scaling.restart_clock();
+        }
         Ok(())
     }
 
-    fn deactivate(&mut self) -> Result<(), RigError> {
-        self.active = false;
-        Ok(self.request(|_| HostMessage::Deactivate, |state| state != State::Active, |_| false)?)
+    /// Tells the device to deactivate, without waiting for it to say so.
+    fn halt(&mut self) -> Result<(), RigError> {
+        (self.active, self.asked, self.cut) = (false, 0.0, false);
+        Ok(self.send(|_| HostMessage::Deactivate)?)
+    }
+
+    /// Clears what is latched in the device, and a voltage here that was not a number. The motor stays at zero volts until activated.
+    fn clear(&mut self) -> Result<(), RigError> {
+        self.fault = false;
+        self.request(
+            |session| HostMessage::Clear { session },
+            |state| matches!(state, State::Inactive | State::Active),
+            |_| false,
+        )?;
+        Ok(())
     }
 }
 
