@@ -1,6 +1,7 @@
 //! What can be wrong with a rig.
 
 use crate::SensorError;
+use crate::quanser::QuanserError;
 use crate::safety::{FaultReport, Refused, State};
 
 /// A rig that cannot be built, or a command it refuses.
@@ -25,6 +26,9 @@ pub enum RigError {
         "a motor voltage must be a finite number, but was {0}: zero volts are applied and a fault is latched; clear it once the controller is mended"
     )]
     VoltageNotFinite(f64),
+    /// The Quanser card or its library.
+    #[error(transparent)]
+    Quanser(#[from] QuanserError),
     /// The safety layer latched a fault; the motor is at zero volts.
     #[error("the driver stopped the motor: {0}")]
     Safety(FaultReport),

@@ -13,6 +13,7 @@ pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
 mod plant;
+pub mod quanser;
 mod rig;
 pub mod safety;
 mod sensors;

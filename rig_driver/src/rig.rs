@@ -31,6 +31,14 @@ pub trait Rig {
         self.apply(0.0)
     }
 
+    /// Clears a fault of the back end, whose cause is mended. The motor stays at zero volts.
+    ///
+    /// # Errors
+    /// [`RigError`] if the cause is still there.
+    fn clear(&mut self) -> Result<(), RigError> {
+        Ok(())
+    }
+
     /// What no sensor shows, where the rig is simulated.
     fn truth(&self) -> Option<Truth> {
         None
@@ -69,6 +77,10 @@ impl<R: Rig + ?Sized> Rig for Box<R> {
 
     fn halt(&mut self) -> Result<(), RigError> {
         (**self).halt()
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        (**self).clear()
     }
 
     fn truth(&self) -> Option<Truth> {

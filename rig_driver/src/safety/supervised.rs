@@ -52,6 +52,12 @@ impl<R: Rig> Supervised<R> {
         if before.moves() && !state.moves() {
             self.rig.halt()?;
         }
+        if request == Request::Clear
+            && let Err(error) = self.rig.clear()
+        {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+            return Err(error);
+        }
         Ok(state)
     }
 
