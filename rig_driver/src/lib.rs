@@ -5,11 +5,13 @@
 //! lock-step and reproducible from a seed. Real back ends join behind the same trait, and every one of them stands under the
 //! safety layer ([`safety`]), which trusts neither the controller nor the sensors.
 
+mod calibration;
 mod drive;
 mod error;
 mod measurement;
 #[cfg(feature = "msgs")]
 pub mod messages;
+mod miswired;
 #[cfg(feature = "ros")]
 pub mod node;
 mod plant;
@@ -19,9 +21,11 @@ pub mod safety;
 mod sensors;
 mod simulated;
 
+pub use calibration::{Calibrated, Calibration, Sign};
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;
 pub use measurement::Measurement;
+pub use miswired::{Miswired, Miswiring};
 pub use plant::{Plant, Truth};
 pub use rig::Rig;
 pub use sensors::{Channel, SensorError, Sensors};

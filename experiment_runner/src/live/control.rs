@@ -14,6 +14,7 @@ use super::{
     timing::{Stopwatch, Timing},
 };
 use crate::control_loop::ControlLoop;
+use crate::cycle::CycleSample;
 
 /// Everything the thread needs, made before it starts.
 pub(super) struct Task {
@@ -52,6 +53,7 @@ impl Task {
         let mut stopped = false;
         let mut done = 0;
         let mut before = None;
+        let mut last: Option<CycleSample> = None;
         while self.cycles.is_none_or(|cycles| done < cycles) {
             if self.stop.load(Ordering::Relaxed) {
                 stopped = true;
@@ -61,13 +63,20 @@ impl Task {
             if late {
                 self.counters.overruns.fetch_add(1, Ordering::Relaxed);
             }
-            let sample = match self.control_loop.step() {
-                Ok(sample) => sample,
+            self.control_loop.tell_time(start as f64 * 1e-9);
+            let (sample, refused) = match self.control_loop.step() {
+                Ok(sample) => (sample, None),
                 Err(error) => {
-                    rig_error = Some(error);
-                    break;
+                    // The flags of the fault still go out, with what was last decided.
+                    let measurement = self.control_loop.look();
+                    let Some(sample) = last.map(|last| last.followed_by(measurement)) else {
+                        rig_error = Some(error);
+                        break;
+                    };
+                    (sample, Some(error))
                 }
             };
+            last = Some(sample);
             let period_ns = before.map_or(0, |before| start - before);
             before = Some(start);
             let execution_ns = now_ns() - start;
@@ -80,6 +89,10 @@ impl Task {
                 self.counters.not_recorded.fetch_add(1, Ordering::Relaxed);
             }
             done += 1;
+            if let Some(error) = refused {
+                rig_error = Some(error);
+                break;
+            }
         }
         // However the loop ended, the motor does not keep its last voltage.
         if let Err(error) = self.control_loop.stop() {

@@ -27,6 +27,7 @@ use std::{
 
 use controller::ControlMode;
 use friction_model::AnyModel;
+use rig_driver::safety::SafetyLimits;
 use ros_node::{Discovery, Participant};
 use serde::Serialize;
 
@@ -165,6 +166,10 @@ impl LiveOptions {
             return Err(LiveError::Duration(duration));
         }
         let Self { test_bed, mode, reference, observer, means, seed, .. } = self;
+        let mut test_bed = *test_bed;
+        // A simulated shaft stands still while its loop waits: a late cycle never asks for a new activation.
+        let limits = SafetyLimits::for_simulation(&test_bed.simulation);
+        test_bed.simulation.safety.get_or_insert(SafetyLimits { cycle_lost: f64::MAX, ..limits });
         Ok(test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?)
     }
 
