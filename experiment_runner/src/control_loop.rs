@@ -5,7 +5,7 @@
 
 use controller::{Command, ControlMode, Controller, Feedback};
 use friction_observer::{FrictionEstimator, Seen};
-use rig_driver::{Rig, RigError};
+use rig_driver::{Measurement, Rig, RigError};
 
 use crate::cycle::CycleSample;
 use crate::profile::Excitation;
@@ -41,6 +41,16 @@ impl ControlLoop {
     #[must_use]
     pub fn excited(self, excitation: Excitation) -> Self {
         Self { excitation: Some(excitation), ..self }
+    }
+
+    /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles are seen.
+    pub fn tell_time(&mut self, now: f64) {
+        self.rig.tell_time(now);
+    }
+
+    /// Readings and flags without a command, as after a fault.
+    pub fn look(&mut self) -> Measurement {
+        self.rig.measure()
     }
 
     /// Period of the cycle [s].
@@ -121,6 +131,6 @@ impl ControlLoop {
     /// # Errors
     /// [`RigError`] if the rig refuses.
     pub fn stop(&mut self) -> Result<(), RigError> {
-        self.rig.apply(0.0)
+        self.rig.halt()
     }
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
     BadInput, Interrupted, features, identify, identify_drive, identify_servo, identify_stiction, models,
-    protocols, run, simulate, truth_matrix,
+    protocols, rig, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -30,6 +30,7 @@ enum Command {
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
     Protocols(protocols::ProtocolsArgs),
+    Rig(Box<rig::RigArgs>),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
+        Command::Rig(args) => rig::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]

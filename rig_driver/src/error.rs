@@ -1,6 +1,7 @@
 //! What can be wrong with a rig.
 
 use crate::SensorError;
+use crate::quanser::QuanserError;
 use crate::safety::{FaultReport, Refused, State};
 
 /// A rig that cannot be built, or a command it refuses.
@@ -29,6 +30,9 @@ pub enum RigError {
     #[cfg(feature = "serial")]
     #[error(transparent)]
     Serial(#[from] crate::serial::SerialError),
+    /// The Quanser card or its library.
+    #[error(transparent)]
+    Quanser(#[from] QuanserError),
     /// The safety layer latched a fault; the motor is at zero volts.
     #[error("the driver stopped the motor: {0}")]
     Safety(FaultReport),

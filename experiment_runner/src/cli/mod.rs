@@ -11,6 +11,7 @@ pub mod identify_stiction;
 pub mod live;
 pub mod models;
 pub mod protocols;
+pub mod rig;
 pub mod run;
 pub mod simulate;
 pub mod truth_matrix;

@@ -14,6 +14,7 @@ use super::{
     timing::{Stopwatch, Timing},
 };
 use crate::control_loop::ControlLoop;
+use crate::cycle::CycleSample;
 
 /// Everything the thread needs, made before it starts.
 pub(super) struct Task {
@@ -61,6 +62,7 @@ impl Task {
         if let Err(error) = self.control_loop.activate() {
             return Done { timing: stopwatch.timing(0), priority, stopped, rig_error: Some(error) };
         }
+        let mut last: Option<CycleSample> = None;
         while self.cycles.is_none_or(|cycles| done < cycles) {
             if self.stop.load(Ordering::Relaxed) {
                 stopped = true;
@@ -79,13 +81,20 @@ impl Task {
             if late {
                 self.counters.overruns.fetch_add(1, Ordering::Relaxed);
             }
-            let sample = match self.control_loop.step() {
-                Ok(sample) => sample,
+            self.control_loop.tell_time(start as f64 * 1e-9);
+            let (sample, refused) = match self.control_loop.step() {
+                Ok(sample) => (sample, None),
                 Err(error) => {
-                    rig_error = Some(error);
-                    break;
+                    // The flags of the fault still go out, with what was last decided.
+                    let measurement = self.control_loop.look();
+                    let Some(sample) = last.map(|last| last.followed_by(measurement)) else {
+                        rig_error = Some(error);
+                        break;
+                    };
+                    (sample, Some(error))
                 }
             };
+            last = Some(sample);
             let period_ns = before.map_or(0, |before| start - before);
             before = Some(start);
             let execution_ns = now_ns() - start;
@@ -98,6 +107,10 @@ impl Task {
                 self.counters.not_recorded.fetch_add(1, Ordering::Relaxed);
             }
             done += 1;
+            if let Some(error) = refused {
+                rig_error = Some(error);
+                break;
+            }
         }
         // However the loop ended, the motor does not keep its last voltage.
         if let Err(error) = self.control_loop.stop() {

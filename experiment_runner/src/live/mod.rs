@@ -29,7 +29,7 @@ use controller::ControlMode;
 use friction_model::AnyModel;
 use rig_driver::{
     Rig,
-    safety::Supervised,
+    safety::{SafetyLimits, Supervised},
     serial::{self, SerialOptions, SerialRig},
 };
 use ros_node::{Discovery, Participant};
@@ -130,7 +130,7 @@ pub fn run(
     options.control_loop(0, None)?;
     let real = options.open_rig()?;
     let period = real.as_ref().map_or(options.test_bed.simulation.period, |rig| rig.period());
-    let about_line = real.as_ref().map(|rig| about(rig));
+    let about_line = real.as_ref().map(about);
 
     let participant = Participant::join(&discovery)?;
     let nodes = publishing::Nodes::new(participant)?;
@@ -203,7 +203,14 @@ impl LiveOptions {
                 let rig = Supervised::activated(rig, limits).map_err(LiveError::Rig)?;
                 test_bed.loop_around(Box::new(rig), *mode, *reference, observer, *means, start_ns)?
             }
-            None => test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?,
+            None => {
+                let mut test_bed = *test_bed;
+                // A simulated shaft stands still while its loop waits: a late cycle never asks for a new activation.
+                let limits = SafetyLimits::for_simulation(&test_bed.simulation);
+                let limits = SafetyLimits { cycle_lost: f64::MAX, ..limits };
+                test_bed.simulation.safety.get_or_insert(limits);
+                test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?
+            }
         })
     }
 

@@ -15,6 +15,8 @@ mod page;
 mod parameter_file;
 mod recorder;
 mod results;
+#[cfg(test)]
+mod supervision_tests;
 mod trace;
 
 pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};

@@ -172,13 +172,13 @@ impl SafetyLimits {
         if !(self.command_age > 0.0 && self.command_age <= 1.0) {
             return error("command_age", self.command_age, "above 0 and at most 1 s");
         }
-        if !(self.command_lost >= self.command_age) {
+        if self.command_lost.is_nan() || self.command_lost < self.command_age {
             return error("command_lost", self.command_lost, "at least command_age");
         }
-        if !(self.cycle_late > period) {
+        if self.cycle_late.is_nan() || self.cycle_late <= period {
             return error("cycle_late", self.cycle_late, "longer than the period");
         }
-        if !(self.cycle_lost >= self.cycle_late) {
+        if self.cycle_lost.is_nan() || self.cycle_lost < self.cycle_late {
             return error("cycle_lost", self.cycle_lost, "at least cycle_late");
         }
         if let Some(Travel { min, max, margin }) = self.travel {
