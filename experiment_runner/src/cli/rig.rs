@@ -158,7 +158,7 @@ fn list() -> String {
             );
         }
         Err(error) => {
-            let _ = writeln!(text, "quanser        not here: {error}");
+            let _ = writeln!(text, "quanser        {error}");
         }
     }
     let ports = serial_ports();
@@ -191,8 +191,10 @@ fn find(which: &Which, show: Option<f64>) -> anyhow::Result<Findings> {
         }
     };
     if let Some(seconds) = show.filter(|_| !which.quiet) {
-        say("channels at zero volts; turn the shaft by hand and look");
-        drive(which, &stop, true, |session| session.hold(0.0, seconds).map(drop))?;
+        drive(which, &stop, true, |session| {
+            say("channels at zero volts; turn the shaft by hand and look");
+            session.hold(0.0, seconds).map(drop)
+        })?;
     }
     drive(which, &stop, false, |session| run_procedure(session, &Procedure::default(), say))
 }
@@ -272,7 +274,7 @@ fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), BadInput> {
     if (low..=high).contains(&value) {
         Ok(())
     } else {
-        Err(BadInput(format!("{name} must be at most {high} in magnitude and a number, but is {value}")))
+        Err(BadInput(format!("{name} must be a number of at most {high} in magnitude, but is {value}")))
     }
 }
 

@@ -65,18 +65,27 @@ pub fn run(
     let torque_zero = at_rest(|seen| seen.torque, "the torque's zero")?;
 
     let (mut forward, mut backward, mut signs) = (Vec::new(), Vec::new(), Vec::new());
+    let mut width: f64 = 0.0;
     for ramp in 1..=procedure.ramps {
         say(&format!("slow ramps of voltage, {ramp} of {}", procedure.ramps));
         for (direction, found) in [(1.0, &mut forward), (-1.0, &mut backward)] {
-            let (volts, counts) = breakaway(session, procedure, direction)?;
-            found.push(volts);
+            let Breakaway { above, below, counts } = breakaway(session, procedure, direction)?;
+            found.push(0.5 * (above + below));
+            width = width.max(above - below);
             signs.push(direction * counts as f64);
             session.hold(0.0, procedure.settle)?;
         }
     }
     let encoder_sign = common_sign(&signs).ok_or(RigSetupError::EncoderErratic)?;
-    let deadband_forward = mean(&forward).ok_or_else(undetermined("the deadband"))?;
-    let deadband_backward = mean(&backward).ok_or_else(undetermined("the deadband"))?;
+    // Within the bracket any voltage is as likely; repeating the ramp does not make it narrower.
+    let deadband = |volts: &[f64]| {
+        let Uncertain { value, standard_error } = mean(volts).ok_or_else(undetermined("the deadband"))?;
+        Ok::<_, RigSetupError>(Uncertain {
+            value,
+            standard_error: standard_error.hypot(width / 12f64.sqrt()),
+        })
+    };
+    let (deadband_forward, deadband_backward) = (deadband(&forward)?, deadband(&backward)?);
 
     let mut levels = Vec::new();
     let start = deadband_forward.value.max(deadband_backward.value);
@@ -102,19 +111,32 @@ pub fn run(
     })
 }
 
-/// The voltage and the travel at which the shaft moves, on a ramp in one direction.
+/// Voltages between which a shaft broke away [V], and its travel.
+struct Breakaway {
+    /// The whole travel was reached: it slides.
+    above: f64,
+    /// Half the travel was reached: friction may still have held it elastically.
+    below: f64,
+    counts: i64,
+}
+
+/// A ramp in one direction until the shaft moves.
 fn breakaway(
     session: &mut Session<'_>,
     procedure: &Procedure,
     direction: f64,
-) -> Result<(f64, i64), RigSetupError> {
+) -> Result<Breakaway, RigSetupError> {
     let (mut volts, mut start, step) = (0.0, None, procedure.ramp * session.period());
+    let mut below = None;
     loop {
         let seen = session.step(|_| direction * volts)?;
         let counts = seen.encoder_counts - *start.get_or_insert(seen.encoder_counts);
+        if 2 * counts.abs() >= procedure.moved {
+            below.get_or_insert(volts);
+        }
         if counts.abs() >= procedure.moved {
             session.step(|_| 0.0)?;
-            return Ok((volts, counts));
+            return Ok(Breakaway { above: volts, below: below.unwrap_or(volts), counts });
         }
         volts += step;
         if volts > session.max_volts() {

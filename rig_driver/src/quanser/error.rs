@@ -6,11 +6,11 @@
 pub enum QuanserError {
     /// There is no HIL library.
     #[error(
-        "Quanser's HIL library could not be loaded ({tried}); install the vendor's HIL SDK or QUARC runtime with the driver of your card, or name the file \
+        "Quanser's HIL library could not be loaded (tried {tried}); install the vendor's HIL SDK or QUARC runtime with the driver of your card, or name the file \
          of the library in `library`. Without a card use the simulated rig"
     )]
     NoLibrary {
-        /// Each file tried, with what the system said.
+        /// Each file tried; of one that is there, what the system said.
         tried: String,
     },
     /// The library lacks a function.

@@ -88,8 +88,10 @@ impl Hil {
     pub(super) fn load(file: &Path) -> Result<Self, QuanserError> {
         // SAFETY: loading runs the library's own initialisation. The name is one of the vendor's library or was given by whoever owns
         // the machine; as with any program's libraries, that code is trusted.
-        let library = unsafe { Library::new(file) }.map_err(|error| QuanserError::NoLibrary {
-            tried: format!("{}: {}", file.display(), Source(&error)),
+        let library = unsafe { Library::new(file) }.map_err(|error| {
+            let said = Source(&error).to_string();
+            let absent = said.contains("No such file");
+            QuanserError::NoLibrary { tried: if absent { file.display().to_string() } else { said } }
         })?;
         let functions = Functions::read(&library, file)?;
         Ok(Self { functions, file: file.to_owned(), _library: library })

@@ -27,5 +27,5 @@ pub(super) fn load(library: Option<&Path>) -> Result<Hil, QuanserError> {
             Err(other) => return Err(other),
         }
     }
-    Err(QuanserError::NoLibrary { tried: tried.join("; ") })
+    Err(QuanserError::NoLibrary { tried: tried.join(", ") })
 }
