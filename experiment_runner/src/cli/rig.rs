@@ -224,6 +224,7 @@ fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -
                     position: seen.encoder_position,
                     velocity: seen.tachometer_velocity,
                     friction: 0.0,
+                    cycle: Some(seen.cycle),
                 };
                 controller.step(&reference, &feedback).total
             })?;
