@@ -5,7 +5,7 @@
 
 use controller::{Command, ControlMode, Controller, Feedback};
 use friction_observer::{FrictionEstimator, Seen};
-use rig_driver::{Rig, RigError};
+use rig_driver::{Measurement, Rig, RigError};
 
 use crate::cycle::CycleSample;
 use crate::profile::Excitation;
@@ -43,10 +43,42 @@ impl ControlLoop {
         Self { excitation: Some(excitation), ..self }
     }
 
+    /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles are seen.
+    pub fn tell_time(&mut self, now: f64) {
+        self.rig.tell_time(now);
+    }
+
+    /// Readings and flags without a command, as after a fault.
+    pub fn look(&mut self) -> Measurement {
+        self.rig.measure()
+    }
+
     /// Period of the cycle [s].
     #[must_use]
     pub fn period(&self) -> f64 {
         self.rig.period()
+    }
+
+    /// Whether the rig sets the pace: [`wait`](Self::wait) returns when its next cycle has begun.
+    #[must_use]
+    pub fn keeps_time(&self) -> bool {
+        self.rig.keeps_time()
+    }
+
+    /// Waits for the rig's next cycle; a rig in lock-step with its caller does not wait.
+    ///
+    /// # Errors
+    /// [`RigError`] if the cycle does not come.
+    pub fn wait(&mut self) -> Result<(), RigError> {
+        self.rig.wait()
+    }
+
+    /// Lets the motor move.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig does not.
+    pub fn activate(&mut self) -> Result<(), RigError> {
+        self.rig.activate()
     }
 
     /// One cycle. The controller's velocity is the tachometer's unless the estimator's options say otherwise, the position the encoder's.
@@ -111,6 +143,6 @@ impl ControlLoop {
     /// # Errors
     /// [`RigError`] if the rig refuses.
     pub fn stop(&mut self) -> Result<(), RigError> {
-        self.rig.apply(0.0)
+        self.rig.halt()
     }
 }

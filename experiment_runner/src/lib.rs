@@ -21,6 +21,7 @@ pub mod progress;
 pub mod protocol;
 pub mod recording;
 pub mod report;
+pub mod rig;
 pub mod run;
 pub mod sequencer;
 pub mod servo;

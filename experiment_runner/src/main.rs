@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
     BadInput, Interrupted, design, features, identify, identify_drive, identify_servo, identify_stiction,
-    models, monte_carlo, protocols, run, simulate, truth_matrix,
+    models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -32,6 +32,7 @@ enum Command {
     Models(models::ModelsArgs),
     MonteCarlo(monte_carlo::MonteCarloArgs),
     Protocols(protocols::ProtocolsArgs),
+    Rig(Box<rig::RigArgs>),
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         Command::Models(args) => models::execute(&args),
         Command::MonteCarlo(args) => monte_carlo::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
+        Command::Rig(args) => rig::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]

@@ -4,7 +4,7 @@ use controller::design::LinearDrive;
 use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions, PlantInverse};
 use friction_model::{AnyModel, ModelError, TimeStep};
 use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, ObserverError};
-use rig_driver::{Drive, FrictionCoupling, RigError, SimulationOptions};
+use rig_driver::{Drive, FrictionCoupling, Rig, RigError, SimulationOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::compensation::Means;
@@ -85,13 +85,30 @@ impl TestBed {
         seed: u64,
         start_ns: u64,
     ) -> Result<ControlLoop, TestBedError> {
-        let simulation = SimulationOptions { seed, ..self.simulation };
-        let period = simulation.period;
+        let rig = SimulationOptions { seed, ..self.simulation }.build(self.friction)?;
+        self.loop_around(rig, mode, reference, observer, means, start_ns)
+    }
+
+    /// The same loop around another rig, a real one: what this bench says of estimator and controller, at `rig`'s own period and within
+    /// the bench's voltage limit.
+    ///
+    /// # Errors
+    /// As for [`control_loop`](Self::control_loop).
+    pub fn loop_around(
+        &self,
+        rig: Box<dyn Rig + Send>,
+        mode: ControlMode,
+        reference: Waveform,
+        observer: &AnyModel,
+        means: Option<Means>,
+        start_ns: u64,
+    ) -> Result<ControlLoop, TestBedError> {
+        let period = rig.period();
         let mut options = ControllerOptions {
             mode,
             period,
             compensation: Compensation { enabled: false, ..self.controller.compensation },
-            voltage_limit: simulation.voltage_limit,
+            voltage_limit: self.simulation.voltage_limit,
             ..self.controller
         };
         let mut estimator = self.estimator;
@@ -99,7 +116,7 @@ impl TestBed {
             means.configure(&mut estimator, &mut options);
         }
         Ok(ControlLoop::new(
-            simulation.build(self.friction)?,
+            rig,
             FrictionEstimator::new(observer, estimator, TimeStep::new(period)?)?,
             Controller::new(options)?,
             reference,

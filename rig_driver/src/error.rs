@@ -1,6 +1,8 @@
 //! What can be wrong with a rig.
 
 use crate::SensorError;
+use crate::quanser::QuanserError;
+use crate::safety::{FaultReport, Refused, State};
 
 /// A rig that cannot be built, or a command it refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,4 +26,20 @@ pub enum RigError {
         "a motor voltage must be a finite number, but was {0}: zero volts are applied and a fault is latched; clear it once the controller is mended"
     )]
     VoltageNotFinite(f64),
+    /// The serial line or the device on it.
+    #[cfg(feature = "serial")]
+    #[error(transparent)]
+    Serial(#[from] crate::serial::SerialError),
+    /// The Quanser card or its library.
+    #[error(transparent)]
+    Quanser(#[from] QuanserError),
+    /// The safety layer latched a fault; the motor is at zero volts.
+    #[error("the driver stopped the motor: {0}")]
+    Safety(FaultReport),
+    /// The motor is to move, but the driver is not active.
+    #[error("the driver is {0} and the motor stays at zero volts; configure, activate or clear it first")]
+    NotActive(State),
+    /// A transition that the state does not allow.
+    #[error(transparent)]
+    Refused(Refused),
 }

@@ -2,25 +2,34 @@
 //!
 //! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction model, seen through
 //! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
-//! lock-step and reproducible from a seed. Real back ends join behind the same trait.
+//! lock-step and reproducible from a seed. Real back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one
+//! of them stands under the safety layer ([`safety`]), which trusts neither the controller nor the sensors.
 
+mod calibration;
 mod drift;
 mod drive;
 mod error;
 mod measurement;
 #[cfg(feature = "msgs")]
 pub mod messages;
+mod miswired;
 #[cfg(feature = "ros")]
 pub mod node;
 mod plant;
+pub mod quanser;
 mod rig;
+pub mod safety;
 mod sensors;
+#[cfg(feature = "serial")]
+pub mod serial;
 mod simulated;
 
+pub use calibration::{Calibrated, Calibration, Sign};
 pub use drift::FrictionDrift;
 pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;
 pub use measurement::Measurement;
+pub use miswired::{Miswired, Miswiring};
 pub use plant::{Plant, Truth};
 pub use rig::Rig;
 pub use sensors::{Channel, SensorError, Sensors};

@@ -1,5 +1,6 @@
 //! The one trait every rig is driven through.
 
+use crate::safety::{Event, FaultReport, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
 /// A servo axis that is measured and driven once a control cycle.
@@ -9,17 +10,121 @@ pub trait Rig {
     /// Period of the control cycle [s].
     fn period(&self) -> f64;
 
+    /// Whether the rig has a clock of its own, so that [`wait`](Self::wait) sets the pace and not the caller's clock.
+    fn keeps_time(&self) -> bool {
+        false
+    }
+
+    /// Waits until the rig's next cycle has begun. A rig that is in lock-step with its caller does not wait.
+    ///
+    /// # Errors
+    /// [`RigError`] if the cycle does not come: the rig is gone, hangs or has restarted.
+    fn wait(&mut self) -> Result<(), RigError> {
+        Ok(())
+    }
+
+    /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need not know it.
+    fn tell_time(&mut self, _now: f64) {}
+
     /// Readings of the present cycle.
     fn measure(&mut self) -> Measurement;
 
     /// Sets the motor voltage [V] for the coming period. A voltage beyond the limits is cut, and the next measurement says so.
     ///
     /// # Errors
-    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault.
+    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault. Under supervision
+    /// ([`Supervised`](crate::safety::Supervised)) so is every voltage but zero while the rig is not active.
     fn apply(&mut self, volts: f64) -> Result<(), RigError>;
+
+    /// Lets the motor move. A simulated rig always may.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig does not, because of a latched fault or because it is gone.
+    fn activate(&mut self) -> Result<(), RigError> {
+        Ok(())
+    }
+
+    /// Puts the motor at zero volts at once, between cycles too. A rig that has to be stopped by more than a voltage of zero does that.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses.
+    fn halt(&mut self) -> Result<(), RigError> {
+        self.apply(0.0)
+    }
+
+    /// Clears a fault of the back end, whose cause is mended. The motor stays at zero volts.
+    ///
+    /// # Errors
+    /// [`RigError`] if the cause is still there.
+    fn clear(&mut self) -> Result<(), RigError> {
+        Ok(())
+    }
 
     /// What no sensor shows, where the rig is simulated.
     fn truth(&self) -> Option<Truth> {
         None
+    }
+
+    /// Asks for a transition between states; only a rig under supervision has any.
+    ///
+    /// # Errors
+    /// [`RigError::Refused`] if there is no such transition.
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        Err(Refused { state: State::Unconfigured, event: Event::Asked(request) }.into())
+    }
+
+    /// The fault that holds the motor at zero volts, as far as the rig knows it.
+    fn latched_fault(&self) -> Option<FaultReport> {
+        None
+    }
+}
+
+impl<R: Rig + ?Sized> Rig for Box<R> {
+    fn period(&self) -> f64 {
+        (**self).period()
+    }
+
+    fn keeps_time(&self) -> bool {
+        (**self).keeps_time()
+    }
+
+    fn wait(&mut self) -> Result<(), RigError> {
+        (**self).wait()
+    }
+
+    fn activate(&mut self) -> Result<(), RigError> {
+        (**self).activate()
+    }
+
+    fn tell_time(&mut self, now: f64) {
+        (**self).tell_time(now);
+    }
+
+    fn measure(&mut self) -> Measurement {
+        (**self).measure()
+    }
+
+    fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+        (**self).apply(volts)
+    }
+
+    fn halt(&mut self) -> Result<(), RigError> {
+        (**self).halt()
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        (**self).clear()
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        (**self).truth()
+    }
+
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        (**self).request(request)
+    }
+
+    fn latched_fault(&self) -> Option<FaultReport> {
+        (**self).latched_fault()
     }
 }

@@ -5,6 +5,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
+use crate::safety::{SafetyLimits, Supervised};
 use crate::sensors::quantise;
 use crate::{
     Drive, FrictionCoupling, FrictionDrift, Measurement, Plant, Rig, RigError, Sensors, TimeConstant, Truth,
@@ -31,6 +32,9 @@ pub struct SimulationOptions {
     /// How the friction drifts; not at all if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_drift: Option<FrictionDrift>,
+    /// Limits of the driver's safety layer around the rig; none to go without, as offline runs do, where nobody can be hurt.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub safety: Option<SafetyLimits>,
 }
 
 impl Default for SimulationOptions {
@@ -45,6 +49,7 @@ impl Default for SimulationOptions {
             substeps: 2,
             seed: 1,
             friction_drift: None,
+            safety: None,
         }
     }
 }
@@ -165,7 +170,13 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
 }
 
 impl SimulationOptions {
-    /// The simulated rig under a friction model chosen while the program runs.
+    /// The same rig under the safety layer, with the limits that follow from these options.
+    #[must_use]
+    pub fn supervised(self) -> Self {
+        Self { safety: Some(SafetyLimits::for_simulation(&self)), ..self }
+    }
+
+    /// The simulated rig under a friction model chosen while the program runs; active, if it is under the safety layer.
     ///
     /// # Errors
     /// [`RigError`] names the option that is out of range.
@@ -187,7 +198,11 @@ impl ModelVisitor for Build {
             + Sync
             + 'static,
     {
-        Ok(Box::new(SimulatedRig::new(self.0, model)?))
+        let rig = SimulatedRig::new(self.0, model)?;
+        Ok(match self.0.safety {
+            None => Box::new(rig),
+            Some(limits) => Box::new(Supervised::activated(rig, limits)?),
+        })
     }
 }
 

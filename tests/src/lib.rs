@@ -21,19 +21,32 @@ pub mod python;
 /// When it can neither be found nor built; the message says what was tried.
 pub fn frictionlab() -> Command {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    Command::new(PROGRAM.get_or_init(|| {
-        if let Some(named) = std::env::var_os("FRICTIONLAB_BIN") {
+    program(&PROGRAM, "FRICTIONLAB_BIN", "experiment_runner", "frictionlab")
+}
+
+/// The built `rig_emulator`, found as [`frictionlab`] is; `$RIG_EMULATOR_BIN` names it.
+///
+/// # Panics
+/// As [`frictionlab`].
+pub fn rig_emulator() -> Command {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    program(&PROGRAM, "RIG_EMULATOR_BIN", "rig_emulator", "rig_emulator")
+}
+
+fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str) -> Command {
+    Command::new(found.get_or_init(|| {
+        if let Some(named) = std::env::var_os(variable) {
             let named = PathBuf::from(named);
-            assert!(named.is_file(), "FRICTIONLAB_BIN is {}, which is no file", named.display());
+            assert!(named.is_file(), "{variable} is {}, which is no file", named.display());
             return named;
         }
         let profile = profile_folder();
-        let beside = profile.join(format!("frictionlab{}", std::env::consts::EXE_SUFFIX));
+        let beside = profile.join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         match std::env::var_os("CARGO") {
-            Some(cargo) => build(Path::new(&cargo), &profile),
+            Some(cargo) => build(Path::new(&cargo), &profile, package, name),
             None => assert!(
                 beside.is_file(),
-                "no {}: build it with `cargo build`, or name it in FRICTIONLAB_BIN",
+                "no {}: build it with `cargo build`, or name it in {variable}",
                 beside.display()
             ),
         }
@@ -48,29 +61,20 @@ fn profile_folder() -> PathBuf {
     test.ancestors().nth(2).expect("a test lies in PROFILE/deps").to_owned()
 }
 
-fn build(cargo: &Path, profile_folder: &Path) {
+fn build(cargo: &Path, profile_folder: &Path, package: &str, name: &str) {
     let profile = match profile_folder.file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev",
         Some(other) => other,
     };
     let status = Command::new(cargo)
-        .args([
-            "build",
-            "--quiet",
-            "--package",
-            "experiment_runner",
-            "--bin",
-            "frictionlab",
-            "--profile",
-            profile,
-        ])
+        .args(["build", "--quiet", "--package", package, "--bin", name, "--profile", profile])
         .arg("--target-dir")
         .arg(profile_folder.parent().expect("a profile folder lies in the target folder"))
         .current_dir(checkout())
         .stdin(Stdio::null())
         .status()
         .expect("cargo starts");
-    assert!(status.success(), "frictionlab does not build");
+    assert!(status.success(), "{name} does not build");
 }
 
 /// The folder of the workspace.

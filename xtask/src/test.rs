@@ -15,7 +15,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 #[derive(Debug, clap::Args)]
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
-    /// seeds of servo identification, 1000 draws of compensation with wrong parameters
+    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers
     #[arg(long)]
     full: bool,
 }
@@ -35,9 +35,16 @@ impl Test {
         let (tier, cases) = CASES[usize::from(self.full)];
         // The program is built with the features of the whole workspace, so that the tests use it as it is instead of building it once more.
         cargo(root, &["build", "--workspace", "--locked"], &[])?;
-        let program = target.join("debug").join(format!("frictionlab{}", env::consts::EXE_SUFFIX));
-        let program = program.to_str().context("the target folder's path must be text")?;
-        let mut environment = vec![("FRICTIONLAB_BIN", program), ("PROPTEST_CASES", cases)];
+        let built = |name: &str| {
+            let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
+            program.into_os_string().into_string().ok().context("the target folder's path must be text")
+        };
+        let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
+        let mut environment = vec![
+            ("FRICTIONLAB_BIN", program.as_str()),
+            ("RIG_EMULATOR_BIN", emulator.as_str()),
+            ("PROPTEST_CASES", cases),
+        ];
         if self.full {
             environment.push(("FRICTION_FULL", "1"));
             environment.push(("FRICTION_COVERAGE", "2000"));

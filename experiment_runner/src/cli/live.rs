@@ -12,12 +12,12 @@ use anyhow::Context;
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::SimulationOptions;
+use rig_driver::{SimulationOptions, serial::SerialOptions};
 
 use super::{BadInput, Interrupted, model_name};
 use crate::compensation::Means;
 use crate::{
-    live::{self, LiveError, LiveOptions},
+    live::{self, LiveError, LiveOptions, RigChoice},
     protocol::TrackingProtocol,
     test_bed::TestBed,
     waveform::Waveform,
@@ -28,8 +28,15 @@ use crate::{
 /// One process, one control thread at 1 kHz. Publishes /joint_states, /rig_measurement, /reference, /friction_estimate,
 /// /motor_voltage, /controller_state and /diagnostics, and records them into DIR/bag. ROS_DOMAIN_ID is honoured; only this
 /// machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends the run cleanly.
+///
+/// --rig serial:PORT drives a real rig: a device on a serial port that speaks the protocol of rig_driver/PROTOCOL.md. The device's
+/// clock sets the pace then, and it takes the motor to zero volts by itself 20 ms after the last command, whatever
+/// happens here. `rig_emulator` is such a device without hardware.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
+    /// The rig: `simulated`, or `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for another rate than 2000000
+    #[arg(long, value_name = "RIG", default_value = "simulated", value_parser = rig)]
+    pub rig: RigChoice,
     /// Length of the run [s] [default: until ctrl-C]
     #[arg(long, value_name = "SECONDS")]
     pub duration: Option<f64>,
@@ -60,9 +67,9 @@ pub struct LiveArgs {
     /// Estimate friction, but do not compensate it
     #[arg(long)]
     pub no_compensation: bool,
-    /// Control cycles a second [Hz]
-    #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=2000))]
-    pub rate: u32,
+    /// Control cycles a second [Hz] [default: 1000, or what the device on the serial port says]
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(100..=2000))]
+    pub rate: Option<u32>,
     /// Output folder; its `bag` must be new or empty [default: runs/live-N with the first free N]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -72,6 +79,27 @@ pub struct LiveArgs {
     /// Print nothing but errors
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Control cycles a second of the simulated rig [Hz].
+const RATE: u32 = 1000;
+
+/// Reads `--rig`.
+fn rig(text: &str) -> Result<RigChoice, String> {
+    if text == "simulated" {
+        return Ok(RigChoice::Simulated);
+    }
+    let Some(port) = text.strip_prefix("serial:") else {
+        return Err("a rig is `simulated` or `serial:PORT`, as in serial:/dev/ttyACM0".into());
+    };
+    let (port, baud) = match port.rsplit_once('@') {
+        Some((port, baud)) => (port, baud.parse().map_err(|_| format!("{baud:?} is no baud rate"))?),
+        None => (port, SerialOptions::default().baud),
+    };
+    if port.is_empty() {
+        return Err("serial: wants a port, as in serial:/dev/ttyACM0".into());
+    }
+    Ok(RigChoice::Serial { port: port.into(), baud })
 }
 
 /// [`ControlMode`] on the command line.
@@ -110,7 +138,11 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
         }
     };
     let report = live::run(&options, &stop, |priority| {
-        say(&format!("{priority}\nlive at {} Hz; ctrl-C ends the run", args.rate));
+        let rate = match (args.rate, &args.rig) {
+            (None, RigChoice::Serial { .. }) => "the device's rate".to_owned(),
+            (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
+        };
+        say(&format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
     })
     .map_err(|error: LiveError| {
         if error.is_bad_input() { BadInput(error.to_string()).into() } else { anyhow::Error::new(error) }
@@ -137,13 +169,18 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
     let mut controller = ControllerOptions::default();
     super::run::controller(args.parameters.as_deref(), &mut controller)?;
     let test_bed = TestBed {
-        simulation: SimulationOptions { period: 1.0 / f64::from(args.rate), ..Default::default() },
+        simulation: SimulationOptions {
+            period: 1.0 / f64::from(args.rate.unwrap_or(RATE)),
+            ..Default::default()
+        },
         friction: AnyModel::test_bed(args.plant),
         controller,
         estimator: EstimatorOptions::default(),
     };
     Ok(LiveOptions {
         out: args.out.clone().unwrap_or_else(|| super::run::first_free("live")),
+        rig: args.rig.clone(),
+        rate_given: args.rate.is_some(),
         test_bed,
         mode,
         reference: reference(args)?,

@@ -13,6 +13,7 @@ pub mod live;
 pub mod models;
 pub mod monte_carlo;
 pub mod protocols;
+pub mod rig;
 pub mod run;
 pub mod simulate;
 pub mod truth_matrix;

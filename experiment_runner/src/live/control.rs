@@ -14,6 +14,7 @@ use super::{
     timing::{Stopwatch, Timing},
 };
 use crate::control_loop::ControlLoop;
+use crate::cycle::CycleSample;
 
 /// Everything the thread needs, made before it starts.
 pub(super) struct Task {
@@ -51,23 +52,49 @@ impl Task {
         let mut rig_error = None;
         let mut stopped = false;
         let mut done = 0;
-        let mut before = None;
+        let mut before: Option<u64> = None;
+        // A rig with a clock of its own is waited for; the deadlines are for the others.
+        let paced_by_rig = self.control_loop.keeps_time();
+        if paced_by_rig {
+            // The first cycle's stamp is told already.
+            deadlines.wait();
+        }
+        if let Err(error) = self.control_loop.activate() {
+            return Done { timing: stopwatch.timing(0), priority, stopped, rig_error: Some(error) };
+        }
+        let mut last: Option<CycleSample> = None;
         while self.cycles.is_none_or(|cycles| done < cycles) {
             if self.stop.load(Ordering::Relaxed) {
                 stopped = true;
                 break;
             }
-            let (start, late) = deadlines.wait();
-            if late {
-                self.counters.overruns.fetch_add(1, Ordering::Relaxed);
-            }
-            let sample = match self.control_loop.step() {
-                Ok(sample) => sample,
-                Err(error) => {
+            let (start, late) = if paced_by_rig {
+                if let Err(error) = self.control_loop.wait() {
                     rig_error = Some(error);
                     break;
                 }
+                let now = now_ns();
+                (now, before.is_some_and(|before| now - before >= 2 * period_ns))
+            } else {
+                deadlines.wait()
             };
+            if late {
+                self.counters.overruns.fetch_add(1, Ordering::Relaxed);
+            }
+            self.control_loop.tell_time(start as f64 * 1e-9);
+            let (sample, refused) = match self.control_loop.step() {
+                Ok(sample) => (sample, None),
+                Err(error) => {
+                    // The flags of the fault still go out, with what was last decided.
+                    let measurement = self.control_loop.look();
+                    let Some(sample) = last.map(|last| last.followed_by(measurement)) else {
+                        rig_error = Some(error);
+                        break;
+                    };
+                    (sample, Some(error))
+                }
+            };
+            last = Some(sample);
             let period_ns = before.map_or(0, |before| start - before);
             before = Some(start);
             let execution_ns = now_ns() - start;
@@ -80,6 +107,10 @@ impl Task {
                 self.counters.not_recorded.fetch_add(1, Ordering::Relaxed);
             }
             done += 1;
+            if let Some(error) = refused {
+                rig_error = Some(error);
+                break;
+            }
         }
         // However the loop ended, the motor does not keep its last voltage.
         if let Err(error) = self.control_loop.stop() {

@@ -5,7 +5,7 @@ use std::io;
 use ros_node::RosNodeError;
 
 use crate::{bag::BagError, test_bed::TestBedError};
-use rig_driver::RigError;
+use rig_driver::{RigError, serial::SerialError};
 
 /// A live run that cannot start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -19,6 +19,17 @@ pub enum LiveError {
     /// The loop cannot be put together.
     #[error(transparent)]
     TestBed(#[from] TestBedError),
+    /// The rig's serial port or the device on it.
+    #[error(transparent)]
+    Serial(#[from] SerialError),
+    /// `--rate` names another rate than the device's own.
+    #[error("the device's cycle is {period} s, which is {} Hz, and --rate asks for {asked} Hz; leave --rate out", 1.0 / period)]
+    Rate {
+        /// Period of the device's cycle [s].
+        period: f64,
+        /// Rate asked for [Hz].
+        asked: f64,
+    },
     /// The bag cannot be written.
     #[error(transparent)]
     Bag(#[from] BagError),
@@ -50,6 +61,8 @@ impl LiveError {
             self,
             Self::Duration(_)
                 | Self::TestBed(_)
+                | Self::Serial(_)
+                | Self::Rate { .. }
                 | Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. })
                 | Self::Ros(RosNodeError::Environment { .. })
         )

@@ -27,6 +27,11 @@ use std::{
 
 use controller::ControlMode;
 use friction_model::AnyModel;
+use rig_driver::{
+    Rig,
+    safety::{SafetyLimits, Supervised},
+    serial::{self, SerialOptions, SerialRig},
+};
 use ros_node::{Discovery, Participant};
 use serde::Serialize;
 
@@ -55,7 +60,9 @@ const HEAD_START: Duration = Duration::from_millis(50);
 pub struct LiveOptions {
     /// Folder for the results; the bag goes to `bag` in it.
     pub out: PathBuf,
-    /// The rig and its friction.
+    /// Which rig.
+    pub rig: RigChoice,
+    /// The bench: the simulated rig and its friction, and what estimator and controller are made of.
     pub test_bed: TestBed,
     /// What the controller regulates.
     pub mode: ControlMode,
@@ -65,10 +72,27 @@ pub struct LiveOptions {
     pub observer: AnyModel,
     /// By what means the estimate enters the command; none for not at all.
     pub means: Option<Means>,
+    /// The bench's period was asked for by name: a device with another one is refused.
+    pub rate_given: bool,
     /// Seed of the sensors' noise.
     pub seed: u64,
     /// Length of the run [s]; `None` until it is stopped.
     pub duration: Option<f64>,
+}
+
+/// Which rig a live run drives.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RigChoice {
+    /// The simulated one of the test bed, in lock-step with the loop.
+    Simulated,
+    /// A device on a serial port, which keeps the time.
+    Serial {
+        /// The port.
+        port: PathBuf,
+        /// Baud rate.
+        baud: u32,
+    },
 }
 
 /// One cycle on its way to publisher and recorder.
@@ -103,7 +127,10 @@ pub fn run(
 ) -> Result<LiveReport, LiveError> {
     let discovery = Discovery::from_environment()?;
     // Put together once for nothing, so that a wrong option leaves neither a folder nor a node behind.
-    let period = options.control_loop(0)?.period();
+    options.control_loop(0, None)?;
+    let real = options.open_rig()?;
+    let period = real.as_ref().map_or(options.test_bed.simulation.period, |rig| rig.period());
+    let about_line = real.as_ref().map(about);
 
     let participant = Participant::join(&discovery)?;
     let nodes = publishing::Nodes::new(participant)?;
@@ -113,7 +140,7 @@ pub fn run(
 
     // Joining takes a while; only now can the stamp of the first cycle be told, and its deadline be the same instant.
     let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
-    let control_loop = options.control_loop(epoch_ns(SystemTime::now() + HEAD_START))?;
+    let control_loop = options.control_loop(epoch_ns(SystemTime::now() + HEAD_START), real)?;
 
     let counters = Arc::new(Counters::default());
     let (to_publisher, for_publisher) = rtrb::RingBuffer::new(PUBLISHER_QUEUE);
@@ -145,7 +172,7 @@ pub fn run(
         thread::Builder::new().name("control".into()).spawn(run).map_err(spawn_error)?
     };
     if let Ok(line) = told_priority.recv() {
-        started(&line);
+        started(&about_line.map_or_else(|| line.clone(), |about| format!("{about}\n{line}")));
     }
 
     // The control thread drops its ends of the queues when it is done, which ends the other two.
@@ -160,12 +187,42 @@ pub fn run(
 }
 
 impl LiveOptions {
-    fn control_loop(&self, start_ns: u64) -> Result<crate::control_loop::ControlLoop, LiveError> {
+    /// The loop around `real`, or around the simulated rig.
+    fn control_loop(
+        &self,
+        start_ns: u64,
+        real: Option<SerialRig>,
+    ) -> Result<crate::control_loop::ControlLoop, LiveError> {
         if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
             return Err(LiveError::Duration(duration));
         }
         let Self { test_bed, mode, reference, observer, means, seed, .. } = self;
-        Ok(test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?)
+        Ok(match real {
+            Some(rig) => {
+                let limits = serial::limits(rig.hello());
+                let rig = Supervised::activated(rig, limits).map_err(LiveError::Rig)?;
+                test_bed.loop_around(Box::new(rig), *mode, *reference, observer, *means, start_ns)?
+            }
+            None => {
+                let mut test_bed = *test_bed;
+                // A simulated shaft stands still while its loop waits: a late cycle never asks for a new activation.
+                let limits = SafetyLimits::for_simulation(&test_bed.simulation);
+                let limits = SafetyLimits { cycle_lost: f64::MAX, ..limits };
+                test_bed.simulation.safety.get_or_insert(limits);
+                test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?
+            }
+        })
+    }
+
+    /// The real rig, if one was chosen, its motor at zero volts.
+    fn open_rig(&self) -> Result<Option<SerialRig>, LiveError> {
+        let RigChoice::Serial { port, baud } = &self.rig else { return Ok(None) };
+        let rig = SerialRig::open(port, SerialOptions { baud: *baud, ..SerialOptions::default() })?;
+        let (period, asked) = (rig.period(), 1.0 / self.test_bed.simulation.period);
+        if self.rate_given && (period * asked - 1.0).abs() > 1e-6 {
+            return Err(LiveError::Rate { period, asked });
+        }
+        Ok(Some(rig))
     }
 
     /// What the bag says about the run.
@@ -178,6 +235,20 @@ impl LiveOptions {
             ("options".to_owned(), options),
         ])
     }
+}
+
+/// What a device says of itself, in a line.
+fn about(rig: &SerialRig) -> String {
+    let hello = rig.hello();
+    let [major, minor, patch] = hello.firmware;
+    let limit = f64::from(hello.voltage_limit) * f64::from(hello.volts_per_count);
+    format!(
+        "{} (firmware {major}.{minor}.{patch}), {} us a cycle, at most {:.2} V; {}",
+        hello.name.as_str(),
+        hello.period_us,
+        limit.abs(),
+        rig.latency()
+    )
 }
 
 /// Nanoseconds since the Unix epoch; zero before it.

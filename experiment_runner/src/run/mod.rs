@@ -19,6 +19,8 @@ mod page;
 mod parameter_file;
 mod recorder;
 mod results;
+#[cfg(test)]
+mod supervision_tests;
 mod trace;
 mod tracked;
 

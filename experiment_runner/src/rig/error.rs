@@ -1,0 +1,50 @@
+//! What can end the setting up of a rig.
+
+use rig_driver::RigError;
+
+/// A rig that cannot be opened, driven or understood.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigSetupError {
+    /// The rig refused.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// This program does not drive such a rig yet.
+    #[error("{0}")]
+    NotDriven(String),
+    /// The shaft does not move.
+    #[error(
+        "the shaft did not move {direction} up to {volts:.2} V: by the encoder it travelled {travelled} counts. Look at the motor's leads, the amplifier's enable and supply, \
+         the encoder's plug; a stiff axis needs a higher --max-volts"
+    )]
+    DoesNotMove {
+        /// At a positive or at a negative voltage.
+        direction: &'static str,
+        /// The highest magnitude that was tried [V].
+        volts: f64,
+        /// Travel by the encoder.
+        travelled: i64,
+    },
+    /// The shaft moves where it should stand.
+    #[error(
+        "the shaft moved by {counts} counts at zero volts: something else turns it, or the encoder picks up noise; hold it still and start again"
+    )]
+    MovesAtRest {
+        /// Travel by the encoder.
+        counts: i64,
+    },
+    /// The encoder does not follow the voltage.
+    #[error(
+        "the encoder does not follow the voltage: at some voltages it counts up, at others of the same sign it counts down; look at its two lines and its supply"
+    )]
+    EncoderErratic,
+    /// Readings from which nothing follows.
+    #[error("{what} cannot be worked out: the readings do not change enough; raise --max-volts")]
+    Undetermined {
+        /// What was to be found.
+        what: &'static str,
+    },
+    /// Stopped by the user.
+    #[error("stopped; the motor is at zero volts and nothing was written")]
+    Stopped,
+}

@@ -1,0 +1,22 @@
+//! Setting a rig up: which there are, whether their signs and gains are right, and the calibration that makes them so.
+//!
+//! Everything here drives the rig under the safety layer. The steps ([`procedure`]) are the same for a check and for a calibration.
+
+mod choice;
+mod error;
+mod findings;
+mod parameters;
+mod ports;
+mod procedure;
+mod regression;
+mod session;
+mod terminal;
+
+pub use choice::RigChoice;
+pub use error::RigSetupError;
+pub use findings::{Findings, Level, Verdict};
+pub use parameters::{read as read_calibration, render as render_calibration};
+pub use ports::{SerialPort, serial_ports};
+pub use procedure::{Procedure, run as run_procedure};
+pub use session::{Pace, Session};
+pub use terminal::{Display, findings_table};

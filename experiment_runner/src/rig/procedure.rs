@@ -1,0 +1,233 @@
+//! The steps by which signs, gains and zeros are found.
+//!
+//! 1. At rest: what tachometer and torque sensor show at zero volts.
+//! 2. Slow ramps of voltage, both ways, until the encoder moves: what it takes to move the shaft, and whether the encoder counts the
+//!    way the voltage pushes.
+//! 3. Steady voltages above that, both ways in turn: the tachometer over the encoder's speed is a line whose slope is its gain,
+//!    and the torque of either direction has a sign.
+
+use friction_ident::Uncertain;
+use rig_driver::{Measurement, Sign};
+
+use super::findings::{Findings, Level};
+use super::regression::{line, mean};
+use super::{RigSetupError, Session};
+
+/// Lengths and sizes of the steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Procedure {
+    /// Time at rest [s].
+    pub rest: f64,
+    /// Rate of the ramps [V/s].
+    pub ramp: f64,
+    /// Ramps in each direction.
+    pub ramps: u32,
+    /// Travel that counts as motion [counts].
+    pub moved: i64,
+    /// Voltages in each direction.
+    pub levels: u32,
+    /// Time for a level to settle, and to be read [s].
+    pub settle: f64,
+    /// Time over which a level is read [s].
+    pub read: f64,
+}
+
+impl Default for Procedure {
+    /// About half a minute.
+    fn default() -> Self {
+        Self { rest: 1.0, ramp: 0.2, ramps: 3, moved: 8, levels: 3, settle: 0.4, read: 0.8 }
+    }
+}
+
+/// Windows a level is cut into, each a point of the line.
+const WINDOWS: usize = 4;
+
+/// Does the steps. `say` is told what begins.
+///
+/// # Errors
+/// [`RigSetupError`] if the rig refuses, does not move, or shows what no wiring explains.
+pub fn run(
+    session: &mut Session<'_>,
+    procedure: &Procedure,
+    mut say: impl FnMut(&str),
+) -> Result<Findings, RigSetupError> {
+    say("at rest");
+    let rest = session.hold(0.0, procedure.rest)?;
+    let counts = travel(&rest);
+    if counts.abs() > 1 {
+        return Err(RigSetupError::MovesAtRest { counts });
+    }
+    let undetermined = |what| move || RigSetupError::Undetermined { what };
+    let at_rest = |value: fn(&Measurement) -> f64, what| {
+        mean(&rest.iter().map(value).collect::<Vec<_>>()).ok_or_else(undetermined(what))
+    };
+    let tachometer_zero = at_rest(|seen| seen.tachometer_velocity, "the tachometer's zero")?;
+    let torque_zero = at_rest(|seen| seen.torque, "the torque's zero")?;
+
+    let (mut forward, mut backward, mut signs) = (Vec::new(), Vec::new(), Vec::new());
+    let mut width: f64 = 0.0;
+    for ramp in 1..=procedure.ramps {
+        say(&format!("slow ramps of voltage, {ramp} of {}", procedure.ramps));
+        for (direction, found) in [(1.0, &mut forward), (-1.0, &mut backward)] {
+            let Breakaway { above, below, counts } = breakaway(session, procedure, direction)?;
+            found.push(0.5 * (above + below));
+            width = width.max(above - below);
+            signs.push(direction * counts as f64);
+            session.hold(0.0, procedure.settle)?;
+        }
+    }
+    let encoder_sign = common_sign(&signs).ok_or(RigSetupError::EncoderErratic)?;
+    // Within the bracket any voltage is as likely; repeating the ramp does not make it narrower.
+    let deadband = |volts: &[f64]| {
+        let Uncertain { value, standard_error } = mean(volts).ok_or_else(undetermined("the deadband"))?;
+        Ok::<_, RigSetupError>(Uncertain {
+            value,
+            standard_error: standard_error.hypot(width / 12f64.sqrt()),
+        })
+    };
+    let (deadband_forward, deadband_backward) = (deadband(&forward)?, deadband(&backward)?);
+
+    let mut levels = Vec::new();
+    let start = deadband_forward.value.max(deadband_backward.value);
+    for level in 1..=procedure.levels {
+        let share = f64::from(level) / f64::from(procedure.levels);
+        let volts = start + share * (session.max_volts() - start);
+        // Forwards and back in turn: the shaft stays near where it began.
+        for direction in [1.0, -1.0] {
+            say(&format!("steady at {:+.2} V", direction * volts));
+            session.hold(direction * volts, procedure.settle)?;
+            let seen = session.hold(direction * volts, procedure.read)?;
+            levels.push((direction * volts, seen));
+        }
+    }
+    session.hold(0.0, procedure.settle)?;
+    evaluate(Known {
+        tachometer_zero,
+        torque_zero,
+        encoder_sign,
+        deadband_forward,
+        deadband_backward,
+        levels,
+    })
+}
+
+/// Voltages between which a shaft broke away [V], and its travel.
+struct Breakaway {
+    /// The whole travel was reached: it slides.
+    above: f64,
+    /// Half the travel was reached: friction may still have held it elastically.
+    below: f64,
+    counts: i64,
+}
+
+/// A ramp in one direction until the shaft moves.
+fn breakaway(
+    session: &mut Session<'_>,
+    procedure: &Procedure,
+    direction: f64,
+) -> Result<Breakaway, RigSetupError> {
+    let (mut volts, mut start, step) = (0.0, None, procedure.ramp * session.period());
+    let mut below = None;
+    loop {
+        let seen = session.step(|_| direction * volts)?;
+        let counts = seen.encoder_counts - *start.get_or_insert(seen.encoder_counts);
+        if 2 * counts.abs() >= procedure.moved {
+            below.get_or_insert(volts);
+        }
+        if counts.abs() >= procedure.moved {
+            session.step(|_| 0.0)?;
+            return Ok(Breakaway { above: volts, below: below.unwrap_or(volts), counts });
+        }
+        volts += step;
+        if volts > session.max_volts() {
+            session.step(|_| 0.0)?;
+            let direction = if direction > 0.0 { "forwards" } else { "backwards" };
+            return Err(RigSetupError::DoesNotMove {
+                direction,
+                volts: session.max_volts(),
+                travelled: counts,
+            });
+        }
+    }
+}
+
+struct Known {
+    tachometer_zero: Uncertain,
+    torque_zero: Uncertain,
+    encoder_sign: Sign,
+    deadband_forward: Uncertain,
+    deadband_backward: Uncertain,
+    levels: Vec<(f64, Vec<Measurement>)>,
+}
+
+/// What follows from the readings.
+fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
+    let Known { tachometer_zero, torque_zero, encoder_sign, deadband_forward, deadband_backward, levels } =
+        known;
+    let sign = encoder_sign.factor();
+    let mut points = Vec::new();
+    let mut shown = Vec::new();
+    let mut torques = Vec::new();
+    let mut directions = Vec::new();
+    for (volts, seen) in &levels {
+        let size = seen.len().div_ceil(WINDOWS).max(3);
+        for window in seen.chunks(size).filter(|window| window.len() == size) {
+            let encoder: Vec<(f64, f64)> =
+                window.iter().map(|seen| (seen.time, sign * seen.encoder_position)).collect();
+            let speed = line(&encoder).ok_or(RigSetupError::Undetermined { what: "the encoder's speed" })?;
+            let tachometer =
+                window.iter().map(|seen| seen.tachometer_velocity).sum::<f64>() / window.len() as f64;
+            points.push((speed.slope.value, tachometer));
+        }
+        let torque: Vec<f64> = seen.iter().map(|seen| seen.torque - torque_zero.value).collect();
+        let torque =
+            mean(&torque).ok_or(RigSetupError::Undetermined { what: "the torque at a steady voltage" })?;
+        let Some(&(velocity, tachometer)) = points.last() else {
+            return Err(RigSetupError::Undetermined { what: "the encoder's speed" });
+        };
+        directions.push(volts * velocity);
+        torques.push(Uncertain { value: volts.signum() * torque.value, ..torque });
+        shown.push(Level { volts: *volts, velocity, tachometer, torque: torque.value });
+    }
+    // The ramps told the sign at breakaway; steady motion has to agree.
+    if common_sign(&directions) != Some(Sign::Forward) {
+        return Err(RigSetupError::EncoderErratic);
+    }
+    let fitted = line(&points).ok_or(RigSetupError::Undetermined { what: "the tachometer's gain" })?;
+    let seen =
+        fitted.slope.value.abs() > 5.0 * fitted.slope.standard_error && fitted.slope.value.abs() > 0.01;
+    let gain = seen.then(|| {
+        let Uncertain { value, standard_error } = fitted.slope;
+        Uncertain { value: 1.0 / value, standard_error: standard_error / (value * value) }
+    });
+    // A friction torque has the sign of the motion, and more than noise.
+    let told: Vec<f64> =
+        torques.iter().filter(|t| t.value.abs() > 5.0 * t.standard_error).map(|t| t.value).collect();
+    let torque_sign = if told.len() == torques.len() { common_sign(&told) } else { None };
+    Ok(Findings {
+        encoder_sign,
+        tachometer_gain: gain,
+        tachometer_zero,
+        tachometer_residual: fitted.residual,
+        torque_sign,
+        torque_zero,
+        deadband_forward,
+        deadband_backward,
+        levels: shown,
+    })
+}
+
+/// The sign that all numbers share.
+fn common_sign(values: &[f64]) -> Option<Sign> {
+    let first = *values.first()?;
+    let same = |value: &f64| *value != 0.0 && (*value > 0.0) == (first > 0.0);
+    values.iter().all(same).then_some(Sign::of(first))
+}
+
+/// Counts from the first to the last reading.
+fn travel(seen: &[Measurement]) -> i64 {
+    match (seen.first(), seen.last()) {
+        (Some(first), Some(last)) => last.encoder_counts - first.encoder_counts,
+        _ => 0,
+    }
+}

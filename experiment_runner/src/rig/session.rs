@@ -1,0 +1,111 @@
+//! A rig that is driven step by step by a person, under the safety layer.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rig_driver::safety::{SafetyLimits, Supervised};
+use rig_driver::{Measurement, Rig, RigError};
+
+use super::RigSetupError;
+use super::choice::Opened;
+
+/// Who sets the pace of a session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// Nobody: the rig is simulated and goes as fast as the processor.
+    LockStep,
+    /// The clock of this machine, one cycle a period.
+    Clock,
+}
+
+/// The rig, active and paced. Dropped, it leaves zero volts.
+pub struct Session<'a> {
+    rig: Supervised<Box<dyn Rig + Send>>,
+    pace: Pace,
+    stop: &'a AtomicBool,
+    started: Instant,
+    cycles: u32,
+    max_volts: f64,
+    on_cycle: Box<dyn FnMut(&Measurement) + 'a>,
+}
+
+impl<'a> Session<'a> {
+    /// Activates the rig. No voltage of the session will be above `max_volts` [V]; once `stop` is set every step refuses.
+    ///
+    /// Encoder and tachometer are not held against each other: their signs may still be wrong.
+    ///
+    /// # Errors
+    /// [`RigSetupError`] if a limit cannot be or the rig refuses.
+    pub fn new(opened: Opened, max_volts: f64, stop: &'a AtomicBool) -> Result<Self, RigSetupError> {
+        let Opened { rig, limits, pace } = opened;
+        if !(max_volts > 0.0 && max_volts <= limits.voltage) {
+            return Err(RigSetupError::Rig(RigError::OutOfRange {
+                name: "--max-volts",
+                value: max_volts,
+                expected: "above 0 and at most the rig's voltage limit",
+            }));
+        }
+        // A plug that is out shows the same value for ever; the steps say that better than a fault does.
+        let mut limits = SafetyLimits { voltage: max_volts, ..limits }.before_calibration();
+        limits.sensors.frozen_cycles = None;
+        let rig = Supervised::activated(rig, limits)?;
+        Ok(Self {
+            rig,
+            pace,
+            stop,
+            started: Instant::now(),
+            cycles: 0,
+            max_volts,
+            on_cycle: Box::new(|_| {}),
+        })
+    }
+
+    /// Shows every cycle to `on_cycle`, in real time whatever the rig.
+    #[must_use]
+    pub fn shown(self, on_cycle: impl FnMut(&Measurement) + 'a) -> Self {
+        Self { on_cycle: Box::new(on_cycle), pace: Pace::Clock, ..self }
+    }
+
+    /// Highest voltage of the session [V].
+    #[must_use]
+    pub const fn max_volts(&self) -> f64 {
+        self.max_volts
+    }
+
+    /// Period of the cycle [s].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.rig.period()
+    }
+
+    /// One cycle: reads, and puts out what `volts` says to the readings.
+    ///
+    /// # Errors
+    /// [`RigSetupError::Stopped`], or what the rig refuses; it is at zero volts then.
+    pub fn step(&mut self, volts: impl FnOnce(&Measurement) -> f64) -> Result<Measurement, RigSetupError> {
+        if self.stop.load(Ordering::Relaxed) {
+            self.rig.halt()?;
+            return Err(RigSetupError::Stopped);
+        }
+        if self.pace == Pace::Clock {
+            self.cycles += 1;
+            let due = self.started + Duration::from_secs_f64(self.rig.period()) * self.cycles;
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            self.rig.tell_time(self.started.elapsed().as_secs_f64());
+        }
+        let seen = self.rig.measure();
+        (self.on_cycle)(&seen);
+        self.rig.apply(volts(&seen))?;
+        Ok(seen)
+    }
+
+    /// Holds `volts` [V] for `seconds`. Returns the readings.
+    ///
+    /// # Errors
+    /// As for [`step`](Self::step).
+    pub fn hold(&mut self, volts: f64, seconds: f64) -> Result<Vec<Measurement>, RigSetupError> {
+        let cycles = (seconds / self.period()).round() as usize;
+        (0..cycles).map(|_| self.step(|_| volts)).collect()
+    }
+}

@@ -1,0 +1,256 @@
+//! Signs, gains and zeros of a rig's sensors, as found by calibration.
+
+use serde::{Deserialize, Serialize};
+
+use crate::safety::{FaultReport, Request, State};
+use crate::{Measurement, Rig, RigError, Truth};
+
+/// Whether a sensor counts the way the motor turns at a positive voltage. In files 1 or -1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(try_from = "i8", into = "i8")]
+pub enum Sign {
+    /// It does.
+    #[default]
+    Forward,
+    /// It counts the other way.
+    Reversed,
+}
+
+impl Sign {
+    /// 1 or -1.
+    #[must_use]
+    pub const fn factor(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Reversed => -1.0,
+        }
+    }
+
+    /// The sign of a number; zero counts as forward.
+    #[must_use]
+    pub const fn of(value: f64) -> Self {
+        if value < 0.0 { Self::Reversed } else { Self::Forward }
+    }
+}
+
+impl From<Sign> for i8 {
+    fn from(sign: Sign) -> Self {
+        match sign {
+            Sign::Forward => 1,
+            Sign::Reversed => -1,
+        }
+    }
+}
+
+impl TryFrom<i8> for Sign {
+    type Error = String;
+
+    fn try_from(value: i8) -> Result<Self, String> {
+        match value {
+            1 => Ok(Self::Forward),
+            -1 => Ok(Self::Reversed),
+            other => Err(format!("a sign is 1 or -1, but is {other}")),
+        }
+    }
+}
+
+/// What turns raw readings into true ones. The voltage is the measure of all signs: a positive one turns the shaft forwards.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Sign of encoder counts.
+    pub encoder_sign: Sign,
+    /// True velocity over the tachometer's, with its sign; not zero.
+    pub tachometer_gain: f64,
+    /// Tachometer's reading at rest [rad/s].
+    pub tachometer_zero: f64,
+    /// Sign of the friction torque: a positive torque opposes forward motion.
+    pub torque_sign: Sign,
+    /// Torque sensor's reading without torque [N m].
+    pub torque_zero: f64,
+    /// Lowest voltage that moves the shaft forwards [V]: breakaway of its friction and dead zone of the amplifier in one.
+    pub deadband_forward: f64,
+    /// Lowest magnitude of the voltage that moves it backwards [V].
+    pub deadband_backward: f64,
+}
+
+impl Default for Calibration {
+    /// Readings that are true as they are.
+    fn default() -> Self {
+        Self {
+            encoder_sign: Sign::Forward,
+            tachometer_gain: 1.0,
+            tachometer_zero: 0.0,
+            torque_sign: Sign::Forward,
+            torque_zero: 0.0,
+            deadband_forward: 0.0,
+            deadband_backward: 0.0,
+        }
+    }
+}
+
+impl Calibration {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`RigError::OutOfRange`] names the field.
+    pub fn check(&self) -> Result<(), RigError> {
+        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        if !(self.tachometer_gain.is_finite() && self.tachometer_gain != 0.0) {
+            return error("tachometer_gain", self.tachometer_gain, "a finite number other than zero");
+        }
+        for (name, value) in [("tachometer_zero", self.tachometer_zero), ("torque_zero", self.torque_zero)] {
+            if !value.is_finite() {
+                return error(name, value, "a finite number");
+            }
+        }
+        for (name, value) in
+            [("deadband_forward", self.deadband_forward), ("deadband_backward", self.deadband_backward)]
+        {
+            if !(value >= 0.0 && value.is_finite()) {
+                return error(name, value, "a finite number, zero or more");
+            }
+        }
+        Ok(())
+    }
+
+    /// The true readings behind raw ones. The potentiometer stays as it is.
+    #[must_use]
+    pub fn correct(&self, raw: &Measurement) -> Measurement {
+        let sign = self.encoder_sign.factor();
+        Measurement {
+            encoder_counts: i64::from(i8::from(self.encoder_sign)) * raw.encoder_counts,
+            encoder_position: sign * raw.encoder_position,
+            tachometer_velocity: self.tachometer_gain * (raw.tachometer_velocity - self.tachometer_zero),
+            torque: self.torque_sign.factor() * (raw.torque - self.torque_zero),
+            ..*raw
+        }
+    }
+}
+
+/// A rig with its readings corrected. It stands inside the safety layer, which is to see true readings.
+#[derive(Debug)]
+pub struct Calibrated<R> {
+    rig: R,
+    calibration: Calibration,
+}
+
+impl<R: Rig> Calibrated<R> {
+    /// The rig with its calibration.
+    ///
+    /// # Errors
+    /// [`RigError::OutOfRange`] names the field that cannot be.
+    pub fn new(rig: R, calibration: Calibration) -> Result<Self, RigError> {
+        calibration.check()?;
+        Ok(Self { rig, calibration })
+    }
+}
+
+impl<R: Rig> Rig for Calibrated<R> {
+    fn period(&self) -> f64 {
+        self.rig.period()
+    }
+
+    fn tell_time(&mut self, now: f64) {
+        self.rig.tell_time(now);
+    }
+
+    fn measure(&mut self) -> Measurement {
+        self.calibration.correct(&self.rig.measure())
+    }
+
+    fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+        self.rig.apply(volts)
+    }
+
+    fn halt(&mut self) -> Result<(), RigError> {
+        self.rig.halt()
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        self.rig.clear()
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        self.rig.truth()
+    }
+
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        self.rig.request(request)
+    }
+
+    fn latched_fault(&self) -> Option<FaultReport> {
+        self.rig.latched_fault()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::miswired::{Miswired, Miswiring};
+
+    /// A rig that shows what it is told to.
+    struct Fixed(Measurement);
+
+    impl Rig for Fixed {
+        fn period(&self) -> f64 {
+            1e-3
+        }
+
+        fn measure(&mut self) -> Measurement {
+            self.0
+        }
+
+        fn apply(&mut self, _: f64) -> Result<(), RigError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_right_calibration_undoes_a_wrong_wiring() {
+        let truth = Measurement {
+            encoder_counts: 70,
+            encoder_position: 0.1,
+            tachometer_velocity: -2.0,
+            torque: 0.3,
+            ..Measurement::default()
+        };
+        let wiring = Miswiring {
+            encoder_reversed: true,
+            tachometer_gain: -0.8,
+            tachometer_zero: 0.05,
+            torque_reversed: true,
+            torque_zero: -0.2,
+            ..Miswiring::default()
+        };
+        let calibration = Calibration {
+            encoder_sign: Sign::Reversed,
+            tachometer_gain: -1.0 / 0.8,
+            tachometer_zero: 0.05,
+            torque_sign: Sign::Reversed,
+            torque_zero: -0.2,
+            ..Calibration::default()
+        };
+        let mut rig = Calibrated::new(Miswired::new(Fixed(truth), wiring), calibration).unwrap();
+        let seen = rig.measure();
+        assert_eq!((seen.encoder_counts, seen.encoder_position), (70, 0.1));
+        assert!(
+            (seen.tachometer_velocity + 2.0).abs() < 1e-12 && (seen.torque - 0.3).abs() < 1e-12,
+            "{seen:?}"
+        );
+    }
+
+    #[test]
+    fn a_calibration_that_cannot_be_is_refused_by_name() {
+        let good = Calibration::default();
+        good.check().unwrap();
+        for (wrong, name) in [
+            (Calibration { tachometer_gain: 0.0, ..good }, "tachometer_gain"),
+            (Calibration { torque_zero: f64::NAN, ..good }, "torque_zero"),
+            (Calibration { deadband_backward: -0.1, ..good }, "deadband_backward"),
+        ] {
+            assert!(wrong.check().unwrap_err().to_string().starts_with(name));
+        }
+        assert!(Sign::try_from(0).unwrap_err().contains("1 or -1"));
+    }
+}

@@ -1,0 +1,282 @@
+//! What can be wrong, and what the driver does about it: one table.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// Something the supervisor does not let pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fault {
+    /// More voltage than the limit was asked for.
+    VoltageBeyondLimit,
+    /// The voltage was to grow faster than the slew limit.
+    VoltageTooSteep,
+    /// A voltage that drives further out was asked for at the end of the travel.
+    EndOfTravel,
+    /// The last command is older than its age limit.
+    CommandLate,
+    /// The cycle before took too long.
+    CycleLate,
+    /// No command came for long.
+    CommandLost,
+    /// No cycle ran for long, or the clock went backwards.
+    CycleLost,
+    /// The voltage asked for is not a finite number.
+    CommandNotFinite,
+    /// The shaft turns faster than the limit.
+    Overspeed,
+    /// The shaft is beyond the end of the travel by more than the margin.
+    TravelExceeded,
+    /// The winding is too hot by the temperature model.
+    MotorHot,
+    /// A reading is not a finite number.
+    ReadingNotFinite,
+    /// Encoder and tachometer contradict each other.
+    SensorsDisagree,
+    /// The torque sensor is at the end of its range.
+    TorqueSaturated,
+    /// The tachometer shows the same value to the last bit.
+    TachometerFrozen,
+    /// The torque sensor shows the same value to the last bit.
+    TorqueFrozen,
+    /// The rig's own clock stands still.
+    RigClockStopped,
+    /// The back end reports a fault or refuses a voltage.
+    BackEnd,
+}
+
+/// What the driver does about a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reaction {
+    /// The voltage is cut to what is allowed.
+    Cut,
+    /// Zero volts at once, until the cause is gone.
+    ZeroWhileItLasts,
+    /// Zero volts at once, and state faulted until somebody clears it.
+    ZeroUntilCleared,
+}
+
+/// One line of the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FaultRule {
+    /// The fault.
+    pub fault: Fault,
+    /// Its name, as in documents and messages.
+    pub name: &'static str,
+    /// When it is one, in words; limits by the names of [`SafetyLimits`](super::SafetyLimits).
+    pub when: &'static str,
+    /// What is done.
+    pub reaction: Reaction,
+}
+
+const fn rule(fault: Fault, name: &'static str, when: &'static str, reaction: Reaction) -> FaultRule {
+    FaultRule { fault, name, when, reaction }
+}
+
+/// Every fault with what it does. No fault ramps the voltage down: a ramp needs a driver that still works.
+pub const FAULTS: [FaultRule; 18] = {
+    use Fault as F;
+    use Reaction::{Cut, ZeroUntilCleared, ZeroWhileItLasts};
+    [
+        rule(F::VoltageBeyondLimit, "voltage beyond limit", "the voltage asked for is above `voltage`", Cut),
+        rule(
+            F::VoltageTooSteep,
+            "voltage too steep",
+            "the voltage grows faster than `slew`; falling to zero is never slowed",
+            Cut,
+        ),
+        rule(
+            F::EndOfTravel,
+            "end of travel",
+            "outside `travel` a voltage drives further out; back is free",
+            Cut,
+        ),
+        rule(
+            F::CommandLate,
+            "command late",
+            "the last command is older than `command_age`",
+            ZeroWhileItLasts,
+        ),
+        rule(F::CycleLate, "cycle late", "the cycle before took longer than `cycle_late`", ZeroWhileItLasts),
+        rule(F::CommandLost, "command lost", "no command for `command_lost`", ZeroUntilCleared),
+        rule(
+            F::CycleLost,
+            "cycle lost",
+            "a cycle took longer than `cycle_lost`, or time ran backwards",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::CommandNotFinite,
+            "command not finite",
+            "a voltage or its time is not a finite number",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::Overspeed,
+            "overspeed",
+            "tachometer or encoder show more than `velocity` in three cycles running",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::TravelExceeded,
+            "travel exceeded",
+            "the encoder is outside `travel` by more than its `margin`",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::MotorHot,
+            "motor hot",
+            "the winding's model temperature is above `motor.limit`; cleared only 10 K below it",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::ReadingNotFinite,
+            "reading not finite",
+            "position, velocity, torque or current is not a finite number",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::SensorsDisagree,
+            "sensors disagree",
+            "means of tachometer and encoder velocity differ by more than `sensors.agreement` in two windows running",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::TorqueSaturated,
+            "torque saturated",
+            "the torque is at `sensors.torque_range` for ten cycles",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::TachometerFrozen,
+            "tachometer frozen",
+            "the same reading to the last bit for `sensors.frozen_cycles`",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::TorqueFrozen,
+            "torque frozen",
+            "the same reading to the last bit for `sensors.frozen_cycles`",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::RigClockStopped,
+            "rig clock stopped",
+            "the rig's time stands still for 20 cycles",
+            ZeroUntilCleared,
+        ),
+        rule(F::BackEnd, "back end", "the back end reports a fault or refuses a voltage", ZeroUntilCleared),
+    ]
+};
+
+impl Fault {
+    /// Its line of the table.
+    #[must_use]
+    pub fn rule(self) -> &'static FaultRule {
+        // Every fault stands in the table at its own place; a test says so.
+        &FAULTS[self as usize]
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.rule().name)
+    }
+}
+
+/// A fault that happened.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FaultReport {
+    /// Which.
+    pub fault: Fault,
+    /// When, on the supervisor's clock [s].
+    pub time: f64,
+    /// What was seen, in the unit of the limit.
+    pub value: f64,
+    /// The limit that was passed, zero where there is none.
+    pub limit: f64,
+}
+
+impl fmt::Display for FaultReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { fault, time, value, limit } = *self;
+        write!(f, "{fault} at {time:.3} s: ")?;
+        match fault {
+            Fault::VoltageBeyondLimit => write!(f, "{value:.3} V asked for, {limit} V allowed"),
+            Fault::VoltageTooSteep => write!(f, "{value:.3} V asked for, {limit:.3} V allowed in this cycle"),
+            Fault::EndOfTravel | Fault::TravelExceeded => write!(
+                f,
+                "the encoder is at {value:.4} rad, the travel ends at {limit} rad; turn the shaft back by hand, check the encoder's sign (`frictionlab rig check`), then clear"
+            ),
+            Fault::CommandLate | Fault::CommandLost => write!(
+                f,
+                "the last command is {value:.4} s old, {limit} s are allowed; see whether the controller runs, then clear and activate"
+            ),
+            Fault::CycleLate | Fault::CycleLost => write!(
+                f,
+                "a cycle took {value:.4} s, {limit} s are allowed; give the loop real-time priority or a lower rate, then clear and activate"
+            ),
+            Fault::CommandNotFinite => {
+                write!(
+                    f,
+                    "the voltage asked for or its time is {value}; mend the controller, then clear and activate"
+                )
+            }
+            Fault::Overspeed => write!(
+                f,
+                "{value:.3} rad/s, {limit} rad/s are allowed; look for a loop with the wrong sign, then clear and activate"
+            ),
+            Fault::MotorHot => write!(
+                f,
+                "the winding is at {value:.1} degrees C by its model, {limit} are allowed; let it cool, then clear and activate"
+            ),
+            Fault::ReadingNotFinite => {
+                write!(f, "a sensor reads {value}; check its wiring and scaling, then clear and activate")
+            }
+            Fault::SensorsDisagree => write!(
+                f,
+                "tachometer and encoder differ by {value:.3} rad/s, {limit:.3} are allowed; `frictionlab rig calibrate` finds signs and gain"
+            ),
+            Fault::TorqueSaturated => write!(
+                f,
+                "the torque sensor reads {value:.3} N m, the end of its range is {limit}; check its wiring and its load, then clear and activate"
+            ),
+            Fault::TachometerFrozen | Fault::TorqueFrozen => write!(
+                f,
+                "the reading {value} did not change by a bit in {limit:.0} cycles; check the channel's wiring, then clear and activate"
+            ),
+            Fault::RigClockStopped => {
+                write!(
+                    f,
+                    "the rig's time stands at {value:.3} s; check its connection, then clear and activate"
+                )
+            }
+            Fault::BackEnd => {
+                write!(f, "the back end holds the motor at zero volts; its own message says why")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_stands_at_its_own_place_in_the_table() {
+        for (place, rule) in FAULTS.iter().enumerate() {
+            assert_eq!(rule.fault as usize, place, "{}", rule.name);
+            assert_eq!(rule.fault.rule().name, rule.name);
+        }
+        assert_eq!(Fault::BackEnd as usize + 1, FAULTS.len());
+    }
+
+    #[test]
+    fn a_latched_fault_says_what_was_seen_what_is_allowed_and_how_to_go_on() {
+        for rule in FAULTS.iter().filter(|rule| rule.reaction == Reaction::ZeroUntilCleared) {
+            let text = FaultReport { fault: rule.fault, time: 1.0, value: 3.25, limit: 2.0 }.to_string();
+            assert!(text.starts_with(rule.name) && text.len() > 60, "{text}");
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! What the supervisor allows.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{RigError, SimulationOptions};
+
+/// Limits of a rig. SI units, load side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SafetyLimits {
+    /// Largest magnitude of the motor voltage [V], above zero.
+    pub voltage: f64,
+    /// Fastest growth of its magnitude [V/s], above zero. Falling to zero is never slowed.
+    pub slew: f64,
+    /// Largest speed of the shaft [rad/s], above zero.
+    pub velocity: f64,
+    /// Where the shaft may be; none for a shaft that may turn for ever.
+    pub travel: Option<Travel>,
+    /// Oldest command that still counts [s], above zero and at most 1 s.
+    pub command_age: f64,
+    /// Time without a command after which the motor has to be activated again [s], not below `command_age`.
+    pub command_lost: f64,
+    /// Longest cycle after which the motor goes on at once [s], above the period.
+    pub cycle_late: f64,
+    /// Longest cycle after which the motor need not be activated again [s], not below `cycle_late`.
+    pub cycle_lost: f64,
+    /// Temperature model of the winding; none to go without.
+    pub motor: Option<MotorThermal>,
+    /// What the sensors are held to.
+    pub sensors: SensorChecks,
+}
+
+/// Ends of the travel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Travel {
+    /// Lower end [rad].
+    pub min: f64,
+    /// Upper end [rad], above the lower one.
+    pub max: f64,
+    /// How far beyond an end the shaft may coast [rad], zero or more.
+    pub margin: f64,
+}
+
+/// The winding as one thermal mass: `C dT/dt = i^2 R_a - (T - T_ambient) / R_th`, with the time constant `R_th C`.
+///
+/// It begins at ambient temperature: after a restart of the driver let a hot motor cool.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotorThermal {
+    /// Armature resistance R_a [ohm], above zero.
+    pub armature_resistance: f64,
+    /// Back-EMF constant at the load, A K_m [V s/rad], above zero.
+    pub back_emf: f64,
+    /// Thermal resistance from winding to ambient R_th [K/W], above zero.
+    pub thermal_resistance: f64,
+    /// Time constant of the winding [s], above zero.
+    pub time_constant: f64,
+    /// Ambient temperature [degrees C].
+    pub ambient: f64,
+    /// Hottest winding allowed [degrees C], above ambient by more than 10 K.
+    pub limit: f64,
+}
+
+/// How well encoder and tachometer have to agree over a window: `|w_t - w_e| <= absolute + relative |w_e|`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Agreement {
+    /// Length of the window over which both are averaged [s], above zero.
+    pub window: f64,
+    /// Part of the tolerance that does not depend on speed [rad/s], above zero.
+    pub absolute: f64,
+    /// Part in proportion to the speed, zero or more.
+    pub relative: f64,
+}
+
+/// What the sensors are held to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorChecks {
+    /// Encoder against tachometer; none on a rig that has only one of them, or whose signs are still to be found.
+    pub agreement: Option<Agreement>,
+    /// End of the torque sensor's range [N m], above zero; none on a rig without one.
+    pub torque_range: Option<f64>,
+    /// Cycles after which a noisy channel that never changes counts as frozen, two or more; none for ideal sensors.
+    pub frozen_cycles: Option<u32>,
+}
+
+impl Default for SafetyLimits {
+    /// The SRV-02 of the thesis with its motor's nominal 6 V, and its tachometer's range as speed limit.
+    ///
+    /// The thermal constants are assumed (24 K/W, 20 s, 100 degrees C: a stalled motor at 6 V is stopped after about
+    /// .26 of a time constant); take those of your motor's data sheet.
+    fn default() -> Self {
+        Self {
+            voltage: 6.0,
+            slew: 2000.0,
+            velocity: 9.5,
+            travel: None,
+            command_age: 0.02,
+            command_lost: 0.5,
+            cycle_late: 0.02,
+            cycle_lost: 0.5,
+            motor: Some(MotorThermal {
+                armature_resistance: 2.6,
+                back_emf: 0.5369,
+                thermal_resistance: 24.0,
+                time_constant: 20.0,
+                ambient: 25.0,
+                limit: 100.0,
+            }),
+            sensors: SensorChecks {
+                agreement: Some(Agreement { window: 0.05, absolute: 0.3, relative: 0.2 }),
+                torque_range: Some(22.9),
+                frozen_cycles: Some(200),
+            },
+        }
+    }
+}
+
+impl SafetyLimits {
+    /// Limits for a simulated rig: its own voltage limit, a speed its drive cannot reach by itself, its motor's constants, and checks
+    /// of only those sensors that have ranges and noise.
+    #[must_use]
+    pub fn for_simulation(options: &SimulationOptions) -> Self {
+        let Self { motor, sensors, .. } = Self::default();
+        let drive = &options.drive;
+        Self {
+            voltage: options.voltage_limit,
+            velocity: 1.2 * drive.gain() * options.voltage_limit,
+            motor: motor.map(|motor| MotorThermal {
+                armature_resistance: drive.parameters().armature_resistance,
+                back_emf: drive.back_emf(),
+                ..motor
+            }),
+            sensors: SensorChecks {
+                torque_range: Some(options.sensors.torque.range)
+                    .filter(|range| range.is_finite())
+                    .map(|range| range - 0.5 * options.sensors.torque.resolution),
+                frozen_cycles: sensors.frozen_cycles.filter(|_| {
+                    let dithered = |channel: &crate::Channel| channel.noise > 0.3 * channel.resolution;
+                    dithered(&options.sensors.tachometer) && dithered(&options.sensors.torque)
+                }),
+                ..sensors
+            },
+            ..Self::default()
+        }
+    }
+
+    /// The same without the check of encoder against tachometer: while signs and gains are still to be found.
+    #[must_use]
+    pub const fn before_calibration(mut self) -> Self {
+        self.sensors.agreement = None;
+        self
+    }
+
+    /// Checks every field for a rig with cycles of `period` [s].
+    ///
+    /// # Errors
+    /// [`RigError::OutOfRange`] names the field.
+    pub fn check(&self, period: f64) -> Result<(), RigError> {
+        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        let above_zero = |value: f64| value > 0.0 && value.is_finite();
+        if !above_zero(period) {
+            return error("period", period, "a finite number above zero");
+        }
+        for (name, value) in [("voltage", self.voltage), ("slew", self.slew), ("velocity", self.velocity)] {
+            if !above_zero(value) {
+                return error(name, value, "a finite number above zero");
+            }
+        }
+        if !(self.command_age > 0.0 && self.command_age <= 1.0) {
+            return error("command_age", self.command_age, "above 0 and at most 1 s");
+        }
+        if self.command_lost.is_nan() || self.command_lost < self.command_age {
+            return error("command_lost", self.command_lost, "at least command_age");
+        }
+        if self.cycle_late.is_nan() || self.cycle_late <= period {
+            return error("cycle_late", self.cycle_late, "longer than the period");
+        }
+        if self.cycle_lost.is_nan() || self.cycle_lost < self.cycle_late {
+            return error("cycle_lost", self.cycle_lost, "at least cycle_late");
+        }
+        if let Some(Travel { min, max, margin }) = self.travel {
+            if !(min.is_finite() && max.is_finite() && min < max) {
+                return error("travel.max", max, "a finite number above travel.min");
+            }
+            if !(margin >= 0.0 && margin.is_finite()) {
+                return error("travel.margin", margin, "a finite number, zero or more");
+            }
+        }
+        if let Some(motor) = &self.motor {
+            for (name, value) in [
+                ("motor.armature_resistance", motor.armature_resistance),
+                ("motor.back_emf", motor.back_emf),
+                ("motor.thermal_resistance", motor.thermal_resistance),
+                ("motor.time_constant", motor.time_constant),
+            ] {
+                if !above_zero(value) {
+                    return error(name, value, "a finite number above zero");
+                }
+            }
+            if !motor.ambient.is_finite() {
+                return error("motor.ambient", motor.ambient, "a finite number");
+            }
+            if !(motor.limit.is_finite() && motor.limit > motor.ambient + 10.0) {
+                return error("motor.limit", motor.limit, "above motor.ambient by more than 10 K");
+            }
+        }
+        if let Some(Agreement { window, absolute, relative }) = self.sensors.agreement {
+            if !(window >= period && window <= 10.0) {
+                return error("sensors.agreement.window", window, "at least the period and at most 10 s");
+            }
+            if !above_zero(absolute) {
+                return error("sensors.agreement.absolute", absolute, "a finite number above zero");
+            }
+            if !(relative >= 0.0 && relative.is_finite()) {
+                return error("sensors.agreement.relative", relative, "a finite number, zero or more");
+            }
+        }
+        if let Some(range) = self.sensors.torque_range
+            && !above_zero(range)
+        {
+            return error("sensors.torque_range", range, "a finite number above zero");
+        }
+        if let Some(cycles) = self.sensors.frozen_cycles
+            && cycles < 2
+        {
+            return error("sensors.frozen_cycles", f64::from(cycles), "two or more");
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_are_valid_and_limits_out_of_range_are_refused_by_name() {
+        let limits = SafetyLimits::default();
+        limits.check(1e-3).unwrap();
+        SafetyLimits::for_simulation(&SimulationOptions::default()).check(1e-3).unwrap();
+        let motor = |change: fn(&mut MotorThermal)| {
+            let mut motor = limits.motor.unwrap();
+            change(&mut motor);
+            SafetyLimits { motor: Some(motor), ..limits }
+        };
+        for (wrong, name) in [
+            (SafetyLimits { voltage: f64::NAN, ..limits }, "voltage"),
+            (SafetyLimits { slew: 0.0, ..limits }, "slew"),
+            (SafetyLimits { velocity: f64::INFINITY, ..limits }, "velocity"),
+            (SafetyLimits { command_age: 0.0, ..limits }, "command_age"),
+            (SafetyLimits { command_lost: f64::NAN, ..limits }, "command_lost"),
+            (SafetyLimits { cycle_late: 1e-3, ..limits }, "cycle_late"),
+            (SafetyLimits { cycle_lost: 0.01, ..limits }, "cycle_lost"),
+            (
+                SafetyLimits { travel: Some(Travel { min: 1.0, max: 1.0, margin: 0.0 }), ..limits },
+                "travel.max",
+            ),
+            (motor(|motor| motor.limit = 30.0), "motor.limit"),
+            (motor(|motor| motor.time_constant = -1.0), "motor.time_constant"),
+        ] {
+            let text = wrong.check(1e-3).unwrap_err().to_string();
+            assert!(text.starts_with(name), "{text}");
+        }
+    }
+}

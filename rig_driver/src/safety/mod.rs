@@ -1,0 +1,24 @@
+//! The safety layer: what stands between any controller and any motor.
+//!
+//! [`SafetySupervisor`] is the whole of it and pure: readings, commands and times come in as numbers, a voltage comes out. [`Supervised`]
+//! puts it around a back end. It trusts neither side: a command may be late, too large, too steep or no number; readings may be
+//! frozen, saturated or in contradiction.
+//!
+//! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does ([`FAULTS`]). `docs/safety.md` shows both; a
+//! test holds it to the tables.
+
+mod fault;
+mod lifecycle;
+mod limits;
+mod pages;
+mod sensors;
+mod supervised;
+mod supervisor;
+mod temperature;
+
+pub use fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
+pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
+pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Travel};
+pub use pages::{fault_table, state_diagram, transition_table};
+pub use supervised::Supervised;
+pub use supervisor::SafetySupervisor;

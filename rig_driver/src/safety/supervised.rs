@@ -1,0 +1,149 @@
+//! A back end under supervision.
+
+use super::{Fault, FaultReport, Request, SafetyLimits, SafetySupervisor, State};
+use crate::{Measurement, Rig, RigError, Truth};
+
+/// A rig whose every voltage goes through a [`SafetySupervisor`].
+///
+/// Its clock is the rig's own ([`Measurement::time`]) until [`tell_time`](Rig::tell_time) was called; then it is the
+/// caller's, and cycles that come late are seen. Dropped, by whatever way, it leaves zero volts.
+#[derive(Debug)]
+pub struct Supervised<R: Rig> {
+    rig: R,
+    supervisor: SafetySupervisor,
+    told: Option<f64>,
+    asked: f64,
+}
+
+impl<R: Rig> Supervised<R> {
+    /// The rig in state unconfigured: its motor does not move before it is configured and activated.
+    ///
+    /// # Errors
+    /// [`RigError::OutOfRange`] names the limit that cannot be.
+    pub fn new(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
+        let supervisor = SafetySupervisor::new(limits, rig.period())?;
+        Ok(Self { rig, supervisor, told: None, asked: 0.0 })
+    }
+
+    /// The rig in state active, as simulated rigs start.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn activated(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
+        let mut rig = Self::new(rig, limits)?;
+        rig.request(Request::Configure)?;
+        rig.request(Request::Activate)?;
+        Ok(rig)
+    }
+
+    /// The supervisor, to be looked at.
+    #[must_use]
+    pub const fn supervisor(&self) -> &SafetySupervisor {
+        &self.supervisor
+    }
+
+    /// Does what is asked for; leaving active puts the motor at zero volts at once.
+    ///
+    /// # Errors
+    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says to zero volts.
+    pub fn request(&mut self, request: Request) -> Result<State, RigError> {
+        let before = self.supervisor.state();
+        let state = self.supervisor.request(request)?;
+        if before.moves() && !state.moves() {
+            self.rig.halt()?;
+        }
+        if request == Request::Activate
+            && let Err(error) = self.rig.activate()
+        {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+            return Err(error);
+        }
+        if request == Request::Clear
+            && let Err(error) = self.rig.clear()
+        {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+            return Err(error);
+        }
+        Ok(state)
+    }
+
+    fn now(&self, seen: &Measurement) -> f64 {
+        self.told.unwrap_or(seen.time)
+    }
+}
+
+impl<R: Rig> Rig for Supervised<R> {
+    fn period(&self) -> f64 {
+        self.rig.period()
+    }
+
+    fn keeps_time(&self) -> bool {
+        self.rig.keeps_time()
+    }
+
+    fn wait(&mut self) -> Result<(), RigError> {
+        self.rig.wait()
+    }
+
+    fn activate(&mut self) -> Result<(), RigError> {
+        self.rig.activate()
+    }
+
+    fn tell_time(&mut self, now: f64) {
+        self.told = Some(now);
+        self.rig.tell_time(now);
+    }
+
+    fn measure(&mut self) -> Measurement {
+        let mut seen = self.rig.measure();
+        self.supervisor.cycle(self.now(&seen), &seen);
+        self.supervisor.mark(&mut seen);
+        seen.voltage_asked = self.asked;
+        seen
+    }
+
+    fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+        self.asked = if volts.is_finite() { volts } else { 0.0 };
+        // In lock-step a command is as old as the readings it answers to.
+        let now = self.supervisor.now();
+        self.supervisor.command(now, volts);
+        let allowed = self.supervisor.output();
+        if let Err(error) = self.rig.apply(allowed) {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+            // The back end has just refused; that it refuses zero as well is no other error.
+            let _ = self.rig.halt();
+            return Err(error);
+        }
+        match (self.supervisor.latched(), self.supervisor.state()) {
+            (_, State::Active) => Ok(()),
+            _ if volts == 0.0 => Ok(()),
+            (Some(&report), _) => Err(RigError::Safety(report)),
+            (None, state) => Err(RigError::NotActive(state)),
+        }
+    }
+
+    fn halt(&mut self) -> Result<(), RigError> {
+        self.asked = 0.0;
+        self.supervisor.halt();
+        self.rig.halt()
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        self.rig.truth()
+    }
+
+    fn request(&mut self, request: Request) -> Result<State, RigError> {
+        Self::request(self, request)
+    }
+
+    fn latched_fault(&self) -> Option<FaultReport> {
+        self.supervisor.latched().copied()
+    }
+}
+
+impl<R: Rig> Drop for Supervised<R> {
+    fn drop(&mut self) {
+        // Nobody is left to be told.
+        let _ = self.rig.halt();
+    }
+}

@@ -1,0 +1,28 @@
+//! A rig on a serial line: the host's side of `PROTOCOL.md`.
+//!
+//! [`SerialRig`] is paced by the device: [`Rig::wait`](crate::Rig::wait) returns when the next cycle's measurement has come, and the voltage
+//! that answers it is on the motor from the device's next cycle on: one cycle after the measurement, always. The device
+//! itself ends the validity of a command; nothing here has to work for that.
+//!
+//! A thread of its own ([`reader`]) reads the line into a bounded queue and brings the line back after it was gone. The motor moves
+//! only after [`Rig::activate`](crate::Rig::activate), and again only after another one when the line was lost or the device restarted.
+
+mod error;
+mod handshake;
+mod latency;
+mod options;
+mod port;
+mod reader;
+mod rig;
+mod scaling;
+mod statistics;
+mod supervision;
+
+pub use error::SerialError;
+pub use latency::Latency;
+pub use options::SerialOptions;
+pub use rig::SerialRig;
+/// What a device says it is.
+pub use rig_protocol::{Cause, FaultReport, Hello, State};
+pub use statistics::LinkStatistics;
+pub use supervision::limits;

@@ -1,0 +1,52 @@
+//! `rig_emulator`: the simulated rig behind the serial protocol, on a pseudo-terminal, in real time, with faults on demand.
+//!
+//! It is what a microcontroller with a motor is to the driver: the same device state machine (`rig_protocol::Device`), the simulated test
+//! bed in the motor's place, and its own books ([`books`]) on what voltage the motor had when.
+
+mod books;
+mod control;
+mod emulator;
+mod line;
+mod options;
+mod terminal;
+
+use std::{
+    io::Write,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
+
+use anyhow::Context;
+use clap::Parser;
+
+use emulator::Emulator;
+use options::Options;
+
+fn main() -> anyhow::Result<()> {
+    let options = Options::parse();
+    let stop = Arc::new(AtomicBool::new(false));
+    let told = Arc::clone(&stop);
+    ctrlc::set_handler(move || told.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let mut emulator = Emulator::new(&options)?;
+    let orders = control::listen();
+    say(&format!("ready {}", emulator.path().display()));
+    emulator.run(&orders, &stop)?;
+    let summary = serde_json::to_string_pretty(&emulator.summary()).context("the summary")?;
+    match &options.summary {
+        Some(file) => {
+            std::fs::write(file, summary + "\n").with_context(|| format!("cannot write {}", file.display()))
+        }
+        None => {
+            say(&summary);
+            Ok(())
+        }
+    }
+}
+
+/// A line on standard output. Nobody listening is no reason to stop the motor's simulation.
+fn say(line: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+}

@@ -1,0 +1,37 @@
+//! What a rig's microcontroller and its driver say to each other over a serial line, and how the device stays safe.
+//!
+//! Frames are `version | kind | payload | CRC-32`, stuffed with COBS and ended by a zero byte; `rig_driver/PROTOCOL.md` has every byte.
+//! [`HostMessage`] goes to the device, [`DeviceMessage`] comes from it, [`Decoder`] finds either in a stream of bytes.
+//! [`Device`] is the device's side: it decides once a cycle what voltage the motor gets, and it trusts no host.
+//!
+//! The crate needs neither the standard library nor an allocator, so firmware uses it as it is. What goes over the line each cycle is
+//! in whole numbers of the device's own converters; their scales come once, in [`Hello`]. A microcontroller then needs no
+//! floating point, a recording can be scaled anew after a calibration, and a voltage that is not a number cannot be said.
+#![no_std]
+#![forbid(unsafe_code)]
+
+mod decoder;
+mod device;
+mod device_message;
+mod frame;
+mod hello;
+mod host_message;
+mod measurement;
+mod states;
+mod wire;
+
+pub use decoder::{Decoder, Message, Rejection, Rejections};
+pub use device::{Device, Inputs, Output, Refusal};
+pub use device_message::{DeviceMessage, FaultReport};
+pub use frame::{Frame, MAX_FRAME};
+pub use hello::{Channels, Hello, HelloError, Name};
+pub use host_message::{HostMessage, VoltageCommand};
+pub use measurement::{Measurement, Readings};
+pub use states::{Cause, Event, State, TRANSITIONS};
+
+/// The protocol's version, the first byte of every frame. Frames of another version are refused.
+pub const VERSION: u8 = 1;
+
+/// Number that a host draws for each connection. It tells answers to this hello from answers to an earlier one, and
+/// the host that may drive from one that no longer may. Zero is no session.
+pub type Session = core::num::NonZeroU32;
