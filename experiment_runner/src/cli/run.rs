@@ -14,14 +14,14 @@ use friction_observer::EstimatorOptions;
 use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
 use super::{BadInput, Interrupted, model_name};
-use crate::characterise::{Measured, TorqueReading};
-use crate::compensation::{Means, thesis_tables};
+use crate::characterise::TorqueReading;
+use crate::compensation::Means;
 use crate::models::file;
 use crate::progress::Progress;
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::run::{
-    self, Characterisation, Comparison, Compensators, Experiment, Outcome, RecordPolicy, RunError,
-    RunOptions, Status, read_controller, read_parameter_file, shipped,
+    self, Compensators, Experiment, RecordPolicy, RunError, RunOptions, Status, read_controller,
+    read_parameter_file, shipped,
 };
 use crate::test_bed::{TestBed, nominal_drive};
 
@@ -158,7 +158,7 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
         error => BadInput(error.to_string()).into(),
     })?;
     if !args.quiet {
-        super::print(&summary(&outcome))?;
+        super::print(&run::terminal::summary(&outcome))?;
     }
     if outcome.results.status == Status::Interrupted {
         return Err(Interrupted(format!(
@@ -340,90 +340,4 @@ fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>)
 pub(super) fn first_free(experiment: &str) -> PathBuf {
     let candidate = |n: u32| PathBuf::from("runs").join(format!("{experiment}-{n}"));
     (1..).map(candidate).find(|folder| !folder.exists()).unwrap_or_else(|| candidate(0))
-}
-
-/// What was found, for the terminal.
-fn summary(outcome: &Outcome) -> String {
-    let results = &outcome.results;
-    let mut text = String::new();
-    if let Some(found) = &results.identification {
-        text += "Stribeck curve\n";
-        for p in &found.parameters {
-            text += &match (p.estimate.unidentifiable, p.estimate.standard_error) {
-                (Some(reason), _) => format!("  {:<4} not identifiable from these data: {reason}\n", p.name),
-                (None, Some(error)) => {
-                    format!("  {:<4} {:.5} ± {error:.0e} {}\n", p.name, p.estimate.value, p.unit)
-                }
-                (None, None) => {
-                    format!("  {:<4} {:.5} {} (at its bound)\n", p.name, p.estimate.value, p.unit)
-                }
-            };
-        }
-    }
-    text += &results.added_to_points().map_or(String::new(), |said| said + "\n");
-    text += &characterisation(&results.characterisation);
-    for (name, comparison) in results.comparisons() {
-        text += &table(name, comparison);
-    }
-    text += &results.thesis_tables.as_ref().map_or(String::new(), thesis_tables::page::text);
-    let megabytes = results.bag.bytes as f64 * 1e-6;
-    text += &format!(
-        "{:.0} s of rig time in {:.1} s: {:.0} times real time\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",
-        results.timing.rig_seconds,
-        results.timing.wall_seconds,
-        results.timing.times_real_time,
-        outcome.folder.join("report.html").display(),
-        outcome.folder.join(results.bag.folder).display(),
-        results.bag.messages,
-    );
-    text
-}
-
-/// Experiments 2 to 4 for the terminal.
-fn characterisation(found: &Characterisation) -> String {
-    let mut text = String::new();
-    let value = |figure: &Measured| format!("{:.5} ± {:.0e}", figure.mean, figure.uncertainty());
-    for figures in &found.lag {
-        let hint = if figures.visible() { "" } else { "   (not clear of its uncertainty)" };
-        text += &format!(
-            "Lag at {:>4} rad/s     loop area {:.3e} ± {:.0e} N m rad/s{hint}\n",
-            figures.frequency,
-            figures.area.mean,
-            figures.area.uncertainty()
-        );
-    }
-    for figures in found.ramps.iter().chain(&found.rates) {
-        text += &format!(
-            "Breakaway, {:<15} {} N m at {} rad, {:.3} N m/s\n",
-            figures.excitation,
-            value(&figures.torque),
-            value(&figures.displacement),
-            figures.rate
-        );
-    }
-    if let Some(gap) = found.closures.iter().map(|closure| closure.gap.mean.abs()).max_by(f64::total_cmp) {
-        text += &format!("Nested path: {} closed loops, largest gap {gap:.1e} rad\n", found.closures.len());
-    }
-    for note in &found.notes {
-        text += &format!("{note}\n");
-    }
-    text
-}
-
-fn table(title: &str, comparison: &Comparison) -> String {
-    let mut text = format!("{title:<20}{:>12}{:>9}{:>14}{:>9}\n", "mse", "better", "max error", "better");
-    for row in &comparison.rows {
-        text += &format!(
-            "  {:<18}{:>12.3e}{:>7.1} %{:>14.4}{:>7.1} %\n",
-            row.arm.to_string(),
-            row.mse,
-            row.mse_improvement,
-            row.max_error,
-            row.max_error_improvement
-        );
-        if let Some(cycle) = row.limit_cycle {
-            text += &format!("{:22}hunts: {:.4} rad, {:.2} s\n", "", cycle.amplitude, cycle.period);
-        }
-    }
-    text
 }

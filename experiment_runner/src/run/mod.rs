@@ -21,6 +21,7 @@ mod recorder;
 mod results;
 #[cfg(test)]
 mod supervision_tests;
+pub mod terminal;
 mod trace;
 mod tracked;
 
