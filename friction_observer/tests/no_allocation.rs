@@ -3,7 +3,11 @@
 use std::hint::black_box;
 
 use allocation_counter::measure;
-use controller::{ControlMode, Controller, ControllerOptions, Feedback, Reference};
+use controller::design::LinearDrive;
+use controller::{
+    AccelerationFeedback, ControlMode, Controller, ControllerOptions, Dither, DitherShape, Feedback, Impulse,
+    PiGains, PlantInverse, Reference, VelocityLaw,
+};
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use friction_observer::{
@@ -74,6 +78,39 @@ fn no_cycle_allocates() {
                 assert_eq!(allocations(model, options, mode), 0, "{name}, {technique:?}, {velocity:?}");
             }
         }
+    }
+}
+
+/// Every law, every addition, missing measurements until the fault, and a change in the middle.
+#[test]
+fn no_part_of_the_controller_allocates() {
+    let lag = ControllerOptions {
+        inverse: PlantInverse::Whole(LinearDrive::SRV02),
+        acceleration: Some(AccelerationFeedback { gain: 0.02, filter: 0.005 }),
+        dither: Some(Dither { shape: DitherShape::Sine, amplitude: 0.2, frequency: 125.0 }),
+        impulse: Some(Impulse { height: 0.3, width: 0.002, period: 0.1 }),
+        ..Default::default()
+    };
+    let pi = ControllerOptions { velocity: VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 20.0 }), ..lag };
+    let position = ControllerOptions { mode: ControlMode::Position, ..lag };
+    for (from, to) in [(lag, pi), (pi, position), (position, lag)] {
+        let mut controller = Controller::new(from).unwrap();
+        let mut faults = 0;
+        let counted = measure(|| {
+            for k in 0..CYCLES {
+                // A friction estimate that swings without a reason is the guard's business.
+                let friction = if k % 40 < 20 { 0.3 } else { -0.3 };
+                let velocity = if k > CYCLES - 50 { f64::NAN } else { 0.1 };
+                let feedback = Feedback { position: 0.1, velocity, friction, cycle: Some(u64::from(k)) };
+                let reference = Reference { velocity: 0.2, position: 0.2, acceleration: 0.1 };
+                faults += u32::from(controller.step(&reference, &feedback).total == 0.0);
+                if k == CYCLES / 2 {
+                    controller.change(to).unwrap();
+                }
+            }
+        });
+        assert_eq!(counted.count_total, 0, "{from:?}");
+        assert!(faults >= 49, "{faults} cycles without a measurement gave zero volts");
     }
 }
 
