@@ -53,6 +53,12 @@ impl ControlLoop {
         self.rig.measure()
     }
 
+    /// Stamp of cycle 0 [ns since the Unix epoch].
+    #[must_use]
+    pub const fn start_ns(&self) -> u64 {
+        self.start_ns
+    }
+
     /// Period of the cycle [s].
     #[must_use]
     pub fn period(&self) -> f64 {

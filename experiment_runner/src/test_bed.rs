@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::compensation::Means;
 use crate::control_loop::ControlLoop;
-use crate::profile::Excitation;
 use crate::protocol::InverseUse;
 use crate::waveform::Waveform;
 
@@ -124,22 +123,9 @@ impl TestBed {
         ))
     }
 
-    /// A loop that starts at rest and is driven by `excitation`; nothing compensates. With `feed_forward` the reference
-    /// also goes through the inverse of the drive.
-    ///
-    /// # Errors
-    /// As for [`control_loop`](Self::control_loop).
-    pub fn excited_loop(
-        &self,
-        excitation: Excitation,
-        feed_forward: bool,
-        observer: &AnyModel,
-        seed: u64,
-        start_ns: u64,
-    ) -> Result<ControlLoop, TestBedError> {
-        let bed = if feed_forward { self.with_inverse(InverseUse::Whole) } else { *self };
-        let unused = Waveform::ConstantVelocity { velocity: 0.0 };
-        let control = bed.control_loop(excitation.mode(), unused, observer, None, seed, start_ns)?;
-        Ok(control.excited(excitation))
+    /// The same bench, with the whole inverse of its drive in the feed-forward path if `fed_forward`.
+    #[must_use]
+    pub fn fed_forward(self, fed_forward: bool) -> Self {
+        if fed_forward { self.with_inverse(InverseUse::Whole) } else { self }
     }
 }

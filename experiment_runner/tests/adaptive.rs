@@ -155,8 +155,8 @@ fn at_rest_nothing_drifts() {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        // Each case is a hundred seconds of rig time: a twentieth of the cases of other property tests.
-        cases: (ProptestConfig::default().cases / 20).max(8),
+        // Each case is a hundred seconds of rig time: a hundredth of the cases of other property tests.
+        cases: (ProptestConfig::default().cases / 100).max(8),
         failure_persistence: None,
         ..ProptestConfig::default()
     })]

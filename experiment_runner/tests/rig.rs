@@ -35,7 +35,7 @@ fn a_rig_wired_right_passes_the_check_and_shows_its_breakaway_voltage() {
     assert_eq!(wrong(&found), Vec::<&str>::new());
     for deadband in [found.deadband_forward, found.deadband_backward] {
         let off = deadband.value - BREAKAWAY;
-        assert!(off.abs() < 3.0 * deadband.standard_error && deadband.standard_error < 0.02, "{deadband:?}");
+        assert!(off.abs() < 3.0 * deadband.standard_error && deadband.standard_error < 0.03, "{deadband:?}");
     }
 }
 

@@ -39,6 +39,12 @@ pub enum RigError {
     /// The motor is to move, but the driver is not active.
     #[error("the driver is {0} and the motor stays at zero volts; configure, activate or clear it first")]
     NotActive(State),
+    /// A run has the rig; there is one shaft, and one run at a time.
+    #[error("another run has the rig; wait until it is over")]
+    Lent,
+    /// Whoever drives was told to stop.
+    #[error("stopped; the motor is at zero volts")]
+    Stopped,
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),

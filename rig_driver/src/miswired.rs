@@ -96,6 +96,18 @@ impl<R: Rig> Rig for Miswired<R> {
         self.rig.period()
     }
 
+    fn keeps_time(&self) -> bool {
+        self.rig.keeps_time()
+    }
+
+    fn wait(&mut self) -> Result<(), RigError> {
+        self.rig.wait()
+    }
+
+    fn activate(&mut self) -> Result<(), RigError> {
+        self.rig.activate()
+    }
+
     fn tell_time(&mut self, now: f64) {
         self.rig.tell_time(now);
     }

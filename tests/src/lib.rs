@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 pub mod browser;
+pub mod emulated_rig;
 pub mod python;
 
 /// The built `frictionlab`, ready for arguments.

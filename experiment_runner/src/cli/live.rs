@@ -12,13 +12,14 @@ use anyhow::Context;
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{SimulationOptions, serial::SerialOptions};
+use rig_driver::SimulationOptions;
 
 use super::{BadInput, Interrupted, model_name};
 use crate::compensation::Means;
 use crate::{
-    live::{self, LiveError, LiveOptions, RigChoice},
+    live::{self, LiveError, LiveOptions},
     protocol::TrackingProtocol,
+    rig::RigChoice,
     test_bed::TestBed,
     waveform::Waveform,
 };
@@ -34,9 +35,12 @@ use crate::{
 /// happens here. `rig_emulator` is such a device without hardware.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
-    /// The rig: `simulated`, or `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for another rate than 2000000
-    #[arg(long, value_name = "RIG", default_value = "simulated", value_parser = rig)]
+    /// The rig: `simulated`, `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for another rate than 2000000, or `quanser[:CARD]`
+    #[arg(long, value_name = "RIG", default_value = "simulated")]
     pub rig: RigChoice,
+    /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
     /// Length of the run [s] [default: until ctrl-C]
     #[arg(long, value_name = "SECONDS")]
     pub duration: Option<f64>,
@@ -84,24 +88,6 @@ pub struct LiveArgs {
 /// Control cycles a second of the simulated rig [Hz].
 const RATE: u32 = 1000;
 
-/// Reads `--rig`.
-fn rig(text: &str) -> Result<RigChoice, String> {
-    if text == "simulated" {
-        return Ok(RigChoice::Simulated);
-    }
-    let Some(port) = text.strip_prefix("serial:") else {
-        return Err("a rig is `simulated` or `serial:PORT`, as in serial:/dev/ttyACM0".into());
-    };
-    let (port, baud) = match port.rsplit_once('@') {
-        Some((port, baud)) => (port, baud.parse().map_err(|_| format!("{baud:?} is no baud rate"))?),
-        None => (port, SerialOptions::default().baud),
-    };
-    if port.is_empty() {
-        return Err("serial: wants a port, as in serial:/dev/ttyACM0".into());
-    }
-    Ok(RigChoice::Serial { port: port.into(), baud })
-}
-
 /// [`ControlMode`] on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum ModeArg {
@@ -139,7 +125,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     };
     let report = live::run(&options, &stop, |priority| {
         let rate = match (args.rate, &args.rig) {
-            (None, RigChoice::Serial { .. }) => "the device's rate".to_owned(),
+            (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => "the device's rate".to_owned(),
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
         say(&format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
@@ -180,6 +166,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
     Ok(LiveOptions {
         out: args.out.clone().unwrap_or_else(|| super::run::first_free("live")),
         rig: args.rig.clone(),
+        calibration: super::run::calibration(&args.rig, args.calibration.as_deref())?,
         rate_given: args.rate.is_some(),
         test_bed,
         mode,

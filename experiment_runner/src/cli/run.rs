@@ -11,21 +11,23 @@ use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
+use rig_driver::{Calibration, Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
 use super::{BadInput, Interrupted, model_name};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
+use crate::drive::parameters::DriveConstants;
 use crate::models::file;
 use crate::progress::Progress;
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
+use crate::rig::{RigChoice, read_calibration};
 use crate::run::{
     self, Compensators, Experiment, RecordPolicy, RunError, RunOptions, Status, read_controller,
     read_parameter_file, shipped,
 };
 use crate::test_bed::{TestBed, nominal_drive};
 
-/// Run experiments on the simulated test bed
+/// Run experiments on the simulated test bed or a real rig
 ///
 /// `frictionlab run` alone does the whole job: it drives the rig at 80 constant velocities (10 repetitions, two sets),
 /// identifies the Stribeck curve, compensates with what it found and compares none, LuGre and the proposed model in
@@ -35,6 +37,16 @@ pub struct RunArgs {
     /// What to run [default: all, or the experiment of the protocol given]
     #[arg(value_enum)]
     pub experiment: Option<Experiment>,
+    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, or `quanser[:CARD]`. A real rig runs in real time, one run after
+    /// the other, and ctrl-C puts its motor at zero volts at once
+    #[arg(long, value_name = "RIG", default_value = "simulated")]
+    pub rig: RigChoice,
+    /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
+    /// The drive's constants: a drive.yaml of `frictionlab identify-drive` [default: the SRV-02's]
+    #[arg(long, value_name = "FILE", conflicts_with = "time_constant")]
+    pub drive: Option<PathBuf>,
     /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several times
     #[arg(long, value_name = "FILE")]
     pub protocol: Vec<PathBuf>,
@@ -73,9 +85,9 @@ pub struct RunArgs {
     /// Repetitions of every experiment [default: 10 at constant velocity, 5 in tracking]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repetitions: Option<u32>,
-    /// How much goes into the bag
-    #[arg(long, value_enum, default_value_t)]
-    pub record: RecordPolicy,
+    /// How much goes into the bag [default: thinned, and full on a real rig]
+    #[arg(long, value_enum)]
+    pub record: Option<RecordPolicy>,
     /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree
     #[arg(long, value_enum, default_value_t)]
     pub time_constant: TimeConstantArg,
@@ -160,6 +172,12 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     if !args.quiet {
         super::print(&run::terminal::summary(&outcome))?;
     }
+    if let Some(why) = &outcome.results.ended {
+        anyhow::bail!(
+            "the rig ended the run: {why}; the bag in {} is whole as far as it goes, and so is the report",
+            outcome.folder.join("bag").display()
+        );
+    }
     if outcome.results.status == Status::Interrupted {
         return Err(Interrupted(format!(
             "stopped before the end; the bag in {} is whole as far as it goes, and so is the report",
@@ -175,10 +193,8 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         (FrictionArg::Physical, false) => FrictionCoupling::Physical,
         (FrictionArg::AsVolts, _) | (_, true) => FrictionCoupling::NewtonMetreAsVolt,
     };
-    let drive = Drive::srv02(match args.time_constant {
-        TimeConstantArg::Thesis => TimeConstant::Thesis,
-        TimeConstantArg::Datasheet => TimeConstant::Datasheet,
-    });
+    let drive = drive(args)?;
+    let calibration = calibration(&args.rig, args.calibration.as_deref())?;
     let sensors = if args.ideal_sensors { Sensors::ideal() } else { Sensors::default() };
     let simulation = SimulationOptions {
         drive,
@@ -222,12 +238,17 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
     let mut options = RunOptions {
         experiment,
+        rig: args.rig.clone(),
+        calibration,
         test_bed: TestBed { simulation, friction: plant(args)?, controller, estimator },
         models,
         means,
         compensators,
         seed: args.seed,
-        record: args.record,
+        record: args.record.unwrap_or(match args.rig {
+            RigChoice::Simulated => RecordPolicy::Thinned,
+            _ => RecordPolicy::Full,
+        }),
         constant_velocity,
         varying_velocity,
         pre_sliding,
@@ -257,6 +278,32 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     // A file says everything itself: neither --quick nor --repetitions changes it.
     protocols.into_iter().for_each(|protocol| options.set(protocol));
     Ok(options)
+}
+
+/// The drive, as the file says or as the SRV-02 has it.
+fn drive(args: &RunArgs) -> Result<Drive, BadInput> {
+    let Some(file) = &args.drive else {
+        return Ok(Drive::srv02(match args.time_constant {
+            TimeConstantArg::Thesis => TimeConstant::Thesis,
+            TimeConstantArg::Datasheet => TimeConstant::Datasheet,
+        }));
+    };
+    let say = |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
+    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    let DriveConstants { parameters } = DriveConstants::read(&text).map_err(say)?;
+    Drive::try_from(parameters).map_err(|e| say(e.to_string()))
+}
+
+/// The calibration of a real rig.
+pub(super) fn calibration(rig: &RigChoice, file: Option<&Path>) -> Result<Option<Calibration>, BadInput> {
+    let Some(file) = file else { return Ok(None) };
+    if *rig == RigChoice::Simulated {
+        let why = "--calibration corrects a real rig; the simulated one's readings are true";
+        return Err(BadInput(why.to_owned()));
+    }
+    let say = |what: String| BadInput(format!("the calibration {} cannot be used: {what}", file.display()));
+    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
 }
 
 /// Reads the protocols.

@@ -4,8 +4,9 @@ use std::io;
 
 use ros_node::RosNodeError;
 
-use crate::{bag::BagError, test_bed::TestBedError};
-use rig_driver::{RigError, serial::SerialError};
+use rig_driver::RigError;
+
+use crate::{bag::BagError, rig::RigSetupError, test_bed::TestBedError};
 
 /// A live run that cannot start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -19,9 +20,9 @@ pub enum LiveError {
     /// The loop cannot be put together.
     #[error(transparent)]
     TestBed(#[from] TestBedError),
-    /// The rig's serial port or the device on it.
+    /// The rig could not be opened.
     #[error(transparent)]
-    Serial(#[from] SerialError),
+    Setup(#[from] RigSetupError),
     /// `--rate` names another rate than the device's own.
     #[error("the device's cycle is {period} s, which is {} Hz, and --rate asks for {asked} Hz; leave --rate out", 1.0 / period)]
     Rate {
@@ -61,7 +62,7 @@ impl LiveError {
             self,
             Self::Duration(_)
                 | Self::TestBed(_)
-                | Self::Serial(_)
+                | Self::Setup(_)
                 | Self::Rate { .. }
                 | Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. })
                 | Self::Ros(RosNodeError::Environment { .. })

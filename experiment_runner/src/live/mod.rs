@@ -28,9 +28,8 @@ use std::{
 use controller::ControlMode;
 use friction_model::AnyModel;
 use rig_driver::{
-    Rig,
+    Calibration,
     safety::{SafetyLimits, Supervised},
-    serial::{self, SerialOptions, SerialRig},
 };
 use ros_node::{Discovery, Participant};
 use serde::Serialize;
@@ -44,6 +43,7 @@ use crate::{
     bag::{BagOptions, BagWriter},
     cycle::CycleSample,
     messages::CycleTopics,
+    rig::{Opened, RigChoice},
     test_bed::TestBed,
     waveform::Waveform,
 };
@@ -62,6 +62,8 @@ pub struct LiveOptions {
     pub out: PathBuf,
     /// Which rig.
     pub rig: RigChoice,
+    /// What corrects a real rig's readings.
+    pub calibration: Option<Calibration>,
     /// The bench: the simulated rig and its friction, and what estimator and controller are made of.
     pub test_bed: TestBed,
     /// What the controller regulates.
@@ -78,21 +80,6 @@ pub struct LiveOptions {
     pub seed: u64,
     /// Length of the run [s]; `None` until it is stopped.
     pub duration: Option<f64>,
-}
-
-/// Which rig a live run drives.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum RigChoice {
-    /// The simulated one of the test bed, in lock-step with the loop.
-    Simulated,
-    /// A device on a serial port, which keeps the time.
-    Serial {
-        /// The port.
-        port: PathBuf,
-        /// Baud rate.
-        baud: u32,
-    },
 }
 
 /// One cycle on its way to publisher and recorder.
@@ -129,8 +116,8 @@ pub fn run(
     // Put together once for nothing, so that a wrong option leaves neither a folder nor a node behind.
     options.control_loop(0, None)?;
     let real = options.open_rig()?;
-    let period = real.as_ref().map_or(options.test_bed.simulation.period, |rig| rig.period());
-    let about_line = real.as_ref().map(about);
+    let period = real.as_ref().map_or(options.test_bed.simulation.period, |opened| opened.rig.period());
+    let about_line = real.as_ref().and_then(|opened| opened.about.clone());
 
     let participant = Participant::join(&discovery)?;
     let nodes = publishing::Nodes::new(participant)?;
@@ -191,15 +178,14 @@ impl LiveOptions {
     fn control_loop(
         &self,
         start_ns: u64,
-        real: Option<SerialRig>,
+        real: Option<Opened>,
     ) -> Result<crate::control_loop::ControlLoop, LiveError> {
         if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
             return Err(LiveError::Duration(duration));
         }
         let Self { test_bed, mode, reference, observer, means, seed, .. } = self;
         Ok(match real {
-            Some(rig) => {
-                let limits = serial::limits(rig.hello());
+            Some(Opened { rig, limits, .. }) => {
                 let rig = Supervised::activated(rig, limits).map_err(LiveError::Rig)?;
                 test_bed.loop_around(Box::new(rig), *mode, *reference, observer, *means, start_ns)?
             }
@@ -215,14 +201,16 @@ impl LiveOptions {
     }
 
     /// The real rig, if one was chosen, its motor at zero volts.
-    fn open_rig(&self) -> Result<Option<SerialRig>, LiveError> {
-        let RigChoice::Serial { port, baud } = &self.rig else { return Ok(None) };
-        let rig = SerialRig::open(port, SerialOptions { baud: *baud, ..SerialOptions::default() })?;
-        let (period, asked) = (rig.period(), 1.0 / self.test_bed.simulation.period);
+    fn open_rig(&self) -> Result<Option<Opened>, LiveError> {
+        if self.rig == RigChoice::Simulated {
+            return Ok(None);
+        }
+        let opened = self.rig.open(self.test_bed.friction, self.seed, None, self.calibration)?;
+        let (period, asked) = (opened.rig.period(), 1.0 / self.test_bed.simulation.period);
         if self.rate_given && (period * asked - 1.0).abs() > 1e-6 {
             return Err(LiveError::Rate { period, asked });
         }
-        Ok(Some(rig))
+        Ok(Some(opened))
     }
 
     /// What the bag says about the run.
@@ -235,20 +223,6 @@ impl LiveOptions {
             ("options".to_owned(), options),
         ])
     }
-}
-
-/// What a device says of itself, in a line.
-fn about(rig: &SerialRig) -> String {
-    let hello = rig.hello();
-    let [major, minor, patch] = hello.firmware;
-    let limit = f64::from(hello.voltage_limit) * f64::from(hello.volts_per_count);
-    format!(
-        "{} (firmware {major}.{minor}.{patch}), {} us a cycle, at most {:.2} V; {}",
-        hello.name.as_str(),
-        hello.period_us,
-        limit.abs(),
-        rig.latency()
-    )
 }
 
 /// Nanoseconds since the Unix epoch; zero before it.

@@ -1,4 +1,4 @@
-//! Which rig: `simulated`, `quanser[:CARD]` or `serial:PORT`.
+//! Which rig: `simulated`, `quanser[:CARD]` or `serial:PORT[@BAUD]`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -7,6 +7,7 @@ use std::str::FromStr;
 use friction_model::AnyModel;
 use rig_driver::quanser::{QuanserOptions, QuanserRig};
 use rig_driver::safety::SafetyLimits;
+use rig_driver::serial::{self, SerialOptions, SerialRig};
 use rig_driver::{Calibrated, Calibration, Miswired, Miswiring, Rig, RigError, SimulationOptions};
 use serde::Serialize;
 
@@ -29,6 +30,8 @@ pub enum RigChoice {
     Serial {
         /// The port.
         port: PathBuf,
+        /// Baud rate.
+        baud: u32,
     },
 }
 
@@ -41,7 +44,15 @@ impl FromStr for RigChoice {
             ("simulated", None) => Ok(Self::Simulated),
             ("quanser", None) => Ok(Self::Quanser { card: "0".to_owned() }),
             ("quanser", Some(card)) if !card.is_empty() => Ok(Self::Quanser { card: card.to_owned() }),
-            ("serial", Some(port)) if !port.is_empty() => Ok(Self::Serial { port: port.into() }),
+            ("serial", Some(port)) if !port.is_empty() && !port.starts_with('@') => {
+                let (port, baud) = match port.rsplit_once('@') {
+                    Some((port, baud)) => {
+                        (port, baud.parse().map_err(|_| format!("`{baud}` is no baud rate"))?)
+                    }
+                    None => (port, SerialOptions::default().baud),
+                };
+                Ok(Self::Serial { port: port.into(), baud })
+            }
             ("serial", _) => {
                 Err("`serial` wants a port, as in serial:/dev/ttyACM0; `frictionlab rig list` finds them"
                     .to_owned())
@@ -58,7 +69,10 @@ impl fmt::Display for RigChoice {
         match self {
             Self::Simulated => f.write_str("simulated"),
             Self::Quanser { card } => write!(f, "quanser:{card}"),
-            Self::Serial { port } => write!(f, "serial:{}", port.display()),
+            Self::Serial { port, baud } if *baud == SerialOptions::default().baud => {
+                write!(f, "serial:{}", port.display())
+            }
+            Self::Serial { port, baud } => write!(f, "serial:{}@{baud}", port.display()),
         }
     }
 }
@@ -71,6 +85,19 @@ pub struct Opened {
     pub limits: SafetyLimits,
     /// Who sets the pace.
     pub pace: Pace,
+    /// Which sensors there are.
+    pub sensors: SensorsPresent,
+    /// What a real rig says of itself, in a line.
+    pub about: Option<String>,
+}
+
+/// Sensors that a rig may lack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SensorsPresent {
+    /// Friction torque.
+    pub torque: bool,
+    /// Motor current.
+    pub current: bool,
 }
 
 impl RigChoice {
@@ -97,6 +124,8 @@ impl RigChoice {
                     },
                     limits: SafetyLimits::for_simulation(&options),
                     pace: Pace::LockStep,
+                    sensors: SensorsPresent { torque: true, current: true },
+                    about: None,
                 }
             }
             Self::Quanser { card } => {
@@ -105,13 +134,22 @@ impl RigChoice {
                 if options.torque.is_none() {
                     limits.sensors.torque_range = None;
                 }
-                Opened { rig: Box::new(QuanserRig::open(options)?), limits, pace: Pace::Clock }
+                let sensors = SensorsPresent { torque: options.torque.is_some(), current: false };
+                let about = format!("Quanser card {} {card}", options.card_type);
+                let rig = Box::new(QuanserRig::open(options)?);
+                Opened { rig, limits, pace: Pace::Clock, sensors, about: Some(about) }
             }
-            Self::Serial { port } => {
-                return Err(RigSetupError::NotDriven(format!(
-                    "this command does not drive a rig on a serial port yet; `frictionlab live --rig serial:{}` does",
-                    port.display()
-                )));
+            Self::Serial { port, baud } => {
+                let options = SerialOptions { baud: *baud, ..SerialOptions::default() };
+                let rig = SerialRig::open(port, options).map_err(RigError::from)?;
+                let (limits, channels) = (serial::limits(rig.hello()), rig.hello().channels);
+                Opened {
+                    limits,
+                    pace: Pace::Device,
+                    sensors: SensorsPresent { torque: channels.torque, current: channels.current },
+                    about: Some(about(&rig)),
+                    rig: Box::new(rig),
+                }
             }
         };
         Ok(match calibration {
@@ -119,6 +157,20 @@ impl RigChoice {
             None => opened,
         })
     }
+}
+
+/// What a device says of itself, in a line.
+fn about(rig: &SerialRig) -> String {
+    let hello = rig.hello();
+    let [major, minor, patch] = hello.firmware;
+    let limit = f64::from(hello.voltage_limit) * f64::from(hello.volts_per_count);
+    format!(
+        "{} (firmware {major}.{minor}.{patch}), {} us a cycle, at most {:.2} V; {}",
+        hello.name.as_str(),
+        hello.period_us,
+        limit.abs(),
+        rig.latency()
+    )
 }
 
 fn calibrated(rig: Box<dyn Rig + Send>, calibration: Calibration) -> Result<Box<dyn Rig + Send>, RigError> {
@@ -131,11 +183,17 @@ mod tests {
 
     #[test]
     fn rigs_are_read_by_name_and_written_back_the_same() {
-        for text in ["simulated", "quanser:0", "quanser:1@tcpip://rig:18920", "serial:/dev/ttyACM0"] {
+        for text in [
+            "simulated",
+            "quanser:0",
+            "quanser:1@tcpip://rig:18920",
+            "serial:/dev/ttyACM0",
+            "serial:/dev/ttyUSB1@115200",
+        ] {
             assert_eq!(text.parse::<RigChoice>().unwrap().to_string(), text);
         }
         assert_eq!("quanser".parse::<RigChoice>().unwrap().to_string(), "quanser:0");
-        for wrong in ["", "serial", "serial:", "quanser:", "simulated:1", "usb"] {
+        for wrong in ["", "serial", "serial:", "serial:@9600", "quanser:", "simulated:1", "usb"] {
             let said = wrong.parse::<RigChoice>().unwrap_err();
             assert!(said.contains("serial:/dev/ttyACM0"), "{said}");
         }

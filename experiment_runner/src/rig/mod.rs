@@ -2,6 +2,7 @@
 //!
 //! Everything here drives the rig under the safety layer. The steps ([`procedure`]) are the same for a check and for a calibration.
 
+mod bench_rig;
 mod choice;
 mod error;
 mod findings;
@@ -12,7 +13,8 @@ mod regression;
 mod session;
 mod terminal;
 
-pub use choice::RigChoice;
+pub use bench_rig::BenchRig;
+pub use choice::{Opened, RigChoice, SensorsPresent};
 pub use error::RigSetupError;
 pub use findings::{Findings, Level, Verdict};
 pub use parameters::{read as read_calibration, render as render_calibration};

@@ -17,6 +17,8 @@ pub enum Pace {
     LockStep,
     /// The clock of this machine, one cycle a period.
     Clock,
+    /// The device itself.
+    Device,
 }
 
 /// The rig, active and paced. Dropped, it leaves zero volts.
@@ -38,7 +40,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// [`RigSetupError`] if a limit cannot be or the rig refuses.
     pub fn new(opened: Opened, max_volts: f64, stop: &'a AtomicBool) -> Result<Self, RigSetupError> {
-        let Opened { rig, limits, pace } = opened;
+        let Opened { rig, limits, pace, .. } = opened;
         if !(max_volts > 0.0 && max_volts <= limits.voltage) {
             return Err(RigSetupError::Rig(RigError::OutOfRange {
                 name: "--max-volts",
@@ -64,7 +66,8 @@ impl<'a> Session<'a> {
     /// Shows every cycle to `on_cycle`, in real time whatever the rig.
     #[must_use]
     pub fn shown(self, on_cycle: impl FnMut(&Measurement) + 'a) -> Self {
-        Self { on_cycle: Box::new(on_cycle), pace: Pace::Clock, ..self }
+        let pace = if self.pace == Pace::LockStep { Pace::Clock } else { self.pace };
+        Self { on_cycle: Box::new(on_cycle), pace, ..self }
     }
 
     /// Highest voltage of the session [V].
@@ -88,11 +91,15 @@ impl<'a> Session<'a> {
             self.rig.halt()?;
             return Err(RigSetupError::Stopped);
         }
-        if self.pace == Pace::Clock {
-            self.cycles += 1;
-            let due = self.started + Duration::from_secs_f64(self.rig.period()) * self.cycles;
-            thread::sleep(due.saturating_duration_since(Instant::now()));
-            self.rig.tell_time(self.started.elapsed().as_secs_f64());
+        match self.pace {
+            Pace::LockStep => {}
+            Pace::Device => self.rig.wait()?,
+            Pace::Clock => {
+                self.cycles += 1;
+                let due = self.started + Duration::from_secs_f64(self.rig.period()) * self.cycles;
+                thread::sleep(due.saturating_duration_since(Instant::now()));
+                self.rig.tell_time(self.started.elapsed().as_secs_f64());
+            }
         }
         let seen = self.rig.measure();
         (self.on_cycle)(&seen);

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::RunError;
+use super::bench::Bench;
 use super::excited::{Driven, ExcitedJob, MeanRecord, Series};
-use super::execute::Bench;
 use super::recorder::{Recorder, Timeline};
 use crate::characterise::{
     Breakaway, Closure, LagLoop, Measured, NestedPath, find_breakaway, lag_loop, nested_path,

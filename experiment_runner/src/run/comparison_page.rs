@@ -36,9 +36,13 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
         "against the true friction [N m]".to_owned(),
     ];
     let mut caption = format!(
-        "{of}. Errors are those of the shaft itself, which the simulated rig knows; the mean square as \
-         measured contains the sensor's noise. Improvements are against the linear controller alone. The plant's friction is one of the models: \
-         a ranking among observers says which is nearest to that plant, no more."
+        "{of}. {} Improvements are against the linear controller alone.",
+        if comparison.runs.iter().any(|run| run.torque_error.is_some()) {
+            "Errors are those of the shaft itself, which the simulated rig knows; the mean square as measured contains the sensor's noise. The plant's friction is one \
+             of the models: a ranking among observers says which is nearest to that plant, no more."
+        } else {
+            "Errors are as measured, the sensor's noise included."
+        }
     );
     if hunting {
         columns.push("limit cycle: amplitude, period".to_owned());

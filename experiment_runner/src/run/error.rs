@@ -6,7 +6,9 @@ use friction_ident::IdentError;
 use rig_driver::RigError;
 
 use crate::bag::BagError;
+use crate::constant_velocity::SteadyError;
 use crate::output::OutputError;
+use crate::rig::RigSetupError;
 use crate::test_bed::TestBedError;
 
 /// A run that could not be started or finished.
@@ -21,7 +23,20 @@ pub enum RunError {
     Rig(#[from] RigError),
     /// A constant velocity could not be driven or read.
     #[error(transparent)]
-    Steady(#[from] crate::constant_velocity::SteadyError),
+    Steady(#[from] SteadyError),
+    /// The rig could not be opened.
+    #[error("{0}")]
+    Setup(#[from] RigSetupError),
+    /// Experiments were to read a sensor that the rig does not have.
+    #[error(
+        "this rig has no {sensor}; --torque-source {instead} works the friction torque out of what it has"
+    )]
+    NoSensor {
+        /// What is missing.
+        sensor: &'static str,
+        /// What can be used in its place.
+        instead: &'static str,
+    },
     /// The bag could not be written.
     #[error(transparent)]
     Bag(#[from] BagError),
@@ -50,4 +65,17 @@ pub enum RunError {
         /// What the library says.
         detail: String,
     },
+}
+
+impl RunError {
+    /// What the rig said, where it was the rig that ended the run.
+    #[must_use]
+    pub const fn of_rig(&self) -> Option<&RigError> {
+        match self {
+            Self::Rig(error)
+            | Self::Steady(SteadyError::Rig(error))
+            | Self::TestBed(TestBedError::Rig(error)) => Some(error),
+            _ => None,
+        }
+    }
 }

@@ -3,9 +3,8 @@
 use std::fmt::Write;
 
 use friction_ident::FrictionTorque;
-use friction_model::ModelName;
 
-use super::execute::Bench;
+use super::bench::Bench;
 use super::options::stream_seed;
 use super::recorder::{Kept, Recorder, Timeline};
 use super::{RecordPolicy, RunError};
@@ -13,7 +12,7 @@ use crate::characterise::Channels;
 use crate::characterise::channels::block_means;
 use crate::profile::Excitation;
 use crate::protocol::Displacement;
-use crate::sequencer::{Completion, run_in_order};
+use crate::sequencer::Completion;
 
 /// Cycles of a run that a thinned bag holds at most.
 const KEPT_CYCLES: f64 = 10_000.0;
@@ -185,11 +184,9 @@ impl Bench<'_> {
             (RecordPolicy::Thinned, _) => None,
         };
         let work = |(start_ns, seed, job): &(u64, u64, ExcitedJob)| {
-            // Nothing compensates here: the observer only keeps the recorder's topics alike.
-            let observer = options.compensators.get(ModelName::Proposed);
-            let excitation = job.excitation.clone();
             let mut control =
-                options.test_bed.excited_loop(excitation, job.feed_forward, &observer, *seed, *start_ns)?;
+                self.excited_loop(job.excitation.clone(), job.feed_forward, (*seed, *start_ns))?;
+            let start_ns = control.start_ns();
             let mut kept = Kept::one_of(every(job));
             let mut channels = Channels::new(period);
             for _ in 0..=(job.excitation.profile.duration() / period).round() as u64 {
@@ -203,7 +200,7 @@ impl Bench<'_> {
             control.stop()?;
             let friction = options.torque.friction(&channels).map_err(RunError::Torque)?;
             let result = reduce(job, &channels, &friction);
-            Ok::<_, RunError>((result, kept, channels, friction))
+            Ok::<_, RunError>((start_ns, result, kept, channels, friction))
         };
         let groups = jobs.iter().map(|job| job.2.group + 1).max().unwrap_or(0);
         let mut driven = Driven {
@@ -213,18 +210,14 @@ impl Bench<'_> {
             completion: Completion::All,
         };
         let total = jobs.len() as f64;
-        driven.completion = run_in_order(
-            &jobs,
-            options.workers,
-            self.cancel,
-            work,
-            |(start_ns, _, job), (result, kept, channels, friction)| {
+        driven.completion =
+            self.in_order(&jobs, work, |(_, _, job), (start_ns, result, kept, channels, friction)| {
                 let stage = format!("{}, repetition {}", job.stage, job.repetition + 1);
                 if job.repetition == 0 {
                     self.progress.stage(format!("{}: {}", series.name, job.stage));
                 }
                 if every(job).is_some() {
-                    recorder.status(*start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
+                    recorder.status(start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
                 }
                 recorder.write(kept)?;
                 let seconds = channels.time.len() as f64 * period;
@@ -233,8 +226,7 @@ impl Bench<'_> {
                 driven.means[job.group].add(&channels, &friction, series.displacement);
                 driven.results.push((job.group, result));
                 Ok(())
-            },
-        )?;
+            })?;
         recorder.flush()?;
         Ok(driven)
     }

@@ -3,12 +3,14 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use friction_ident::{StribeckOptions, StribeckParameter, fit_stribeck};
 use friction_model::ModelName;
 
+use super::bench::{self, Bench};
 use super::characterisation::Progressed;
 use super::options::stream_seed;
 use super::recorder::{Kept, Recorder, Timeline};
@@ -19,11 +21,13 @@ use super::tracked::{Sorted, TrackedTask};
 use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
 use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
+use crate::control_loop::EPOCH_NS;
 use crate::output::{OutputError, write_all};
 use crate::progress::Progress;
 use crate::protocol::Kind;
 use crate::report::render_page;
-use crate::sequencer::{Completion, run_in_order};
+use crate::rig::RigChoice;
+use crate::sequencer::Completion;
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -51,14 +55,18 @@ pub fn execute(
     options: &RunOptions,
     folder: &Path,
     progress: &Progress,
-    cancel: &AtomicBool,
+    cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    let bench = Bench { options, progress, cancel };
-    bench.check()?;
+    // Put together for nothing first, so that a wrong option neither opens a rig nor writes anything.
+    Bench::check(options)?;
     require_empty(folder)?;
+    let (rig, options) = bench::open(options, progress, cancel)?;
+    let options = &options;
+    let bench = Bench::new(options, rig, progress, cancel);
+    Bench::check(options)?;
     let mut recorder = Recorder::create(&folder.join(BAG), options)?;
-    let mut timeline = Timeline::new();
+    let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
     let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
     let mut rig_seconds = 0.0;
@@ -122,6 +130,8 @@ pub fn execute(
         tables = Some(found);
     }
 
+    // The rig is let go before the report is written.
+    let ended = bench.end();
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let parameters = parameter_file::render(options, &models, chosen)?;
@@ -135,6 +145,7 @@ pub fn execute(
     let results = RunResults {
         program_version: env!("CARGO_PKG_VERSION"),
         status,
+        ended,
         options: options.clone(),
         constant_velocity: steady,
         identification,
@@ -202,7 +213,10 @@ fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification
         .map(|run| (run.torque - fit.torque(run.velocity)).powi(2))
         .collect();
     let mse_validation = (!squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
-    let truth = static_truth(&options.test_bed.friction);
+    let truth = match options.rig {
+        RigChoice::Simulated => static_truth(&options.test_bed.friction),
+        _ => [None; 4],
+    };
     let units = ["N m", "N m", "rad/s", "N m s/rad"];
     let parameters = StribeckParameter::ALL
         .into_iter()
@@ -218,29 +232,7 @@ fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification
     Ok(Identification { mse_identification: fit.mse, mse_validation, parameters, fit })
 }
 
-/// What all experiments share.
-pub(super) struct Bench<'a> {
-    pub(super) options: &'a RunOptions,
-    pub(super) progress: &'a Progress,
-    pub(super) cancel: &'a AtomicBool,
-}
-
 impl Bench<'_> {
-    /// Puts every loop together once, so that a parameter out of range is told before anything is written.
-    fn check(&self) -> Result<(), RunError> {
-        let options = self.options;
-        let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
-        for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
-            let bed = options.test_bed.with_inverse(protocol.inverse);
-            for arm in Arm::all(&options.means, &options.models) {
-                let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
-                bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
-            }
-            bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
-        }
-        Ok(())
-    }
-
     /// Experiment 1, both sets.
     fn constant_velocity(
         &self,
@@ -259,32 +251,27 @@ impl Bench<'_> {
             let bed = &self.options.test_bed;
             // Nothing compensates here: the observer only keeps the recorder's topics alike.
             let observer = self.options.compensators.get(ModelName::Proposed);
-            let control =
-                bed.control_loop(SteadyJob::MODE, job.reference(), &observer, None, seed, start_ns)?;
+            let task = (SteadyJob::MODE, job.reference());
+            let control = self.control_loop(bed, task, &observer, None, (seed, start_ns))?;
+            let start_ns = control.start_ns();
             let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
             let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
-            Ok::<_, RunError>((run, kept))
+            Ok::<_, RunError>((start_ns, run, kept))
         };
         let total = jobs.len() as f64;
         let mut runs: Vec<SteadyRun> = Vec::with_capacity(jobs.len());
-        let completion = run_in_order(
-            &jobs,
-            self.options.workers,
-            self.cancel,
-            work,
-            |(start_ns, _, job), (run, kept)| {
-                let stage =
-                    format!("set {} of {}, repetition {}", job.set + 1, protocol.sets, job.repetition + 1);
-                if runs.last().is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition)) {
-                    self.progress.stage(format!("friction: {stage}"));
-                    recorder.status(*start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
-                }
-                recorder.write(kept)?;
-                self.progress.advance(protocol.duration);
-                runs.push(run);
-                Ok(())
-            },
-        )?;
+        let completion = self.in_order(&jobs, work, |(_, _, job), (start_ns, run, kept)| {
+            let stage =
+                format!("set {} of {}, repetition {}", job.set + 1, protocol.sets, job.repetition + 1);
+            if runs.last().is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition)) {
+                self.progress.stage(format!("friction: {stage}"));
+                recorder.status(start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
+            }
+            recorder.write(kept)?;
+            self.progress.advance(protocol.duration);
+            runs.push(run);
+            Ok(())
+        })?;
         recorder.flush()?;
         Ok((runs, completion))
     }
@@ -299,7 +286,7 @@ mod tests {
     use crate::run::options::tests::options;
 
     fn run(options: &RunOptions, folder: &Path) -> Result<Outcome, RunError> {
-        execute(options, folder, &Progress::new(options.rig_seconds(), true), &AtomicBool::new(false))
+        execute(options, folder, &Progress::new(options.rig_seconds(), true), &Arc::default())
     }
 
     #[test]
@@ -331,7 +318,7 @@ mod tests {
     #[test]
     fn a_cancelled_run_leaves_a_whole_bag() {
         let root = tempfile::tempdir().unwrap();
-        let cancel = AtomicBool::new(true);
+        let cancel = Arc::new(AtomicBool::new(true));
         let folder = root.path().join("cancelled");
         let outcome = execute(&options(), &folder, &Progress::new(1.0, true), &cancel).unwrap();
         assert!(cancel.load(Ordering::Relaxed));

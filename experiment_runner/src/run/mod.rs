@@ -2,6 +2,7 @@
 //!
 //! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the same figures, on any number of cores.
 
+mod bench;
 mod characterisation;
 mod characterisation_page;
 #[cfg(test)]

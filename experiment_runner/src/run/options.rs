@@ -1,6 +1,7 @@
 //! What a run does.
 
 use friction_model::ModelName;
+use rig_driver::Calibration;
 use serde::{Deserialize, Serialize};
 
 use super::Compensators;
@@ -11,6 +12,7 @@ use crate::protocol::{
     BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol,
     Protocol, ProtocolError, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
 };
+use crate::rig::RigChoice;
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
 
@@ -154,6 +156,10 @@ impl RecordPolicy {
 pub struct RunOptions {
     /// Which experiments.
     pub experiment: Experiment,
+    /// Which rig. A real one takes the simulated one's place in the bench: its period, and its voltage limit where that is lower.
+    pub rig: RigChoice,
+    /// What corrects a real rig's readings.
+    pub calibration: Option<Calibration>,
     /// The bench.
     pub test_bed: TestBed,
     /// Models that compensate, each compared with none at all.
@@ -274,6 +280,8 @@ pub(super) mod tests {
         let simulation = rig_driver::SimulationOptions::default();
         let shipped = shipped().unwrap();
         RunOptions {
+            rig: RigChoice::Simulated,
+            calibration: None,
             experiment: Experiment::All,
             test_bed: TestBed {
                 simulation: Default::default(),

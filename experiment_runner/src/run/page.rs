@@ -11,6 +11,7 @@ use crate::characterise::Measured;
 use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::SteadyRun;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
+use crate::rig::RigChoice;
 
 /// The whole page.
 pub(super) fn build(
@@ -21,10 +22,11 @@ pub(super) fn build(
     let options = &results.options;
     let mut blocks = vec![summary(results)];
     if results.status == Status::Interrupted {
-        blocks.push(Block::Note(
-            "This run was stopped before its end. What is shown is whole; what is missing was not measured."
-                .to_owned(),
-        ));
+        let why = results.ended.as_ref().map_or("This run was stopped before its end.".to_owned(), |why| {
+            format!("The rig ended this run before its end: {why}.")
+        });
+        let note = format!("{why} What is shown is whole; what is missing was not measured.");
+        blocks.push(Block::Note(note));
     }
     if !results.constant_velocity.is_empty() {
         blocks.push(Block::Heading("Friction at constant velocity".to_owned()));
@@ -48,11 +50,17 @@ pub(super) fn build(
     Page {
         title: "Friction laboratory".to_owned(),
         subtitle: format!(
-            "frictionlab run {}, simulated SRV-02 test bed with {} friction, torque from {}, seed {}, version {}",
+            "frictionlab run {}, {}, torque from {}, version {}",
             options.experiment.as_str(),
-            options.test_bed.friction.name(),
+            match options.rig {
+                RigChoice::Simulated => format!(
+                    "simulated SRV-02 test bed with {} friction, seed {}",
+                    options.test_bed.friction.name(),
+                    options.seed
+                ),
+                ref real => format!("rig {real}"),
+            },
             options.torque.source.name(),
-            options.seed,
             results.program_version
         ),
         blocks,
@@ -117,14 +125,18 @@ fn parameter_table(found: &Identification) -> Table {
             vec![p.name.to_owned(), p.unit.to_owned(), value, error, interval, truth, deviation]
         })
         .collect();
+    let plant = if found.parameters.iter().any(|p| p.truth.is_some()) {
+        " The plant's own values are known because the rig is simulated."
+    } else {
+        ""
+    };
     let validation = found.mse_validation.map_or(String::new(), |mse| {
         format!(" On the other set, which the fit has not seen, it is {mse:.3e} (N m)².")
     });
     Table {
         title: "Stribeck parameters".to_owned(),
         caption: format!(
-            "Nonlinear least squares over {} points of the first set; mean square residual {:.3e} (N m)².{validation} The plant's own values are known because \
-             the rig is simulated.",
+            "Nonlinear least squares over {} points of the first set; mean square residual {:.3e} (N m)².{validation}{plant}",
             found.fit.points, found.mse_identification
         ),
         columns: ["parameter", "unit", "value", "standard error", "95 % interval", "plant", "deviation"]

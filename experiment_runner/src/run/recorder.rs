@@ -9,9 +9,9 @@ use msgs::topics;
 
 use super::{RunError, RunOptions};
 use crate::bag::{BagError, BagOptions, BagSummary, BagWriter};
-use crate::control_loop::EPOCH_NS;
 use crate::cycle::CycleSample;
 use crate::messages::{CycleTopics, EncodedCycle};
+use crate::rig::RigChoice;
 
 /// Pause between two runs on the bag's time axis [ns]. The shaft is at rest then.
 const PAUSE_NS: u64 = 1_000_000_000;
@@ -23,8 +23,9 @@ pub(super) struct Timeline {
 }
 
 impl Timeline {
-    pub const fn new() -> Self {
-        Self { next_ns: EPOCH_NS }
+    /// Times from `epoch` on [ns since the Unix epoch].
+    pub const fn from(epoch: u64) -> Self {
+        Self { next_ns: epoch }
     }
 
     /// Start of a run of `seconds` [ns since the Unix epoch].
@@ -79,7 +80,14 @@ impl Recorder {
             ("program".to_owned(), format!("frictionlab {}", env!("CARGO_PKG_VERSION"))),
             ("experiment".to_owned(), options.experiment.as_str().to_owned()),
             ("seed".to_owned(), options.seed.to_string()),
-            ("epoch".to_owned(), "2017-11-01T00:00:00Z, fixed for offline runs".to_owned()),
+            ("rig".to_owned(), options.rig.to_string()),
+            (
+                "epoch".to_owned(),
+                match options.rig {
+                    RigChoice::Simulated => "2017-11-01T00:00:00Z, fixed for offline runs".to_owned(),
+                    _ => "the clock of this machine".to_owned(),
+                },
+            ),
             ("recorded".to_owned(), options.record.describe().to_owned()),
         ]);
         bag.metadata("frictionlab", about)?;

@@ -28,6 +28,9 @@ pub struct RunResults {
     pub program_version: &'static str,
     /// Whether it came to its end.
     pub status: Status,
+    /// Why a real rig ended it early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ended: Option<String>,
     /// What was asked for.
     pub options: RunOptions,
     /// Points at constant velocity.

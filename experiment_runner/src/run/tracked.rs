@@ -3,7 +3,7 @@
 use controller::ControlMode;
 use friction_model::ModelName;
 
-use super::execute::Bench;
+use super::bench::Bench;
 use super::options::stream_seed;
 use super::recorder::{Kept, Recorder, Timeline};
 use super::results::{Comparison, TaskComparison};
@@ -11,7 +11,7 @@ use super::trace::Trace;
 use super::{Compensators, Experiment, RunError, RunOptions};
 use crate::compensation::Arm;
 use crate::protocol::TrackingProtocol;
-use crate::sequencer::{Completion, run_in_order};
+use crate::sequencer::Completion;
 use crate::tracking::{TrackingJob, TrackingRun};
 
 /// One task of a run.
@@ -107,8 +107,9 @@ impl Bench<'_> {
             let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
             let model = models.get(job.arm.model().unwrap_or(ModelName::Proposed));
             let bed = self.options.test_bed.with_inverse(protocol.inverse);
-            let control =
-                bed.control_loop(protocol.mode, protocol.reference, &model, job.arm.means(), seed, start_ns)?;
+            let task = (protocol.mode, protocol.reference);
+            let control = self.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
+            let start_ns = control.start_ns();
             let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();
             let run = job.run(protocol, control, |sample| {
@@ -117,29 +118,23 @@ impl Bench<'_> {
                     trace.add(sample);
                 }
             })?;
-            Ok::<_, RunError>((run, kept, trace))
+            Ok::<_, RunError>((start_ns, run, kept, trace))
         };
         let total = jobs.len() as f64;
         let mut runs: Vec<TrackingRun> = Vec::with_capacity(jobs.len());
         let mut traces = Vec::new();
-        let completion = run_in_order(
-            &jobs,
-            self.options.workers,
-            self.cancel,
-            work,
-            |(start_ns, job), (run, kept, trace)| {
-                let stage = format!("compensation {}", job.arm);
-                if job.repetition == 0 {
-                    self.progress.stage(format!("{name}: {}", job.arm));
-                    recorder.status(*start_ns, name, &stage, runs.len() as f64 / total)?;
-                    traces.push((job.arm, trace));
-                }
-                recorder.write(kept)?;
-                self.progress.advance(protocol.duration);
-                runs.push(run);
-                Ok(())
-            },
-        )?;
+        let completion = self.in_order(&jobs, work, |(_, job), (start_ns, run, kept, trace)| {
+            let stage = format!("compensation {}", job.arm);
+            if job.repetition == 0 {
+                self.progress.stage(format!("{name}: {}", job.arm));
+                recorder.status(start_ns, name, &stage, runs.len() as f64 / total)?;
+                traces.push((job.arm, trace));
+            }
+            recorder.write(kept)?;
+            self.progress.advance(protocol.duration);
+            runs.push(run);
+            Ok(())
+        })?;
         recorder.flush()?;
         Ok(Tracked { runs, traces, completion })
     }

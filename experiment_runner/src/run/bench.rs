@@ -1,0 +1,175 @@
+//! What all experiments of a run share: the rig they drive, simulated or real, and what ends them early.
+
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use controller::ControlMode;
+use friction_ident::TorqueSource;
+use friction_model::{AnyModel, ModelName};
+use rig_driver::RigError;
+
+use super::{RunError, RunOptions};
+use crate::compensation::{Arm, Means};
+use crate::control_loop::ControlLoop;
+use crate::profile::Excitation;
+use crate::progress::Progress;
+use crate::protocol::Kind;
+use crate::rig::{BenchRig, RigChoice, SensorsPresent};
+use crate::sequencer::{Completion, run_in_order};
+use crate::test_bed::TestBed;
+use crate::waveform::Waveform;
+
+/// What all experiments of a run share.
+pub(super) struct Bench<'a> {
+    pub(super) options: &'a RunOptions,
+    /// The real rig; none for the simulated one, which every run has for itself.
+    rig: Option<BenchRig>,
+    pub(super) progress: &'a Progress,
+    pub(super) cancel: &'a AtomicBool,
+    /// Why the rig ended the run.
+    ended: Mutex<Option<String>>,
+}
+
+/// Opens the real rig, if one was chosen. The options that come back have its period and voltage limit.
+///
+/// # Errors
+/// [`RunError::Setup`] if it does not open; [`RunError::NoSensor`] if it lacks what the experiments read.
+pub(super) fn open(
+    options: &RunOptions,
+    progress: &Progress,
+    cancel: &Arc<AtomicBool>,
+) -> Result<(Option<BenchRig>, RunOptions), RunError> {
+    let mut options = options.clone();
+    if options.rig == RigChoice::Simulated {
+        return Ok((None, options));
+    }
+    let opened = options.rig.open(options.test_bed.friction, options.seed, None, options.calibration)?;
+    require_sensors(&options, opened.sensors)?;
+    opened.about.iter().for_each(|about| progress.line(about));
+    let rig = BenchRig::new(opened, Arc::clone(cancel))?;
+    let simulation = &mut options.test_bed.simulation;
+    simulation.period = rig.period();
+    simulation.voltage_limit = simulation.voltage_limit.min(rig.voltage_limit());
+    Ok((Some(rig), options))
+}
+
+fn require_sensors(options: &RunOptions, sensors: SensorsPresent) -> Result<(), RunError> {
+    let experiment = options.experiment;
+    let of_torque = [Kind::VaryingVelocity, Kind::PreSliding, Kind::BreakawayRate, Kind::Sequence];
+    if !(experiment.identifies() || of_torque.into_iter().any(|kind| experiment.includes(kind))) {
+        return Ok(());
+    }
+    match options.torque.source {
+        TorqueSource::Sensor if !sensors.torque => Err(RunError::NoSensor {
+            sensor: "torque sensor",
+            instead: if sensors.current { "current (or voltage)" } else { "voltage" },
+        }),
+        TorqueSource::Current if !sensors.current => {
+            Err(RunError::NoSensor { sensor: "measurement of the motor current", instead: "voltage" })
+        }
+        _ => Ok(()),
+    }
+}
+
+impl<'a> Bench<'a> {
+    /// The bench of a run.
+    pub fn new(
+        options: &'a RunOptions,
+        rig: Option<BenchRig>,
+        progress: &'a Progress,
+        cancel: &'a AtomicBool,
+    ) -> Self {
+        Self { options, rig, progress, cancel, ended: Mutex::default() }
+    }
+
+    /// Puts every loop together once, so that a parameter out of range is told before anything is written.
+    pub fn check(options: &RunOptions) -> Result<(), RunError> {
+        let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
+        for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
+            let bed = options.test_bed.with_inverse(protocol.inverse);
+            for arm in Arm::all(&options.means, &options.models) {
+                let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
+                bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
+            }
+            bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
+        }
+        Ok(())
+    }
+
+    /// The time at which a run starts: now on a real rig, else `planned` [ns since the Unix epoch].
+    pub fn now_or(&self, planned: u64) -> u64 {
+        let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
+        self.rig.as_ref().map_or(planned, |_| now())
+    }
+
+    /// A loop around the rig that is at rest, following `task`. `planned` is seed and start of a simulated one.
+    ///
+    /// # Errors
+    /// [`RunError`] names the parameter that is out of range, or says why the real rig may not move.
+    pub fn control_loop(
+        &self,
+        bed: &TestBed,
+        (mode, reference): (ControlMode, Waveform),
+        observer: &AnyModel,
+        means: Option<Means>,
+        (seed, start_ns): (u64, u64),
+    ) -> Result<ControlLoop, RunError> {
+        Ok(match &self.rig {
+            None => bed.control_loop(mode, reference, observer, means, seed, start_ns)?,
+            Some(rig) => {
+                let rig = rig.lend()?;
+                bed.loop_around(rig, mode, reference, observer, means, self.now_or(start_ns))?
+            }
+        })
+    }
+
+    /// The same, driven by `excitation`; nothing compensates. With `feed_forward` the reference also goes through the inverse of the drive.
+    ///
+    /// # Errors
+    /// As for [`control_loop`](Self::control_loop).
+    pub fn excited_loop(
+        &self,
+        excitation: Excitation,
+        feed_forward: bool,
+        planned: (u64, u64),
+    ) -> Result<ControlLoop, RunError> {
+        // Nothing compensates here: the observer only keeps the recorder's topics alike.
+        let observer = self.options.compensators.get(ModelName::Proposed);
+        let bed = self.options.test_bed.fed_forward(feed_forward);
+        let unused = Waveform::ConstantVelocity { velocity: 0.0 };
+        let control = self.control_loop(&bed, (excitation.mode(), unused), &observer, None, planned)?;
+        Ok(control.excited(excitation))
+    }
+
+    /// Does the jobs, on all cores where the rig is simulated and one after the other on a real one, and delivers what comes of them in order. A real rig that fails or is
+    /// stopped cancels the rest; [`end`](Self::end) says why.
+    ///
+    /// # Errors
+    /// The first error in the order of the jobs.
+    pub fn in_order<J: Sync, R: Send>(
+        &self,
+        jobs: &[J],
+        work: impl Fn(&J) -> Result<R, RunError> + Sync,
+        mut deliver: impl FnMut(&J, R) -> Result<(), RunError>,
+    ) -> Result<Completion, RunError> {
+        let workers = if self.rig.is_some() { 1 } else { self.options.workers };
+        let mut delivered = 0;
+        let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
+            delivered += 1;
+            deliver(job, result)
+        });
+        let Err(error) = completion else { return completion };
+        let Some(said) = error.of_rig().filter(|_| self.rig.is_some()) else { return Err(error) };
+        if *said != RigError::Stopped {
+            let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+            ended.get_or_insert_with(|| error.to_string());
+        }
+        Ok(Completion::Cancelled { delivered })
+    }
+
+    /// Lets the rig go, at zero volts, and says why it ended the run, if it did.
+    pub fn end(self) -> Option<String> {
+        self.ended.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}

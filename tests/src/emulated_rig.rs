@@ -1,0 +1,85 @@
+//! The emulated rig on a pseudo-terminal, for tests that drive it.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The emulator, its port, and a folder for the results.
+pub struct EmulatedRig {
+    process: Child,
+    orders: Option<ChildStdin>,
+    folder: TempDir,
+}
+
+impl EmulatedRig {
+    /// Starts the emulator with `arguments` and waits for its port.
+    ///
+    /// # Panics
+    /// If it does not start.
+    #[must_use]
+    pub fn start(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut process = crate::rig_emulator()
+            .args(["--until-eof", "--link"])
+            .arg(folder.path().join("port"))
+            .arg("--summary")
+            .arg(folder.path().join("summary.json"))
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the emulator starts");
+        let mut ready = String::new();
+        let mut out = BufReader::new(process.stdout.take().expect("its output"));
+        out.read_line(&mut ready).expect("its first line");
+        assert!(ready.starts_with("ready "), "{ready}");
+        let orders = process.stdin.take();
+        Self { process, orders, folder }
+    }
+
+    /// A folder that lives as long as the emulator.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The option that chooses this rig.
+    #[must_use]
+    pub fn choice(&self) -> String {
+        format!("--rig=serial:{}", self.folder.path().join("port").display())
+    }
+
+    /// Gives the emulator an order.
+    ///
+    /// # Panics
+    /// If it does not listen any more.
+    pub fn order(&mut self, order: &str) {
+        writeln!(self.orders.as_mut().expect("its input"), "{order}").expect("the emulator listens");
+    }
+
+    /// Ends the emulator. Returns its books, in which nothing was driven that should not have been.
+    ///
+    /// # Panics
+    /// If something was.
+    #[must_use]
+    pub fn finish(mut self) -> Value {
+        drop(self.orders.take());
+        assert!(self.process.wait().expect("it ends").success());
+        let text = std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");
+        let summary: Value = serde_json::from_str(&text).expect("JSON");
+        let books = &summary["books"];
+        assert_eq!(books["driven_without_permission"], 0, "{summary}");
+        let limit = summary["validity_limit_cycles"].as_u64().expect("a limit");
+        assert!(books["longest_drive_after_a_command"].as_u64().expect("a number") <= limit, "{summary}");
+        summary
+    }
+}
+
+/// Everything a program printed.
+#[must_use]
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}

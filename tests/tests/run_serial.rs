@@ -1,0 +1,125 @@
+//! `frictionlab run` against the emulated rig on a pseudo-terminal: experiments on a real rig, in real time.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+use tests::emulated_rig::{EmulatedRig, said};
+
+/// Experiment 1 in ten seconds.
+const PROTOCOL: &str = "experiment: constant-velocity
+velocities:
+  - {from: 0.5 rad/s, to: 2 rad/s, points: 4}
+duration: 2 s
+drop_first: 1 s
+drop_last: 0.1 s
+repetitions: 1
+sets: 1
+";
+
+fn run(rig: &str, folder: &Path, arguments: &[&str]) -> Command {
+    let protocol = folder.join("protocol.yaml");
+    std::fs::write(&protocol, PROTOCOL).expect("a protocol");
+    let mut command = tests::frictionlab();
+    command.arg("run").arg("--protocol").arg(protocol).args(arguments).stdin(Stdio::null());
+    if !rig.is_empty() {
+        command.arg(rig);
+    }
+    command
+}
+
+/// The points that were measured: velocity and torque.
+fn points(folder: &Path) -> Vec<(f64, f64)> {
+    let text = std::fs::read_to_string(folder.join("run.json")).expect("run.json");
+    let results: Value = serde_json::from_str(&text).expect("JSON");
+    let number = |point: &Value, name: &str| point[name].as_f64().expect("a number");
+    let points = results["constant_velocity"].as_array().expect("points");
+    points.iter().map(|point| (number(point, "velocity"), number(point, "torque"))).collect()
+}
+
+#[test]
+fn an_experiment_on_the_device_measures_what_it_measures_offline() {
+    let rig = EmulatedRig::start(&[]);
+    let (real, offline) = (rig.folder().join("real"), rig.folder().join("offline"));
+    for (choice, out) in [(rig.choice(), &real), (String::new(), &offline)] {
+        let out = format!("--out={}", out.display());
+        let output = run(&choice, rig.folder(), &[&out]).output().expect("it runs");
+        assert!(output.status.success(), "{}", said(&output));
+    }
+    let (real_points, offline_points) = (points(&real), points(&offline));
+    assert_eq!((real_points.len(), offline_points.len()), (4, 4));
+    for (real, offline) in real_points.iter().zip(&offline_points) {
+        // The mean of .9 s; the encoder's slope is good to a count over that time.
+        assert!((real.0 - offline.0).abs() < 5e-3, "{real:?}, offline {offline:?}");
+        assert!((real.1 - offline.1).abs() < 1e-3, "{real:?}, offline {offline:?}");
+    }
+    assert!(real.join("bag/metadata.yaml").is_file());
+    let report = std::fs::read_to_string(real.join("report.html")).expect("a report");
+    assert!(report.contains("rig serial:") && !report.contains("the rig is simulated"));
+    let summary = rig.finish();
+    assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+    assert!(summary["books"]["driven"].as_u64().expect("a number") > 4 * 1900, "{summary}");
+}
+
+#[test]
+fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_measured() {
+    let mut rig = EmulatedRig::start(&[]);
+    let out = rig.folder().join("real");
+    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    // Each point takes a second of rest and two of motion.
+    sleep(Duration::from_secs(8));
+    rig.order("unplug 100000");
+    let output = child.wait_with_output().expect("it ends");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("the rig ended the run") && text.contains("is gone"), "{text}");
+    assert!(!points(&out).is_empty() && points(&out).len() < 4, "{:?}", points(&out));
+    assert!(out.join("bag/metadata.yaml").is_file());
+    assert_eq!(rig.finish()["voltage"], 0);
+}
+
+#[test]
+fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
+    let rig = EmulatedRig::start(&[]);
+    let out = rig.folder().join("real");
+    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    sleep(Duration::from_secs(5));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(killed.success());
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+    assert!(points(&out).len() < 3);
+    let summary = rig.finish();
+    assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+}
+
+#[test]
+fn what_a_device_cannot_measure_is_told_before_anything_moves() {
+    let rig = EmulatedRig::start(&["--without", "torque", "--without", "current"]);
+    for (source, mend) in [("sensor", "--torque-source voltage"), ("current", "--torque-source voltage")] {
+        let out = rig.folder().join(source);
+        let output = run(
+            &rig.choice(),
+            rig.folder(),
+            &[&format!("--out={}", out.display()), "--torque-source", source],
+        )
+        .output()
+        .expect("it runs");
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(mend), "{text}");
+        assert!(!out.exists());
+    }
+    let summary = rig.finish();
+    assert_eq!(summary["books"]["driven"], 0, "{summary}");
+}
