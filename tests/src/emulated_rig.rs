@@ -64,7 +64,6 @@ impl EmulatedRig {
     ///
     /// # Panics
     /// If something was.
-    #[must_use]
     pub fn finish(mut self) -> Value {
         drop(self.orders.take());
         assert!(self.process.wait().expect("it ends").success());
