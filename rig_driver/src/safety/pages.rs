@@ -1,4 +1,4 @@
-//! The tables as Markdown, for `docs/safety.md`.
+//! The tables as Markdown, for `docs/safety.md` and the README.
 
 use std::fmt::Write;
 
@@ -65,26 +65,31 @@ pub fn fault_table() -> String {
 mod tests {
     use super::*;
 
-    /// Both stand in the documentation as they are made here; `UPDATE_DOCS=1` writes them anew.
+    /// They stand in the documentation as they are made here; `UPDATE_DOCS=1` writes them anew.
     #[test]
     fn the_documentation_shows_the_tables_of_the_code() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/safety.md");
-        let mut page = std::fs::read_to_string(&path).expect("docs/safety.md is part of the project");
+        let made =
+            [("states", state_diagram()), ("transitions", transition_table()), ("faults", fault_table())];
+        hold("docs/safety.md", &made);
+        hold("README.md", &made[2..]);
+    }
+
+    fn hold(page: &str, tables: &[(&str, String)]) {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(page);
+        let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
         let update = std::env::var_os("UPDATE_DOCS").is_some();
-        for (name, made) in
-            [("states", state_diagram()), ("transitions", transition_table()), ("faults", fault_table())]
-        {
+        for (name, made) in tables {
             let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
-            let from = page.find(&begin).expect("the page marks where the table begins") + begin.len();
-            let to = page.find(&end).expect("the page marks where the table ends");
+            let from = text.find(&begin).expect("the page marks where the table begins") + begin.len();
+            let to = text.find(&end).expect("the page marks where the table ends");
             if update {
-                page.replace_range(from..to, &made);
+                text.replace_range(from..to, made);
             } else {
-                assert_eq!(&page[from..to], made, "{name}: run the test with UPDATE_DOCS=1");
+                assert_eq!(&text[from..to], made, "{page}, {name}: run the test with UPDATE_DOCS=1");
             }
         }
         if update {
-            std::fs::write(&path, page).expect("the page can be written");
+            std::fs::write(&path, text).expect("the page can be written");
         }
     }
 }
