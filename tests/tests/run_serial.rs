@@ -8,11 +8,11 @@ use std::time::Duration;
 use serde_json::Value;
 use tests::emulated_rig::{EmulatedRig, said};
 
-/// Experiment 1 in ten seconds.
+/// Experiment 1 in twenty seconds.
 const PROTOCOL: &str = "experiment: constant-velocity
 velocities:
-  - {from: 0.5 rad/s, to: 2 rad/s, points: 4}
-duration: 2 s
+  - {from: 0.3 rad/s, to: 3 rad/s, points: 8}
+duration: 1.7 s
 drop_first: 1 s
 drop_last: 0.1 s
 repetitions: 1
@@ -49,9 +49,9 @@ fn an_experiment_on_the_device_measures_what_it_measures_offline() {
         assert!(output.status.success(), "{}", said(&output));
     }
     let (real_points, offline_points) = (points(&real), points(&offline));
-    assert_eq!((real_points.len(), offline_points.len()), (4, 4));
+    assert_eq!((real_points.len(), offline_points.len()), (8, 8));
     for (real, offline) in real_points.iter().zip(&offline_points) {
-        // The mean of .9 s; the encoder's slope is good to a count over that time.
+        // The mean of .6 s; the encoder's slope is good to a count over that time.
         assert!((real.0 - offline.0).abs() < 5e-3, "{real:?}, offline {offline:?}");
         assert!((real.1 - offline.1).abs() < 1e-3, "{real:?}, offline {offline:?}");
     }
@@ -60,7 +60,7 @@ fn an_experiment_on_the_device_measures_what_it_measures_offline() {
     assert!(report.contains("rig serial:") && !report.contains("the rig is simulated"));
     let summary = rig.finish();
     assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
-    assert!(summary["books"]["driven"].as_u64().expect("a number") > 4 * 1900, "{summary}");
+    assert!(summary["books"]["driven"].as_u64().expect("a number") > 8 * 1600, "{summary}");
 }
 
 #[test]
@@ -78,8 +78,8 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
     let output = child.wait_with_output().expect("it ends");
     let text = said(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
-    assert!(text.contains("the rig ended the run") && text.contains("is gone"), "{text}");
-    assert!(!points(&out).is_empty() && points(&out).len() < 4, "{:?}", points(&out));
+    assert!(text.contains("the run ended early") && text.contains("is gone"), "{text}");
+    assert!(!points(&out).is_empty() && points(&out).len() < 8, "{:?}", points(&out));
     assert!(out.join("bag/metadata.yaml").is_file());
     assert_eq!(rig.finish()["voltage"], 0);
 }
@@ -98,9 +98,24 @@ fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
     assert!(killed.success());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
-    assert!(points(&out).len() < 3);
+    assert!(points(&out).len() < 4);
     let summary = rig.finish();
     assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+}
+
+#[test]
+fn points_that_no_curve_fits_are_kept_all_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("few");
+    let mut command = run("", folder.path(), &[&format!("--out={}", out.display())]);
+    std::fs::write(folder.path().join("protocol.yaml"), PROTOCOL.replace("points: 8", "points: 4"))
+        .expect("a protocol");
+    let output = command.output().expect("it runs");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(text.matches("at least 8 samples").count(), 1, "{text}");
+    assert_eq!(points(&out).len(), 4);
+    assert!(out.join("bag/metadata.yaml").is_file() && out.join("report.html").is_file());
 }
 
 #[test]

@@ -174,7 +174,7 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     }
     if let Some(why) = &outcome.results.ended {
         anyhow::bail!(
-            "the rig ended the run: {why}; the bag in {} is whole as far as it goes, and so is the report",
+            "the run ended early: {why}; the bag in {} is whole as far as it goes, and so is the report",
             outcome.folder.join("bag").display()
         );
     }

@@ -45,7 +45,7 @@ pub enum RunError {
     Output(#[from] OutputError),
     /// The steady points give no Stribeck curve.
     #[error("no Stribeck curve fits the points of this run: {0}")]
-    Identification(#[from] IdentError),
+    Identification(IdentError),
     /// The friction torque cannot be worked out of a run.
     #[error("no friction torque from this run: {0}")]
     Torque(IdentError),

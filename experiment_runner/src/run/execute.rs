@@ -81,6 +81,7 @@ pub fn execute(
     let mut steady = Vec::new();
     let mut identification = None;
     let mut going = true;
+    let mut unfit = None;
     if options.experiment.identifies() {
         let (runs, completion) = bench.constant_velocity(&mut recorder, &mut timeline)?;
         rig_seconds += options.constant_velocity.duration * runs.len() as f64;
@@ -88,9 +89,17 @@ pub fn execute(
         going = note(completion);
         if going {
             progress.stage("identify");
-            let found = identify(options, &steady)?;
-            models = models.with_static(&found.fit.parameters)?;
-            identification = Some(found);
+            match identify(options, &steady) {
+                Ok(found) => {
+                    models = models.with_static(&found.fit.parameters)?;
+                    identification = Some(found);
+                }
+                // Hours of measuring are not thrown away because no curve fits.
+                Err(error) => {
+                    going = false;
+                    unfit = Some(error.to_string());
+                }
+            }
         }
     }
 
@@ -131,7 +140,7 @@ pub fn execute(
     }
 
     // The rig is let go before the report is written.
-    let ended = bench.end();
+    let ended = bench.end().or(unfit);
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let parameters = parameter_file::render(options, &models, chosen)?;
@@ -144,7 +153,7 @@ pub fn execute(
     }
     let results = RunResults {
         program_version: env!("CARGO_PKG_VERSION"),
-        status,
+        status: if ended.is_some() { Status::Interrupted } else { status },
         ended,
         options: options.clone(),
         constant_velocity: steady,
@@ -206,7 +215,7 @@ fn require_empty(folder: &Path) -> Result<(), RunError> {
 /// Fits the Stribeck curve to the first set and tries it on the others.
 fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification, RunError> {
     let points: Vec<_> = steady.iter().filter(|run| run.set == 0).map(SteadyRun::point).collect();
-    let fit = fit_stribeck(&points, &StribeckOptions::default())?;
+    let fit = fit_stribeck(&points, &StribeckOptions::default()).map_err(RunError::Identification)?;
     let squares: Vec<f64> = steady
         .iter()
         .filter(|run| run.set != 0)

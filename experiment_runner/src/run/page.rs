@@ -23,7 +23,7 @@ pub(super) fn build(
     let mut blocks = vec![summary(results)];
     if results.status == Status::Interrupted {
         let why = results.ended.as_ref().map_or("This run was stopped before its end.".to_owned(), |why| {
-            format!("The rig ended this run before its end: {why}.")
+            format!("This run ended early: {why}.")
         });
         let note = format!("{why} What is shown is whole; what is missing was not measured.");
         blocks.push(Block::Note(note));

@@ -28,7 +28,7 @@ pub struct RunResults {
     pub program_version: &'static str,
     /// Whether it came to its end.
     pub status: Status,
-    /// Why a real rig ended it early.
+    /// Why it ended early: what a real rig said, or why no curve fits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<String>,
     /// What was asked for.
