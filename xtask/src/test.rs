@@ -33,16 +33,15 @@ impl Test {
         prepare_python();
 
         let (tier, cases) = CASES[usize::from(self.full)];
+        // The program is built with the features of the whole workspace, so that the tests use it as it is instead of building it once more.
         cargo(root, &["build", "--workspace", "--locked"], &[])?;
         let built = |name: &str| {
-            // The programs are built with the features of the whole workspace, so that the tests use them as they are instead of building them once more.
-        let built = |name: &str| {
             let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
-            program.to_str().map(str::to_owned).context("the target folder's path must be text")
+            program.into_os_string().into_string().ok().context("the target folder's path must be text")
         };
-        let (frictionlab, emulator) = (built("frictionlab")?, built("rig_emulator")?);
+        let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
         let mut environment = vec![
-            ("FRICTIONLAB_BIN", frictionlab.as_str()),
+            ("FRICTIONLAB_BIN", program.as_str()),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
             ("PROPTEST_CASES", cases),
         ];
