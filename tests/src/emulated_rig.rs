@@ -65,6 +65,8 @@ impl EmulatedRig {
     /// # Panics
     /// If something was.
     pub fn finish(mut self) -> Value {
+        // The driver's last words are on the line; the device reads them in its next cycle, which a loaded machine may have to wait for.
+        std::thread::sleep(std::time::Duration::from_millis(200));
         drop(self.orders.take());
         assert!(self.process.wait().expect("it ends").success());
         let text = std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");
