@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, ChildStdin, Output, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Output, Stdio};
+use std::time::Duration;
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -11,6 +12,7 @@ use tempfile::TempDir;
 pub struct EmulatedRig {
     process: Child,
     orders: Option<ChildStdin>,
+    answers: BufReader<ChildStdout>,
     folder: TempDir,
 }
 
@@ -33,11 +35,11 @@ impl EmulatedRig {
             .spawn()
             .expect("the emulator starts");
         let mut ready = String::new();
-        let mut out = BufReader::new(process.stdout.take().expect("its output"));
-        out.read_line(&mut ready).expect("its first line");
+        let mut answers = BufReader::new(process.stdout.take().expect("its output"));
+        answers.read_line(&mut ready).expect("its first line");
         assert!(ready.starts_with("ready "), "{ready}");
         let orders = process.stdin.take();
-        Self { process, orders, folder }
+        Self { process, orders, answers, folder }
     }
 
     /// A folder that lives as long as the emulator.
@@ -60,13 +62,32 @@ impl EmulatedRig {
         writeln!(self.orders.as_mut().expect("its input"), "{order}").expect("the emulator listens");
     }
 
+    /// Waits until one of the device's books says at least `least`: `cycles` it has gone through, `driven` of them with volts.
+    ///
+    /// # Panics
+    /// If the emulator does not answer.
+    pub fn wait_for(&mut self, book: &str, least: u64) {
+        while self.book(book) < least {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn book(&mut self, book: &str) -> u64 {
+        self.order("status");
+        let mut line = String::new();
+        self.answers.read_line(&mut line).expect("an answer");
+        let status: Value = serde_json::from_str(&line).expect("JSON");
+        status["books"][book].as_u64().expect("a number")
+    }
+
     /// Ends the emulator. Returns its books, in which nothing was driven that should not have been.
     ///
     /// # Panics
     /// If something was.
     pub fn finish(mut self) -> Value {
-        // The driver's last words are on the line; the device reads them in its next cycle, which a loaded machine may have to wait for.
-        std::thread::sleep(std::time::Duration::from_millis(200));
+        // The driver's last words are on the line; the device reads them in its next cycle.
+        let cycles = self.book("cycles");
+        self.wait_for("cycles", cycles + 5);
         drop(self.orders.take());
         assert!(self.process.wait().expect("it ends").success());
         let text = std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");

@@ -2,8 +2,6 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
 
 use serde_json::Value;
 use tests::emulated_rig::{EmulatedRig, said};
@@ -72,8 +70,8 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
-    // Each point takes a second of rest and two of motion.
-    sleep(Duration::from_secs(8));
+    // In the third point: each is driven for 1700 cycles.
+    rig.wait_for("driven", 2 * 1700 + 500);
     rig.order("unplug 100000");
     let output = child.wait_with_output().expect("it ends");
     let text = said(&output);
@@ -86,14 +84,15 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
 
 #[test]
 fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
-    let rig = EmulatedRig::start(&[]);
+    let mut rig = EmulatedRig::start(&[]);
     let out = rig.folder().join("real");
     let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
-    sleep(Duration::from_secs(5));
+    // In the second point.
+    rig.wait_for("driven", 1700 + 500);
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());
     let output = child.wait_with_output().expect("it ends");

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use friction_ident::drive::Calibration;
 use rig_driver::DriveParameters;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::Identified;
 use crate::identify::parameters::number;
@@ -47,24 +48,35 @@ impl DriveConstants {
     /// # Errors
     /// A sentence about what is wrong in the text.
     pub fn read(text: &str) -> Result<Self, String> {
-        #[derive(Deserialize)]
-        struct Node {
-            #[serde(rename = "ros__parameters")]
-            parameters: serde_json::Value,
-        }
-        let tree: BTreeMap<String, Node> = serde_saphyr::from_str(text)
-            .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
-        let node = tree
-            .iter()
-            .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
-            .map(|(_, node)| &node.parameters)
-            .ok_or("there is no node `rig_driver` in it; identify-drive writes one where the motor's constants or a torque sensor tell them")?;
-        let drive = node.get("drive").ok_or("`rig_driver` has no `drive` in it")?;
-        let parameters: DriveParameters =
-            serde_json::from_value(drive.clone()).map_err(|e| format!("in `drive`: {e}"))?;
+        let parameters: DriveParameters = of_rig_driver(
+            text,
+            "drive",
+            "identify-drive writes one where the motor's constants or a torque sensor tell them",
+        )?;
         rig_driver::Drive::try_from(parameters).map_err(|e| format!("in `drive`: {e}"))?;
         Ok(Self { parameters })
     }
+}
+
+/// The parameters of `/rig_driver` that stand under `section`; `who` writes such a file.
+///
+/// # Errors
+/// A sentence about what is wrong in the text.
+pub(crate) fn of_rig_driver<T: DeserializeOwned>(text: &str, section: &str, who: &str) -> Result<T, String> {
+    #[derive(Deserialize)]
+    struct Node {
+        #[serde(rename = "ros__parameters")]
+        parameters: serde_json::Value,
+    }
+    let tree: BTreeMap<String, Node> = serde_saphyr::from_str(text)
+        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
+    let node = tree
+        .iter()
+        .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
+        .map(|(_, node)| &node.parameters)
+        .ok_or_else(|| format!("there is no node `rig_driver` in it; {who}"))?;
+    let found = node.get(section).ok_or_else(|| format!("`rig_driver` has no `{section}` in it"))?;
+    serde_json::from_value(found.clone()).map_err(|e| format!("in `{section}`: {e}"))
 }
 
 /// The file as text.

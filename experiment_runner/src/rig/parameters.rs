@@ -1,12 +1,11 @@
 //! `calibration.yaml`: the calibration as a ROS 2 parameter file for `/rig_driver`.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use rig_driver::Calibration;
-use serde::Deserialize;
 
 use super::{Findings, RigChoice};
+use crate::drive::parameters::of_rig_driver;
 use crate::identify::parameters::number;
 
 /// The file as text; standard errors stand in comments.
@@ -22,8 +21,8 @@ pub fn render(found: &Findings, rig: &RigChoice) -> String {
         deadband_forward,
         deadband_backward,
     } = found.calibration();
-    let error =
-        |value: f64, unit: &str| format!("standard error {} {unit}", number(value)).trim_end().to_owned();
+    // Two digits: an error is not known better.
+    let error = |value: f64, unit: &str| format!("standard error {value:.1e} {unit}").trim_end().to_owned();
     let lines: [(&str, String, String); 7] = [
         (
             "encoder_sign",
@@ -82,21 +81,8 @@ pub fn render(found: &Findings, rig: &RigChoice) -> String {
 /// # Errors
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str) -> Result<Calibration, String> {
-    #[derive(Deserialize)]
-    struct Node {
-        #[serde(rename = "ros__parameters")]
-        parameters: serde_json::Value,
-    }
-    let tree: BTreeMap<String, Node> = serde_saphyr::from_str(text)
-        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))?;
-    let node = tree
-        .iter()
-        .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
-        .map(|(_, node)| &node.parameters)
-        .ok_or("there is no node `rig_driver` in it; `frictionlab rig calibrate` writes one")?;
-    let found = node.get("calibration").ok_or("`rig_driver` has no `calibration` in it")?;
     let calibration: Calibration =
-        serde_json::from_value(found.clone()).map_err(|e| format!("in `calibration`: {e}"))?;
+        of_rig_driver(text, "calibration", "`frictionlab rig calibrate` writes one")?;
     calibration.check().map_err(|e| format!("in `calibration`: {e}"))?;
     Ok(calibration)
 }
