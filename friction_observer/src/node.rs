@@ -18,7 +18,7 @@ impl ObserverNode {
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses the node or a publisher.
     pub fn new(participant: &Participant) -> Result<Self, RosNodeError> {
-        let mut node = participant.node("friction_observer")?;
+        let node = participant.node("friction_observer")?;
         Ok(Self { friction_estimate: node.publisher(&topics::FRICTION_ESTIMATE)?, _node: node })
     }
 

@@ -19,7 +19,7 @@ impl RigNode {
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses the node or a publisher.
     pub fn new(participant: &Participant) -> Result<Self, RosNodeError> {
-        let mut node = participant.node("rig_driver")?;
+        let node = participant.node("rig_driver")?;
         Ok(Self {
             joint_states: node.publisher(&topics::JOINT_STATES)?,
             rig_measurement: node.publisher(&topics::RIG_MEASUREMENT)?,
