@@ -82,6 +82,18 @@ impl RosNode {
         &self.clock
     }
 
+    /// What the command line gives for a parameter of this node.
+    #[must_use]
+    pub fn given(&self, parameter: &str) -> Option<crate::ParameterValue> {
+        self.arguments().overrides(&self.identity.qualified()).remove(parameter)
+    }
+
+    /// Names of all parameters that the command line gives to this node.
+    #[must_use]
+    pub fn given_names(&self) -> Vec<String> {
+        self.arguments().overrides(&self.identity.qualified()).into_keys().collect()
+    }
+
     /// What the command line says.
     pub(crate) fn arguments(&self) -> &crate::Arguments {
         &self.shared.arguments
