@@ -1,4 +1,4 @@
-//! The controller as a ROS 2 node: what it decides and why, published.
+//! What the controller decides and why, published.
 
 use msgs::{
     friction_msgs::{self, ControllerState, MotorVoltage},
