@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 pub mod browser;
+pub mod network;
 pub mod python;
 
 /// The built `frictionlab`, ready for arguments.
@@ -33,9 +34,21 @@ pub fn rig_emulator() -> Command {
     program(&PROGRAM, "RIG_EMULATOR_BIN", "rig_emulator", "rig_emulator")
 }
 
+/// The built program of a node, which has the name of its package; found as [`frictionlab`] is, in the folder `$FRICTION_NODES` where that is set.
+///
+/// # Panics
+/// As [`frictionlab`].
+pub fn node_program(package: &'static str) -> Command {
+    if let Some(folder) = std::env::var_os("FRICTION_NODES") {
+        return Command::new(PathBuf::from(folder).join(package));
+    }
+    let once = OnceLock::new();
+    program(&once, "", package, package)
+}
+
 fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str) -> Command {
     Command::new(found.get_or_init(|| {
-        if let Some(named) = std::env::var_os(variable) {
+        if let Some(named) = Some(variable).filter(|name| !name.is_empty()).and_then(std::env::var_os) {
             let named = PathBuf::from(named);
             assert!(named.is_file(), "{variable} is {}, which is no file", named.display());
             return named;

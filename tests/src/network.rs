@@ -1,0 +1,68 @@
+//! Programs that speak DDS, in a network namespace of their own with loopback only.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::python;
+
+/// Brings loopback up with multicast, then becomes the command.
+const LOOPBACK_ONLY: &str =
+    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+
+/// A command in a network namespace of its own, so that nothing leaves this machine and nothing else is heard; `None`
+/// where the system grants none.
+pub fn namespaced() -> Option<Command> {
+    for flags in [&["-n"][..], &["-r", "-n"]] {
+        let mut command = Command::new("unshare");
+        command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]);
+        let probe = Command::new("unshare")
+            .args(flags)
+            .args(["bash", "-c", LOOPBACK_ONLY, "--", "true"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+        if probe.is_ok_and(|status| status.success()) {
+            return Some(command);
+        }
+    }
+    crate::skip("no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces");
+    None
+}
+
+/// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the JSON it prints; `None` where either cannot
+/// be had. The nodes' programs are given to it as the folder in which they lie.
+///
+/// # Panics
+/// When the script fails or prints something else; the message carries what it said.
+pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
+    let python = python::interpreter("rclpy")?;
+    let mut command = namespaced()?;
+    let folder = node_programs();
+    let logs = tempfile::tempdir().expect("a folder");
+    let output = command
+        .arg(&python)
+        .arg(python::script(script))
+        .arg(&folder)
+        .args(arguments)
+        .env("ROS_DOMAIN_ID", "74")
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_LOG_DIR", logs.path())
+        .output()
+        .expect("unshare starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{script}: {told}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    Some(serde_json::from_str(&text).unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")))
+}
+
+/// The folder with the nodes' own programs, brought up to date.
+fn node_programs() -> PathBuf {
+    let mut folder = None;
+    for package in ["rig_driver", "friction_observer", "controller"] {
+        let program = crate::node_program(package);
+        folder = Path::new(program.get_program()).parent().map(Path::to_owned);
+    }
+    folder.expect("a program lies in a folder")
+}
