@@ -76,11 +76,7 @@ fn fields(text: &str) -> Vec<Field<'_>> {
         })
         .collect();
     if fields.is_empty() {
-        fields.push(Field {
-            name: "structure_needs_at_least_one_member",
-            base: "uint8",
-            sequence: false,
-        });
+        fields.push(Field { name: "structure_needs_at_least_one_member", base: "uint8", sequence: false });
     }
     fields
 }

@@ -43,6 +43,7 @@ pub mod queue;
 pub mod remap;
 mod signals;
 pub mod timing;
+mod turn;
 
 pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
 pub use clock::NodeClock;

@@ -252,7 +252,9 @@ impl RosNode {
                         }
                     }
                     Err(error) => {
-                        logger.warn(&format!("a request to {absolute} was not understood and has no answer: {error:?}"));
+                        logger.warn(&format!(
+                            "a request to {absolute} was not understood and has no answer: {error:?}"
+                        ));
                         // A reader that only ever fails must not take the processor.
                         tokio::time::sleep(Duration::from_millis(10)).await;
                     }

@@ -6,7 +6,7 @@ use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
 use tokio::runtime::{Builder, Runtime};
 
-use crate::{Arguments, Discovery, RosNode, RosNodeError};
+use crate::{Arguments, Discovery, RosNode, RosNodeError, turn::Turn};
 
 /// One process's place on the network, shared by its nodes. It leaves when the last of them and this are dropped.
 pub struct Participant {
@@ -46,6 +46,7 @@ impl Participant {
         if let Some(networks) = discovery.networks() {
             builder = builder.with_only_networks(networks);
         }
+        let _turn = Turn::wait(discovery.domain);
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;

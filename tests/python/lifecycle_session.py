@@ -26,10 +26,10 @@ def main() -> None:
         volts = [0.0]
 
         def command():
-            if seen:
-                voltage.publish(MotorVoltage(header=seen[-1].header, voltage=volts[0]))
+            # A stamp of zero counts as made now.
+            voltage.publish(MotorVoltage(voltage=volts[0]))
 
-        ros.node.create_timer(0.002, command)
+        commands = ros.node.create_timer(0.002, command)
         rig = programs.start("rig_driver", "-p", "autostart:=false", "-p", "safety.command_age:=0.2")
 
         def moved(seconds=0.6):
@@ -98,7 +98,7 @@ def main() -> None:
         # a voltage that is no number
         ros.change(RIG, "configure"), ros.change(RIG, "activate")
         ros.spin(0.2)
-        voltage.publish(MotorVoltage(header=seen[-1].header if seen else MotorVoltage().header, voltage=float("nan")))
+        voltage.publish(MotorVoltage(voltage=float("nan")))
         report["nan"] = moved()
         report["state_nan"] = ros.state(RIG)
         report["clear_nan"] = ros.trigger(f"{RIG}/clear_fault")
@@ -110,8 +110,14 @@ def main() -> None:
             voltage.publish(payload)
         ros.spin(0.3)
         report["after_garbage"] = [ros.state(RIG), moved()]
+        # commands from long ago
+        volts[0] = 0.0
+        ros.spin(0.3)
+        old = MotorVoltage(voltage=5.0)
+        old.header.stamp.sec = 1_000_000_000
+        ros.node.create_timer(0.002, lambda: voltage.publish(old))
+        report["old"] = moved()
         # commands that stop coming
-        volts[0] = 3.0
         timers = list(ros.node.timers)
         for timer in timers:
             timer.cancel()
@@ -130,6 +136,8 @@ def main() -> None:
         report["exit"] = [code, time.monotonic() - started, said]
         report["keep"] = len(keep)
         executor.shutdown()
+        thread.join()
+        real.destroy_node()
         print(json.dumps(report))
 
 

@@ -54,7 +54,10 @@ pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{script}: {told}");
     let text = String::from_utf8_lossy(&output.stdout);
-    Some(serde_json::from_str(&text).unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")))
+    Some(
+        serde_json::from_str(&text)
+            .unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")),
+    )
 }
 
 /// The folder with the nodes' own programs, brought up to date.

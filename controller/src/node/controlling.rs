@@ -89,7 +89,8 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let reset = Arc::clone(&orders);
     node.serve::<Trigger>("~/reset", move |_| {
         let success = locked(&reset).send(Order::Reset);
-        let message = if success { "the controller is at rest" } else { "too many requests at once; try again" };
+        let message =
+            if success { "the controller is at rest" } else { "too many requests at once; try again" };
         TriggerResponse { success, message: message.to_owned() }
     })?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
@@ -130,7 +131,10 @@ impl Counts {
     fn message(&self, stamp_ns: u64, phase: &str, lost: u64) -> DiagnosticArray {
         let unusable = self.unusable.load(Ordering::Relaxed);
         let (level, message) = if self.faulty.load(Ordering::Relaxed) {
-            (DiagnosticStatus::ERROR, "zero volts: the joint states are no numbers; mend them, then call ~/reset".to_owned())
+            (
+                DiagnosticStatus::ERROR,
+                "zero volts: the joint states are no numbers; mend them, then call ~/reset".to_owned(),
+            )
         } else if self.stale.load(Ordering::Relaxed) {
             (DiagnosticStatus::WARN, format!("{phase}; no reference comes"))
         } else if unusable + lost > 0 {
@@ -151,14 +155,21 @@ impl Counts {
                 name: "controller".to_owned(),
                 message,
                 hardware_id: String::new(),
-                values: values.map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() }).into(),
+                values: values
+                    .map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() })
+                    .into(),
             }],
         }
     }
 }
 
 /// Subscribes to what the thread is told.
-fn listen(node: &RosNode, waker: &Waker, orders: Receiver<Order>, counts: &Arc<Counts>) -> Result<Inputs, RosNodeError> {
+fn listen(
+    node: &RosNode,
+    waker: &Waker,
+    orders: Receiver<Order>,
+    counts: &Arc<Counts>,
+) -> Result<Inputs, RosNodeError> {
     let (mut joints, for_joints) = queue(WAITING, waker);
     let (mut frictions, for_frictions) = queue(WAITING, waker);
     let (mut references, for_references) = queue(WAITING, &Waker::default());
@@ -172,7 +183,8 @@ fn listen(node: &RosNode, waker: &Waker, orders: Receiver<Order>, counts: &Arc<C
     let unusable = complain.clone();
     node.subscribe(&topics::JOINT_STATES, move |message| {
         let index = message.name.iter().position(|name| name == JOINT).unwrap_or(0);
-        let (Some(&position), Some(&velocity)) = (message.position.get(index), message.velocity.get(index)) else {
+        let (Some(&position), Some(&velocity)) = (message.position.get(index), message.velocity.get(index))
+        else {
             unusable(&format!("a joint state has no position or no velocity of {JOINT}"));
             return;
         };
@@ -193,7 +205,10 @@ fn listen(node: &RosNode, waker: &Waker, orders: Receiver<Order>, counts: &Arc<C
             velocity: message.velocity,
             acceleration: message.acceleration,
         };
-        if reference.position.is_finite() && reference.velocity.is_finite() && reference.acceleration.is_finite() {
+        if reference.position.is_finite()
+            && reference.velocity.is_finite()
+            && reference.acceleration.is_finite()
+        {
             references.send(reference);
         } else {
             complain("a reference is no number");
@@ -227,12 +242,17 @@ fn publish(
             counts.without_estimate.fetch_add(1, Ordering::Relaxed);
         }
         if counts.stale.swap(stale_reference, Ordering::Relaxed) != stale_reference {
-            logger.info(if stale_reference { "no reference comes: zero velocity" } else { "a reference comes" });
+            logger.info(if stale_reference {
+                "no reference comes: zero velocity"
+            } else {
+                "a reference comes"
+            });
         }
         if let Some(fault) = fault
             && !counts.faulty.swap(true, Ordering::Relaxed)
         {
-            logger.error(&format!("zero volts from now on: {fault}; mend the joint states, then call ~/reset"));
+            logger
+                .error(&format!("zero volts from now on: {fault}; mend the joint states, then call ~/reset"));
         } else if fault.is_none() {
             counts.faulty.store(false, Ordering::Relaxed);
         }

@@ -70,7 +70,11 @@ mod tests {
         assert!(!keeper.is_stale());
         let ramp: Vec<_> = (0..700).map(|_| keeper.next(1e-3)).collect();
         assert!(keeper.is_stale());
-        assert!(ramp.windows(2).all(|pair| (pair[0].velocity - pair[1].velocity - 2e-3).abs() < 1e-9 || pair[1].velocity == 0.0));
+        assert!(
+            ramp.windows(2)
+                .all(|pair| (pair[0].velocity - pair[1].velocity - 2e-3).abs() < 1e-9
+                    || pair[1].velocity == 0.0)
+        );
         let last = ramp[ramp.len() - 1];
         assert_eq!((last.velocity, last.acceleration), (0.0, 0.0));
         // v^2 / (2 a) from where it was.

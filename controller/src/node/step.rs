@@ -52,7 +52,12 @@ pub(super) struct Decided {
 }
 
 /// Controls until the joint states' queue has no other end.
-pub(super) fn control(mut settings: ControlSettings, mut controller: Controller, mut inputs: Inputs, mut out: Sender<Decided>) {
+pub(super) fn control(
+    mut settings: ControlSettings,
+    mut controller: Controller,
+    mut inputs: Inputs,
+    mut out: Sender<Decided>,
+) {
     let period = settings.options.period;
     let mut keeper: Option<ReferenceKeeper> = None;
     let mut friction = Friction::default();
@@ -118,7 +123,8 @@ pub(super) fn control(mut settings: ControlSettings, mut controller: Controller,
         let reference = keeper.next(period);
         let age = joint.stamp_ns.saturating_sub(friction.stamp_ns) as f64 * 1e-9;
         let torque = if age <= settings.estimate_timeout { friction.torque } else { 0.0 };
-        let feedback = Feedback { position: joint.position, velocity: joint.velocity, friction: torque, cycle: None };
+        let feedback =
+            Feedback { position: joint.position, velocity: joint.velocity, friction: torque, cycle: None };
         let command = controller.step(&reference, &feedback);
         out.send(Decided {
             stamp_ns: joint.stamp_ns,

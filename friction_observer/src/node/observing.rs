@@ -55,9 +55,10 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         Ok(())
     })?;
     let Some(settings) = *locked(&first) else { return Ok(()) };
-    let estimator = FrictionEstimator::new(&settings.model, settings.options, settings.dt).map_err(|error| {
-        RosNodeError::Parameters { node: node.identity().qualified(), reason: error.to_string() }
-    })?;
+    let estimator =
+        FrictionEstimator::new(&settings.model, settings.options, settings.dt).map_err(|error| {
+            RosNodeError::Parameters { node: node.identity().qualified(), reason: error.to_string() }
+        })?;
     let counts = Arc::new(Counts::default());
     let inputs = listen(&node, &waker, for_orders, &counts)?;
     let published = Waker::default();
@@ -67,22 +68,36 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let spawn = |error: std::io::Error| RosNodeError::Runtime(error);
     let logger = node.logger().clone();
     // The thread ends with the node's subscriptions, which hold the other ends of its queues.
-    thread::Builder::new().name("observer".into()).spawn(move || {
-        waker.is_this_thread();
-        logger.info(&request_realtime());
-        step::estimate(settings, estimator, inputs, out);
-    }).map_err(spawn)?;
+    thread::Builder::new()
+        .name("observer".into())
+        .spawn(move || {
+            waker.is_this_thread();
+            logger.info(&request_realtime());
+            step::estimate(settings, estimator, inputs, out);
+        })
+        .map_err(spawn)?;
     let counted = Arc::clone(&counts);
-    let publisher = thread::Builder::new().name("publisher".into()).spawn(move || {
-        published.is_this_thread();
-        publish(&publishers, for_publisher, &counted);
-    }).map_err(spawn)?;
+    let publisher = thread::Builder::new()
+        .name("publisher".into())
+        .spawn(move || {
+            published.is_this_thread();
+            publish(&publishers, for_publisher, &counted);
+        })
+        .map_err(spawn)?;
 
     let lifecycle = Lifecycle::start(&node, Box::new(Observing { orders: Arc::clone(&orders) }))?;
     let reset = Arc::clone(&orders);
     node.serve::<Trigger>("~/reset", move |_| {
         let success = locked(&reset).send(Order::Reset);
-        TriggerResponse { success, message: if success { "the estimator is at rest" } else { "too many requests at once; try again" }.to_owned() }
+        TriggerResponse {
+            success,
+            message: if success {
+                "the estimator is at rest"
+            } else {
+                "too many requests at once; try again"
+            }
+            .to_owned(),
+        }
     })?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
     if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
@@ -106,7 +121,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
                 name: "friction_observer".to_owned(),
                 message: lifecycle.phase().label().to_owned(),
                 hardware_id: String::new(),
-                values: values.map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() }).into(),
+                values: values
+                    .map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() })
+                    .into(),
             }],
         });
     }

@@ -22,29 +22,76 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
     let options = EstimatorOptions::default();
     let drive = NominalDrive::SRV02;
     let mut declared = vec![
-        Declaration::text("model", "proposed", "Friction model that estimates").choices(ModelName::ALL.map(ModelName::as_str)),
+        Declaration::text("model", "proposed", "Friction model that estimates")
+            .choices(ModelName::ALL.map(ModelName::as_str)),
         Declaration::text("technique", "feedback", "How the friction is estimated").choices([
-            "feedback", "feedforward", "both", "adaptive", "adaptive_parameters", "adaptive_stiffness",
-            "disturbance_observer", "rbf",
+            "feedback",
+            "feedforward",
+            "both",
+            "adaptive",
+            "adaptive_parameters",
+            "adaptive_stiffness",
+            "disturbance_observer",
+            "rbf",
         ]),
-        Declaration::text("mode", "velocity", "What the controller regulates: the error that is injected is of that")
-            .choices(["velocity", "position"]),
-        Declaration::double("period", 1e-3, "Period of the joint states [s]").range(ValueRange::Double(1e-4, 0.01)).read_only(),
-        Declaration::double("injection", options.injection, "Error injection gain k of the observer on the measured velocity")
-            .range(ValueRange::Double(-1e3, 1e3)),
-        Declaration::double("share", 0.5, "Share of the feedforward estimate in technique both").range(ValueRange::Double(0.0, 1.0)),
-        Declaration::text("velocity_source", "tachometer", "Which velocity the estimator believes").choices([
-            "tachometer", "tachometer_low_pass", "encoder_tracking_loop", "encoder_kalman", "fused",
-        ]),
-        Declaration::double("velocity.time_constant", 0.005, "Time constant of the low-pass filter of the tachometer [s]")
-            .range(ValueRange::Double(1e-5, 1.0)),
-        Declaration::double("velocity.bandwidth", 60.0, "Bandwidth of the encoder's tracking loop [rad/s]").range(ValueRange::Double(1.0, 1e4)),
-        Declaration::double("disturbance_observer.bandwidth", DisturbanceObserverOptions::SRV02.bandwidth, "Bandwidth of the disturbance observer's filter [rad/s]")
-            .range(ValueRange::Double(0.1, 1e4)),
-        Declaration::double("disturbance_observer.limit", DisturbanceObserverOptions::SRV02.limit, "Largest magnitude of its estimate [N m]").range(POSITIVE),
-        Declaration::double("drive.gain", drive.gain, "Velocity gain K that is believed of the drive [rad/s per V]").range(POSITIVE),
-        Declaration::double("drive.time_constant", drive.time_constant, "Time constant T that is believed of the drive [s]").range(POSITIVE),
-        Declaration::double("drive.volts_per_newton_metre", drive.volts_per_newton_metre, "Voltage that overcomes 1 N m of friction [V/(N m)]").range(POSITIVE),
+        Declaration::text(
+            "mode",
+            "velocity",
+            "What the controller regulates: the error that is injected is of that",
+        )
+        .choices(["velocity", "position"]),
+        Declaration::double("period", 1e-3, "Period of the joint states [s]")
+            .range(ValueRange::Double(1e-4, 0.01))
+            .read_only(),
+        Declaration::double(
+            "injection",
+            options.injection,
+            "Error injection gain k of the observer on the measured velocity",
+        )
+        .range(ValueRange::Double(-1e3, 1e3)),
+        Declaration::double("share", 0.5, "Share of the feedforward estimate in technique both")
+            .range(ValueRange::Double(0.0, 1.0)),
+        Declaration::text("velocity_source", "tachometer", "Which velocity the estimator believes").choices(
+            ["tachometer", "tachometer_low_pass", "encoder_tracking_loop", "encoder_kalman", "fused"],
+        ),
+        Declaration::double(
+            "velocity.time_constant",
+            0.005,
+            "Time constant of the low-pass filter of the tachometer [s]",
+        )
+        .range(ValueRange::Double(1e-5, 1.0)),
+        Declaration::double("velocity.bandwidth", 60.0, "Bandwidth of the encoder's tracking loop [rad/s]")
+            .range(ValueRange::Double(1.0, 1e4)),
+        Declaration::double(
+            "disturbance_observer.bandwidth",
+            DisturbanceObserverOptions::SRV02.bandwidth,
+            "Bandwidth of the disturbance observer's filter [rad/s]",
+        )
+        .range(ValueRange::Double(0.1, 1e4)),
+        Declaration::double(
+            "disturbance_observer.limit",
+            DisturbanceObserverOptions::SRV02.limit,
+            "Largest magnitude of its estimate [N m]",
+        )
+        .range(POSITIVE),
+        Declaration::double(
+            "drive.gain",
+            drive.gain,
+            "Velocity gain K that is believed of the drive [rad/s per V]",
+        )
+        .range(POSITIVE),
+        Declaration::double(
+            "drive.time_constant",
+            drive.time_constant,
+            "Time constant T that is believed of the drive [s]",
+        )
+        .range(POSITIVE),
+        Declaration::double(
+            "drive.volts_per_newton_metre",
+            drive.volts_per_newton_metre,
+            "Voltage that overcomes 1 N m of friction [V/(N m)]",
+        )
+        .range(POSITIVE),
         Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
     ];
     for name in ModelName::ALL {
@@ -67,7 +114,9 @@ fn declare_model(name: ModelName, prefix: &str, given: &[String], declared: &mut
         let full = format!("{prefix}.{}", row.name);
         let default = match written.get(row.name) {
             Some(Value::Array(_)) => ParameterValue::DoubleArray(parameters.values(row.name)),
-            Some(Value::Number(number)) if !number.is_f64() => ParameterValue::Integer(number.as_i64().unwrap_or(0)),
+            Some(Value::Number(number)) if !number.is_f64() => {
+                ParameterValue::Integer(number.as_i64().unwrap_or(0))
+            }
             Some(Value::Number(number)) => ParameterValue::Double(number.as_f64().unwrap_or(0.0)),
             _ if given.contains(&full) => ParameterValue::Double(0.0),
             _ => continue,
@@ -214,7 +263,11 @@ mod tests {
 
     fn store(given: &BTreeMap<String, ParameterValue>) -> Result<ParameterStore, (String, String)> {
         let names: Vec<String> = given.keys().cloned().collect();
-        ParameterStore::new(declarations(&names), given, Box::new(|values, _| ObserverSettings::read(values).map(|_| ())))
+        ParameterStore::new(
+            declarations(&names),
+            given,
+            Box::new(|values, _| ObserverSettings::read(values).map(|_| ())),
+        )
     }
 
     #[test]
@@ -255,5 +308,28 @@ mod tests {
         let symmetric = AnyModel::test_bed(ModelName::LuGre);
         assert_eq!(settings.model.steady_state(1.0), symmetric.steady_state(1.0));
         assert!(settings.model.steady_state(-1.0) < symmetric.steady_state(-1.0));
+    }
+
+    /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
+    #[test]
+    fn the_documentation_shows_these_parameters() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ros.md");
+        let mut page = std::fs::read_to_string(&path).expect("docs/ros.md is part of the project");
+        let own: Vec<_> = declarations(&[])
+            .into_iter()
+            .filter(|parameter| {
+                parameter.name().split_once('.').is_none_or(|(model, _)| model.parse::<ModelName>().is_err())
+            })
+            .collect();
+        let made = ros_node::parameters::markdown_table(&own);
+        let (begin, end) = ("<!-- friction_observer -->\n", "<!-- end of friction_observer -->\n");
+        let from = page.find(begin).expect("the page marks where the table begins") + begin.len();
+        let to = page.find(end).expect("the page marks where the table ends");
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            page.replace_range(from..to, &made);
+            std::fs::write(&path, page).expect("the page can be written");
+        } else {
+            assert_eq!(&page[from..to], made, "run the test with UPDATE_DOCS=1");
+        }
     }
 }

@@ -104,7 +104,11 @@ pub(super) fn start(
     })?;
     let priority = told.recv().unwrap_or_default();
     let requests = Mutex::new((requests, for_answers));
-    Ok(Ends { rig: RunningRig { requests, stop, thread: Some(thread), counters, not_published }, commands, priority })
+    Ok(Ends {
+        rig: RunningRig { requests, stop, thread: Some(thread), counters, not_published },
+        commands,
+        priority,
+    })
 }
 
 impl RunningRig {

@@ -16,7 +16,7 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Logger, NodeClock, Participant, ParameterValue, RosNode, RosNodeError, Stop,
+    Logger, NodeClock, ParameterValue, Participant, RosNode, RosNodeError, Stop,
     lifecycle::{CallbackError, Lifecycle, Managed, Phase, Requested},
     parameters::Parameters,
     queue::{Receiver, Sender, Waker, queue},
@@ -207,7 +207,8 @@ impl Axis {
         let waker = Waker::default();
         let (to_publisher, for_publisher) = queue(PUBLISHER_QUEUE, &waker);
         let publisher = {
-            let (publishers, seen, logger) = (Arc::clone(&self.publishers), Arc::clone(&self.seen), self.logger.clone());
+            let (publishers, seen, logger) =
+                (Arc::clone(&self.publishers), Arc::clone(&self.seen), self.logger.clone());
             let publish = move || {
                 waker.is_this_thread();
                 publish(&publishers, for_publisher, &seen, torque, &logger);
@@ -256,7 +257,8 @@ impl Axis {
         if locked(&self.running).is_some() {
             self.ask(Request::EmergencyStop)?;
         }
-        self.logger.error("emergency stop: the motor is at zero volts until ~/clear_fault, configure and activate");
+        self.logger
+            .error("emergency stop: the motor is at zero volts until ~/clear_fault, configure and activate");
         Ok("the motor is at zero volts; clear_fault, configure and activate to go on".to_owned())
     }
 
@@ -310,7 +312,8 @@ impl Axis {
         };
         if let Some(report) = fault {
             let mut told = locked(&self.told);
-            if *told != Some(report) {
+            // By kind and time: what was seen may be no number, which equals nothing.
+            if told.map(|told| (told.fault, told.time)) != Some((report.fault, report.time)) {
                 *told = Some(report);
                 self.logger.error(&format!("the motor is at zero volts: {report}"));
             }
@@ -337,7 +340,10 @@ impl Axis {
         let (level, message) = match (fault, not_published + overruns) {
             (Some(report), _) => (DiagnosticStatus::ERROR, report.to_string()),
             (None, 0) => (DiagnosticStatus::OK, format!("{state}, in time")),
-            (None, _) => (DiagnosticStatus::WARN, format!("{state}; {overruns} cycles were late, {not_published} not published")),
+            (None, _) => (
+                DiagnosticStatus::WARN,
+                format!("{state}; {overruns} cycles were late, {not_published} not published"),
+            ),
         };
         let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
         let microseconds = |key: &str, number: f64| value(key, format!("{number:.1}"));

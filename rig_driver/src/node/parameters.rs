@@ -26,8 +26,12 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         Declaration::double(name, default, description).range(range).constraint(CONFIGURED)
     };
     vec![
-        Declaration::text("rig", "simulated", "Which rig: simulated, serial:PORT[@BAUD], quanser or quanser:CARD")
-            .constraint(CONFIGURED),
+        Declaration::text(
+            "rig",
+            "simulated",
+            "Which rig: simulated, serial:PORT[@BAUD], quanser or quanser:CARD",
+        )
+        .constraint(CONFIGURED),
         Declaration::boolean(
             "autostart",
             rig.is_empty() || rig == "simulated",
@@ -36,36 +40,112 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         .read_only(),
         Declaration::text("torque_source", "sensor", "What the effort in /joint_states is taken from")
             .choices(TorqueSource::ALL.map(|(name, _)| name)),
-        double("torque_filter", 0.01, ValueRange::Double(0.0, 1.0), "Time constant of the filter of a reconstructed torque [s]"),
+        double(
+            "torque_filter",
+            0.01,
+            ValueRange::Double(0.0, 1.0),
+            "Time constant of the filter of a reconstructed torque [s]",
+        ),
         Declaration::text("simulated.model", "proposed", "Friction model of the simulated plant")
             .choices(ModelName::ALL.map(ModelName::as_str)),
         Declaration::integer("simulated.seed", 1, "Seed of the simulated sensors' noise")
             .range(ValueRange::Integer(0, i64::MAX)),
-        Declaration::integer("simulated.substeps", i64::from(simulation.substeps), "Integration steps of the simulated plant a period")
-            .range(ValueRange::Integer(1, 10_000)),
-        double("period", simulation.period, ValueRange::Double(1e-4, 0.01), "Period of the control cycle of a simulated rig [s]; real rigs have their own"),
-        double("voltage_limit", simulation.voltage_limit, ValueRange::Double(0.1, 10.0), "Largest magnitude of the motor voltage [V]"),
+        Declaration::integer(
+            "simulated.substeps",
+            i64::from(simulation.substeps),
+            "Integration steps of the simulated plant a period",
+        )
+        .range(ValueRange::Integer(1, 10_000)),
+        double(
+            "period",
+            simulation.period,
+            ValueRange::Double(1e-4, 0.01),
+            "Period of the control cycle of a simulated rig [s]; real rigs have their own",
+        ),
+        double(
+            "voltage_limit",
+            simulation.voltage_limit,
+            ValueRange::Double(0.1, 10.0),
+            "Largest magnitude of the motor voltage [V]",
+        ),
         double("drive.motor_constant", drive.motor_constant, POSITIVE, "Motor torque constant K_m [N m/A]"),
         double("drive.gear_ratio", drive.gear_ratio, POSITIVE, "Gear ratio A from motor to load"),
-        double("drive.armature_resistance", drive.armature_resistance, POSITIVE, "Armature resistance R_a [ohm]"),
+        double(
+            "drive.armature_resistance",
+            drive.armature_resistance,
+            POSITIVE,
+            "Armature resistance R_a [ohm]",
+        ),
         double("drive.inertia", drive.inertia, POSITIVE, "Inertia at the load side [kg m^2]"),
         double("safety.slew", limits.slew, POSITIVE, "Fastest growth of the voltage's magnitude [V/s]"),
-        double("safety.velocity", 0.0, NON_NEGATIVE, "Largest speed of the shaft [rad/s]; 0 for what fits the rig"),
+        double(
+            "safety.velocity",
+            0.0,
+            NON_NEGATIVE,
+            "Largest speed of the shaft [rad/s]; 0 for what fits the rig",
+        ),
         Declaration::boolean("safety.travel", false, "Whether the travel is limited").constraint(CONFIGURED),
         double("safety.travel_min", -1.0, ValueRange::Any, "Lower end of the travel [rad]"),
         double("safety.travel_max", 1.0, ValueRange::Any, "Upper end of the travel [rad]"),
         double("safety.travel_margin", 0.1, NON_NEGATIVE, "How far beyond an end the shaft may coast [rad]"),
-        double("safety.command_age", limits.command_age, ValueRange::Double(1e-4, 1.0), "Oldest command that still counts [s]"),
-        double("safety.command_lost", limits.command_lost, ValueRange::Double(1e-4, 60.0), "Time without a command that is a fault [s]"),
-        double("safety.cycle_late", limits.cycle_late, ValueRange::Double(1e-4, 60.0), "Longest cycle after which the motor goes on at once [s]"),
-        double("safety.cycle_lost", limits.cycle_lost, ValueRange::Double(1e-4, 60.0), "Longest cycle that is no fault [s]; a simulated rig does not mind"),
-        Declaration::integer("calibration.encoder_sign", 1, "Sign of encoder counts, 1 or -1").range(ValueRange::Integer(-1, 1)),
-        double("calibration.tachometer_gain", unit.tachometer_gain, ValueRange::Any, "True velocity over the tachometer's"),
-        double("calibration.tachometer_zero", unit.tachometer_zero, ValueRange::Any, "Tachometer's reading at rest [rad/s]"),
-        Declaration::integer("calibration.torque_sign", 1, "Sign of the friction torque, 1 or -1").range(ValueRange::Integer(-1, 1)),
-        double("calibration.torque_zero", unit.torque_zero, ValueRange::Any, "Torque sensor's reading without torque [N m]"),
-        double("calibration.deadband_forward", unit.deadband_forward, NON_NEGATIVE, "Lowest voltage that moves the shaft forwards [V]"),
-        double("calibration.deadband_backward", unit.deadband_backward, NON_NEGATIVE, "Lowest magnitude of the voltage that moves it backwards [V]"),
+        double(
+            "safety.command_age",
+            limits.command_age,
+            ValueRange::Double(1e-4, 1.0),
+            "Oldest command that still counts [s]",
+        ),
+        double(
+            "safety.command_lost",
+            limits.command_lost,
+            ValueRange::Double(1e-4, 60.0),
+            "Time without a command that is a fault [s]",
+        ),
+        double(
+            "safety.cycle_late",
+            limits.cycle_late,
+            ValueRange::Double(1e-4, 60.0),
+            "Longest cycle after which the motor goes on at once [s]",
+        ),
+        double(
+            "safety.cycle_lost",
+            limits.cycle_lost,
+            ValueRange::Double(1e-4, 60.0),
+            "Longest cycle that is no fault [s]; a simulated rig does not mind",
+        ),
+        Declaration::integer("calibration.encoder_sign", 1, "Sign of encoder counts, 1 or -1")
+            .range(ValueRange::Integer(-1, 1)),
+        double(
+            "calibration.tachometer_gain",
+            unit.tachometer_gain,
+            ValueRange::Any,
+            "True velocity over the tachometer's",
+        ),
+        double(
+            "calibration.tachometer_zero",
+            unit.tachometer_zero,
+            ValueRange::Any,
+            "Tachometer's reading at rest [rad/s]",
+        ),
+        Declaration::integer("calibration.torque_sign", 1, "Sign of the friction torque, 1 or -1")
+            .range(ValueRange::Integer(-1, 1)),
+        double(
+            "calibration.torque_zero",
+            unit.torque_zero,
+            ValueRange::Any,
+            "Torque sensor's reading without torque [N m]",
+        ),
+        double(
+            "calibration.deadband_forward",
+            unit.deadband_forward,
+            NON_NEGATIVE,
+            "Lowest voltage that moves the shaft forwards [V]",
+        ),
+        double(
+            "calibration.deadband_backward",
+            unit.deadband_backward,
+            NON_NEGATIVE,
+            "Lowest magnitude of the voltage that moves it backwards [V]",
+        ),
     ]
 }
 
@@ -92,14 +172,20 @@ enum RigName {
 
 impl RigName {
     fn read(text: &str) -> Result<Self, String> {
-        let wrong = || format!("rig must be simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD, but is `{text}`");
+        let wrong = || {
+            format!(
+                "rig must be simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD, but is `{text}`"
+            )
+        };
         match text.split_once(':') {
             None if text == "simulated" => Ok(Self::Simulated),
             None if text == "quanser" => Ok(Self::Quanser { card: "0".to_owned() }),
             Some(("quanser", card)) if !card.is_empty() => Ok(Self::Quanser { card: card.to_owned() }),
             Some(("serial", port)) => {
                 let (port, baud) = match port.rsplit_once('@') {
-                    Some((port, baud)) => (port, baud.parse().map_err(|_| format!("`{baud}` in rig is no baud rate"))?),
+                    Some((port, baud)) => {
+                        (port, baud.parse().map_err(|_| format!("`{baud}` in rig is no baud rate"))?)
+                    }
                     None => (port, SerialOptions::default().baud),
                 };
                 if port.is_empty() { Err(wrong()) } else { Ok(Self::Serial { port: port.to_owned(), baud }) }
@@ -169,7 +255,10 @@ impl RigSettings {
         Ok(Self {
             rig: RigName::read(values.text("rig"))?,
             simulation,
-            model: values.text("simulated.model").parse().map_err(|e: friction_model::ModelError| e.to_string())?,
+            model: values
+                .text("simulated.model")
+                .parse()
+                .map_err(|e: friction_model::ModelError| e.to_string())?,
             voltage_limit: values.double("voltage_limit"),
             limits,
             velocity_given: velocity > 0.0,
@@ -230,5 +319,67 @@ impl RigSettings {
             Box::new(Calibrated::new(rig, self.calibration)?)
         };
         Supervised::new(rig, limits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use ros_node::{ParameterValue, parameters::ParameterStore};
+
+    use super::*;
+
+    fn read(given: &[(&str, ParameterValue)]) -> Result<RigSettings, String> {
+        let given: BTreeMap<_, _> =
+            given.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        let store = ParameterStore::new(declarations("simulated"), &given, Box::new(|_, _| Ok(())))
+            .map_err(|(name, reason)| format!("{name}: {reason}"))?;
+        RigSettings::read(store.values())
+    }
+
+    #[test]
+    fn the_defaults_are_the_test_bed_under_its_limits() {
+        let settings = read(&[]).unwrap();
+        let default = SimulationOptions::default();
+        assert_eq!((settings.simulation, settings.model), (default, ModelName::Proposed));
+        let rig = settings.open().unwrap();
+        let limits = SafetyLimits::for_simulation(&default);
+        assert_eq!(*rig.supervisor().limits(), SafetyLimits { cycle_lost: f64::MAX, ..limits });
+        assert!(!rig.supervisor().state().moves());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_by_name() {
+        let text = |value: &str| ParameterValue::String(value.to_owned());
+        for (name, value, said) in [
+            ("rig", text("usb"), "serial:/dev/ttyACM0"),
+            ("rig", text("serial:"), "serial:/dev/ttyACM0"),
+            ("rig", text("serial:/dev/x@fast"), "baud"),
+            ("calibration.encoder_sign", ParameterValue::Integer(0), "encoder_sign"),
+            ("calibration.tachometer_gain", ParameterValue::Double(0.0), "tachometer_gain"),
+            ("safety.command_lost", ParameterValue::Double(0.001), "command_lost"),
+            ("voltage_limit", ParameterValue::Double(11.0), "voltage_limit"),
+        ] {
+            let message = read(&[(name, value)]).unwrap_err();
+            assert!(message.contains(said), "{name}: {message}");
+        }
+    }
+
+    /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
+    #[test]
+    fn the_documentation_shows_these_parameters() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ros.md");
+        let mut page = std::fs::read_to_string(&path).expect("docs/ros.md is part of the project");
+        let made = ros_node::parameters::markdown_table(&declarations("simulated"));
+        let (begin, end) = ("<!-- rig_driver -->\n", "<!-- end of rig_driver -->\n");
+        let from = page.find(begin).expect("the page marks where the table begins") + begin.len();
+        let to = page.find(end).expect("the page marks where the table ends");
+        if std::env::var_os("UPDATE_DOCS").is_some() {
+            page.replace_range(from..to, &made);
+            std::fs::write(&path, page).expect("the page can be written");
+        } else {
+            assert_eq!(&page[from..to], made, "run the test with UPDATE_DOCS=1");
+        }
     }
 }

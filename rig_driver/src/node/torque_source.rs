@@ -39,7 +39,14 @@ pub(super) struct TorqueEstimate {
 impl TorqueEstimate {
     /// `filter` is the time constant of the filter [s].
     pub(super) fn new(source: TorqueSource, drive: Drive, period: f64, filter: f64) -> Self {
-        Self { source, drive, period, share: period / (period + filter), velocity_before: None, filtered: 0.0 }
+        Self {
+            source,
+            drive,
+            period,
+            share: period / (period + filter),
+            velocity_before: None,
+            filtered: 0.0,
+        }
     }
 
     /// The friction torque [N m] of the cycle that ended with this measurement.
@@ -51,7 +58,8 @@ impl TorqueEstimate {
             TorqueSource::Sensor => return seen.torque,
             TorqueSource::Voltage => {
                 let mean = 0.5 * (velocity + before.unwrap_or(velocity));
-                (seen.voltage_applied - back_emf * mean) * back_emf / self.drive.parameters().armature_resistance
+                (seen.voltage_applied - back_emf * mean) * back_emf
+                    / self.drive.parameters().armature_resistance
             }
             TorqueSource::Current => back_emf * seen.motor_current.unwrap_or(f64::NAN),
         };

@@ -6,9 +6,11 @@
 mod declaration;
 mod services;
 mod store;
+mod table;
 mod values;
 
 pub use declaration::{Declaration, ValueRange};
 pub use services::Parameters;
 pub use store::{Change, ParameterStore};
+pub use table::markdown_table;
 pub use values::Values;
