@@ -1,7 +1,8 @@
 //! The ROS part of a command line, as rcl reads it.
 //!
 //! Between `--ros-args` and `--` (or the end) stand remappings (`-r`), parameters (`-p`, `--params-file`), log levels and the enclave. They
-//! may come several times. Parameters count in the order in which they are given: what comes later replaces what came before.
+//! may come several times. Of parameters with the same pattern of nodes the later replaces the earlier; of several patterns that fit a node, the one that was
+//! first met last counts.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -126,7 +127,7 @@ impl Arguments {
         }
         let value =
             parameter_file::parse_value(value).map_err(|e| format!("in the parameter `{text}`: {e}"))?;
-        self.parameters.push(NodeParameters { pattern, values: BTreeMap::from([(name.to_owned(), value)]) });
+        self.give(NodeParameters { pattern, values: BTreeMap::from([(name.to_owned(), value)]) });
         Ok(())
     }
 
@@ -135,8 +136,16 @@ impl Arguments {
             .map_err(|error| format!("the parameter file {path} cannot be read: {error}"))?;
         let found =
             parameter_file::parse(&text).map_err(|error| format!("in the parameter file {path}: {error}"))?;
-        self.parameters.extend(found);
+        found.into_iter().for_each(|given| self.give(given));
         Ok(())
+    }
+
+    /// Adds values to those that the same pattern has already, as rcl does: a pattern keeps the place at which it was first met.
+    fn give(&mut self, given: NodeParameters) {
+        match self.parameters.iter_mut().find(|known| known.pattern == given.pattern) {
+            Some(known) => known.values.extend(given.values),
+            None => self.parameters.push(given),
+        }
     }
 
     fn level(&mut self, text: &str) -> Result<(), String> {
@@ -203,10 +212,10 @@ mod tests {
     #[test]
     fn parameters_count_in_their_order_and_for_their_node() {
         let arguments =
-            parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,y] -e /e --log-level warn").unwrap();
+            parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,z] -e /e --log-level warn").unwrap();
         let of_n = arguments.overrides("/n");
         assert_eq!(of_n["a"], ParameterValue::Double(2.5));
-        assert_eq!(of_n["b.c"], ParameterValue::StringArray(vec!["x".into(), "y".into()]));
+        assert_eq!(of_n["b.c"], ParameterValue::StringArray(vec!["x".into(), "z".into()]));
         assert_eq!(arguments.overrides("/o")["a"], ParameterValue::Integer(1));
         assert_eq!((arguments.enclave.as_deref(), arguments.log_level), (Some("/e"), Some(LogLevel::Warn)));
     }

@@ -81,3 +81,14 @@ pub enum RosNodeError {
         detail: String,
     },
 }
+
+impl RosNodeError {
+    /// Whether the user can mend it: an argument, a parameter, an environment variable.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Environment { .. } | Self::Name { .. } | Self::Parameter { .. } | Self::Parameters { .. }
+        )
+    }
+}

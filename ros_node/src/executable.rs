@@ -2,19 +2,19 @@
 
 use std::{fmt::Display, io::Write, process::ExitCode};
 
-use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, Stop};
+use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop};
 
 /// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
 const BAD_INPUT: u8 = 2;
 
 /// Runs a node's program: `about` is what `--help` says of it, `body` runs until the wish to end.
 ///
-/// Ends with code 0, with 1 if `body` fails, and with 2 if the command line or the environment is wrong.
-pub fn run<E: Display>(
+/// Ends with code 0, with 1 if `body` fails, and with 2 if the command line, a parameter or the environment is wrong.
+pub fn run(
     name: &str,
     version: &str,
     about: &str,
-    body: impl FnOnce(&Participant, &Stop) -> Result<(), E>,
+    body: impl FnOnce(&Participant, &Stop) -> Result<(), RosNodeError>,
 ) -> ExitCode {
     let fail = |text: &dyn Display, code: u8| {
         // Nobody is left to be told if the terminal is gone.
@@ -62,6 +62,7 @@ pub fn run<E: Display>(
     };
     match body(&participant, &stop) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is_bad_input() => fail(&error, BAD_INPUT),
         Err(error) => fail(&error, 1),
     }
 }

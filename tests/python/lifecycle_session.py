@@ -33,16 +33,18 @@ def main() -> None:
         rig = programs.start("rig_driver", "-p", "autostart:=false", "-p", "safety.command_age:=0.2")
 
         def moved(seconds=0.6):
-            """The largest voltage and the travel in the next moments."""
-            ros.spin(0.2)
+            """The largest voltage, the travel and the fault flag in the next moments, by the measurements' own stamps."""
+            begin = time.time() + 0.2
             seen.clear()
-            ros.spin(seconds)
-            if not seen:
+            stamp = lambda m: m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec
+            ros.until(lambda: seen and stamp(seen[-1]) > begin + seconds, 8)
+            fresh = [m for m in seen if begin < stamp(m) <= begin + seconds]
+            if not fresh:
                 return [0.0, 0.0, False]
             return [
-                max(abs(m.voltage_applied) for m in seen),
-                abs(seen[-1].encoder_position - seen[0].encoder_position),
-                seen[-1].fault,
+                max(abs(m.voltage_applied) for m in fresh),
+                abs(fresh[-1].encoder_position - fresh[0].encoder_position),
+                fresh[-1].fault,
             ]
 
         # The same services of the real library, to compare with.
@@ -94,7 +96,11 @@ def main() -> None:
         report["activate_stopped"] = ros.change(RIG, "activate")
         report["clear"] = ros.trigger(f"{RIG}/clear_fault")
         report["state_cleared"] = ros.state(RIG)
-        report["cleared"] = moved()
+        seen.clear()
+        ros.spin(1.0)
+        seen.clear()
+        ros.spin(0.5)
+        report["cleared"] = len(seen)
         # a voltage that is no number
         ros.change(RIG, "configure"), ros.change(RIG, "activate")
         ros.spin(0.2)

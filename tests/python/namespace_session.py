@@ -58,8 +58,8 @@ def main() -> None:
         }
         report["exit"] = [[code, took] for code, took, _ in (programs.end(p) for p in list(programs.running))]
         # names
-        renamed = programs.start("controller", "-r", "__node:=arm", "-r", "__ns:=/left", "-p", "arm:lag.k_p:=1.75", "-p", "other:lag.k_p:=9.0")
-        report["renamed"] = [ros.get("/left/arm", "lag.k_p")[0], "/left/arm" in ros.nodes()]
+        renamed = programs.start("controller", "-r", "__node:=arm", "-p", "arm:lag.k_p:=1.75", "-p", "other:lag.k_p:=9.0")
+        report["renamed"] = [ros.get("/arm", "lag.k_p")[0], "/arm" in ros.nodes()]
         programs.end(renamed)
         # what is refused when a program starts
         refused = []

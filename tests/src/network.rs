@@ -1,5 +1,6 @@
 //! Programs that speak DDS, in a network namespace of their own with loopback only.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -58,6 +59,33 @@ pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
         serde_json::from_str(&text)
             .unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")),
     )
+}
+
+/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints; `None` where it cannot be had.
+///
+/// # Panics
+/// When the script fails or prints something else; the message carries what it said.
+pub fn peer(script: &str, cases: &Value) -> Option<Value> {
+    let python = python::interpreter("rclpy")?;
+    let mut command = namespaced()?;
+    let logs = tempfile::tempdir().expect("a folder");
+    let mut running = command
+        .arg(&python)
+        .arg(python::script(script))
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_LOG_DIR", logs.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("unshare starts");
+    let mut input = running.stdin.take().expect("its input is ours");
+    input.write_all(cases.to_string().as_bytes()).expect("it reads");
+    drop(input);
+    let output = running.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{script}: {told}");
+    Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
 }
 
 /// The folder with the nodes' own programs, brought up to date.
