@@ -1,8 +1,8 @@
 //! Programs that speak DDS, in a network namespace of their own with loopback only.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 
 use serde_json::Value;
 
@@ -38,9 +38,12 @@ pub fn namespaced() -> Option<Command> {
 /// # Panics
 /// When the script fails or prints something else; the message carries what it said.
 pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
+    // Six nodes at 1 kHz are enough for one machine: one session after the other.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let python = python::interpreter("rclpy")?;
     let mut command = namespaced()?;
-    let folder = node_programs();
+    let folder = crate::node_programs();
     let logs = tempfile::tempdir().expect("a folder");
     let output = command
         .arg(&python)
@@ -86,14 +89,4 @@ pub fn peer(script: &str, cases: &Value) -> Option<Value> {
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{script}: {told}");
     Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
-}
-
-/// The folder with the nodes' own programs, brought up to date.
-fn node_programs() -> PathBuf {
-    let mut folder = None;
-    for package in ["rig_driver", "friction_observer", "controller"] {
-        let program = crate::node_program(package);
-        folder = Path::new(program.get_program()).parent().map(Path::to_owned);
-    }
-    folder.expect("a program lies in a folder")
 }
