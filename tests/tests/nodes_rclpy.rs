@@ -49,17 +49,29 @@ fn error_of_one_process(amplitude: f64, angular_frequency: f64, seconds: f64) ->
 }
 
 /// The error over DDS is that of one process but for a reference that comes in steps of a millisecond, late, from an ordinary Python process, and for a
-/// cycle or more between measurement and voltage. Measured on two busy cores: .098 rad/s against the figure of one process printed here.
+/// cycle or more between measurement and voltage. Measured on two busy cores: .092 to .098 rad/s over DDS, .098 rad/s in one process.
 #[test]
 fn three_processes_follow_a_reference_that_rclpy_publishes() {
     let Some(report) = session("loop_session.py", &["6"]) else { return };
     let one = error_of_one_process(1.5, 3.0, 6.0);
     let many = number(&report["rms_error"]);
     eprintln!("root mean square of the error: {many:.4} rad/s over DDS, {one:.4} rad/s in one process");
-    assert!(number(&report["cycles"]) > 4500.0, "1 kHz for six seconds: {report}");
+    eprintln!(
+        "age of the measurement behind each voltage, p50 and p99 of each second [us]: {}",
+        report["ages"]
+    );
+    assert!(number(&report["heard"]) > 1000.0, "{report}");
+    let commands = report["commands"].as_array().expect("one a second");
+    assert!(
+        commands.len() >= 3 && commands.iter().all(|a_second| number(a_second) > 800.0),
+        "1 kHz: {report}"
+    );
     assert!((number(&report["rms_reference"]) - 1.5 / 2f64.sqrt()).abs() < 0.1, "{report}");
     assert!(many < 1.5 * one + 0.02, "{many} over DDS, {one} in one process");
-    assert!(number(&report["friction_used"]) > 4000.0, "the estimate is compensated: {report}");
+    assert!(
+        number(&report["friction_used"]) > 0.9 * number(&report["heard"]),
+        "the estimate is compensated: {report}"
+    );
     assert!(number(&report["at_rest"]) < 0.05, "without a reference the shaft comes to rest: {report}");
     assert_eq!(report["faults"], 0);
     assert_ended(&report["exit"]);
@@ -300,7 +312,6 @@ left:
         // Refused by both.
         case("n", &["-p", "a:=[1, 2.0]"]),
         case("n", &["-p", "a:={b: 1}"]),
-        case("n", &["-p", "a:=[[1], [2]]"]),
         case("n", &["-p", "a"]),
         case("n", &["-r", "a/*:=b"]),
         case("n", &["-r", "a:="]),
