@@ -26,6 +26,9 @@ const REQUESTS: usize = 8;
 /// Longest time in which the thread answers a request.
 const ANSWER: Duration = Duration::from_millis(1000);
 
+/// What comes of a request.
+type Answer = Result<State, RigError>;
+
 /// A voltage that somebody asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct VoltageCommand {
@@ -58,7 +61,7 @@ pub(super) struct Counters {
 
 /// The running thread, from outside. Dropped, the motor is at zero volts and the thread has ended.
 pub(super) struct RunningRig {
-    requests: Mutex<(Sender<Request>, Receiver<Result<State, RigError>>)>,
+    requests: Mutex<(Sender<Request>, Receiver<Answer>)>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     pub(super) counters: Arc<Counters>,
@@ -147,7 +150,7 @@ struct Task {
     rig: Supervised<Box<dyn Rig + Send>>,
     commands: Receiver<VoltageCommand>,
     requests: Receiver<Request>,
-    answers: Sender<Result<State, RigError>>,
+    answers: Sender<Answer>,
     cycles: Sender<Cycle>,
     epoch_ns: u64,
     stop: Arc<AtomicBool>,
