@@ -11,6 +11,12 @@ use msgs::{
     friction_msgs::{
         ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference, RigMeasurement,
     },
+    lifecycle_msgs::{
+        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest, GetAvailableStatesResponse,
+        GetAvailableTransitionsRequest, GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse,
+        State, Transition, TransitionDescription, TransitionEvent,
+    },
+    rosgraph_msgs::Clock,
     sensor_msgs::JointState,
     std_msgs::Header,
 };
@@ -26,6 +32,19 @@ macro_rules! for_each_message {
         $check::<KeyValue>();
         $check::<DiagnosticStatus>();
         $check::<DiagnosticArray>();
+        $check::<Clock>();
+        $check::<State>();
+        $check::<Transition>();
+        $check::<TransitionDescription>();
+        $check::<TransitionEvent>();
+        $check::<ChangeStateRequest>();
+        $check::<ChangeStateResponse>();
+        $check::<GetStateRequest>();
+        $check::<GetStateResponse>();
+        $check::<GetAvailableStatesRequest>();
+        $check::<GetAvailableStatesResponse>();
+        $check::<GetAvailableTransitionsRequest>();
+        $check::<GetAvailableTransitionsResponse>();
         $check::<RigMeasurement>();
         $check::<Reference>();
         $check::<MotorVoltage>();
@@ -46,15 +65,20 @@ fn statements(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).filter(|line| !line.is_empty())
 }
 
+/// The fields; a definition without any has the one that ROS gives it.
 fn fields(text: &str) -> Vec<Field<'_>> {
-    statements(text)
+    let mut fields: Vec<_> = statements(text)
         .filter(|line| !line.contains('='))
         .map(|line| {
             let (kind, name) = line.split_once(' ').expect("a field is a type and a name");
             let base = kind.strip_suffix("[]").unwrap_or(kind);
             Field { name: name.trim(), base, sequence: base.len() != kind.len() }
         })
-        .collect()
+        .collect();
+    if fields.is_empty() {
+        fields.push(Field { name: "structure_needs_at_least_one_member", base: "uint8", sequence: false });
+    }
+    fields
 }
 
 fn constants(text: &str) -> Vec<(String, String)> {

@@ -6,13 +6,11 @@
 //! told, never a wait.
 
 mod control;
-mod deadlines;
 mod diagnostics;
 mod error;
 mod publishing;
 mod recording;
 mod report;
-mod timing;
 
 use std::{
     collections::BTreeMap,
@@ -31,12 +29,12 @@ use rig_driver::{
     Calibration,
     safety::{SafetyLimits, Supervised},
 };
-use ros_node::{Discovery, Participant};
+use ros_node::{Discovery, Participant, deadlines};
 use serde::Serialize;
 
 pub use error::LiveError;
 pub use report::LiveReport;
-pub use timing::{Percentiles, Timing};
+pub use ros_node::timing::{Percentiles, Timing};
 
 use crate::compensation::Means;
 use crate::{

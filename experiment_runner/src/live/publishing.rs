@@ -10,10 +10,10 @@ use controller::node::ControllerNode;
 use friction_observer::node::ObserverNode;
 use msgs::{diagnostic_msgs::DiagnosticArray, topics};
 use rig_driver::node::RigNode;
-use ros_node::{Participant, Publisher, RosNode, RosNodeError};
+use ros_node::{Participant, Publisher, RosNode, RosNodeError, timing::Stopwatch};
 use rtrb::Consumer;
 
-use super::{Counters, LiveCycle, diagnostics, epoch_ns, timing::Stopwatch};
+use super::{Counters, LiveCycle, diagnostics, epoch_ns};
 
 /// Pause when there is nothing to publish: short against the period, long against the work.
 const PAUSE: Duration = Duration::from_micros(500);
@@ -34,7 +34,7 @@ pub(super) struct Nodes {
 
 impl Nodes {
     pub(super) fn new(participant: Participant) -> Result<Self, RosNodeError> {
-        let mut runner = participant.node("experiment_runner")?;
+        let runner = participant.node("experiment_runner")?;
         Ok(Self {
             rig: RigNode::new(&participant)?,
             observer: ObserverNode::new(&participant)?,
