@@ -95,7 +95,7 @@ def test_a_wrong_bag_ends_the_command_with_a_sentence(tmp_path, capsys):
 
 
 def test_a_bag_of_the_laboratory_has_every_cycle(laboratory_bag):
-    bag = read_bag(laboratory_bag)
+    bag = read_bag(laboratory_bag, stop_s=3.0)
     topics = ("joint_states", "rig_measurement", "reference", "motor_voltage", "friction_estimate", "controller_state")
     lengths = {len(bag.table(name)) for name in topics}
     assert len(lengths) == 1

@@ -88,9 +88,10 @@ def test_what_cannot_be_drawn_is_told(known, tmp_path, capsys):
 
 
 def test_every_figure_of_the_laboratorys_own_bag_is_drawn(laboratory_bag, tmp_path):
-    assert main([str(laboratory_bag), "--out", str(tmp_path)]) == 0
+    assert main([str(laboratory_bag), "--to", "5", "--out", str(tmp_path)]) == 0
     assert sorted(file.stem for file in tmp_path.iterdir()) == sorted(FIGURES)
-    points = [line for line in stribeck_curve(read_bag(laboratory_bag)).axes[0].get_lines() if line.get_marker() == "o"]
+    part = read_bag(laboratory_bag, ["/joint_states"], start_s=6.0, stop_s=14.0)
+    points = [line for line in stribeck_curve(part).axes[0].get_lines() if line.get_marker() == "o"]
     velocity = np.concatenate([line.get_xdata() for line in points])
     torque = np.concatenate([line.get_ydata() for line in points])
     fast = np.abs(velocity) > 0.2
