@@ -4,7 +4,7 @@
   friction-run position-tracking --model lugre --model proposed --repetitions 3
   friction-run characterise --set quick=true --set seed=7 --out /data/monday --json monday.json
 
-Ctrl-C cancels the experiment, waits until the rig stands and tells what was kept; a second ctrl-C leaves at once.
+Ctrl-C, or SIGTERM, cancels the experiment, waits until the rig stands and tells what was kept; a second one leaves at once.
 Exit code 0: it succeeded; 1: it failed; 2: it was refused, or nobody answers; 130: it was cancelled, here or by somebody else.
 The other side is `frictionlab serve` or the node experiment_runner. Needs rclpy and friction_msgs.
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+import signal
 import sys
 import threading
 import time
@@ -285,6 +286,12 @@ def main(arguments: list[str] | None = None) -> int:
         overrides[name] = value
     if not 0 <= given.repetitions < 2**32:
         parser.error(f"--repetitions: a whole number from 0 was expected, but {given.repetitions} came")
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    # Whoever ends this program by a signal must not leave a rig behind that nobody watches.
+    signal.signal(signal.SIGTERM, interrupt)
 
     def work() -> int:
         if given.list:

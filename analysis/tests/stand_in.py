@@ -60,6 +60,8 @@ def run(handle):
         return result
     steps = 10 if asked.experiment == "steady" else 10_000
     for step in range(steps):
+        if not rclpy.ok():
+            return result
         if handle.is_cancel_requested:
             result.outcome = RunExperiment.Result.CANCELED
             result.message = f"cancelled after {step} steps"

@@ -31,6 +31,8 @@ def command(module, *arguments):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        # Whoever runs the tests in the background of a shell has SIGINT ignored, and so would the command.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
 
 
@@ -54,7 +56,11 @@ def stand_in():
     assert process.stdout.readline() == "ready\n"
     yield namespace
     process.stdin.close()
-    process.wait(timeout=30)
+    try:
+        process.wait(timeout=30)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        raise
 
 
 def test_a_picture_of_the_running_rig_is_taken_without_a_display(stand_in, tmp_path):
@@ -94,12 +100,13 @@ def test_an_experiment_runs_to_its_end_with_feedback_and_figures(stand_in, tmp_p
     assert result["figures"][0]["deviation"] is None
 
 
-def test_interrupt_cancels_the_experiment_and_waits_for_its_result(stand_in):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupt_cancels_the_experiment_and_waits_for_its_result(stand_in, number):
     process = command("experiment", "endless", "--namespace", stand_in)
     # The first line of progress says that it runs.
     assert "first half" in process.stderr.readline()
     time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130, err
     assert re.search(r"canceled: cancelled after \d+ steps", err), err

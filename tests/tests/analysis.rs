@@ -1,33 +1,12 @@
 //! The Python package `friction_analysis`, tested by pytest: on a bag of the built program, and with the real rclpy.
 
-use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::Command;
 
 use tests::{network, python};
 
-/// Runs pytest on one part of the package's tests and passes on, as SKIPPED lines, what it could not test.
-fn pytest(mut command: Command, python: &Path, arguments: &[&str]) {
-    let package = tests::checkout().join("analysis");
-    let output = command
-        .arg(python)
-        .args(["-B", "-m", "pytest", "-q", "-rs", "--tb=short"])
-        .args(arguments)
-        .current_dir(package)
-        .env("MPLBACKEND", "Agg")
-        .output()
-        .expect("Python starts");
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
-    for line in said.lines().filter(|line| line.starts_with("SKIPPED")) {
-        // Past libtest's capture, as tests::skip does.
-        let _ = writeln!(std::io::stderr(), "SKIPPED pytest: {}", line.trim_start_matches("SKIPPED").trim());
-    }
-}
-
-/// `env` with nothing: pytest needs no network namespace.
-fn plain() -> Command {
-    Command::new("env")
+fn package() -> PathBuf {
+    tests::checkout().join("analysis")
 }
 
 #[test]
@@ -42,9 +21,9 @@ fn bags_become_tables_curves_and_figures() {
         .output()
         .expect("frictionlab starts");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let mut command = plain();
-    command.arg(format!("FRICTION_TEST_BAG={}", out.join("bag").display()));
-    pytest(command, &python, &["--ignore=tests/test_ros.py"]);
+    let mut command = Command::new("env");
+    command.env("FRICTION_TEST_BAG", out.join("bag"));
+    python::pytest(command, &python, &package(), &["--ignore=tests/test_ros.py"]);
 }
 
 #[test]
@@ -61,5 +40,5 @@ fn live_plots_and_experiments_work_with_the_real_rclpy() {
         .env("ROS_DOMAIN_ID", "75")
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("ROS_LOG_DIR", folder.path());
-    pytest(command, &python, &["tests/test_ros.py"]);
+    python::pytest(command, &python, &package(), &["tests/test_ros.py"]);
 }
