@@ -16,6 +16,7 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import TypesysError
 
 from friction_analysis.console import AnalysisError
+from friction_analysis.topics import topic_name
 
 # Units of the laboratory's messages: field -> column. Fields that are not here keep their name; those of ControllerState
 # that are rad or rad/s by mode are among them.
@@ -94,11 +95,6 @@ class Bag:
     def has(self, name: str, namespace: str = "") -> bool:
         """Whether the topic `namespace`/`name` was recorded."""
         return topic_name(name, namespace) in self.topics
-
-
-def topic_name(name: str, namespace: str = "") -> str:
-    """Absolute name of a topic: `topic_name("joint_states", "axis_1")` is `/axis_1/joint_states`."""
-    return "/" + "/".join(part for part in (*namespace.split("/"), *name.split("/")) if part)
 
 
 def read_bag(

@@ -2,7 +2,7 @@
 
   friction-run --list                                         the experiments, what each does and takes
   friction-run position-tracking --model lugre --model proposed --repetitions 3
-  friction-run characterise --set quick=true --set seed=7 --out /data/monday --json monday.json
+  friction-run characterise --set quick --set seed=7 --out /data/monday --json monday.json
 
 Ctrl-C, or SIGTERM, cancels the experiment, waits until the rig stands and tells what was kept; a second one leaves at once.
 Exit code 0: it succeeded; 1: it failed; 2: it was refused, or nobody answers; 130: it was cancelled, here or by somebody else.
@@ -23,9 +23,9 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
-from friction_analysis.bag import topic_name
 from friction_analysis.console import command, conclude, positive
 from friction_analysis.ros import RosError, SpinningNode, load, surroundings
+from friction_analysis.topics import topic_name
 
 
 class Outcome(IntEnum):
@@ -267,7 +267,11 @@ def main(arguments: list[str] | None = None) -> int:
         "--repetitions", type=int, default=0, metavar="N", help="repetitions of everything (default: the experiment's)"
     )
     parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="option of the experiment; may come several times"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="option of the experiment; NAME alone is a switch; may come several times",
     )
     parser.add_argument("--out", default="", metavar="DIR", help="folder of the results, on the experiment runner's machine")
     parser.add_argument("--preempt", action="store_true", help="end the experiment that runs, if one does")
@@ -281,9 +285,9 @@ def main(arguments: list[str] | None = None) -> int:
     overrides = {}
     for text in given.set:
         name, equals, value = text.partition("=")
-        if not name or not equals:
-            parser.error(f"--set: NAME=VALUE was expected, but {text!r} came")
-        overrides[name] = value
+        if not name:
+            parser.error(f"--set: NAME=VALUE was expected, as in seed=7, but {text!r} came")
+        overrides[name] = value if equals else "true"
     if not 0 <= given.repetitions < 2**32:
         parser.error(f"--repetitions: a whole number from 0 was expected, but {given.repetitions} came")
 

@@ -20,9 +20,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_analysis.bag import Bag, BagError, read_bag, topic_name
+from friction_analysis.bag import Bag, BagError, read_bag
 from friction_analysis.console import command, conclude, positive
 from friction_analysis.stribeck import binned, block_means
+from friction_analysis.topics import topic_name
 
 Array = npt.NDArray[np.float64]
 

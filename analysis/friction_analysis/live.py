@@ -20,11 +20,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_analysis.bag import topic_name
 from friction_analysis.console import command, conclude, positive
 from friction_analysis.figures import BLUE, GREY, MODES, ORANGE, RED, draw_curve, thinned
 from friction_analysis.ros import RosError, SpinningNode, load, surroundings
 from friction_analysis.signals import Recent, Signals
+from friction_analysis.topics import topic_name
 
 NAMES: dict[str, tuple[str, ...]] = {
     "joint_states": ("position", "velocity", "torque"),

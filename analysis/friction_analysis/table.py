@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from friction_analysis.bag import BagError, read_bag, topic_name
+from friction_analysis.bag import BagError, read_bag
 from friction_analysis.console import command, conclude
+from friction_analysis.topics import topic_name
 
 # Columns of a topic's table and their names in the common one. Torque is friction torque, positive against positive velocity.
 COLUMNS: dict[str, dict[str, str]] = {

@@ -5,8 +5,9 @@ import pytest
 from conftest import DEFINITIONS, START
 
 from friction_analysis import BagError, read_bag
-from friction_analysis.bag import COLUMNS, topic_name
+from friction_analysis.bag import COLUMNS
 from friction_analysis.table import main, read_table
+from friction_analysis.topics import topic_name
 
 # Numbers whose unit is none, or follows the mode.
 UNITLESS = {"progress", "reference", "feedback", "error"}
