@@ -64,7 +64,7 @@ def draw_curve(ax: Axes, points: pd.DataFrame, color: str, label: str) -> None:
         label = "_"
     slowest = float(np.abs(velocity).min()) if len(velocity) else 1e-3
     # The stretch around standstill, where there are no points, is drawn short.
-    ax.set_xscale("symlog", linthresh=slowest, linscale=0.2)
+    ax.set_xscale("symlog", linthresh=slowest, linscale=0.5)
     ax.set_xlabel("velocity [rad/s]")
     ax.set_ylabel("friction torque [N m]")
     ax.grid(alpha=0.3)
