@@ -12,8 +12,16 @@ use std::{
 
 use anyhow::{Context, bail, ensure};
 
-/// Readers of bags that are not ours.
-const BAG_TOOLS: &[&str] = &["rosbags==0.11.9", "mcap-ros2-support==0.6.0"];
+/// Readers of bags that are not ours, and what our Python package and its tests are made of.
+const BAG_TOOLS: &[&str] = &[
+    "rosbags==0.11.9",
+    "mcap-ros2-support==0.6.0",
+    "numpy",
+    "pandas>=2.2,<4",
+    "matplotlib>=3.8,<4",
+    "pytest>=8,<10",
+    "PyYAML>=6,<7",
+];
 
 /// rclpy with its middleware, and what the build of a message package needs.
 const RCLPY: &[&str] = &[
@@ -86,7 +94,7 @@ pub fn run() -> anyhow::Result<()> {
     let environment = prepare()?;
     println!("Python environment: {}", environment.dir.display());
     for (half, what) in [
-        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support)"),
+        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest"),
         (environment.rclpy, "rclpy with friction_msgs"),
     ] {
         match half {
