@@ -15,7 +15,8 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 #[derive(Debug, clap::Args)]
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
-    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers
+    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, millions of damaged
+    /// inputs, the loader under valgrind
     #[arg(long)]
     full: bool,
 }
@@ -65,6 +66,7 @@ impl Test {
                 "monte_carlo_bars",
             ];
             cargo(root, &bars, &environment)?;
+            loader_under_valgrind(root, &environment)?;
         }
         println!(
             "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
@@ -72,6 +74,23 @@ impl Test {
         );
         Ok(())
     }
+}
+
+/// The tests of the loader of foreign code, each access to memory checked. Those that kill themselves are left out: what they check is the card's watchdog.
+fn loader_under_valgrind(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+    if !Command::new("valgrind").arg("--version").output().is_ok_and(|said| said.status.success()) {
+        println!(
+            "SKIPPED: the loader's memory, because valgrind is not installed (Debian: apt-get install valgrind)"
+        );
+        return Ok(());
+    }
+    let runner = "target.'cfg(unix)'.runner=['valgrind','-q','--error-exitcode=99','--trace-children=no']";
+    let mut arguments =
+        vec!["--config", runner, "test", "--locked", "--package", "rig_driver", "--test", "quanser", "--"];
+    for left_out in ["driver_to_be_killed", "killed_with", "a_driver_that_was_stopped"] {
+        arguments.extend(["--skip", left_out]);
+    }
+    cargo(root, &arguments, environment)
 }
 
 /// Without the environment the tests that need it say that they are skipped.
