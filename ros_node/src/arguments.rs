@@ -103,7 +103,9 @@ impl Arguments {
             // There is no other logger to switch.
             "--enable-external-lib-logs" | "--disable-external-lib-logs" => {}
             "--log-config-file" | "--log-file-name" => {
-                return Err(format!("`{flag}` is not understood: nothing is logged to files; use --log-level"));
+                return Err(format!(
+                    "`{flag}` is not understood: nothing is logged to files; use --log-level"
+                ));
             }
             other => return Err(format!("`{other}` behind --ros-args is unknown")),
         }
@@ -122,7 +124,8 @@ impl Arguments {
         if name.is_empty() || !name.chars().all(is_name) {
             return Err(wrong());
         }
-        let value = parameter_file::parse_value(value).map_err(|e| format!("in the parameter `{text}`: {e}"))?;
+        let value =
+            parameter_file::parse_value(value).map_err(|e| format!("in the parameter `{text}`: {e}"))?;
         self.parameters.push(NodeParameters { pattern, values: BTreeMap::from([(name.to_owned(), value)]) });
         Ok(())
     }
@@ -130,7 +133,8 @@ impl Arguments {
     fn file(&mut self, path: &str) -> Result<(), String> {
         let text = std::fs::read_to_string(PathBuf::from(path))
             .map_err(|error| format!("the parameter file {path} cannot be read: {error}"))?;
-        let found = parameter_file::parse(&text).map_err(|error| format!("in the parameter file {path}: {error}"))?;
+        let found =
+            parameter_file::parse(&text).map_err(|error| format!("in the parameter file {path}: {error}"))?;
         self.parameters.extend(found);
         Ok(())
     }
@@ -140,9 +144,9 @@ impl Arguments {
             Some((logger, level)) => (Some(logger), level),
             None => (None, text),
         };
-        let level = level
-            .parse()
-            .map_err(|()| format!("`{level}` is no log level; there are debug, info, warn, error and fatal"))?;
+        let level = level.parse().map_err(|()| {
+            format!("`{level}` is no log level; there are debug, info, warn, error and fatal")
+        })?;
         match logger {
             None => self.log_level = Some(level),
             Some(logger) => _ = self.logger_levels.insert(logger.to_owned(), level),
@@ -187,7 +191,8 @@ mod tests {
     /// As in rcl's `test_arguments.cpp`: `--ros-args` and `--` may alternate, and the rest is the user's.
     #[test]
     fn ros_arguments_stand_between_their_marks() {
-        let arguments = parse("a --ros-args -r x:=y -- b --ros-args --ros-args -p p:=1 -- -- c --help").unwrap();
+        let arguments =
+            parse("a --ros-args -r x:=y -- b --ros-args --ros-args -p p:=1 -- -- c --help").unwrap();
         assert_eq!(arguments.user, ["a", "b", "--", "c", "--help"]);
         assert_eq!(arguments.overrides("/n")["p"], ParameterValue::Integer(1));
         let node = arguments.remaps.node("n", "/").unwrap();
@@ -197,7 +202,8 @@ mod tests {
 
     #[test]
     fn parameters_count_in_their_order_and_for_their_node() {
-        let arguments = parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,y] -e /e --log-level warn").unwrap();
+        let arguments =
+            parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,y] -e /e --log-level warn").unwrap();
         let of_n = arguments.overrides("/n");
         assert_eq!(of_n["a"], ParameterValue::Double(2.5));
         assert_eq!(of_n["b.c"], ParameterValue::StringArray(vec!["x".into(), "y".into()]));
@@ -215,9 +221,18 @@ mod tests {
     #[test]
     fn what_is_not_understood_is_refused_and_named() {
         for wrong in [
-            "--ros-args x", "--ros-args x:=y", "--ros-args -r", "--ros-args -p a", "--ros-args -p :a:=1",
-            "--ros-args -p a:=", "--ros-args -p a:=[1,2.0]", "--ros-args --params-file /no/such", "--ros-args --log-level loud",
-            "--ros-args -r --", "--ros-args --remap a", "--ros-args --verbose",
+            "--ros-args x",
+            "--ros-args x:=y",
+            "--ros-args -r",
+            "--ros-args -p a",
+            "--ros-args -p :a:=1",
+            "--ros-args -p a:=",
+            "--ros-args -p a:=[1,2.0]",
+            "--ros-args --params-file /no/such",
+            "--ros-args --log-level loud",
+            "--ros-args -r --",
+            "--ros-args --remap a",
+            "--ros-args --verbose",
         ] {
             let message = parse(wrong).unwrap_err();
             assert!(message.contains('`') || message.contains("/no/such"), "{wrong}: {message}");

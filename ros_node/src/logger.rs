@@ -55,7 +55,8 @@ impl Logger {
             );
         }
         if let Some(handle) = &*rosout.lock().unwrap_or_else(PoisonError::into_inner) {
-            let stamp = ros2_client::builtin_interfaces::Time::from_nanos(i64::try_from(now).unwrap_or(i64::MAX));
+            let stamp =
+                ros2_client::builtin_interfaces::Time::from_nanos(i64::try_from(now).unwrap_or(i64::MAX));
             let level = match level {
                 LogLevel::Debug => ros2::LogLevel::Debug,
                 LogLevel::Info => ros2::LogLevel::Info,

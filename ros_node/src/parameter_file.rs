@@ -67,16 +67,24 @@ pub fn parse_value(text: &str) -> Result<ParameterValue, String> {
     match Reader::new(text).document()? {
         Yaml::Value(value, _) => Ok(value),
         Yaml::List(values, _) => list(&values),
-        Yaml::Map(_) => Err(format!("`{text}` is a map; give each of its values a parameter of its own, as in -p lag.k_p:=1.5")),
+        Yaml::Map(_) => Err(format!(
+            "`{text}` is a map; give each of its values a parameter of its own, as in -p lag.k_p:=1.5"
+        )),
     }
 }
 
 fn expected(line: usize) -> String {
-    format!("line {line}: expected the name of a node with `{PARAMETERS}:` under it, and under that the parameters")
+    format!(
+        "line {line}: expected the name of a node with `{PARAMETERS}:` under it, and under that the parameters"
+    )
 }
 
 /// The names of nodes down to `ros__parameters`.
-fn nodes(namespace: &str, entries: Vec<(String, usize, Yaml)>, found: &mut Vec<NodeParameters>) -> Result<(), String> {
+fn nodes(
+    namespace: &str,
+    entries: Vec<(String, usize, Yaml)>,
+    found: &mut Vec<NodeParameters>,
+) -> Result<(), String> {
     for (key, line, value) in entries {
         let Yaml::Map(inner) = value else { return Err(expected(line)) };
         if key == PARAMETERS {
@@ -145,7 +153,9 @@ fn list(items: &[ParameterValue]) -> Result<ParameterValue, String> {
         Some(ParameterValue::Double(_)) => of!(Double, DoubleArray),
         Some(_) => of!(String, StringArray),
     };
-    value.ok_or_else(|| "all elements of a list must have one type; write 1.0 and not 1 among doubles".to_owned())
+    value.ok_or_else(|| {
+        "all elements of a list must have one type; write 1.0 and not 1 among doubles".to_owned()
+    })
 }
 
 enum Yaml {
@@ -370,7 +380,11 @@ axis_1:
         assert_eq!(found[1].values["gains"], V::DoubleArray(vec![1.0, 2.0]));
         assert!(found[0].is_for("/controller") && found[0].is_for("/a/b/c"));
         assert!(found[1].is_for("/axis_1/controller") && !found[1].is_for("/controller"));
-        assert!(found[3].is_for("/axis_1/observer") && !found[3].is_for("/observer") && !found[3].is_for("/a/b/observer"));
+        assert!(
+            found[3].is_for("/axis_1/observer")
+                && !found[3].is_for("/observer")
+                && !found[3].is_for("/a/b/observer")
+        );
     }
 
     #[test]

@@ -32,9 +32,9 @@ impl RemapRule {
     /// # Errors
     /// A sentence about what is wrong with it.
     pub fn parse(text: &str) -> Result<Self, String> {
-        let (left, to) = text
-            .split_once(":=")
-            .ok_or_else(|| format!("`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states"))?;
+        let (left, to) = text.split_once(":=").ok_or_else(|| {
+            format!("`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states")
+        })?;
         let (left, scheme) = match left.split_once("://") {
             Some((before, from)) => {
                 let (node, scheme) = match before.rsplit_once(':') {
@@ -45,7 +45,9 @@ impl RemapRule {
                     "rostopic" => Kind::Topic,
                     "rosservice" => Kind::Service,
                     other => {
-                        return Err(format!("`{other}://` in `{text}` is unknown; there are rostopic:// and rosservice://"));
+                        return Err(format!(
+                            "`{other}://` in `{text}` is unknown; there are rostopic:// and rosservice://"
+                        ));
                     }
                 };
                 ((node, from), Some(kind))
@@ -73,14 +75,18 @@ impl RemapRule {
             }
             Kind::Namespace => {
                 if !to.starts_with('/') {
-                    return Err(format!("the namespace in `{text}` must begin with a slash, as in __ns:=/axis_1"));
+                    return Err(format!(
+                        "the namespace in `{text}` must begin with a slash, as in __ns:=/axis_1"
+                    ));
                 }
                 NodeIdentity::new("n", to).map_err(|e| format!("in the remapping `{text}`: {e}"))?;
             }
             Kind::Topic | Kind::Service | Kind::TopicOrService => {
                 for side in [from, to] {
                     if side.contains(['*', '\\']) {
-                        return Err(format!("wildcards in remappings, as in `{text}`, are not understood; write the whole name"));
+                        return Err(format!(
+                            "wildcards in remappings, as in `{text}`, are not understood; write the whole name"
+                        ));
                     }
                     probe.expand(side).map_err(|e| format!("in the remapping `{text}`: {e}"))?;
                 }
@@ -190,7 +196,9 @@ mod tests {
 
     #[test]
     fn a_bad_rule_is_refused_with_a_sentence() {
-        for rule in ["a", "a:=", ":=b", "__ns:=a", "__node:=a/b", "a:=b c", "x-y:a:=b", "ftp://a:=b", "a/*:=b"] {
+        for rule in
+            ["a", "a:=", ":=b", "__ns:=a", "__node:=a/b", "a:=b c", "x-y:a:=b", "ftp://a:=b", "a/*:=b"]
+        {
             assert!(RemapRule::parse(rule).unwrap_err().len() > 20, "{rule}");
         }
     }

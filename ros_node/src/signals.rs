@@ -19,7 +19,8 @@ impl Stop {
     pub fn on_signals() -> Result<Self, RosNodeError> {
         let stop = Self::default();
         let handler = stop.clone();
-        ctrlc::set_handler(move || handler.set()).map_err(|error| RosNodeError::Signals(error.to_string()))?;
+        ctrlc::set_handler(move || handler.set())
+            .map_err(|error| RosNodeError::Signals(error.to_string()))?;
         Ok(stop)
     }
 

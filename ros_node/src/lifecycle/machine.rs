@@ -8,7 +8,8 @@ use std::sync::{
 use msgs::{
     lifecycle_msgs::{
         ChangeState, ChangeStateResponse, GetAvailableStates, GetAvailableStatesResponse,
-        GetAvailableTransitions, GetAvailableTransitionsResponse, GetState, GetStateResponse, TransitionEvent,
+        GetAvailableTransitions, GetAvailableTransitionsResponse, GetState, GetStateResponse,
+        TransitionEvent,
     },
     topics::Qos,
 };
@@ -148,12 +149,10 @@ impl Lifecycle {
         let lifecycle = this.clone();
         node.serve::<GetAvailableTransitions>("~/get_available_transitions", move |_| {
             let phase = lifecycle.phase();
-            GetAvailableTransitionsResponse {
-                available_transitions: described(|row| row.start == phase),
-            }
+            GetAvailableTransitionsResponse { available_transitions: described(|row| row.start == phase) }
         })?;
-        node.serve::<GetAvailableTransitions>("~/get_transition_graph", |_| GetAvailableTransitionsResponse {
-            available_transitions: described(|_| true),
+        node.serve::<GetAvailableTransitions>("~/get_transition_graph", |_| {
+            GetAvailableTransitionsResponse { available_transitions: described(|_| true) }
         })?;
         Ok(this)
     }
@@ -182,13 +181,16 @@ impl Lifecycle {
                 TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
             let asked = if label.is_empty() { id.to_string() } else { label.to_owned() };
             let possible = if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
-            let reason = format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
+            let reason =
+                format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
             self.0.logger.error(&reason);
             return Err(reason);
         };
         let outcome = self.walk(managed.as_mut(), first);
         match &outcome {
-            Ok(phase) => self.0.logger.info(&format!("{}: {} to {}", first.label, from.label(), phase.label())),
+            Ok(phase) => {
+                self.0.logger.info(&format!("{}: {} to {}", first.label, from.label(), phase.label()))
+            }
             Err(reason) => self.0.logger.error(&format!("{} did not succeed: {reason}", first.label)),
         }
         outcome

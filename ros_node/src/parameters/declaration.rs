@@ -115,7 +115,9 @@ impl Declaration {
     pub fn allowed(&self) -> String {
         let range = match self.range {
             ValueRange::Any => String::new(),
-            ValueRange::Double(low, high) if low == f64::MIN_POSITIVE && high == f64::MAX => "above 0".to_owned(),
+            ValueRange::Double(low, high) if low == f64::MIN_POSITIVE && high == f64::MAX => {
+                "above 0".to_owned()
+            }
             ValueRange::Double(low, high) if high == f64::MAX => format!("at least {low}"),
             ValueRange::Double(low, high) => format!("{low} to {high}"),
             ValueRange::Integer(low, high) => format!("{low} to {high}"),
@@ -144,7 +146,9 @@ impl Declaration {
             _ => value.clone(),
         };
         if *value_kind(&value) == *"not set" {
-            return Err(format!("parameter '{name}' is declared and cannot be deleted; set it to another value"));
+            return Err(format!(
+                "parameter '{name}' is declared and cannot be deleted; set it to another value"
+            ));
         }
         if value.to_parameter_type() != self.default.to_parameter_type() {
             let (is, came) = (value_kind(&self.default), value_kind(&value));

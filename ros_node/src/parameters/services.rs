@@ -10,9 +10,10 @@ use ros2_client::{
     Message,
     parameters::raw,
     rcl_interfaces::{
-        DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest, GetParameterTypesResponse,
-        GetParametersRequest, GetParametersResponse, ListParametersRequest, ListParametersResponse,
-        ListParametersResult, SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
+        DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
+        GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
+        ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse, SetParametersRequest,
+        SetParametersResponse,
     },
 };
 use serde::{Deserialize, Serialize};
@@ -80,16 +81,19 @@ impl Parameters {
             },
         })?;
         for unknown in store.undeclared(&given) {
-            node.logger().warn(&format!("the parameter {unknown} was given, but {name} has none of that name"));
+            node.logger()
+                .warn(&format!("the parameter {unknown} was given, but {name} has none of that name"));
         }
         let shown = clock.clone();
         node.subscribe_on("/clock", Qos::DEFAULT, move |message: msgs::rosgraph_msgs::Clock| {
             shown.show(message.clock.to_nanos());
         })?;
-        let events = node.raw_publisher("/parameter_events", "rcl_interfaces", "ParameterEvent", Qos {
-            depth: 1000,
-            ..Qos::DEFAULT
-        })?;
+        let events = node.raw_publisher(
+            "/parameter_events",
+            "rcl_interfaces",
+            "ParameterEvent",
+            Qos { depth: 1000, ..Qos::DEFAULT },
+        )?;
         let parameters = Self(Arc::new(Inner { store: Mutex::new(store), events, node: name, clock }));
         parameters.serve(node)?;
         parameters.tell_all();
@@ -139,10 +143,15 @@ impl Parameters {
     fn serve(&self, node: &RosNode) -> Result<(), RosNodeError> {
         let package = "rcl_interfaces";
         let this = self.clone();
-        node.raw_serve("~/list_parameters", package, "ListParameters", move |asked: ListParametersRequest| {
-            let (names, prefixes) = this.0.store().list(&asked.prefixes, asked.depth);
-            ListParametersResponse { result: ListParametersResult { names, prefixes } }
-        })?;
+        node.raw_serve(
+            "~/list_parameters",
+            package,
+            "ListParameters",
+            move |asked: ListParametersRequest| {
+                let (names, prefixes) = this.0.store().list(&asked.prefixes, asked.depth);
+                ListParametersResponse { result: ListParametersResult { names, prefixes } }
+            },
+        )?;
         let this = self.clone();
         node.raw_serve("~/get_parameters", package, "GetParameters", move |asked: GetParametersRequest| {
             let store = this.0.store();
@@ -155,7 +164,9 @@ impl Parameters {
             "GetParameterTypes",
             move |asked: GetParameterTypesRequest| {
                 let store = this.0.store();
-                GetParameterTypesResponse { values: asked.names.iter().map(|name| store.kind(name)).collect() }
+                GetParameterTypesResponse {
+                    values: asked.names.iter().map(|name| store.kind(name)).collect(),
+                }
             },
         )?;
         let this = self.clone();
@@ -165,7 +176,9 @@ impl Parameters {
             "DescribeParameters",
             move |asked: DescribeParametersRequest| {
                 let store = this.0.store();
-                DescribeParametersResponse { values: asked.names.iter().map(|name| store.describe(name)).collect() }
+                DescribeParametersResponse {
+                    values: asked.names.iter().map(|name| store.describe(name)).collect(),
+                }
             },
         )?;
         let this = self.clone();

@@ -111,8 +111,11 @@ impl ParameterStore {
             })
             .cloned()
             .collect();
-        let found: BTreeSet<String> =
-            names.iter().filter_map(|name| name.rsplit_once('.')).map(|(prefix, _)| prefix.to_owned()).collect();
+        let found: BTreeSet<String> = names
+            .iter()
+            .filter_map(|name| name.rsplit_once('.'))
+            .map(|(prefix, _)| prefix.to_owned())
+            .collect();
         (names, found.into_iter().collect())
     }
 
@@ -197,7 +200,8 @@ mod tests {
 
     #[test]
     fn values_given_at_the_start_are_held_to_the_same_rules() {
-        let declared = || vec![Declaration::double("a", 1.0, "").range(ValueRange::Double(0.0, 2.0)).read_only()];
+        let declared =
+            || vec![Declaration::double("a", 1.0, "").range(ValueRange::Double(0.0, 2.0)).read_only()];
         let given = |value| BTreeMap::from([("a".to_owned(), value), ("b".to_owned(), V::Integer(1))]);
         let good = ParameterStore::new(declared(), &given(V::Double(2.0)), Box::new(|_, _| Ok(()))).unwrap();
         assert_eq!(good.values().double("a"), 2.0);
@@ -228,7 +232,10 @@ mod tests {
         let store = store();
         let gain = store.describe("lag.k_p");
         assert_eq!((gain.r#type, gain.description.as_str()), (3, "gain"));
-        assert_eq!((gain.floating_point_range[0].from_value, gain.floating_point_range[0].to_value), (0.0, 100.0));
+        assert_eq!(
+            (gain.floating_point_range[0].from_value, gain.floating_point_range[0].to_value),
+            (0.0, 100.0)
+        );
         assert_eq!(store.describe("seed").integer_range[0].to_value, 9);
         assert_eq!(store.describe("mode").additional_constraints, "one of velocity, position");
         assert!(store.describe("fixed").read_only);
