@@ -39,6 +39,9 @@ pub enum RigError {
     /// The motor is to move, but the driver is not active.
     #[error("the driver is {0} and the motor stays at zero volts; configure, activate or clear it first")]
     NotActive(State),
+    /// Whoever drives the rig was told to stop; the motor is at zero volts.
+    #[error("the run was stopped; the motor is at zero volts")]
+    Stopped,
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use friction_ident::TorqueSource;
 use friction_model::AnyModel;
@@ -18,7 +18,7 @@ use crate::progress::Progress;
 
 fn run(options: &RunOptions, folder: &Path) -> RunResults {
     let progress = Progress::new(options.rig_seconds(), true);
-    execute(options, folder, &progress, &AtomicBool::new(false)).unwrap().results
+    execute(options, folder, &progress, &Arc::default()).unwrap().results
 }
 
 fn of(experiment: Experiment) -> RunOptions {

@@ -1,5 +1,5 @@
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use friction_model::{AnyModel, ModelName};
 use rig_driver::Sensors;
@@ -12,7 +12,7 @@ use crate::compensation::{Arm, Means};
 use crate::progress::Progress;
 
 fn run(options: &RunOptions, folder: &Path) -> Outcome {
-    execute(options, folder, &Progress::new(1.0, true), &AtomicBool::new(false)).unwrap()
+    execute(options, folder, &Progress::new(1.0, true), &Arc::default()).unwrap()
 }
 
 /// The shipped tasks, shortened.

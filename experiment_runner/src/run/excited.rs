@@ -188,8 +188,9 @@ impl Bench<'_> {
             // Nothing compensates here: the observer only keeps the recorder's topics alike.
             let observer = options.compensators.get(ModelName::Proposed);
             let excitation = job.excitation.clone();
-            let mut control =
-                options.test_bed.excited_loop(excitation, job.feed_forward, &observer, *seed, *start_ns)?;
+            let bed = &options.test_bed;
+            let control = bed.excited_loop(excitation, job.feed_forward, &observer, *seed, *start_ns)?;
+            let mut control = self.paced(control);
             let mut kept = Kept::one_of(every(job));
             let mut channels = Channels::new(period);
             for _ in 0..=(job.excitation.profile.duration() / period).round() as u64 {

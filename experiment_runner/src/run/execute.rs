@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -16,10 +17,12 @@ use super::results::{
     BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
 };
 use super::tracked::{Sorted, TrackedTask};
-use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
+use super::{Characterisation, Experiment, Pace, RunError, RunOptions, page, parameter_file};
 use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
+use crate::control_loop::ControlLoop;
 use crate::output::{OutputError, write_all};
+use crate::paced::Paced;
 use crate::progress::Progress;
 use crate::protocol::Kind;
 use crate::report::render_page;
@@ -43,7 +46,7 @@ const BAG: &str = "bag";
 
 /// Runs the experiments and writes `bag/`, `parameters.yaml`, `report.html` and `run.json` into `folder`.
 ///
-/// Once `cancel` is set the run ends after the jobs at hand; what is there by then is written, and the status says so.
+/// Once `cancel` is set the run ends after the jobs at hand, at the pace of the clock within a cycle; what is there by then is written, and the status says so.
 ///
 /// # Errors
 /// [`RunError`]. Parameters are checked before anything is written.
@@ -51,12 +54,11 @@ pub fn execute(
     options: &RunOptions,
     folder: &Path,
     progress: &Progress,
-    cancel: &AtomicBool,
+    cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
     let bench = Bench { options, progress, cancel };
-    bench.check()?;
-    require_empty(folder)?;
+    check(options, folder)?;
     let mut recorder = Recorder::create(&folder.join(BAG), options)?;
     let mut timeline = Timeline::new();
     let compared = TrackedTask::of(options);
@@ -165,6 +167,15 @@ pub fn execute(
     Ok(Outcome { results, folder: folder.to_owned() })
 }
 
+/// Whether a run with these options into that folder could start: every loop is put together once, nothing is written.
+///
+/// # Errors
+/// [`RunError`], as [`execute`] would return it before it begins.
+pub fn check(options: &RunOptions, folder: &Path) -> Result<(), RunError> {
+    check_loops(options)?;
+    require_empty(folder)
+}
+
 /// The steady points as comma-separated values.
 fn steady_points(runs: &[SteadyRun]) -> String {
     let with_current = runs.iter().all(|run| run.current.is_some());
@@ -218,27 +229,34 @@ fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification
     Ok(Identification { mse_identification: fit.mse, mse_validation, parameters, fit })
 }
 
+/// Puts every loop together once, so that a parameter out of range is told before anything is written.
+fn check_loops(options: &RunOptions) -> Result<(), RunError> {
+    let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
+    for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
+        let bed = options.test_bed.with_inverse(protocol.inverse);
+        for arm in Arm::all(&options.means, &options.models) {
+            let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
+            bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
+        }
+        bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
+    }
+    Ok(())
+}
+
 /// What all experiments share.
 pub(super) struct Bench<'a> {
     pub(super) options: &'a RunOptions,
     pub(super) progress: &'a Progress,
-    pub(super) cancel: &'a AtomicBool,
+    pub(super) cancel: &'a Arc<AtomicBool>,
 }
 
 impl Bench<'_> {
-    /// Puts every loop together once, so that a parameter out of range is told before anything is written.
-    fn check(&self) -> Result<(), RunError> {
-        let options = self.options;
-        let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
-        for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
-            let bed = options.test_bed.with_inverse(protocol.inverse);
-            for arm in Arm::all(&options.means, &options.models) {
-                let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
-                bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
-            }
-            bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
+    /// The loop at the pace that was asked for.
+    pub(super) fn paced(&self, control: ControlLoop) -> ControlLoop {
+        match self.options.pace {
+            Pace::Offline => control,
+            Pace::RealTime => control.through(|rig| Box::new(Paced::new(rig, Arc::clone(self.cancel)))),
         }
-        Ok(())
     }
 
     /// Experiment 1, both sets.
@@ -261,6 +279,7 @@ impl Bench<'_> {
             let observer = self.options.compensators.get(ModelName::Proposed);
             let control =
                 bed.control_loop(SteadyJob::MODE, job.reference(), &observer, None, seed, start_ns)?;
+            let control = self.paced(control);
             let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
             let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
             Ok::<_, RunError>((run, kept))
@@ -299,7 +318,7 @@ mod tests {
     use crate::run::options::tests::options;
 
     fn run(options: &RunOptions, folder: &Path) -> Result<Outcome, RunError> {
-        execute(options, folder, &Progress::new(options.rig_seconds(), true), &AtomicBool::new(false))
+        execute(options, folder, &Progress::new(options.rig_seconds(), true), &Arc::default())
     }
 
     #[test]
@@ -331,7 +350,7 @@ mod tests {
     #[test]
     fn a_cancelled_run_leaves_a_whole_bag() {
         let root = tempfile::tempdir().unwrap();
-        let cancel = AtomicBool::new(true);
+        let cancel = Arc::new(AtomicBool::new(true));
         let folder = root.path().join("cancelled");
         let outcome = execute(&options(), &folder, &Progress::new(1.0, true), &cancel).unwrap();
         assert!(cancel.load(Ordering::Relaxed));

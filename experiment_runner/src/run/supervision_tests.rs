@@ -1,6 +1,6 @@
 //! No false alarms: every experiment runs under the driver's safety layer, and its figures are the same.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
 
 use super::options::tests::options;
 use super::*;
@@ -9,7 +9,7 @@ use crate::progress::Progress;
 fn figures(options: &RunOptions) -> serde_json::Value {
     let root = tempfile::tempdir().unwrap();
     let progress = Progress::new(options.rig_seconds(), true);
-    let outcome = execute(options, &root.path().join("run"), &progress, &AtomicBool::new(false)).unwrap();
+    let outcome = execute(options, &root.path().join("run"), &progress, &Arc::default()).unwrap();
     let mut figures = serde_json::to_value(&outcome.results).unwrap();
     for differs in ["timing", "options", "bag"] {
         figures.as_object_mut().unwrap().remove(differs).unwrap();

@@ -109,6 +109,7 @@ impl Bench<'_> {
             let bed = self.options.test_bed.with_inverse(protocol.inverse);
             let control =
                 bed.control_loop(protocol.mode, protocol.reference, &model, job.arm.means(), seed, start_ns)?;
+            let control = self.paced(control);
             let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();
             let run = job.run(protocol, control, |sample| {
