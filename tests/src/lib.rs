@@ -8,6 +8,8 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 pub mod browser;
+pub mod filled;
+pub mod namespace;
 pub mod python;
 
 /// The built `frictionlab`, ready for arguments.
