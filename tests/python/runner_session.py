@@ -29,7 +29,7 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def settings(**values) -> list:
-    return [Setting(name=name.replace("_", "-"), value=str(value)) for name, value in values.items()]
+    return [Setting(name=name.replace("_", "-"), value=str(value).lower()) for name, value in values.items()]
 
 
 def goal(experiment, repetitions=1, models=("lugre",), folder="", preempt=False, **overrides):
@@ -129,8 +129,17 @@ def plain(value):
 
 def main() -> None:
     result, runs, *command = sys.argv[1:]
-    runs = Path(runs)
     session = Session(command)
+    try:
+        report = converse(session, Path(runs))
+    except BaseException:
+        session.process.kill()
+        raise
+    Path(result).write_text(json.dumps(report), encoding="utf-8")
+    os._exit(0)
+
+
+def converse(session: Session, runs: Path) -> dict:
     report = {}
 
     session.until(lambda: session.statuses, 10.0)
@@ -231,9 +240,7 @@ def main() -> None:
     report["exit_seconds"] = time.monotonic() - asked
     gone = session.until(lambda: "experiment_runner" not in session.node.get_node_names(), 10.0)
     report["gone"] = gone
-
-    Path(result).write_text(json.dumps(report), encoding="utf-8")
-    os._exit(0)
+    return report
 
 
 if __name__ == "__main__":

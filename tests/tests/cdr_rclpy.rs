@@ -5,25 +5,29 @@ use std::process::{Command, Stdio};
 
 use msgs::RosMessage;
 use msgs::cdr;
-use msgs::{diagnostic_msgs::*, friction_msgs::*, sensor_msgs::*, std_msgs::*, std_srvs::*};
+use msgs::{
+    diagnostic_msgs::*, friction_msgs::*, lifecycle_msgs::*, rosgraph_msgs::*, sensor_msgs::*, std_msgs::*, std_srvs::*,
+};
 use serde_json::{Map, Value};
 use tests::filled::filled;
 use tests::python;
 
 /// Calls a generic function for every type that goes over the wire or into a bag.
 macro_rules! for_each {
-    ($function:ident($($argument:expr),*): $($type:ty),* $(,)?) => { $($function::<$type>($($argument),*);)* };
+    ($function:ident, $argument:expr; $($type:ty),* $(,)?) => { $($function::<$type>($argument);)* };
 }
 
 macro_rules! for_each_type {
-    ($function:ident($($argument:expr),*)) => {
-        for_each!($function($($argument),*):
+    ($function:ident, $argument:expr) => {
+        for_each!($function, $argument;
             msgs::builtin_interfaces::Time, Header, JointState, KeyValue, DiagnosticStatus, DiagnosticArray,
             RigMeasurement, Reference, MotorVoltage, FrictionEstimate, ControllerState, ExperimentStatus,
             EstimatedParameter, Figure, ModelFit, Setting, ExperimentParameter, ExperimentDescription,
             RunExperimentGoal, RunExperimentResult, RunExperimentFeedback, StartExperimentRequest,
             StartExperimentResponse, ListExperimentsRequest, ListExperimentsResponse, IdentifyRequest, IdentifyResponse,
-            TriggerRequest, TriggerResponse)
+            TriggerRequest, TriggerResponse, Clock, State, Transition, TransitionDescription, TransitionEvent,
+            ChangeStateRequest, ChangeStateResponse, GetStateRequest, GetStateResponse, GetAvailableStatesRequest,
+            GetAvailableStatesResponse, GetAvailableTransitionsRequest, GetAvailableTransitionsResponse)
     };
 }
 
@@ -72,7 +76,7 @@ fn rclpy_and_rust_write_the_same_bytes_and_read_each_others() {
         given.insert(M::type_name(), hex(&cdr::encode(&filled::<M>()).expect("bytes")).into());
     }
     let mut given = Map::new();
-    for_each_type!(put(&mut given));
+    for_each_type!(put, &mut given);
 
     let mut peer = Command::new(python)
         .arg(python::script("cdr_peer.py"))
@@ -95,5 +99,5 @@ fn rclpy_and_rust_write_the_same_bytes_and_read_each_others() {
             assert_same::<M>(which, &bytes(&answer[which]), &ours);
         }
     }
-    for_each_type!(check(&answer));
+    for_each_type!(check, &answer);
 }

@@ -13,6 +13,7 @@ use msgs::std_msgs::Header;
 
 use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
+use crate::output::OutputError;
 use crate::progress::Progress;
 use crate::run::{self, RunError, RunOptions, RunResults};
 
@@ -77,6 +78,8 @@ struct Inner {
 #[derive(Default)]
 struct State {
     running: Option<Running>,
+    /// Ended experiments whose watcher is being told.
+    telling: u32,
     /// Why nothing is started.
     closed: Option<Refusal>,
 }
@@ -165,7 +168,7 @@ impl Desk {
         let (state, _) = self
             .inner
             .idle
-            .wait_timeout_while(state, patience, |state| state.running.is_some())
+            .wait_timeout_while(state, patience, |state| state.running.is_some() || state.telling > 0)
             .unwrap_or_else(PoisonError::into_inner);
         state.running.is_none()
     }
@@ -224,6 +227,25 @@ impl Drop for Release {
     }
 }
 
+/// Whoever closes the desk waits until the watcher was told.
+struct Telling(Arc<Inner>);
+
+impl Telling {
+    fn new(inner: &Arc<Inner>) -> Self {
+        inner.state().telling += 1;
+        Self(Arc::clone(inner))
+    }
+}
+
+impl Drop for Telling {
+    fn drop(&mut self) {
+        let mut state = self.0.state();
+        state.telling = state.telling.saturating_sub(1);
+        drop(state);
+        self.0.idle.notify_all();
+    }
+}
+
 impl Job {
     fn run(self, watcher: Box<dyn Watcher>) {
         let release = Release(Arc::clone(&self.inner));
@@ -247,6 +269,7 @@ impl Job {
         let results = results.map(|outcome| outcome.results).map_err(|error| error.to_string());
         let ended = Ended { started: self.started.clone(), results };
         let complete = ended.results.is_ok() && !self.cancel.load(Ordering::Relaxed);
+        let _telling = Telling::new(&self.inner);
         // Free before anybody hears of the end, so that whoever does can ask for the next.
         drop(release);
         self.inner.announce(ExperimentStatus {
@@ -327,6 +350,12 @@ fn bad_folder(error: RunError) -> Refusal {
             "the output_folder {} is not empty: name a new one, or leave it out and one is made",
             folder.display()
         ),
+        RunError::Output(OutputError { path, source }) => {
+            format!(
+                "the results cannot be written to {}: {source}; name another output_folder",
+                path.display()
+            )
+        }
         other => other.to_string(),
     })
 }

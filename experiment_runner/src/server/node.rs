@@ -76,6 +76,8 @@ impl Managed for Management {
     }
 }
 
+/// Time for clients to fetch the last result before the node goes.
+const LINGER: Duration = Duration::from_millis(500);
 /// How long a leaving node waits for its experiment to end.
 const PATIENCE: Duration = Duration::from_secs(30);
 
@@ -124,6 +126,7 @@ impl Drop for Runner {
     fn drop(&mut self) {
         self.cancel_identification.store(true, Ordering::Relaxed);
         self.desk.close(Refusal::Leaving, PATIENCE);
+        thread::sleep(LINGER);
     }
 }
 

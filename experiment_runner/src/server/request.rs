@@ -156,6 +156,9 @@ fn settings(command: &Command, reserved: &[&str], given: &[Setting]) -> Result<V
         };
         match (arg.get_action().takes_values(), value.trim()) {
             (true, value) => line.push(format!("--{name}={value}")),
+            // As Python writes them.
+            (false, "True") => line.push(format!("--{name}")),
+            (false, "False") => {}
             (false, "" | "true") => line.push(format!("--{name}")),
             (false, "false") => {}
             (false, other) => {
