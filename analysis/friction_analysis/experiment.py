@@ -61,9 +61,13 @@ class Runner:
 
     def close(self) -> None:
         """Leaves the network."""
-        self._executor.shutdown(timeout_sec=1.0)
+        # In this order: nothing is destroyed that the thread still uses.
+        self._executor.shutdown()
+        self._thread.join()
+        self._client.destroy()
         self._node.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        self._context.try_shutdown()
+        self._context.destroy()
 
     def run(
         self,

@@ -6,7 +6,8 @@ use std::process::{Command, Stdio};
 use msgs::RosMessage;
 use msgs::cdr;
 use msgs::{
-    diagnostic_msgs::*, friction_msgs::*, lifecycle_msgs::*, rosgraph_msgs::*, sensor_msgs::*, std_msgs::*, std_srvs::*,
+    diagnostic_msgs::*, friction_msgs::*, lifecycle_msgs::*, rosgraph_msgs::*, sensor_msgs::*, std_msgs::*,
+    std_srvs::*,
 };
 use serde_json::{Map, Value};
 use tests::filled::filled;

@@ -115,9 +115,11 @@ fn one_runs_to_its_end(report: &Value) {
 fn a_bag_is_identified(report: &Value) {
     let found = &report["identify"];
     assert_eq!(found["success"], true, "{found}");
-    assert_eq!(text(found, "model"), "stribeck");
     let fits = found["fits"].as_array().expect("fits");
     assert_eq!(fits.len(), 2);
+    // The simplest of those that cannot be told from the best.
+    let chosen = fits.iter().position(|fit| fit["model"] == found["model"]).expect("one of the two");
+    assert!(chosen == 0 || fits[chosen]["tie"] == true, "{fits:?}");
     let f_c = found["parameters"]
         .as_array()
         .and_then(|all| all.iter().find(|p| p["model"] == "stribeck" && p["name"] == "f_c"))
