@@ -201,7 +201,7 @@ proptest! {
     #[test]
     fn anything_behind_the_first_bytes_is_survived(body in prop::collection::vec(any::<u8>(), 0..400)) {
         let folder = tempfile::tempdir().unwrap();
-        let bytes = [&mcap::MAGIC[..], &body].concat();
+        let bytes = [mcap::MAGIC, &body].concat();
         prop_assert_eq!(recovered(folder.path(), &bytes), Some(BTreeSet::new()));
     }
 }

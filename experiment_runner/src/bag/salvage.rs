@@ -259,7 +259,7 @@ fn parse(record: &[u8]) -> Option<Record<'_>> {
     let (&opcode, content) =
         record.split_first().and_then(|(opcode, rest)| Some((opcode, rest.get(8..)?)))?;
     // A length that is too long would swallow what stands behind the record; one that is too short makes the library cut where nothing is.
-    if !Content(content).is_exactly(opcode) {
+    if !Content(content).ends_with(opcode) {
         return None;
     }
     mcap::parse_record(opcode, content).ok()
@@ -270,7 +270,7 @@ struct Content<'a>(&'a [u8]);
 
 impl Content<'_> {
     /// Whether the content ends where its own lengths say.
-    fn is_exactly(mut self, opcode: u8) -> bool {
+    fn ends_with(mut self, opcode: u8) -> bool {
         let read = match opcode {
             op::HEADER => self.text().and_then(|()| self.text()),
             op::FOOTER => self.skip(20),
