@@ -1,7 +1,7 @@
 //! ROS 2 interface package `friction_msgs` and its Rust types.
 //!
 //! The ROS side is the folder `friction_msgs/` beside this crate's `src/`: an ordinary interface package that `colcon`
-//! builds. The Rust side is one module a ROS package; a test compares every `.msg` file with its struct, field by field.
+//! builds. The Rust side is one module a ROS package; a test compares every `.msg`, `.srv` and `.action` file with its structs, field by field.
 //! Standard messages the laboratory uses come along, so that bags can be written and read without a ROS installation.
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
@@ -22,4 +22,4 @@ pub mod std_msgs;
 pub mod std_srvs;
 pub mod topics;
 
-pub use message::{Definition, RosAction, RosMessage, RosService};
+pub use message::{Definition, Payload, RosAction, RosMessage, RosService};

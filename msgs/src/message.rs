@@ -47,30 +47,42 @@ pub trait RosMessage: Serialize + DeserializeOwned {
     }
 }
 
+/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client takes.
+#[cfg(feature = "ros2")]
+pub trait Payload: RosMessage + ros2_client::Message + Clone + Default + Send + Sync + 'static {}
+#[cfg(feature = "ros2")]
+impl<M: RosMessage + ros2_client::Message + Clone + Default + Send + Sync + 'static> Payload for M {}
+
+/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client takes.
+#[cfg(not(feature = "ros2"))]
+pub trait Payload: RosMessage + Clone + Default + Send + Sync + 'static {}
+#[cfg(not(feature = "ros2"))]
+impl<M: RosMessage + Clone + Default + Send + Sync + 'static> Payload for M {}
+
 /// A service: what is asked and what is answered.
-pub trait RosService {
+pub trait RosService: 'static {
     /// ROS package, as in `std_srvs`.
     const PACKAGE: &'static str;
     /// Type without its package, as in `Trigger`.
     const NAME: &'static str;
     /// What is asked.
-    type Request: RosMessage + Clone + Send + 'static;
+    type Request: Payload;
     /// What is answered.
-    type Response: RosMessage + Clone + Send + 'static;
+    type Response: Payload;
 }
 
 /// An action: something that takes its time, tells how far it is and can be cancelled.
-pub trait RosAction {
+pub trait RosAction: 'static {
     /// ROS package, as in `friction_msgs`.
     const PACKAGE: &'static str;
     /// Type without its package, as in `RunExperiment`.
     const NAME: &'static str;
     /// What is asked for.
-    type Goal: RosMessage + Clone + Send + 'static;
+    type Goal: Payload;
     /// What came of it.
-    type Result: RosMessage + Clone + Send + 'static;
+    type Result: Payload;
     /// How far it is.
-    type Feedback: RosMessage + Clone + Send + 'static;
+    type Feedback: Payload;
 }
 
 /// The part of a `.srv` or `.action` file with that number, from 0; the parts stand between lines of three dashes.

@@ -5,6 +5,7 @@
 //! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs on;
 //! - [`RosNode`]: a node that publishes, listens, answers and leaves cleanly;
 //! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`];
+//! - [`ActionServer`]: requests that take their time, see [`RosNode::serve_action`];
 //! - [`Logger`], [`NodeClock`]: `/rosout` and `use_sim_time`;
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
@@ -24,6 +25,7 @@
 //! # }
 //! ```
 
+mod action;
 mod arguments;
 mod clock;
 pub mod deadlines;
@@ -45,6 +47,7 @@ mod signals;
 pub mod timing;
 mod turn;
 
+pub use action::{ActionHandler, ActionServer, Goal, GoalEnd, GoalId};
 pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
 pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};

@@ -8,7 +8,7 @@ use std::{
 
 use futures::StreamExt;
 use msgs::{
-    RosMessage, RosService,
+    RosAction, RosMessage, RosService,
     topics::{Qos, Topic},
 };
 use ros2_client::{
@@ -17,7 +17,10 @@ use ros2_client::{
 };
 use tokio::task::JoinHandle;
 
-use crate::{Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError, participant::Shared};
+use crate::{
+    ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError, action,
+    participant::Shared,
+};
 
 /// How long a leaving node waits for its background work.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -215,6 +218,19 @@ impl RosNode {
         S::Response: Message + Sync,
     {
         self.raw_serve::<S::Request, S::Response>(name, S::PACKAGE, S::NAME, answer)
+    }
+
+    /// Offers an action that the code calls `name`; its goals go to `handler`.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware or the system refuses.
+    pub fn serve_action<A: RosAction>(
+        &self,
+        name: &str,
+        handler: impl ActionHandler<A>,
+    ) -> Result<ActionServer, RosNodeError> {
+        let absolute = self.resolve(Named::Service, name)?;
+        self.with_node("an action", &absolute, |node| action::serve::<A>(node, &parse(&absolute)?, handler))
     }
 
     /// Answers a service whose types are only known to the client library.

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 
 pub mod browser;
 pub mod emulated_rig;
+pub mod filled;
 pub mod network;
 pub mod python;
 
