@@ -1,111 +1,72 @@
-"""A bag as a table: one row a sample time, one column a quantity, units in the column names.
+"""A bag as one CSV table: one row a sample time, one column a quantity, units in the column names.
 
-usage: friction-table BAG TABLE.csv
+Time, position, velocity, friction torque, voltage, estimated torque, reference and error, as far as the bag has them.
+`frictionlab identify` reads the file. For a table of each topic use `friction_analysis.read_bag` in Python.
+
+  friction-table runs/live-1/bag table.csv
 """
 
 from __future__ import annotations
 
-import csv
-import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from rosbags.highlevel import AnyReader, AnyReaderError
-from rosbags.rosbag2 import ReaderError
+import pandas as pd
 
-Row = dict[str, float]
+from friction_analysis.bag import BagError, read_bag
+from friction_analysis.console import command, conclude
+from friction_analysis.topics import topic_name
 
-# Column names and how they are found in a message of the topic. Torque is friction torque, positive against positive
-# velocity.
-COLUMNS: dict[str, dict[str, Callable[[Any], float]]] = {
-    "/joint_states": {
-        "position_rad": lambda m: m.position[0],
-        "velocity_rad_s": lambda m: m.velocity[0],
-        "torque_Nm": lambda m: m.effort[0],
+# Columns of a topic's table and their names in the common one. Torque is friction torque, positive against positive velocity.
+COLUMNS: dict[str, dict[str, str]] = {
+    "joint_states": {"position_rad": "position_rad", "velocity_rad_s": "velocity_rad_s", "torque_Nm": "torque_Nm"},
+    "motor_voltage": {"voltage_V": "voltage_V"},
+    "friction_estimate": {
+        "torque_Nm": "estimated_torque_Nm",
+        "deflection_rad": "deflection_rad",
+        "gamma_Nm": "gamma_Nm",
     },
-    "/motor_voltage": {"voltage_V": lambda m: m.voltage},
-    "/friction_estimate": {
-        "estimated_torque_Nm": lambda m: m.torque,
-        "deflection_rad": lambda m: m.deflection,
-        "gamma_Nm": lambda m: m.gamma,
-    },
-    "/reference": {
-        "reference_position_rad": lambda m: m.position,
-        "reference_velocity_rad_s": lambda m: m.velocity,
-    },
-    "/controller_state": {"error": lambda m: m.error, "friction_voltage_V": lambda m: m.friction},
+    "reference": {"position_rad": "reference_position_rad", "velocity_rad_s": "reference_velocity_rad_s"},
+    "controller_state": {"error": "error", "friction_V": "friction_voltage_V"},
 }
 
 
-class BagError(Exception):
-    """A bag that cannot be turned into a table; the text says what was expected."""
-
-
-def read_table(bag: Path) -> dict[str, list[float]]:
-    """Columns of the bag by name, `t_s` (seconds since the first sample) first, all of one length.
+def read_table(path: Path, namespace: str = "") -> pd.DataFrame:
+    """One row a sample time, the index `t_s` [s since the first of them].
 
     A quantity that was not recorded at a time is not a number there; one that the bag does not have gets no column.
+    Raises `BagError`.
     """
-    if not bag.exists():
-        raise BagError(f"{bag} does not exist; name a bag folder or an .mcap file")
-    rows: dict[int, Row] = {}
-    names: list[str] = []
-    try:
-        with AnyReader([bag]) as reader:
-            connections = [c for c in reader.connections if c.topic in COLUMNS]
-            for connection in connections:
-                names.extend(name for name in COLUMNS[connection.topic] if name not in names)
-            for connection, stamp, data in reader.messages(connections):
-                message = reader.deserialize(data, connection.msgtype)
-                row = rows.setdefault(stamp, {})
-                for name, read in COLUMNS[connection.topic].items():
-                    row[name] = float(read(message))
-    except (AnyReaderError, ReaderError) as error:
-        raise BagError(f"{bag} cannot be read as a bag: {error}") from error
-    except IndexError as error:
-        raise BagError(f"{bag} has joint states without a joint; expected position, velocity and effort") from error
-    if not rows:
-        raise BagError(f"{bag} has no message on any of {', '.join(COLUMNS)}")
-    ordered = [name for columns in COLUMNS.values() for name in columns if name in names]
-    stamps = sorted(rows)
-    table = {"t_s": [(stamp - stamps[0]) * 1e-9 for stamp in stamps]}
-    for name in ordered:
-        table[name] = [rows[stamp].get(name, math.nan) for stamp in stamps]
+    bag = read_bag(path, [topic_name(name, namespace) for name in COLUMNS])
+    parts = []
+    for name, columns in COLUMNS.items():
+        if bag.has(name, namespace):
+            part = bag.table(name, namespace)
+            there = [column for column in columns if column in part]
+            part = part[there].rename(columns=columns)
+            parts.append(part[~part.index.duplicated(keep="last")])
+    table = pd.concat(parts, axis=1, sort=True)
+    if table.empty:
+        raise BagError(f"{path} has no message on any of {', '.join(topic_name(name, namespace) for name in COLUMNS)}")
+    table.index = pd.Index((table.index - table.index[0]).to_numpy().round(9), name="t_s")
     return table
 
 
-def write_csv(table: dict[str, list[float]], file: Path) -> None:
-    """Writes the columns as CSV. What is not a number is left empty; times are rounded to the nanosecond they have."""
-
-    def cell(name: str, value: float) -> str:
-        if math.isnan(value):
-            return ""
-        return repr(round(value, 9)) if name == "t_s" else repr(value)
-
-    with file.open("w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(table)
-        names = list(table)
-        for values in zip(*table.values(), strict=True):
-            writer.writerow([cell(name, value) for name, value in zip(names, values, strict=True)])
-
-
-def main() -> int:
+def main(arguments: list[str] | None = None) -> int:
     """The command `friction-table`."""
-    if len(sys.argv) != 3:
-        print(__doc__, file=sys.stderr)
-        return 2
-    bag, file = map(Path, sys.argv[1:])
-    try:
-        table = read_table(bag)
-        write_csv(table, file)
-    except (BagError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    print(f"{file}: {len(table['t_s'])} rows, {len(table)} columns")
-    return 0
+    parser = command("friction-table", __doc__ or "")
+    parser.add_argument("bag", type=Path, metavar="BAG", help="bag folder or .mcap file")
+    parser.add_argument("table", type=Path, metavar="TABLE.csv", help="the file to write")
+    parser.add_argument("--namespace", default="", metavar="NS", help="namespace of the axis, as in axis_1 (default: none)")
+    given = parser.parse_args(arguments)
+
+    def work() -> int:
+        table = read_table(given.bag, given.namespace)
+        table.to_csv(given.table, lineterminator="\n")
+        print(f"{given.table}: {len(table)} rows, {len(table.columns) + 1} columns")
+        return 0
+
+    return conclude(work)
 
 
 if __name__ == "__main__":

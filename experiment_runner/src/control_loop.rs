@@ -43,6 +43,12 @@ impl ControlLoop {
         Self { excitation: Some(excitation), ..self }
     }
 
+    /// The same loop around the same rig, reached through what `wrap` makes of it.
+    #[must_use]
+    pub fn through(self, wrap: impl FnOnce(Box<dyn Rig + Send>) -> Box<dyn Rig + Send>) -> Self {
+        Self { rig: wrap(self.rig), ..self }
+    }
+
     /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles are seen.
     pub fn tell_time(&mut self, now: f64) {
         self.rig.tell_time(now);

@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, design, features, identify, identify_drive, identify_servo, identify_stiction,
-    models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
+    BadInput, Interrupted, bag, design, features, identify, identify_drive, identify_servo,
+    identify_stiction, models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -27,6 +27,7 @@ enum Command {
     IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
+    Bag(bag::BagArgs),
     Design(design::DesignArgs),
     Features(features::FeaturesArgs),
     Models(models::ModelsArgs),
@@ -37,6 +38,8 @@ enum Command {
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
+    #[cfg(feature = "ros")]
+    Serve(experiment_runner::cli::serve::ServeArgs),
 }
 
 fn main() -> ExitCode {
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
         Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
+        Command::Bag(args) => bag::execute(&args),
         Command::Design(args) => design::execute(&args),
         Command::Features(args) => features::execute(&args),
         Command::Models(args) => models::execute(&args),
@@ -56,6 +60,8 @@ fn main() -> ExitCode {
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Serve(args) => experiment_runner::cli::serve::execute(&args),
     };
     let Err(error) = result else { return ExitCode::SUCCESS };
     if error.is::<Interrupted>() {

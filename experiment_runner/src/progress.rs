@@ -36,9 +36,33 @@ impl Progress {
         self.0.set_message(message.into());
     }
 
+    /// Says how much there is to do, once that is known.
+    pub fn expect(&self, length: u64) {
+        self.0.set_length(length);
+    }
+
     /// Adds `rig_seconds` done.
     pub fn advance(&self, rig_seconds: f64) {
         self.0.inc(rig_seconds.round() as u64);
+    }
+
+    /// What is being done now.
+    #[must_use]
+    pub fn message(&self) -> String {
+        self.0.message()
+    }
+
+    /// How much is done, in what is counted.
+    #[must_use]
+    pub fn position(&self) -> f64 {
+        self.0.position() as f64
+    }
+
+    /// How much is done, 0 to 1.
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        let length = self.0.length().unwrap_or(0).max(1);
+        (self.0.position() as f64 / length as f64).min(1.0)
     }
 
     /// Removes the bar.
@@ -61,8 +85,8 @@ mod tests {
         let progress = Progress::new(30.0, true);
         progress.stage("testing");
         progress.advance(15.0);
-        assert_eq!(progress.0.position(), 15);
-        assert_eq!(progress.0.message(), "testing");
+        assert_eq!((progress.position(), progress.fraction()), (15.0, 0.5));
+        assert_eq!(progress.message(), "testing");
         progress.finish();
     }
 }

@@ -18,7 +18,7 @@ pub enum Completion {
 }
 
 /// Does `work` for each of `jobs` on `workers` threads and hands the results to `deliver` on this thread, in the order of the
-/// jobs. Once `cancel` is set no further job starts.
+/// jobs. Once `cancel` is set no further job starts, and a job that ends with an error was cancelled by it.
 ///
 /// # Errors
 /// The first error in the order of the jobs, from `work` or `deliver`; the rest is abandoned.
@@ -59,6 +59,10 @@ where
         for (index, result) in receiver {
             waiting.insert(index, result);
             while let Some(result) = waiting.remove(&delivered) {
+                if result.is_err() && cancel.load(Ordering::Relaxed) {
+                    turn.end();
+                    return Ok(Completion::Cancelled { delivered });
+                }
                 if let Err(error) = result.and_then(|result| deliver(&jobs[delivered], result)) {
                     turn.end();
                     return Err(error);
@@ -155,6 +159,20 @@ mod tests {
         let Ok(Completion::Cancelled { delivered }) = completion else { panic!("{completion:?}") };
         // What was begun is delivered: the window of eight ahead, and the job each of the two workers held or waited with.
         assert!(delivered == seen && (10..=20).contains(&delivered), "{delivered}");
+    }
+
+    #[test]
+    fn a_job_that_cancelling_ends_is_no_error() {
+        let jobs: Vec<usize> = (0..100).collect();
+        let cancel = AtomicBool::new(false);
+        let work = |job: &usize| {
+            if *job == 20 {
+                cancel.store(true, Ordering::Relaxed);
+            }
+            if *job >= 20 { Err("stopped") } else { Ok(()) }
+        };
+        let completion = run_in_order(&jobs, 1, &cancel, work, |_, ()| Ok(()));
+        assert_eq!(completion, Ok(Completion::Cancelled { delivered: 20 }));
     }
 
     #[test]

@@ -1,6 +1,20 @@
-//! Types of the laboratory's own ROS package `friction_msgs`, whose definitions stand in `msgs/friction_msgs/msg/`.
+//! Types of the laboratory's own ROS package `friction_msgs`, whose definitions stand in `msgs/friction_msgs/`.
+//!
+//! Here are the signals of the control cycle and the status of an experiment; [`RunExperiment`] and the services have files of their own.
+
+mod experiments;
+mod identify;
+mod results;
 
 use serde::{Deserialize, Serialize};
+
+pub use experiments::{
+    ExperimentDescription, ExperimentParameter, ListExperiments, ListExperimentsRequest,
+    ListExperimentsResponse, RunExperiment, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult,
+    Setting, StartExperiment, StartExperimentRequest, StartExperimentResponse,
+};
+pub use identify::{Identify, IdentifyRequest, IdentifyResponse};
+pub use results::{EstimatedParameter, Figure, ModelFit};
 
 use crate::{builtin_interfaces::Time, message::ros_message, std_msgs::Header};
 

@@ -1,21 +1,25 @@
 //! ROS 2 interface package `friction_msgs` and its Rust types.
 //!
 //! The ROS side is the folder `friction_msgs/` beside this crate's `src/`: an ordinary interface package that `colcon`
-//! builds. The Rust side is one module a ROS package; a test compares every `.msg` file with its struct, field by field.
+//! builds. The Rust side is one module a ROS package; a test compares every `.msg`, `.srv` and `.action` file with its structs, field by field.
 //! Standard messages the laboratory uses come along, so that bags can be written and read without a ROS installation.
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
 //! - [`topics`]: which topics there are, with type and quality of service;
-//! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types.
+//! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types;
+//! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes and the simulated clock.
 
 pub mod builtin_interfaces;
 pub mod cdr;
 pub mod diagnostic_msgs;
 pub mod friction_msgs;
+pub mod lifecycle_msgs;
 pub mod message;
+pub mod rosgraph_msgs;
 pub mod sensor_msgs;
 pub mod std_msgs;
+pub mod std_srvs;
 pub mod topics;
 
-pub use message::{Definition, RosMessage};
+pub use message::{Definition, Payload, RosAction, RosMessage, RosService};

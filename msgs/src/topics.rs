@@ -44,6 +44,12 @@ impl<M: RosMessage> Topic<M> {
     const fn new(name: &'static str, qos: Qos) -> Self {
         Self { name, qos, message: PhantomData }
     }
+
+    /// The name as a node says it: relative, so that the node's namespace comes before it. What all nodes share, such as `/diagnostics`,
+    /// stays absolute.
+    pub fn name_in_namespace(&self) -> &'static str {
+        if self.name == DIAGNOSTICS.name { self.name } else { self.name.trim_start_matches('/') }
+    }
 }
 
 /// Position, velocity and friction torque of the joint `load_shaft`.

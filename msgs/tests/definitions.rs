@@ -1,18 +1,29 @@
-//! The `.msg` files and the Rust structs say the same: fields, order, types, constants, dependencies, hashes.
+//! The `.msg`, `.srv` and `.action` files and the Rust structs say the same: fields, order, types, constants, dependencies, hashes.
 
 mod trace;
 
 use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
 
 use msgs::{
-    Definition, RosMessage,
+    Definition, RosAction, RosMessage, RosService,
     builtin_interfaces::Time,
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     friction_msgs::{
-        ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference, RigMeasurement,
+        ControllerState, EstimatedParameter, ExperimentDescription, ExperimentParameter, ExperimentStatus,
+        Figure, FrictionEstimate, Identify, IdentifyRequest, IdentifyResponse, ListExperiments,
+        ListExperimentsRequest, ListExperimentsResponse, ModelFit, MotorVoltage, Reference, RigMeasurement,
+        RunExperiment, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, Setting,
+        StartExperiment, StartExperimentRequest, StartExperimentResponse,
     },
+    lifecycle_msgs::{
+        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest, GetAvailableStatesResponse,
+        GetAvailableTransitionsRequest, GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse,
+        State, Transition, TransitionDescription, TransitionEvent,
+    },
+    rosgraph_msgs::Clock,
     sensor_msgs::JointState,
     std_msgs::Header,
+    std_srvs::{Trigger, TriggerRequest, TriggerResponse},
 };
 use sha2::{Digest, Sha256};
 use trace::Leaf;
@@ -26,12 +37,42 @@ macro_rules! for_each_message {
         $check::<KeyValue>();
         $check::<DiagnosticStatus>();
         $check::<DiagnosticArray>();
+        $check::<Clock>();
+        $check::<State>();
+        $check::<Transition>();
+        $check::<TransitionDescription>();
+        $check::<TransitionEvent>();
+        $check::<ChangeStateRequest>();
+        $check::<ChangeStateResponse>();
+        $check::<GetStateRequest>();
+        $check::<GetStateResponse>();
+        $check::<GetAvailableStatesRequest>();
+        $check::<GetAvailableStatesResponse>();
+        $check::<GetAvailableTransitionsRequest>();
+        $check::<GetAvailableTransitionsResponse>();
         $check::<RigMeasurement>();
         $check::<Reference>();
         $check::<MotorVoltage>();
         $check::<FrictionEstimate>();
         $check::<ControllerState>();
         $check::<ExperimentStatus>();
+        $check::<EstimatedParameter>();
+        $check::<Figure>();
+        $check::<ModelFit>();
+        $check::<Setting>();
+        $check::<ExperimentParameter>();
+        $check::<ExperimentDescription>();
+        $check::<RunExperimentGoal>();
+        $check::<RunExperimentResult>();
+        $check::<RunExperimentFeedback>();
+        $check::<StartExperimentRequest>();
+        $check::<StartExperimentResponse>();
+        $check::<ListExperimentsRequest>();
+        $check::<ListExperimentsResponse>();
+        $check::<IdentifyRequest>();
+        $check::<IdentifyResponse>();
+        $check::<TriggerRequest>();
+        $check::<TriggerResponse>();
     };
 }
 
@@ -46,15 +87,20 @@ fn statements(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).filter(|line| !line.is_empty())
 }
 
+/// The fields; a definition without any has the one that ROS gives it.
 fn fields(text: &str) -> Vec<Field<'_>> {
-    statements(text)
+    let mut fields: Vec<_> = statements(text)
         .filter(|line| !line.contains('='))
         .map(|line| {
             let (kind, name) = line.split_once(' ').expect("a field is a type and a name");
             let base = kind.strip_suffix("[]").unwrap_or(kind);
             Field { name: name.trim(), base, sequence: base.len() != kind.len() }
         })
-        .collect()
+        .collect();
+    if fields.is_empty() {
+        fields.push(Field { name: "structure_needs_at_least_one_member", base: "uint8", sequence: false });
+    }
+    fields
 }
 
 fn constants(text: &str) -> Vec<(String, String)> {
@@ -113,6 +159,13 @@ fn constants_are_those_of_the_definitions() {
     check::<ControllerState>(&[
         ("VELOCITY", ControllerState::VELOCITY),
         ("POSITION", ControllerState::POSITION),
+    ]);
+    check::<RunExperimentResult>(&[
+        ("SUCCEEDED", RunExperimentResult::SUCCEEDED),
+        ("CANCELED", RunExperimentResult::CANCELED),
+        ("BUSY", RunExperimentResult::BUSY),
+        ("BAD_REQUEST", RunExperimentResult::BAD_REQUEST),
+        ("FAILED", RunExperimentResult::FAILED),
     ]);
     check::<DiagnosticStatus>(&[
         ("OK", DiagnosticStatus::OK),
@@ -203,19 +256,48 @@ fn every_definition_of_the_package_is_built_and_known_in_rust() {
     let cmake = fs::read_to_string(package.join("CMakeLists.txt")).expect("the package has a CMakeLists.txt");
     let known = [
         ControllerState::DEFINITION.name,
+        EstimatedParameter::DEFINITION.name,
+        ExperimentDescription::DEFINITION.name,
+        ExperimentParameter::DEFINITION.name,
         ExperimentStatus::DEFINITION.name,
+        Figure::DEFINITION.name,
         FrictionEstimate::DEFINITION.name,
+        ModelFit::DEFINITION.name,
         MotorVoltage::DEFINITION.name,
         Reference::DEFINITION.name,
         RigMeasurement::DEFINITION.name,
+        Setting::DEFINITION.name,
     ];
-    let mut files: Vec<String> = fs::read_dir(package.join("msg"))
-        .expect("the package has a msg folder")
-        .map(|entry| entry.expect("the folder can be read").file_name().into_string().expect("plain names"))
-        .collect();
-    files.sort();
-    assert_eq!(files, known.map(|name| format!("{name}.msg")));
-    for file in files {
-        assert!(cmake.contains(&format!("\"msg/{file}\"")), "CMakeLists.txt does not build {file}");
+    let services = [Identify::NAME, ListExperiments::NAME, StartExperiment::NAME];
+    for (folder, known) in [("msg", &known[..]), ("srv", &services), ("action", &[RunExperiment::NAME])] {
+        let mut files: Vec<String> = fs::read_dir(package.join(folder))
+            .expect("the package has the folder")
+            .map(|entry| {
+                entry.expect("the folder can be read").file_name().into_string().expect("plain names")
+            })
+            .collect();
+        files.sort();
+        let expected: Vec<String> = known.iter().map(|name| format!("{name}.{folder}")).collect();
+        assert_eq!(files, expected);
+        for file in files {
+            assert!(cmake.contains(&format!("\"{folder}/{file}\"")), "CMakeLists.txt does not build {file}");
+        }
     }
+}
+
+#[test]
+fn the_parts_of_services_and_actions_are_named_as_ros_names_them() {
+    fn service<S: RosService>() {
+        let name = |part| format!("{}/srv/{}_{part}", S::PACKAGE, S::NAME);
+        assert_eq!(<S::Request as RosMessage>::type_name(), name("Request"));
+        assert_eq!(<S::Response as RosMessage>::type_name(), name("Response"));
+    }
+    service::<StartExperiment>();
+    service::<ListExperiments>();
+    service::<Identify>();
+    service::<Trigger>();
+    let name = |part| format!("{}/action/{}_{part}", RunExperiment::PACKAGE, RunExperiment::NAME);
+    assert_eq!(<RunExperiment as RosAction>::Goal::type_name(), name("Goal"));
+    assert_eq!(<RunExperiment as RosAction>::Result::type_name(), name("Result"));
+    assert_eq!(<RunExperiment as RosAction>::Feedback::type_name(), name("Feedback"));
 }

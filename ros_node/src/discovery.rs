@@ -37,6 +37,24 @@ impl Discovery {
         Self::from_values(read("ROS_DOMAIN_ID").as_deref(), read("ROS_AUTOMATIC_DISCOVERY_RANGE").as_deref())
     }
 
+    /// What the environment asks for and cannot be had, in sentences.
+    #[must_use]
+    pub fn warnings() -> Vec<String> {
+        let set = |name: &str| env::var(name).is_ok_and(|value| !value.is_empty());
+        let mut warnings = Vec::new();
+        if set("ROS_STATIC_PEERS") {
+            warnings.push(
+                "ROS_STATIC_PEERS is set, but this middleware finds others by multicast only: name this machine among the peers of \
+                 the others, or use ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET where multicast reaches them"
+                    .to_owned(),
+            );
+        }
+        if env::var("RMW_IMPLEMENTATION").is_ok_and(|rmw| rmw.contains("zenoh")) {
+            warnings.push("RMW_IMPLEMENTATION asks for Zenoh, but this program speaks DDS: nodes over Zenoh do not see it".to_owned());
+        }
+        warnings
+    }
+
     /// Like [`from_environment`](Self::from_environment), from values that stand for the two variables.
     ///
     /// # Errors

@@ -14,6 +14,39 @@ pub enum RosNodeError {
         /// What it is.
         value: String,
     },
+    /// A name that is none.
+    #[error("`{name}` is no name of {what}; expected {expected}")]
+    Name {
+        /// What was to be named.
+        what: &'static str,
+        /// What came.
+        name: String,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// A parameter that is given when the program starts cannot be.
+    #[error("the parameter {name} of {node} cannot be {value}: {reason}")]
+    Parameter {
+        /// Absolute name of the node.
+        node: String,
+        /// The parameter.
+        name: String,
+        /// What was given.
+        value: String,
+        /// Why not, and how to mend it.
+        reason: String,
+    },
+    /// The parameters that are given when the program starts do not go together.
+    #[error("the parameters of {node} cannot be: {reason}")]
+    Parameters {
+        /// Absolute name of the node.
+        node: String,
+        /// Why not, and how to mend it.
+        reason: String,
+    },
+    /// Signals cannot be watched.
+    #[error("SIGINT and SIGTERM cannot be watched: {0}")]
+    Signals(String),
     /// The runtime for the nodes' background work does not start.
     #[error("the threads for ROS 2 cannot be started: {0}; the system may be out of threads or memory")]
     Runtime(std::io::Error),
@@ -43,8 +76,19 @@ pub enum RosNodeError {
     )]
     Publish {
         /// The topic.
-        topic: &'static str,
+        topic: String,
         /// What the middleware said.
         detail: String,
     },
+}
+
+impl RosNodeError {
+    /// Whether the user can mend it: an argument, a parameter, an environment variable.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Environment { .. } | Self::Name { .. } | Self::Parameter { .. } | Self::Parameters { .. }
+        )
+    }
 }

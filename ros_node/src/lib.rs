@@ -1,9 +1,16 @@
 //! What every ROS 2 node of the laboratory needs and ros2-client does not give.
 //!
+//! - [`Arguments`]: the ROS part of the command line, with [remappings](remap) and [parameter files](parameter_file), as rcl reads them;
 //! - [`Discovery`]: which domain and which networks, from the environment as ROS reads it, loopback unless told otherwise;
 //! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs on;
-//! - [`RosNode`]: a node that answers and leaves cleanly;
-//! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`].
+//! - [`RosNode`]: a node that publishes, listens, answers and leaves cleanly;
+//! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`];
+//! - [`ActionServer`]: requests that take their time, see [`RosNode::serve_action`];
+//! - [`Logger`], [`NodeClock`]: `/rosout` and `use_sim_time`;
+//! - [`parameters`]: declared parameters with ranges and reasons, and their services;
+//! - [`lifecycle`]: managed nodes;
+//! - [`Stop`]: SIGINT and SIGTERM;
+//! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
 //! use msgs::{friction_msgs::MotorVoltage, std_msgs::Header, topics};
@@ -11,21 +18,47 @@
 //!
 //! # fn main() -> Result<(), ros_node::RosNodeError> {
 //! let participant = Participant::join(&Discovery::from_environment()?)?;
-//! let mut node = participant.node("talker")?;
+//! let node = participant.node("talker")?;
 //! let publisher = node.publisher(&topics::MOTOR_VOLTAGE)?;
 //! publisher.publish(MotorVoltage { header: Header::at(1), voltage: 1.5 })?;
 //! # Ok(())
 //! # }
 //! ```
 
+mod action;
+mod arguments;
+mod clock;
+pub mod deadlines;
 mod discovery;
 mod error;
+mod executable;
+pub mod lifecycle;
+mod log_level;
+mod logger;
+mod names;
 mod node;
+pub mod parameter_file;
+pub mod parameters;
 mod participant;
 mod publisher;
+pub mod queue;
+pub mod remap;
+mod signals;
+pub mod timing;
+mod turn;
 
+pub use action::{ActionHandler, ActionServer, Goal, GoalEnd, GoalId};
+pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
+pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
 pub use error::RosNodeError;
+pub use executable::run;
+pub use log_level::LogLevel;
+pub use logger::Logger;
+pub use names::NodeIdentity;
 pub use node::RosNode;
 pub use participant::Participant;
 pub use publisher::Publisher;
+pub use remap::Named;
+pub use ros2_client::ParameterValue;
+pub use signals::Stop;

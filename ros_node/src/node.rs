@@ -1,79 +1,317 @@
 //! A node that answers and leaves cleanly.
 
 use std::{
-    sync::{Arc, mpsc},
+    future::Future,
+    sync::{Arc, Mutex, PoisonError},
     time::Duration,
 };
 
+use futures::StreamExt;
 use msgs::{
-    RosMessage,
+    RosAction, RosMessage, RosService,
     topics::{Qos, Topic},
 };
 use ros2_client::{
-    MessageTypeName, Name, Node, NodeName, NodeOptions,
+    Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, ServiceTypeName,
     qos::{Durability, History, QosProfile, WhenFull},
 };
+use tokio::task::JoinHandle;
 
-use crate::{Publisher, RosNodeError, participant::Shared};
+use crate::{
+    ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError, action,
+    participant::Shared,
+};
 
 /// How long a leaving node waits for its background work.
-const LEAVING: Duration = Duration::from_secs(2);
+const LEAVING: Duration = Duration::from_secs(1);
+/// Shortest time between two warnings of one subscription.
+const WARNINGS: Duration = Duration::from_secs(1);
 
 /// A node of the ROS graph. Dropped, it takes its name off the graph.
 pub struct RosNode {
-    name: String,
-    // `None` only while it is being dropped.
-    node: Option<Node>,
-    spinner_ended: mpsc::Receiver<()>,
-    _shared: Arc<Shared>,
+    identity: NodeIdentity,
+    clock: NodeClock,
+    logger: Logger,
+    /// `None` only while it is being dropped.
+    node: Mutex<Option<Node>>,
+    tasks: Mutex<Vec<JoinHandle<()>>>,
+    shared: Arc<Shared>,
 }
 
 impl RosNode {
     pub(crate) fn start(shared: Arc<Shared>, name: &str) -> Result<Self, RosNodeError> {
         let error = |detail: String| RosNodeError::Create { what: format!("the node /{name}"), detail };
-        let node_name = NodeName::new("/", name).map_err(|e| error(e.to_string()))?;
-        let options = NodeOptions::new().enable_rosout(true);
-        let mut node = shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
-        let spinner = node.spinner().map_err(|e| error(e.to_string()))?;
-        let (ended, spinner_ended) = mpsc::channel();
-        shared.runtime.spawn(async move {
-            // A spinner that cannot run leaves the node deaf but publishing; there is nobody to tell here.
-            let _ = spinner.spin().await;
-            let _ = ended.send(());
-        });
-        Ok(Self { name: name.to_owned(), node: Some(node), spinner_ended, _shared: shared })
+        let arguments = &shared.arguments;
+        let identity = arguments.remaps.node(name, arguments.namespace.as_deref().unwrap_or("/"))?;
+        let node_name =
+            NodeName::new(&identity.namespace, &identity.name).map_err(|e| error(e.to_string()))?;
+        // Without a spinner: it would listen to `/clock` with a type that is not the clock's, and only serves the client's own
+        // parameters, in whose place stand those of this crate.
+        let options =
+            NodeOptions::new().enable_rosout(!arguments.rosout_disabled).start_parameter_services(false);
+        let node = shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
+        let clock = NodeClock::default();
+        let logger = Logger::new(
+            identity.logger(),
+            arguments.level_of(&identity.logger()),
+            !arguments.terminal_disabled,
+            clock.clone(),
+            (!arguments.rosout_disabled).then(|| node.logging_handle()),
+        );
+        Ok(Self { identity, clock, logger, node: Mutex::new(Some(node)), tasks: Mutex::default(), shared })
     }
 
     /// Name of the node, without its namespace.
     #[must_use]
     pub fn name(&self) -> &str {
-        &self.name
+        &self.identity.name
     }
 
-    /// A publisher on a topic, with the topic's quality of service.
+    /// Name and namespace.
+    #[must_use]
+    pub fn identity(&self) -> &NodeIdentity {
+        &self.identity
+    }
+
+    /// The node's log.
+    #[must_use]
+    pub fn logger(&self) -> &Logger {
+        &self.logger
+    }
+
+    /// The node's time.
+    #[must_use]
+    pub fn clock(&self) -> &NodeClock {
+        &self.clock
+    }
+
+    /// What the command line gives for a parameter of this node.
+    #[must_use]
+    pub fn given(&self, parameter: &str) -> Option<crate::ParameterValue> {
+        self.arguments().overrides(&self.identity.qualified()).remove(parameter)
+    }
+
+    /// Names of all parameters that the command line gives to this node.
+    #[must_use]
+    pub fn given_names(&self) -> Vec<String> {
+        self.arguments().overrides(&self.identity.qualified()).into_keys().collect()
+    }
+
+    /// What the command line says.
+    pub(crate) fn arguments(&self) -> &crate::Arguments {
+        &self.shared.arguments
+    }
+
+    /// The absolute name of a topic or service that the code calls `name`: relative names lie in the node's namespace, then the command
+    /// line's remappings apply.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Name`] if it is none.
+    pub fn resolve(&self, named: Named, name: &str) -> Result<String, RosNodeError> {
+        self.shared.arguments.remaps.resolve(&self.identity, named, name)
+    }
+
+    /// A publisher on a topic, with the topic's quality of service. The topic lies in the node's namespace.
     ///
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
-    pub fn publisher<M: RosMessage>(&mut self, topic: &Topic<M>) -> Result<Publisher<M>, RosNodeError> {
-        let error =
-            |detail: String| RosNodeError::Create { what: format!("a publisher on {}", topic.name), detail };
-        let node = self.node.as_mut().ok_or_else(|| error("the node is leaving".into()))?;
-        let name = Name::parse(topic.name).map_err(|e| error(e.to_string()))?;
-        let type_name = MessageTypeName::new(M::DEFINITION.package, M::DEFINITION.name);
-        let qos = profile(topic.qos);
-        let dds_topic = node.create_topic(&name, type_name, &qos).map_err(|e| error(e.to_string()))?;
-        let publisher = node.create_publisher(&dds_topic, Some(qos)).map_err(|e| error(e.to_string()))?;
-        Ok(Publisher::new(topic.name, publisher))
+    pub fn publisher<M: RosMessage + Message>(&self, topic: &Topic<M>) -> Result<Publisher<M>, RosNodeError> {
+        self.publisher_on(topic.name_in_namespace(), topic.qos)
+    }
+
+    /// A publisher on the topic that the code calls `name`.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn publisher_on<M: RosMessage + Message>(
+        &self,
+        name: &str,
+        qos: Qos,
+    ) -> Result<Publisher<M>, RosNodeError> {
+        self.raw_publisher(name, M::DEFINITION.package, M::DEFINITION.name, qos)
+    }
+
+    /// A publisher of a type that is only known to the client library.
+    pub(crate) fn raw_publisher<M: Message>(
+        &self,
+        name: &str,
+        package: &str,
+        kind: &str,
+        qos: Qos,
+    ) -> Result<Publisher<M>, RosNodeError> {
+        let absolute = self.resolve(Named::Topic, name)?;
+        let publisher = self.with_node("a publisher", &absolute, |node| {
+            let qos = profile(qos);
+            let topic = node
+                .create_topic(&parse(&absolute)?, MessageTypeName::new(package, kind), &qos)
+                .map_err(|e| e.to_string())?;
+            node.create_publisher(&topic, Some(qos)).map_err(|e| e.to_string())
+        })?;
+        Ok(Publisher::new(absolute, publisher))
+    }
+
+    /// Calls `take` with every message on the topic, on a background thread: it should be short and may not panic. What is no message of the
+    /// type is counted and told in the log. The subscription is best effort, so that any publisher fits and no repeat delays what is newer;
+    /// `transient_local` topics are read reliably.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn subscribe<M: RosMessage + Message + Send + Sync + 'static>(
+        &self,
+        topic: &Topic<M>,
+        take: impl FnMut(M) + Send + 'static,
+    ) -> Result<(), RosNodeError> {
+        self.subscribe_on(topic.name_in_namespace(), topic.qos, take)
+    }
+
+    /// Like [`subscribe`](Self::subscribe), on the topic that the code calls `name`.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn subscribe_on<M: RosMessage + Message + Send + Sync + 'static>(
+        &self,
+        name: &str,
+        qos: Qos,
+        mut take: impl FnMut(M) + Send + 'static,
+    ) -> Result<(), RosNodeError> {
+        let absolute = self.resolve(Named::Topic, name)?;
+        let subscription = self.with_node("a subscription", &absolute, |node| {
+            let qos = subscriber_profile(qos);
+            let kind = MessageTypeName::new(M::DEFINITION.package, M::DEFINITION.name);
+            let topic = node.create_topic(&parse(&absolute)?, kind, &qos).map_err(|e| e.to_string())?;
+            node.create_subscription::<M>(&topic, Some(qos)).map_err(|e| e.to_string())
+        })?;
+        let logger = self.logger.clone();
+        self.spawn(async move {
+            let mut stream = std::pin::pin!(subscription.async_stream());
+            let (mut refused, mut told) = (0u64, None::<std::time::Instant>);
+            while let Some(next) = stream.next().await {
+                match next {
+                    Ok((message, _)) => take(message),
+                    Err(error) => {
+                        refused += 1;
+                        if told.is_none_or(|told| told.elapsed() >= WARNINGS) {
+                            told = Some(std::time::Instant::now());
+                            logger.warn(&format!(
+                                "{refused} messages on {absolute} were no {} and were dropped, the last one because: {error:?}",
+                                M::type_name()
+                            ));
+                        }
+                    }
+                }
+            }
+        });
+        Ok(())
+    }
+
+    /// Answers a service that the code calls `name`, on a background thread.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn serve<S: RosService>(
+        &self,
+        name: &str,
+        answer: impl FnMut(S::Request) -> S::Response + Send + 'static,
+    ) -> Result<(), RosNodeError>
+    where
+        S::Request: Message + Sync,
+        S::Response: Message + Sync,
+    {
+        self.raw_serve::<S::Request, S::Response>(name, S::PACKAGE, S::NAME, answer)
+    }
+
+    /// Offers an action that the code calls `name`; its goals go to `handler`.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware or the system refuses.
+    pub fn serve_action<A: RosAction>(
+        &self,
+        name: &str,
+        handler: impl ActionHandler<A>,
+    ) -> Result<ActionServer, RosNodeError> {
+        let absolute = self.resolve(Named::Service, name)?;
+        self.with_node("an action", &absolute, |node| action::serve::<A>(node, &parse(&absolute)?, handler))
+    }
+
+    /// Answers a service whose types are only known to the client library.
+    pub(crate) fn raw_serve<Q, A>(
+        &self,
+        name: &str,
+        package: &str,
+        kind: &str,
+        mut answer: impl FnMut(Q) -> A + Send + 'static,
+    ) -> Result<(), RosNodeError>
+    where
+        Q: Message + Clone + Send + Sync + 'static,
+        A: Message + Send + Sync + 'static,
+    {
+        let absolute = self.resolve(Named::Service, name)?;
+        let server = self.with_node("a service", &absolute, |node| {
+            let qos = profile(Qos::DEFAULT);
+            node.create_server::<Q, A>(
+                ServiceMapping::Enhanced,
+                &parse(&absolute)?,
+                &ServiceTypeName::new(package, kind),
+                qos.clone(),
+                qos,
+            )
+            .map_err(|e| e.to_string())
+        })?;
+        let logger = self.logger.clone();
+        self.spawn(async move {
+            loop {
+                match server.async_receive_request().await {
+                    Ok((id, request)) => {
+                        let response = tokio::task::block_in_place(|| answer(request));
+                        if let Err(error) = server.async_send_response(id, response).await {
+                            logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
+                        }
+                    }
+                    Err(error) => {
+                        logger.warn(&format!(
+                            "a request to {absolute} was not understood and has no answer: {error:?}"
+                        ));
+                        // A reader that only ever fails must not take the processor.
+                        tokio::time::sleep(Duration::from_millis(10)).await;
+                    }
+                }
+            }
+        });
+        Ok(())
+    }
+
+    fn with_node<T>(
+        &self,
+        what: &str,
+        name: &str,
+        make: impl FnOnce(&mut Node) -> Result<T, String>,
+    ) -> Result<T, RosNodeError> {
+        let error = |detail: String| RosNodeError::Create { what: format!("{what} on {name}"), detail };
+        let mut node = self.node.lock().unwrap_or_else(PoisonError::into_inner);
+        make(node.as_mut().ok_or_else(|| error("the node is leaving".into()))?).map_err(error)
+    }
+
+    fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
+        let handle = self.shared.runtime.spawn(task);
+        self.tasks.lock().unwrap_or_else(PoisonError::into_inner).push(handle);
     }
 }
 
 impl Drop for RosNode {
     fn drop(&mut self) {
-        // The node tells its spinner to stop. The spinner holds a part of the participant, so wait for it: only then does
-        // the name vanish at once from other people's graphs.
-        drop(self.node.take());
-        let _ = self.spinner_ended.recv_timeout(LEAVING);
+        // What runs in the background holds readers and writers: it goes first, then the node takes its name off the graph.
+        let tasks = std::mem::take(&mut *self.tasks.lock().unwrap_or_else(PoisonError::into_inner));
+        tasks.iter().for_each(JoinHandle::abort);
+        self.shared.runtime.block_on(async {
+            let _ = tokio::time::timeout(LEAVING, futures::future::join_all(tasks)).await;
+        });
+        self.logger.leave();
+        drop(self.node.lock().unwrap_or_else(PoisonError::into_inner).take());
     }
+}
+
+fn parse(name: &str) -> Result<Name, String> {
+    Name::parse(name).map_err(|e| e.to_string())
 }
 
 fn profile(qos: Qos) -> QosProfile {
@@ -82,5 +320,15 @@ fn profile(qos: Qos) -> QosProfile {
     QosProfile::publisher_default()
         .reliability_reliable(WhenFull::Wait(Duration::from_millis(5)))
         .durability(durability)
+        .history(History::KeepLast { depth: qos.depth as usize })
+}
+
+fn subscriber_profile(qos: Qos) -> QosProfile {
+    if qos.transient_local {
+        return profile(qos);
+    }
+    QosProfile::publisher_default()
+        .reliability_best_effort()
+        .durability(Durability::Volatile)
         .history(History::KeepLast { depth: qos.depth as usize })
 }

@@ -6,7 +6,7 @@ use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
 use tokio::runtime::{Builder, Runtime};
 
-use crate::{Discovery, RosNode, RosNodeError};
+use crate::{Arguments, Discovery, RosNode, RosNodeError, turn::Turn};
 
 /// One process's place on the network, shared by its nodes. It leaves when the last of them and this are dropped.
 pub struct Participant {
@@ -18,6 +18,7 @@ pub struct Participant {
 pub(crate) struct Shared {
     pub(crate) context: Context,
     pub(crate) runtime: Runtime,
+    pub(crate) arguments: Arguments,
 }
 
 impl Participant {
@@ -26,8 +27,16 @@ impl Participant {
     /// # Errors
     /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`].
     pub fn join(discovery: &Discovery) -> Result<Self, RosNodeError> {
+        Self::join_with(discovery, Arguments::default())
+    }
+
+    /// Joins the network; all nodes follow what the command line says.
+    ///
+    /// # Errors
+    /// As for [`join`](Self::join).
+    pub fn join_with(discovery: &Discovery, arguments: Arguments) -> Result<Self, RosNodeError> {
         let runtime = Builder::new_multi_thread()
-            .worker_threads(1)
+            .worker_threads(2)
             .thread_name("ros")
             .enable_time()
             .build()
@@ -37,17 +46,24 @@ impl Participant {
         if let Some(networks) = discovery.networks() {
             builder = builder.with_only_networks(networks);
         }
+        let _turn = Turn::wait(discovery.domain);
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
-        Ok(Self { shared: Arc::new(Shared { context, runtime }) })
+        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments }) })
     }
 
-    /// A node of that name in the root namespace, whose background work runs from now on.
+    /// A node that the code calls `name`, in the root namespace unless the command line says otherwise.
     ///
     /// # Errors
-    /// [`RosNodeError::Create`] if the name is none or the middleware refuses.
+    /// [`RosNodeError::Name`] or [`RosNodeError::Create`] if the name is none or the middleware refuses.
     pub fn node(&self, name: &str) -> Result<RosNode, RosNodeError> {
         RosNode::start(Arc::clone(&self.shared), name)
+    }
+
+    /// What the command line says.
+    #[must_use]
+    pub fn arguments(&self) -> &Arguments {
+        &self.shared.arguments
     }
 }

@@ -1,19 +1,25 @@
 //! A typed publisher.
 
-use msgs::RosMessage;
+use ros2_client::Message;
 
 use crate::RosNodeError;
 
 /// Publishes messages of one type on one topic. Sending takes locks and may wait for the network: never call it from a
 /// control thread.
-pub struct Publisher<M: RosMessage> {
-    topic: &'static str,
+pub struct Publisher<M: Message> {
+    topic: String,
     publisher: ros2_client::Publisher<M>,
 }
 
-impl<M: RosMessage> Publisher<M> {
-    pub(crate) fn new(topic: &'static str, publisher: ros2_client::Publisher<M>) -> Self {
+impl<M: Message> Publisher<M> {
+    pub(crate) fn new(topic: String, publisher: ros2_client::Publisher<M>) -> Self {
         Self { topic, publisher }
+    }
+
+    /// Absolute name of the topic, after remapping.
+    #[must_use]
+    pub fn topic(&self) -> &str {
+        &self.topic
     }
 
     /// Sends a message.
@@ -23,6 +29,6 @@ impl<M: RosMessage> Publisher<M> {
     pub fn publish(&self, message: M) -> Result<(), RosNodeError> {
         self.publisher
             .publish(message)
-            .map_err(|error| RosNodeError::Publish { topic: self.topic, detail: error.to_string() })
+            .map_err(|error| RosNodeError::Publish { topic: self.topic.clone(), detail: error.to_string() })
     }
 }

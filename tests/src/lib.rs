@@ -9,6 +9,8 @@ use std::sync::OnceLock;
 
 pub mod browser;
 pub mod emulated_rig;
+pub mod filled;
+pub mod network;
 pub mod python;
 
 /// The built `frictionlab`, ready for arguments.
@@ -34,6 +36,35 @@ pub fn rig_emulator() -> Command {
     program(&PROGRAM, "RIG_EMULATOR_BIN", "rig_emulator", "rig_emulator")
 }
 
+/// The folder with the built programs of the nodes, `rig_driver`, `friction_observer` and `controller`; found as [`frictionlab`] is, or
+/// `$FRICTION_NODES` where that is set.
+///
+/// # Panics
+/// As [`frictionlab`].
+pub fn node_programs() -> PathBuf {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    let nodes = ["rig_driver", "friction_observer", "controller"];
+    let find = || {
+        if let Some(named) = std::env::var_os("FRICTION_NODES") {
+            return PathBuf::from(named);
+        }
+        let folder = profile_folder();
+        if let Some(cargo) = std::env::var_os("CARGO") {
+            build(Path::new(&cargo), &folder, &nodes);
+        }
+        folder
+    };
+    let folder = FOLDER.get_or_init(find);
+    for node in nodes {
+        assert!(
+            folder.join(node).is_file(),
+            "no {node} in {}: build it with `cargo build -p {node}`",
+            folder.display()
+        );
+    }
+    folder.clone()
+}
+
 fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str) -> Command {
     Command::new(found.get_or_init(|| {
         if let Some(named) = std::env::var_os(variable) {
@@ -44,7 +75,7 @@ fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str)
         let profile = profile_folder();
         let beside = profile.join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
         match std::env::var_os("CARGO") {
-            Some(cargo) => build(Path::new(&cargo), &profile, package, name),
+            Some(cargo) => build(Path::new(&cargo), &profile, &[package]),
             None => assert!(
                 beside.is_file(),
                 "no {}: build it with `cargo build`, or name it in {variable}",
@@ -62,20 +93,22 @@ fn profile_folder() -> PathBuf {
     test.ancestors().nth(2).expect("a test lies in PROFILE/deps").to_owned()
 }
 
-fn build(cargo: &Path, profile_folder: &Path, package: &str, name: &str) {
+/// Builds the programs of packages, together, so that they share what they stand on.
+fn build(cargo: &Path, profile_folder: &Path, packages: &[&str]) {
     let profile = match profile_folder.file_name().and_then(|name| name.to_str()) {
         Some("debug") | None => "dev",
         Some(other) => other,
     };
     let status = Command::new(cargo)
-        .args(["build", "--quiet", "--package", package, "--bin", name, "--profile", profile])
+        .args(["build", "--quiet", "--bins", "--profile", profile])
+        .args(packages.iter().flat_map(|package| ["--package", package]))
         .arg("--target-dir")
         .arg(profile_folder.parent().expect("a profile folder lies in the target folder"))
         .current_dir(checkout())
         .stdin(Stdio::null())
         .status()
         .expect("cargo starts");
-    assert!(status.success(), "{name} does not build");
+    assert!(status.success(), "{packages:?} do not build");
 }
 
 /// The folder of the workspace.

@@ -1,5 +1,6 @@
 //! The Python environment that `cargo xtask python-env` makes.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -33,4 +34,26 @@ pub fn json(python: &Path, name: &str, arguments: &[&str]) -> Value {
     let output = Command::new(python).arg(script(name)).args(arguments).output().expect("Python starts");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("the script prints JSON")
+}
+
+/// Runs pytest in a folder, behind `command` (`env`, or what makes a network namespace), and passes on what it skipped as lines that
+/// begin with SKIPPED.
+///
+/// # Panics
+/// When a test fails; the message carries what pytest said.
+pub fn pytest(mut command: Command, python: &Path, folder: &Path, arguments: &[&str]) {
+    let output = command
+        .arg(python)
+        .args(["-B", "-m", "pytest", "-q", "-rs", "--tb=short"])
+        .args(arguments)
+        .current_dir(folder)
+        .env("MPLBACKEND", "Agg")
+        .output()
+        .expect("Python starts");
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
+    for line in said.lines().filter(|line| line.starts_with("SKIPPED")) {
+        // Past libtest's capture, as `skip` does; nothing is lost if nobody listens.
+        let _ = writeln!(std::io::stderr(), "SKIPPED pytest: {}", line.trim_start_matches("SKIPPED").trim());
+    }
 }

@@ -2,37 +2,12 @@
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::{FrictionEstimate, MotorVoltage};
 use msgs::sensor_msgs::JointState;
 use serde_json::Value;
-use tests::python;
-
-/// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
-
-/// A command in a network namespace of its own, so that nothing leaves this machine and nothing else is heard; `None`
-/// where the system grants none.
-fn namespaced() -> Option<Command> {
-    for flags in [&["-n"][..], &["-r", "-n"]] {
-        let mut command = Command::new("unshare");
-        command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]);
-        let probe = Command::new("unshare")
-            .args(flags)
-            .args(["bash", "-c", LOOPBACK_ONLY, "--", "true"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
-        if probe.is_ok_and(|status| status.success()) {
-            return Some(command);
-        }
-    }
-    tests::skip("no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces");
-    None
-}
+use tests::{network::namespaced, python};
 
 fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()

@@ -6,10 +6,14 @@ use experiment_runner::bag::{BagOptions, BagWriter};
 use msgs::RosMessage;
 use msgs::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use msgs::friction_msgs::{
-    ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference, RigMeasurement,
+    ControllerState, ExperimentDescription, ExperimentStatus, FrictionEstimate, IdentifyRequest,
+    IdentifyResponse, ListExperimentsRequest, ListExperimentsResponse, MotorVoltage, Reference,
+    RigMeasurement, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, StartExperimentRequest,
+    StartExperimentResponse,
 };
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
+use msgs::std_srvs::{TriggerRequest, TriggerResponse};
 use serde_json::json;
 use tests::python;
 
@@ -133,16 +137,31 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
 #[test]
 fn type_hashes_are_those_that_ros_generates() {
     let Some(python) = python::interpreter("rclpy") else { return };
+    fn of<M: RosMessage>() -> (String, &'static str) {
+        (M::type_name(), M::TYPE_HASH)
+    }
     let ours = [
-        (JointState::type_name(), JointState::TYPE_HASH),
-        (Header::type_name(), Header::TYPE_HASH),
-        (DiagnosticArray::type_name(), DiagnosticArray::TYPE_HASH),
-        (RigMeasurement::type_name(), RigMeasurement::TYPE_HASH),
-        (Reference::type_name(), Reference::TYPE_HASH),
-        (MotorVoltage::type_name(), MotorVoltage::TYPE_HASH),
-        (FrictionEstimate::type_name(), FrictionEstimate::TYPE_HASH),
-        (ControllerState::type_name(), ControllerState::TYPE_HASH),
-        (ExperimentStatus::type_name(), ExperimentStatus::TYPE_HASH),
+        of::<JointState>(),
+        of::<Header>(),
+        of::<DiagnosticArray>(),
+        of::<RigMeasurement>(),
+        of::<Reference>(),
+        of::<MotorVoltage>(),
+        of::<FrictionEstimate>(),
+        of::<ControllerState>(),
+        of::<ExperimentStatus>(),
+        of::<ExperimentDescription>(),
+        of::<RunExperimentGoal>(),
+        of::<RunExperimentResult>(),
+        of::<RunExperimentFeedback>(),
+        of::<StartExperimentRequest>(),
+        of::<StartExperimentResponse>(),
+        of::<ListExperimentsRequest>(),
+        of::<ListExperimentsResponse>(),
+        of::<IdentifyRequest>(),
+        of::<IdentifyResponse>(),
+        of::<TriggerRequest>(),
+        of::<TriggerResponse>(),
     ];
     let names: Vec<&str> = ours.iter().map(|(name, _)| name.as_str()).collect();
     let generated = python::json(&python, "type_hashes.py", &names);

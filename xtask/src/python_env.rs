@@ -12,8 +12,16 @@ use std::{
 
 use anyhow::{Context, bail, ensure};
 
-/// Readers of bags that are not ours.
-const BAG_TOOLS: &[&str] = &["rosbags==0.11.9", "mcap-ros2-support==0.6.0"];
+/// Readers of bags that are not ours, and what our Python package and its tests are made of.
+const BAG_TOOLS: &[&str] = &[
+    "rosbags==0.11.9",
+    "mcap-ros2-support==0.6.0",
+    "numpy",
+    "pandas>=2.2,<4",
+    "matplotlib>=3.8,<4",
+    "pytest>=8,<10",
+    "PyYAML>=6,<7",
+];
 
 /// rclpy with its middleware, and what the build of a message package needs.
 const RCLPY: &[&str] = &[
@@ -86,7 +94,7 @@ pub fn run() -> anyhow::Result<()> {
     let environment = prepare()?;
     println!("Python environment: {}", environment.dir.display());
     for (half, what) in [
-        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support)"),
+        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest"),
         (environment.rclpy, "rclpy with friction_msgs"),
     ] {
         match half {
@@ -205,7 +213,7 @@ impl Environment {
         .context("cannot configure friction_msgs; a C++ compiler and the headers of Python are needed")?;
         run_quietly(command("cmake").arg("--build").arg(&build)).context("cannot build friction_msgs")?;
         run_quietly(command("cmake").arg("--install").arg(&build)).context("cannot install friction_msgs")?;
-        run_quietly(Command::new(&self.python).args(["-c", "import rclpy, friction_msgs.msg"]))
+        run_quietly(Command::new(&self.python).args(["-c", "import rclpy, friction_msgs.msg, friction_msgs.srv, friction_msgs.action"]))
             .context("rclpy with friction_msgs was built, but cannot be imported")
     }
 }
@@ -227,10 +235,11 @@ fn run_quietly(command: &mut Command) -> anyhow::Result<()> {
 /// Names and texts of a package's files, to see when it changes.
 fn contents(package: &Path) -> anyhow::Result<String> {
     let mut files = vec![package.join("package.xml"), package.join("CMakeLists.txt")];
-    for entry in
-        fs::read_dir(package.join("msg")).with_context(|| format!("cannot read {}", package.display()))?
-    {
-        files.push(entry?.path());
+    for folder in ["msg", "srv", "action"] {
+        let folder = package.join(folder);
+        for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+            files.push(entry?.path());
+        }
     }
     files.sort();
     let mut text = String::new();

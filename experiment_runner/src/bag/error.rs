@@ -108,8 +108,8 @@ pub enum BagError {
     },
     /// A file that stops short or is damaged.
     #[error(
-        "the bag {} is cut off or damaged ({detail}): expected an MCAP file that was closed at its end; everything up \
-         to its last whole chunk can be saved with `mcap recover` of the MCAP command line tool",
+        "the bag {} is cut off or damaged ({detail}): expected an MCAP file that was closed at its end; \
+         `frictionlab bag recover` saves everything that is whole",
         path.display()
     )]
     Damaged {
@@ -117,6 +117,20 @@ pub enum BagError {
         path: PathBuf,
         /// What is wrong with it.
         detail: String,
+    },
+    /// A bag of several files.
+    #[error("the bag {} has {files} MCAP files, but one was expected; recover them one by one, naming the file", path.display())]
+    SeveralFiles {
+        /// The folder.
+        path: PathBuf,
+        /// How many.
+        files: usize,
+    },
+    /// Some program holds the file's lock.
+    #[error("the bag {} is being written; wait until that run has ended, then recover it if need be", path.display())]
+    InUse {
+        /// The file.
+        path: PathBuf,
     },
     /// A topic that the bag does not have.
     #[error("the bag {} has no topic {topic}; it has: {present}", path.display())]

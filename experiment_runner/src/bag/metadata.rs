@@ -1,7 +1,10 @@
 //! The description of a bag, `metadata.yaml`, in version 9 of rosbag2.
 
+use std::collections::BTreeMap;
+
 use msgs::topics::Qos;
 use serde::Serialize;
+use serde_json::Value;
 
 /// Version of the form.
 const VERSION: u32 = 9;
@@ -17,9 +20,23 @@ const NO_START: u64 = i64::MAX as u64;
 pub(super) struct TopicEntry {
     pub(super) name: String,
     pub(super) type_name: String,
-    pub(super) type_hash: &'static str,
-    pub(super) qos: Qos,
+    pub(super) type_hash: String,
+    /// The quality of service it is offered with, as rosbag2 words it.
+    pub(super) profiles: Value,
     pub(super) count: u64,
+}
+
+/// The entry of a topic without messages, from what its channel says in `offered_qos_profiles` and `topic_type_hash`.
+pub(super) fn entry_of(name: &str, type_name: &str, about: &BTreeMap<String, String>) -> TopicEntry {
+    let said = about.get("offered_qos_profiles").and_then(|text| serde_saphyr::from_str::<Value>(text).ok());
+    let usual = || serde_json::to_value([Profile::from(Qos::DEFAULT)]).unwrap_or_default();
+    TopicEntry {
+        name: name.to_owned(),
+        type_name: type_name.to_owned(),
+        type_hash: about.get("topic_type_hash").cloned().unwrap_or_default(),
+        profiles: said.filter(Value::is_array).unwrap_or_else(usual),
+        count: 0,
+    }
 }
 
 /// First and last time of the messages [ns since the epoch]; `None` for a bag without any.
@@ -49,8 +66,8 @@ pub(super) fn metadata_yaml(
                         name: &topic.name,
                         r#type: &topic.type_name,
                         serialization_format: "cdr",
-                        offered_qos_profiles: vec![Profile::from(topic.qos)],
-                        type_description_hash: topic.type_hash,
+                        offered_qos_profiles: &topic.profiles,
+                        type_description_hash: &topic.type_hash,
                     },
                     message_count: topic.count,
                 })
@@ -112,7 +129,7 @@ struct TopicMetadata<'a> {
     name: &'a str,
     r#type: &'a str,
     serialization_format: &'a str,
-    offered_qos_profiles: Vec<Profile>,
+    offered_qos_profiles: &'a Value,
     type_description_hash: &'a str,
 }
 

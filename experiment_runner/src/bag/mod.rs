@@ -1,7 +1,8 @@
 //! Bags: recordings in the form rosbag2 writes them, so that `ros2 bag`, `rosbags`, Foxglove and PlotJuggler open them.
 //!
 //! A bag is a folder with an MCAP file and a `metadata.yaml`. Messages are CDR, schemas `ros2msg` with all their
-//! dependencies; log time is the sample's own time. [`BagWriter`] writes one, [`BagReader`] reads one, or a bare `.mcap`.
+//! dependencies; log time is the sample's own time. [`BagWriter`] writes one, [`BagReader`] reads one, or a bare `.mcap`;
+//! [`recover`] saves what is whole of one that was cut off.
 //!
 //! ```
 //! use experiment_runner::bag::{BagOptions, BagReader, BagWriter};
@@ -23,11 +24,19 @@
 mod error;
 mod guard;
 mod metadata;
+mod output;
 mod reader;
+mod recover;
+#[cfg(test)]
+mod recover_tests;
+mod salvage;
+mod table;
 #[cfg(test)]
 mod tests;
 mod writer;
 
 pub use error::BagError;
 pub use reader::{BagReader, TopicInfo};
+pub use recover::{Recovery, cut_bags, is_cut, recover};
+pub use table::{Table, table};
 pub use writer::{BagOptions, BagSummary, BagWriter, Compression, TopicHandle};

@@ -17,7 +17,7 @@ use msgs::{RosMessage, cdr};
 use super::{BagError, guard::guarded};
 
 /// No record or chunk of a sane bag is larger; a file that claims one is damaged.
-const LARGEST_RECORD: usize = 1 << 28;
+pub(super) const LARGEST_RECORD: usize = 1 << 28;
 
 /// One topic of a bag.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -72,6 +72,30 @@ impl BagReader {
     /// Topics of the bag, by name.
     pub fn topics(&self) -> &[TopicInfo] {
         &self.topics
+    }
+
+    /// Size of the MCAP files.
+    pub fn bytes(&self) -> u64 {
+        self.files.iter().filter_map(|file| fs::metadata(&file.path).ok()).map(|file| file.len()).sum()
+    }
+
+    /// Times of the first and last message [ns since the epoch], where the files say so and hold any.
+    pub fn span(&self) -> Option<(u64, u64)> {
+        let stats = self.files.iter().filter_map(|file| file.summary.stats.as_ref());
+        let spans = stats.filter(|stats| stats.message_count > 0);
+        spans
+            .map(|stats| (stats.message_start_time, stats.message_end_time))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// Names of the files that were kept with the bag.
+    pub fn attachment_names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().flat_map(|file| &file.summary.attachment_indexes).map(|index| index.name.as_str())
+    }
+
+    /// Names under which texts were kept with the bag.
+    pub fn metadata_names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().flat_map(|file| &file.summary.metadata_indexes).map(|index| index.name.as_str())
     }
 
     /// All messages of a topic with their log times [ns since the epoch], in order of time.
@@ -178,7 +202,7 @@ fn damaged(path: &Path, error: McapError) -> BagError {
 }
 
 /// The MCAP files of a bag, in order of their names, which rosbag2 numbers.
-fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
+pub(super) fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     if !fs::metadata(path).map_err(read_error(path))?.is_dir() {
         return Ok(vec![path.into()]);
     }
@@ -194,8 +218,8 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, BagError> {
     if files.is_empty() { Err(BagError::NoMcap { path: path.into() }) } else { Ok(files) }
 }
 
-/// Summary of a file and number of messages a channel; read from the end of the file, or counted where it has none.
-fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
+/// The file, at the place behind its first bytes, which are those of an MCAP file, and its size.
+pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
     let mut file = File::open(path).map_err(read_error(path))?;
     let size = file.metadata().map_err(read_error(path))?.len();
     if size == 0 {
@@ -207,9 +231,27 @@ fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
         Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
         Err(error) => return Err(read_error(path)(error)),
     };
-    if !known {
-        return Err(BagError::NotMcap { path: path.into() });
-    }
+    if known { Ok((file, size)) } else { Err(BagError::NotMcap { path: path.into() }) }
+}
+
+/// Whether every message of a file can be read, and its index says how many there are.
+pub(super) fn is_whole(path: &Path) -> bool {
+    let read = || -> Result<bool, BagError> {
+        let (summary, _) = inspect(path)?;
+        let Some(stats) = summary.stats else { return Ok(false) };
+        let mut count = 0;
+        for message in message_reader(path)? {
+            message.map_err(|error| damaged(path, error))?;
+            count += 1;
+        }
+        Ok(count == stats.message_count)
+    };
+    guarded(path, read).unwrap_or(false)
+}
+
+/// Summary of a file and number of messages a channel; read from the end of the file, or counted where it has none.
+fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
+    let (file, size) = check_magic(path)?;
     let summary = summary(&mut BufReader::new(file), size).map_err(|error| damaged(path, error))?;
     if let Some(Summary { stats: Some(stats), .. }) = &summary {
         let counts = stats.channel_message_counts.clone();

@@ -2,17 +2,17 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
-    fs::{self, File},
-    io::{self, BufWriter},
+    fs, io,
     path::{Path, PathBuf},
 };
 
-use mcap::{WriteOptions, records::MessageHeader};
+use mcap::records::MessageHeader;
 use msgs::{RosMessage, cdr, topics};
 
 use super::{
     BagError,
-    metadata::{Span, TopicEntry, metadata_yaml, qos_yaml},
+    metadata::{TopicEntry, entry_of, qos_yaml},
+    output::{Close, Output},
 };
 
 /// How chunks of messages are packed.
@@ -79,10 +79,9 @@ pub struct BagWriter {
     dir: PathBuf,
     file: PathBuf,
     file_name: String,
-    mcap: mcap::Writer<BufWriter<File>>,
+    output: Output,
     topics: Vec<Channel>,
     by_name: HashMap<String, TopicHandle>,
-    span: Span,
     scratch: Vec<u8>,
 }
 
@@ -113,30 +112,14 @@ impl BagWriter {
         if fs::read_dir(dir).map_err(write_error(dir))?.next().is_some() {
             return Err(BagError::NotEmpty { path: dir.into() });
         }
-        let handle = File::create_new(&file).map_err(write_error(&file))?;
-        let compression = match options.compression {
-            Compression::None => None,
-            Compression::Lz4 => Some(mcap::Compression::Lz4),
-            Compression::Zstd => Some(mcap::Compression::Zstd),
-        };
-        let mcap = WriteOptions::new()
-            .profile("ros2")
-            .library(options.library)
-            .compression(compression)
-            .compression_level(1)
-            // Packing happens on the caller's thread: the other cores have loops to run.
-            .compression_threads(0)
-            .chunk_size(Some(options.chunk_size))
-            .create(BufWriter::with_capacity(1 << 18, handle))
-            .map_err(|source| BagError::WriteMcap { path: file.clone(), source: Box::new(source) })?;
+        let output = Output::create(&file, &options)?;
         Ok(Self {
             dir: dir.into(),
             file,
             file_name,
-            mcap,
+            output,
             topics: Vec::new(),
             by_name: HashMap::new(),
-            span: None,
             scratch: Vec::with_capacity(256),
         })
     }
@@ -165,12 +148,9 @@ impl BagWriter {
             ("topic_type_hash".to_owned(), M::TYPE_HASH.to_owned()),
         ]);
         let type_name = M::type_name();
-        let id = self
-            .mcap
-            .add_schema(&type_name, "ros2msg", M::schema().as_bytes())
-            .and_then(|schema| self.mcap.add_channel(schema, name, "cdr", &metadata))
-            .map_err(|source| self.mcap_error(source))?;
-        let entry = TopicEntry { name: name.into(), type_name, type_hash: M::TYPE_HASH, qos, count: 0 };
+        let schema = M::schema();
+        let id = self.output.channel(name, (&type_name, "ros2msg", schema.as_bytes()), "cdr", &metadata)?;
+        let entry = entry_of(name, &type_name, &metadata);
         let handle = TopicHandle(self.topics.len());
         self.topics.push(Channel { entry, id, sequence: 0 });
         self.by_name.insert(name.into(), handle);
@@ -207,12 +187,9 @@ impl BagWriter {
         let channel = &mut self.topics[topic.0];
         let header =
             MessageHeader { channel_id: channel.id, sequence, log_time: stamp_ns, publish_time: stamp_ns };
-        if let Err(source) = self.mcap.write_to_known_channel(&header, bytes) {
-            return Err(self.mcap_error(source));
-        }
+        self.output.message(channel.id, &header, bytes)?;
         channel.entry.count += 1;
         channel.sequence = sequence.wrapping_add(1);
-        self.span = Some(self.span.map_or((stamp_ns, stamp_ns), |(a, b)| (a.min(stamp_ns), b.max(stamp_ns))));
         Ok(())
     }
 
@@ -221,7 +198,7 @@ impl BagWriter {
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
     pub fn attach(&mut self, name: &str, media_type: &str, bytes: &[u8]) -> Result<(), BagError> {
-        let stamp = self.span.map_or(0, |(_, end)| end);
+        let stamp = self.output.end();
         let attachment = mcap::Attachment {
             log_time: stamp,
             create_time: stamp,
@@ -229,7 +206,7 @@ impl BagWriter {
             media_type: media_type.into(),
             data: bytes.into(),
         };
-        self.mcap.attach(&attachment).map_err(|source| self.mcap_error(source))
+        self.output.attach(&attachment)
     }
 
     /// Keeps named texts with the bag: the seed, the version of the program.
@@ -237,8 +214,7 @@ impl BagWriter {
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
     pub fn metadata(&mut self, name: &str, entries: BTreeMap<String, String>) -> Result<(), BagError> {
-        let metadata = mcap::records::Metadata { name: name.into(), metadata: entries };
-        self.mcap.write_metadata(&metadata).map_err(|source| self.mcap_error(source))
+        self.output.metadata(&mcap::records::Metadata { name: name.into(), metadata: entries })
     }
 
     /// Closes the present chunk and hands everything to the system, so that it outlives the program. Two times a
@@ -247,7 +223,7 @@ impl BagWriter {
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
     pub fn flush(&mut self) -> Result<(), BagError> {
-        self.mcap.flush().map_err(|source| self.mcap_error(source))
+        self.output.flush()
     }
 
     /// Closes the bag and describes it in `metadata.yaml`.
@@ -255,33 +231,8 @@ impl BagWriter {
     /// # Errors
     /// [`BagError::WriteMcap`] or [`BagError::Write`] if the disk refuses.
     pub fn finish(self) -> Result<BagSummary, BagError> {
-        let Self { dir, file, file_name, mut mcap, topics, span, .. } = self;
-        let mcap_error = |source| BagError::WriteMcap { path: file.clone(), source: Box::new(source) };
-        let entries: Vec<TopicEntry> = topics.into_iter().map(|channel| channel.entry).collect();
-        let description = dir.join("metadata.yaml");
-        let yaml = metadata_yaml(&file_name, &entries, span)
-            .map_err(|e| BagError::Describe { path: description.clone(), detail: e.to_string() })?;
-        // rosbag2 keeps the description inside the file too, for those who get the file without its folder.
-        let inside = BTreeMap::from([("serialized_metadata".to_owned(), yaml.clone())]);
-        mcap.write_metadata(&mcap::records::Metadata { name: "rosbag2".into(), metadata: inside })
-            .map_err(mcap_error)?;
-        mcap.finish().map_err(mcap_error)?;
-        let write_error = |source| BagError::Write { path: file.clone(), source };
-        let handle = mcap.into_inner().into_inner().map_err(|e| write_error(e.into_error()))?;
-        let bytes = handle.metadata().map_err(write_error)?.len();
-        drop(handle);
-        fs::write(&description, yaml).map_err(|source| BagError::Write { path: description, source })?;
-        Ok(BagSummary {
-            messages: entries.iter().map(|entry| entry.count).sum(),
-            duration: span.map_or(0.0, |(start, end)| (end - start) as f64 * 1e-9),
-            topics: entries.into_iter().map(|entry| (entry.name, entry.type_name, entry.count)).collect(),
-            dir,
-            file,
-            bytes,
-        })
-    }
-
-    fn mcap_error(&self, source: mcap::McapError) -> BagError {
-        BagError::WriteMcap { path: self.file.clone(), source: Box::new(source) }
+        let Self { dir, file, file_name, output, topics, .. } = self;
+        let entries = topics.into_iter().map(|channel| channel.entry).collect();
+        output.finish(Close { dir: &dir, file: &file, file_name: &file_name, entries })
     }
 }

@@ -12,7 +12,7 @@ use friction_model::ModelName;
 
 use super::identify::{IdentifyArgs, default_folder};
 use super::{BadInput, Interrupted, print};
-use crate::identify::friction::{self, FrictionError, Settings};
+use crate::identify::friction::{self, FrictionError, FrictionIdentification, Settings};
 use crate::output::write_all;
 use crate::progress::Progress;
 use crate::recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
@@ -192,33 +192,10 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
-    let preparation = preparation(args)?;
-    let files = read(&args.files, args, &preparation)?;
-    let validation = read(&args.validate, args, &preparation)?;
-    let settings = settings(args, preparation, &files)?;
-
-    let progress = Progress::counting(settings.models.len() as u64, "models", args.quiet);
-    let found = friction::run::identify(&files, &validation, &settings, &progress, &cancel);
-    progress.finish();
-    let found = match found {
-        Err(FrictionError::Nothing) => return Err(Interrupted(FrictionError::Nothing.to_string()).into()),
-        other => other.map_err(|error| BadInput(error.to_string()))?,
-    };
-
-    let page = friction::page::page(&found, args.friction.thesis_tables);
-    let files = [
-        ("identification.json", friction::document::render(&found)),
-        ("identification.html", crate::report::render_page(&page)),
-        ("parameters.yaml", friction::parameters::render(&found)?),
-    ];
-    let folder = match (&args.out, args.files.first()) {
-        (Some(folder), _) => folder.clone(),
-        (None, Some(file)) => default_folder(file),
-        (None, None) => PathBuf::from("identification"),
-    };
-    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    let progress = Progress::counting(1, "models", args.quiet);
+    let Written { found, folder } = identify(args, &progress, &cancel)?;
     if !args.quiet {
-        let names = files.map(|(name, _)| name).join(", ");
+        let names = FILES.join(", ");
         print(&format!(
             "{}\nwritten to {}: {names}\n",
             friction::terminal::render(&found),
@@ -233,6 +210,55 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         .into());
     }
     Ok(())
+}
+
+/// The files that an identification leaves.
+const FILES: [&str; 3] = ["identification.json", "identification.html", "parameters.yaml"];
+
+/// What was found, and the folder it was written to.
+pub(crate) struct Written {
+    /// The models.
+    pub(crate) found: FrictionIdentification,
+    /// Folder of `identification.json`, `identification.html` and `parameters.yaml`.
+    pub(crate) folder: PathBuf,
+}
+
+/// Reads, identifies every model and writes the files. Once `cancel` is set it ends with what there is.
+///
+/// # Errors
+/// As for [`execute`].
+pub(crate) fn identify(
+    args: &IdentifyArgs,
+    progress: &Progress,
+    cancel: &AtomicBool,
+) -> anyhow::Result<Written> {
+    let preparation = preparation(args)?;
+    let files = read(&args.files, args, &preparation)?;
+    let validation = read(&args.validate, args, &preparation)?;
+    let settings = settings(args, preparation, &files)?;
+
+    progress.expect(settings.models.len() as u64);
+    let found = friction::run::identify(&files, &validation, &settings, progress, cancel);
+    progress.finish();
+    let found = match found {
+        Err(FrictionError::Nothing) => return Err(Interrupted(FrictionError::Nothing.to_string()).into()),
+        other => other.map_err(|error| BadInput(error.to_string()))?,
+    };
+
+    let page = friction::page::page(&found, args.friction.thesis_tables);
+    let contents = [
+        friction::document::render(&found),
+        crate::report::render_page(&page),
+        friction::parameters::render(&found)?,
+    ];
+    let folder = match (&args.out, args.files.first()) {
+        (Some(folder), _) => folder.clone(),
+        (None, Some(file)) => default_folder(file),
+        (None, None) => PathBuf::from("identification"),
+    };
+    let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();
+    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    Ok(Written { found, folder })
 }
 
 fn read(

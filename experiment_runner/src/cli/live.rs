@@ -77,6 +77,9 @@ pub struct LiveArgs {
     /// Output folder; its `bag` must be new or empty [default: runs/live-N with the first free N]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Meanwhile run experiments for whoever asks over ROS 2, as `frictionlab serve` does; their folders go to `runs`
+    #[arg(long)]
+    pub serve: bool,
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -123,6 +126,9 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
             let _ = super::print(&format!("{text}\n"));
         }
     };
+    if !args.quiet {
+        super::offer_recovery(std::path::Path::new("runs"));
+    }
     let report = live::run(&options, &stop, |priority| {
         let rate = match (args.rate, &args.rig) {
             (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => "the device's rate".to_owned(),
@@ -175,6 +181,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
+        serve: args.serve.then(|| PathBuf::from("runs")),
     })
 }
 

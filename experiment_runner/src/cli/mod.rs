@@ -1,5 +1,6 @@
 //! The `frictionlab` command, one file a subcommand.
 
+pub mod bag;
 pub mod design;
 mod drive_errors;
 pub mod features;
@@ -15,6 +16,8 @@ pub mod monte_carlo;
 pub mod protocols;
 pub mod rig;
 pub mod run;
+#[cfg(feature = "ros")]
+pub mod serve;
 pub mod simulate;
 pub mod truth_matrix;
 
@@ -32,6 +35,17 @@ pub struct Interrupted(pub String);
 /// A model's name on the command line.
 fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
     text.parse().map_err(|e: friction_model::ModelError| e.to_string())
+}
+
+/// Tells which bags of earlier runs in `runs` were cut off, and how to save them.
+fn offer_recovery(runs: &std::path::Path) {
+    for bag in crate::bag::cut_bags(runs) {
+        eprintln!(
+            "{} was cut off by a kill or a crash: `frictionlab bag recover {}` saves what it holds",
+            bag.display(),
+            bag.display()
+        );
+    }
 }
 
 /// Prints a text. Whoever reads may have seen enough (`| head`): that is no error.

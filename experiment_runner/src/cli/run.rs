@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::rig::{RigChoice, read_calibration};
 use crate::run::{
-    self, Compensators, Experiment, RecordPolicy, RunError, RunOptions, Status, read_controller,
+    self, Compensators, Experiment, Pace, RecordPolicy, RunError, RunOptions, Status, read_controller,
     read_parameter_file, shipped,
 };
 use crate::test_bed::{TestBed, nominal_drive};
@@ -107,6 +107,9 @@ pub struct RunArgs {
     /// Motor voltage limit [V], at most the card's 10 V
     #[arg(long, value_name = "VOLTS", default_value_t = 6.0)]
     pub voltage_limit: f64,
+    /// Drive the simulated rig at the pace of the clock, one run after the other; ctrl-C then stops it within a cycle
+    #[arg(long)]
+    pub real_time: bool,
     /// Threads [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
@@ -161,6 +164,9 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
 
+    if !args.quiet {
+        super::offer_recovery(Path::new("runs"));
+    }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
     let outcome = run::execute(&options, &folder, &progress, &cancel);
     progress.finish();
@@ -188,7 +194,11 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
+/// What the arguments ask for; nothing is driven or written.
+///
+/// # Errors
+/// [`BadInput`] names the option at fault.
+pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     let coupling = match (args.friction, args.thesis_units) {
         (FrictionArg::Physical, false) => FrictionCoupling::Physical,
         (FrictionArg::AsVolts, _) | (_, true) => FrictionCoupling::NewtonMetreAsVolt,
@@ -245,6 +255,7 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         means,
         compensators,
         seed: args.seed,
+        pace: if args.real_time { Pace::RealTime } else { Pace::Offline },
         record: args.record.unwrap_or(match args.rig {
             RigChoice::Simulated => RecordPolicy::Thinned,
             _ => RecordPolicy::Full,
@@ -259,9 +270,11 @@ fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         torque: TorqueReading::new(source, &drive, &sensors, errors),
         velocity_tracking,
         position_tracking,
-        workers: args
-            .jobs
-            .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
+        workers: if args.real_time {
+            1
+        } else {
+            args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
+        },
     };
     if args.quick {
         options.varying_velocity = options.varying_velocity.quick();

@@ -6,13 +6,13 @@ use std::sync::{
 };
 
 use rig_driver::RigError;
-use rtrb::Producer;
-
-use super::{
-    Counters, LiveCycle,
+use ros_node::{
     deadlines::{Deadlines, now_ns, request_realtime},
     timing::{Stopwatch, Timing},
 };
+use rtrb::Producer;
+
+use super::{Counters, LiveCycle};
 use crate::control_loop::ControlLoop;
 use crate::cycle::CycleSample;
 

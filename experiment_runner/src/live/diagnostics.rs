@@ -6,8 +6,9 @@ use msgs::{
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     std_msgs::Header,
 };
+use ros_node::timing::Timing;
 
-use super::{Counters, timing::Timing};
+use super::Counters;
 
 /// The loop's health over the last second, and its losses since the start.
 pub(super) fn message(stamp_ns: u64, timing: &Timing, counters: &Counters, not_sent: u64) -> DiagnosticArray {

@@ -6,13 +6,11 @@
 //! told, never a wait.
 
 mod control;
-mod deadlines;
 mod diagnostics;
 mod error;
 mod publishing;
 mod recording;
 mod report;
-mod timing;
 
 use std::{
     collections::BTreeMap,
@@ -31,12 +29,12 @@ use rig_driver::{
     Calibration,
     safety::{SafetyLimits, Supervised},
 };
-use ros_node::{Discovery, Participant};
+use ros_node::{Discovery, Participant, deadlines};
 use serde::Serialize;
 
 pub use error::LiveError;
 pub use report::LiveReport;
-pub use timing::{Percentiles, Timing};
+pub use ros_node::timing::{Percentiles, Timing};
 
 use crate::compensation::Means;
 use crate::{
@@ -80,6 +78,8 @@ pub struct LiveOptions {
     pub seed: u64,
     /// Length of the run [s]; `None` until it is stopped.
     pub duration: Option<f64>,
+    /// Folder for the experiments that others ask for meanwhile; none for taking no requests.
+    pub serve: Option<PathBuf>,
 }
 
 /// One cycle on its way to publisher and recorder.
@@ -120,7 +120,7 @@ pub fn run(
     let about_line = real.as_ref().and_then(|opened| opened.about.clone());
 
     let participant = Participant::join(&discovery)?;
-    let nodes = publishing::Nodes::new(participant)?;
+    let nodes = publishing::Nodes::new(participant, options.serve.as_deref())?;
     let mut bag = BagWriter::create(&options.out.join("bag"), BagOptions::default())?;
     bag.metadata("frictionlab", options.metadata())?;
     let topics = CycleTopics::open(&mut bag)?;

@@ -1,6 +1,7 @@
 //! The thread that publishes.
 
 use std::{
+    path::Path,
     sync::atomic::Ordering,
     thread,
     time::{Duration, SystemTime},
@@ -10,10 +11,11 @@ use controller::node::ControllerNode;
 use friction_observer::node::ObserverNode;
 use msgs::{diagnostic_msgs::DiagnosticArray, topics};
 use rig_driver::node::RigNode;
-use ros_node::{Participant, Publisher, RosNode, RosNodeError};
+use ros_node::{Participant, Publisher, RosNode, RosNodeError, timing::Stopwatch};
 use rtrb::Consumer;
 
-use super::{Counters, LiveCycle, diagnostics, epoch_ns, timing::Stopwatch};
+use super::{Counters, LiveCycle, diagnostics, epoch_ns};
+use crate::server::node::Runner;
 
 /// Pause when there is nothing to publish: short against the period, long against the work.
 const PAUSE: Duration = Duration::from_micros(500);
@@ -28,18 +30,20 @@ pub(super) struct Nodes {
     observer: ObserverNode,
     controller: ControllerNode,
     diagnostics: Publisher<DiagnosticArray>,
+    _requests: Option<Runner>,
     _runner: RosNode,
     _participant: Participant,
 }
 
 impl Nodes {
-    pub(super) fn new(participant: Participant) -> Result<Self, RosNodeError> {
-        let mut runner = participant.node("experiment_runner")?;
+    pub(super) fn new(participant: Participant, serve: Option<&Path>) -> Result<Self, RosNodeError> {
+        let runner = participant.node("experiment_runner")?;
         Ok(Self {
             rig: RigNode::new(&participant)?,
             observer: ObserverNode::new(&participant)?,
             controller: ControllerNode::new(&participant)?,
             diagnostics: runner.publisher(&topics::DIAGNOSTICS)?,
+            _requests: serve.map(|runs| Runner::new(&runner, runs.to_owned())).transpose()?,
             _runner: runner,
             _participant: participant,
         })

@@ -2,12 +2,9 @@
 
 use std::{fmt, sync::atomic::Ordering};
 
-use super::{
-    Counters, LiveOptions,
-    control::Done,
-    publishing::Published,
-    timing::{Percentiles, Timing},
-};
+use ros_node::timing::{Percentiles, Timing};
+
+use super::{Counters, LiveOptions, control::Done, publishing::Published};
 use crate::bag::BagSummary;
 
 /// What a live run came to. Displayed, it is what a person wants to read at the end.

@@ -9,9 +9,10 @@ use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::RigError;
 
-use super::{RunError, RunOptions};
+use super::{Pace, RunError, RunOptions};
 use crate::compensation::{Arm, Means};
 use crate::control_loop::ControlLoop;
+use crate::paced::Paced;
 use crate::profile::Excitation;
 use crate::progress::Progress;
 use crate::protocol::Kind;
@@ -26,7 +27,7 @@ pub(super) struct Bench<'a> {
     /// The real rig; none for the simulated one, which every run has for itself.
     rig: Option<BenchRig>,
     pub(super) progress: &'a Progress,
-    pub(super) cancel: &'a AtomicBool,
+    pub(super) cancel: &'a Arc<AtomicBool>,
     /// Why the rig ended the run.
     ended: Mutex<Option<String>>,
 }
@@ -78,7 +79,7 @@ impl<'a> Bench<'a> {
         options: &'a RunOptions,
         rig: Option<BenchRig>,
         progress: &'a Progress,
-        cancel: &'a AtomicBool,
+        cancel: &'a Arc<AtomicBool>,
     ) -> Self {
         Self { options, rig, progress, cancel, ended: Mutex::default() }
     }
@@ -116,12 +117,20 @@ impl<'a> Bench<'a> {
         (seed, start_ns): (u64, u64),
     ) -> Result<ControlLoop, RunError> {
         Ok(match &self.rig {
-            None => bed.control_loop(mode, reference, observer, means, seed, start_ns)?,
+            None => self.paced(bed.control_loop(mode, reference, observer, means, seed, start_ns)?),
             Some(rig) => {
                 let rig = rig.lend()?;
                 bed.loop_around(rig, mode, reference, observer, means, self.now_or(start_ns))?
             }
         })
+    }
+
+    /// A simulated loop at the pace that was asked for.
+    fn paced(&self, control: ControlLoop) -> ControlLoop {
+        match self.options.pace {
+            Pace::Offline => control,
+            Pace::RealTime => control.through(|rig| Box::new(Paced::new(rig, Arc::clone(self.cancel)))),
+        }
     }
 
     /// The same, driven by `excitation`; nothing compensates. With `feed_forward` the reference also goes through the inverse of the drive.

@@ -47,7 +47,7 @@ const BAG: &str = "bag";
 
 /// Runs the experiments and writes `bag/`, `parameters.yaml`, `report.html` and `run.json` into `folder`.
 ///
-/// Once `cancel` is set the run ends after the jobs at hand; what is there by then is written, and the status says so.
+/// Once `cancel` is set the run ends after the jobs at hand, at the pace of the clock within a cycle; what is there by then is written, and the status says so.
 ///
 /// # Errors
 /// [`RunError`]. Parameters are checked before anything is written.
@@ -59,8 +59,7 @@ pub fn execute(
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
     // Put together for nothing first, so that a wrong option neither opens a rig nor writes anything.
-    Bench::check(options)?;
-    require_empty(folder)?;
+    check(options, folder)?;
     let (rig, options) = bench::open(options, progress, cancel)?;
     let options = &options;
     let bench = Bench::new(options, rig, progress, cancel);
@@ -183,6 +182,15 @@ pub fn execute(
     write_all(folder, &files)?;
     progress.finish();
     Ok(Outcome { results, folder: folder.to_owned() })
+}
+
+/// Whether a run with these options into that folder could start: every loop is put together once, nothing is written.
+///
+/// # Errors
+/// [`RunError`], as [`execute`] would return it before it begins.
+pub fn check(options: &RunOptions, folder: &Path) -> Result<(), RunError> {
+    Bench::check(options)?;
+    require_empty(folder)
 }
 
 /// The steady points as comma-separated values.

@@ -30,7 +30,7 @@ pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, L
 pub use compensators::Compensators;
 pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
-pub use execute::{Outcome, execute};
-pub use options::{Experiment, RecordPolicy, RunOptions, shipped};
+pub use execute::{Outcome, check, execute};
+pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
 pub use parameter_file::{read as read_parameter_file, read_controller};
 pub use results::{Comparison, RunResults, Status, TaskComparison};

@@ -151,6 +151,17 @@ impl RecordPolicy {
     }
 }
 
+/// How fast a simulated rig is driven.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pace {
+    /// As fast as the processors go.
+    #[default]
+    Offline,
+    /// At the pace of the clock, one run after the other.
+    RealTime,
+}
+
 /// Everything a run needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunOptions {
@@ -170,6 +181,8 @@ pub struct RunOptions {
     pub compensators: Compensators,
     /// Seed of everything random.
     pub seed: u64,
+    /// How fast it goes.
+    pub pace: Pace,
     /// How much is recorded.
     pub record: RecordPolicy,
     /// Friction at constant velocity.
@@ -293,6 +306,7 @@ pub(super) mod tests {
             models: vec![ModelName::LuGre, ModelName::Proposed],
             compensators: Compensators::default(),
             seed: 1,
+            pace: Pace::Offline,
             record: RecordPolicy::Thinned,
             constant_velocity: ConstantVelocityProtocol::quick(),
             varying_velocity: shipped.0.quick(),

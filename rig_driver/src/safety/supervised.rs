@@ -67,6 +67,28 @@ impl<R: Rig> Supervised<R> {
         Ok(state)
     }
 
+    /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it comes over a network: its age counts.
+    pub fn command(&mut self, stamp: f64, volts: f64) {
+        self.asked = if volts.is_finite() { volts } else { 0.0 };
+        self.supervisor.command(stamp, volts);
+    }
+
+    /// Drives the motor for the coming period with the newest [`command`](Self::command), as far as the supervisor allows it. A fault is no error here: the
+    /// motor is at zero volts, and [`supervisor`](Self::supervisor) says why.
+    ///
+    /// # Errors
+    /// What the back end says to the voltage.
+    pub fn drive(&mut self) -> Result<(), RigError> {
+        let allowed = self.supervisor.output();
+        if let Err(error) = self.rig.apply(allowed) {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+            // The back end has just refused; that it refuses zero as well is no other error.
+            let _ = self.rig.halt();
+            return Err(error);
+        }
+        Ok(())
+    }
+
     fn now(&self, seen: &Measurement) -> f64 {
         self.told.unwrap_or(seen.time)
     }

@@ -19,7 +19,7 @@ const PRIORITY: u8 = 50;
 const HOPELESS: u64 = NANOSECONDS / 10;
 
 /// Time on the monotonic clock [ns].
-pub(super) fn now_ns() -> u64 {
+pub fn now_ns() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     // The monotonic clock counts from the start of the system: never negative.
     now.tv_sec.unsigned_abs() * NANOSECONDS + now.tv_nsec.unsigned_abs()
@@ -27,14 +27,14 @@ pub(super) fn now_ns() -> u64 {
 
 /// A row of deadlines one period apart.
 #[derive(Debug)]
-pub(super) struct Deadlines {
+pub struct Deadlines {
     next: u64,
     period: u64,
 }
 
 impl Deadlines {
     /// Deadlines from `first` [ns on the monotonic clock], `period` [ns] apart.
-    pub(super) fn new(first: u64, period: u64) -> Self {
+    pub fn new(first: u64, period: u64) -> Self {
         Self { next: first, period }
     }
 
@@ -42,7 +42,7 @@ impl Deadlines {
     ///
     /// A loop that is late runs at once, so that the number of cycles stays that of the clock; one that is hopelessly
     /// late, as after the machine slept, starts a new row.
-    pub(super) fn wait(&mut self) -> (u64, bool) {
+    pub fn wait(&mut self) -> (u64, bool) {
         let deadline =
             Timespec { tv_sec: (self.next / NANOSECONDS) as _, tv_nsec: (self.next % NANOSECONDS) as _ };
         // A signal wakes the thread early; any other error is no reason to stop the loop, which then runs too early once.
@@ -60,7 +60,7 @@ impl Deadlines {
 }
 
 /// Asks for first-in-first-out real-time scheduling of the calling thread. Returns a line that says what came of it.
-pub(super) fn request_realtime() -> String {
+pub fn request_realtime() -> String {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let granted = ThreadPriorityValue::try_from(PRIORITY).and_then(|priority| {
         set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(priority), policy)

@@ -20,31 +20,31 @@ pub struct Percentiles {
 
 /// Durations in buckets.
 #[derive(Debug, Clone)]
-pub(super) struct Histogram {
+struct Histogram {
     buckets: Box<[u64]>,
     count: u64,
     max_ns: u64,
 }
 
 impl Histogram {
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         Self { buckets: vec![0; BUCKETS].into_boxed_slice(), count: 0, max_ns: 0 }
     }
 
-    pub(super) fn add(&mut self, ns: u64) {
+    fn add(&mut self, ns: u64) {
         let bucket = usize::try_from(ns / 1000).unwrap_or(BUCKETS).min(BUCKETS - 1);
         self.buckets[bucket] += 1;
         self.count += 1;
         self.max_ns = self.max_ns.max(ns);
     }
 
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.buckets.fill(0);
         (self.count, self.max_ns) = (0, 0);
     }
 
     /// Zeros if there are no durations.
-    pub(super) fn percentiles(&self) -> Percentiles {
+    fn percentiles(&self) -> Percentiles {
         let max = self.max_ns as f64 * 1e-3;
         let at = |fraction: f64| {
             let rank = (self.count as f64 * fraction).ceil().max(1.0) as u64;
@@ -77,19 +77,27 @@ pub struct Timing {
 
 /// Collects [`Timing`].
 #[derive(Debug)]
-pub(super) struct Stopwatch {
+pub struct Stopwatch {
     period: Histogram,
     execution: Histogram,
     cycles: u64,
 }
 
+impl Default for Stopwatch {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Stopwatch {
-    pub(super) fn new() -> Self {
+    /// One that has seen nothing.
+    #[must_use]
+    pub fn new() -> Self {
         Self { period: Histogram::new(), execution: Histogram::new(), cycles: 0 }
     }
 
     /// Notes a cycle. `period_ns` is zero for the first.
-    pub(super) fn note(&mut self, period_ns: u64, execution_ns: u64) {
+    pub fn note(&mut self, period_ns: u64, execution_ns: u64) {
         if period_ns > 0 {
             self.period.add(period_ns);
         }
@@ -97,13 +105,16 @@ impl Stopwatch {
         self.cycles += 1;
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Forgets what it has seen.
+    pub fn clear(&mut self) {
         self.period.clear();
         self.execution.clear();
         self.cycles = 0;
     }
 
-    pub(super) fn timing(&self, overruns: u64) -> Timing {
+    /// What it has seen.
+    #[must_use]
+    pub fn timing(&self, overruns: u64) -> Timing {
         Timing {
             cycles: self.cycles,
             period: self.period.percentiles(),

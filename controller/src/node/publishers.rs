@@ -1,4 +1,4 @@
-//! The controller as a ROS 2 node: what it decides and why, published.
+//! What the controller decides and why, published.
 
 use msgs::{
     friction_msgs::{self, ControllerState, MotorVoltage},
@@ -23,7 +23,7 @@ impl ControllerNode {
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses the node or a publisher.
     pub fn new(participant: &Participant) -> Result<Self, RosNodeError> {
-        let mut node = participant.node("controller")?;
+        let node = participant.node("controller")?;
         Ok(Self {
             reference: node.publisher(&topics::REFERENCE)?,
             motor_voltage: node.publisher(&topics::MOTOR_VOLTAGE)?,

@@ -1,0 +1,289 @@
+//! The executable: a managed node that hears joint states and references and asks for voltages.
+
+use std::{
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use msgs::{
+    diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
+    friction_msgs::{ControllerState, MotorVoltage},
+    std_msgs::Header,
+    std_srvs::{Trigger, TriggerResponse},
+    topics,
+};
+use ros_node::{
+    Logger, Participant, Publisher, RosNode, RosNodeError, Stop,
+    deadlines::request_realtime,
+    lifecycle::{CallbackError, Lifecycle, Managed, Requested},
+    parameters::Parameters,
+    queue::{Receiver, Sender, Waker, queue},
+};
+
+use super::{
+    declarations,
+    parameters::ControlSettings,
+    step::{self, Decided, Friction, Inputs, Joint, Order},
+};
+use crate::{Controller, Reference, messages};
+
+/// Messages that wait for the thread, and commands that wait for the publisher.
+const WAITING: usize = 256;
+/// Time between two diagnostics.
+const DIAGNOSTICS: Duration = Duration::from_secs(1);
+/// Name of the joint that is looked for.
+const JOINT: &str = "load_shaft";
+
+/// Runs the node until `stop`.
+///
+/// # Errors
+/// [`RosNodeError`] if it cannot start; everything later is told in the log.
+pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
+    let node = participant.node("controller")?;
+    let waker = Waker::default();
+    let (orders, for_orders) = queue(WAITING, &waker);
+    let orders = Arc::new(Mutex::new(orders));
+    let first = Arc::new(Mutex::new(None));
+    let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
+    let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
+        let settings = ControlSettings::read(values)?;
+        *locked(&judged) = Some(settings);
+        locked(&to_thread).send(Order::Settings(settings));
+        Ok(())
+    })?;
+    let Some(settings) = *locked(&first) else { return Ok(()) };
+    let controller = Controller::new(settings.options).map_err(|error| RosNodeError::Parameters {
+        node: node.identity().qualified(),
+        reason: error.to_string(),
+    })?;
+    let counts = Arc::new(Counts::default());
+    let inputs = listen(&node, &waker, for_orders, &counts)?;
+    let published = Waker::default();
+    let (out, for_publisher) = queue(WAITING, &published);
+    let lost = out.dropped();
+    let publishers = (node.publisher(&topics::MOTOR_VOLTAGE)?, node.publisher(&topics::CONTROLLER_STATE)?);
+    let logger = node.logger().clone();
+    // The thread ends with the node's subscriptions, which hold the other ends of its queues.
+    thread::Builder::new()
+        .name("controller".into())
+        .spawn(move || {
+            waker.is_this_thread();
+            logger.info(&request_realtime());
+            step::control(settings, controller, inputs, out);
+        })
+        .map_err(RosNodeError::Runtime)?;
+    let (counted, logger) = (Arc::clone(&counts), node.logger().clone());
+    let publisher = thread::Builder::new()
+        .name("publisher".into())
+        .spawn(move || {
+            published.is_this_thread();
+            publish(&publishers, for_publisher, &counted, &logger);
+        })
+        .map_err(RosNodeError::Runtime)?;
+
+    let lifecycle = Lifecycle::start(&node, Box::new(Controlling { orders: Arc::clone(&orders) }))?;
+    let reset = Arc::clone(&orders);
+    node.serve::<Trigger>("~/reset", move |_| {
+        let success = locked(&reset).send(Order::Reset);
+        let message =
+            if success { "the controller is at rest" } else { "too many requests at once; try again" };
+        TriggerResponse { success, message: message.to_owned() }
+    })?;
+    let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
+    if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+        // The log says why it is not active, if it is not.
+        let _ = lifecycle.request(Requested::Activate);
+    }
+    let mut next = Instant::now() + DIAGNOSTICS;
+    while !stop.wait(next.saturating_duration_since(Instant::now())) {
+        next += DIAGNOSTICS;
+        let lost = counts.refused.load(Ordering::Relaxed) + lost.load(Ordering::Relaxed);
+        // The next one comes in a second.
+        let _ = diagnostics.publish(counts.message(node.clock().now_ns(), lifecycle.phase().label(), lost));
+    }
+    node.logger().info("leaving");
+    drop(node);
+    // It ends with the commands.
+    let _ = publisher.join();
+    Ok(())
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[derive(Debug, Default)]
+struct Counts {
+    published: AtomicU64,
+    refused: AtomicU64,
+    unusable: AtomicU64,
+    /// Commands for which the estimate came too late.
+    without_estimate: AtomicU64,
+    faulty: AtomicBool,
+    stale: AtomicBool,
+}
+
+impl Counts {
+    fn message(&self, stamp_ns: u64, phase: &str, lost: u64) -> DiagnosticArray {
+        let unusable = self.unusable.load(Ordering::Relaxed);
+        let (level, message) = if self.faulty.load(Ordering::Relaxed) {
+            (
+                DiagnosticStatus::ERROR,
+                "zero volts: the joint states are no numbers; mend them, then call ~/reset".to_owned(),
+            )
+        } else if self.stale.load(Ordering::Relaxed) {
+            (DiagnosticStatus::WARN, format!("{phase}; no reference comes"))
+        } else if unusable + lost > 0 {
+            (DiagnosticStatus::WARN, format!("{phase}; messages were left out"))
+        } else {
+            (DiagnosticStatus::OK, phase.to_owned())
+        };
+        let values = [
+            ("commands", self.published.swap(0, Ordering::Relaxed)),
+            ("commands with an older estimate", self.without_estimate.swap(0, Ordering::Relaxed)),
+            ("messages without numbers", unusable),
+            ("not published", lost),
+        ];
+        DiagnosticArray {
+            header: Header::at(stamp_ns),
+            status: vec![DiagnosticStatus {
+                level,
+                name: "controller".to_owned(),
+                message,
+                hardware_id: String::new(),
+                values: values
+                    .map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() })
+                    .into(),
+            }],
+        }
+    }
+}
+
+/// Subscribes to what the thread is told.
+fn listen(
+    node: &RosNode,
+    waker: &Waker,
+    orders: Receiver<Order>,
+    counts: &Arc<Counts>,
+) -> Result<Inputs, RosNodeError> {
+    let (mut joints, for_joints) = queue(WAITING, waker);
+    let (mut frictions, for_frictions) = queue(WAITING, waker);
+    let (mut references, for_references) = queue(WAITING, &Waker::default());
+    let logger = node.logger().clone();
+    let counted = Arc::clone(counts);
+    let complain = move |what: &str| {
+        if counted.unusable.fetch_add(1, Ordering::Relaxed) == 0 {
+            logger.warn(&format!("{what}; such are left out and counted in /diagnostics"));
+        }
+    };
+    let unusable = complain.clone();
+    node.subscribe(&topics::JOINT_STATES, move |message| {
+        let index = message.name.iter().position(|name| name == JOINT).unwrap_or(0);
+        let (Some(&position), Some(&velocity)) = (message.position.get(index), message.velocity.get(index))
+        else {
+            unusable(&format!("a joint state has no position or no velocity of {JOINT}"));
+            return;
+        };
+        // What is no number goes on: the controller counts it and stops after a few.
+        joints.send(Joint { stamp_ns: message.header.stamp.to_nanos(), position, velocity });
+    })?;
+    let unusable = complain.clone();
+    node.subscribe(&topics::FRICTION_ESTIMATE, move |message| {
+        if message.torque.is_finite() {
+            frictions.send(Friction { stamp_ns: message.header.stamp.to_nanos(), torque: message.torque });
+        } else {
+            unusable("a friction estimate is no number");
+        }
+    })?;
+    node.subscribe(&topics::REFERENCE, move |message| {
+        let reference = Reference {
+            position: message.position,
+            velocity: message.velocity,
+            acceleration: message.acceleration,
+        };
+        if reference.position.is_finite()
+            && reference.velocity.is_finite()
+            && reference.acceleration.is_finite()
+        {
+            references.send(reference);
+        } else {
+            complain("a reference is no number");
+        }
+    })?;
+    Ok(Inputs { joints: for_joints, frictions: for_frictions, references: for_references, orders })
+}
+
+/// Publishes commands until the queue's other end is gone.
+fn publish(
+    (voltages, states): &(Publisher<MotorVoltage>, Publisher<ControllerState>),
+    mut queue: Receiver<Decided>,
+    counts: &Counts,
+    logger: &Logger,
+) {
+    loop {
+        let Some(decided) = queue.take() else {
+            if queue.is_over() {
+                return;
+            }
+            Waker::sleep(Duration::from_millis(50));
+            continue;
+        };
+        let Decided { stamp_ns, command, fault, stale_reference, fresh_estimate } = decided;
+        let sent = voltages
+            .publish(messages::motor_voltage(stamp_ns, &command))
+            .and_then(|()| states.publish(messages::controller_state(stamp_ns, &command)));
+        let count = if sent.is_ok() { &counts.published } else { &counts.refused };
+        count.fetch_add(1, Ordering::Relaxed);
+        if !fresh_estimate {
+            counts.without_estimate.fetch_add(1, Ordering::Relaxed);
+        }
+        if counts.stale.swap(stale_reference, Ordering::Relaxed) != stale_reference {
+            logger.info(if stale_reference {
+                "no reference comes: zero velocity"
+            } else {
+                "a reference comes"
+            });
+        }
+        if let Some(fault) = fault
+            && !counts.faulty.swap(true, Ordering::Relaxed)
+        {
+            logger
+                .error(&format!("zero volts from now on: {fault}; mend the joint states, then call ~/reset"));
+        } else if fault.is_none() {
+            counts.faulty.store(false, Ordering::Relaxed);
+        }
+    }
+}
+
+/// What the managed node does on its way: commands come in active only.
+struct Controlling {
+    orders: Arc<Mutex<Sender<Order>>>,
+}
+
+impl Controlling {
+    fn order(&self, runs: bool) -> Result<(), CallbackError> {
+        if locked(&self.orders).send(Order::Run(runs)) {
+            Ok(())
+        } else {
+            Err(CallbackError::Failure("too many requests at once; try again".to_owned()))
+        }
+    }
+}
+
+impl Managed for Controlling {
+    fn activate(&mut self) -> Result<(), CallbackError> {
+        self.order(true)
+    }
+
+    fn deactivate(&mut self) -> Result<(), CallbackError> {
+        self.order(false)
+    }
+
+    fn shut_down(&mut self) -> Result<(), CallbackError> {
+        self.order(false)
+    }
+}

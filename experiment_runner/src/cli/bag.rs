@@ -1,0 +1,129 @@
+//! `frictionlab bag`: what is in a bag, as a table, and made whole again.
+
+use std::path::{Path, PathBuf};
+
+use super::{BadInput, print};
+use crate::bag::{BagError, BagReader, Recovery, recover};
+use crate::output::write_all;
+
+/// Look into a bag, turn it into a table, or save what a kill left of it
+#[derive(Debug, clap::Args)]
+pub struct BagArgs {
+    #[command(subcommand)]
+    command: BagCommand,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum BagCommand {
+    /// List the topics of a bag, with types and numbers of messages, and what was kept with it
+    Info {
+        /// Folder of the bag, or an .mcap file
+        #[arg(value_name = "DIR")]
+        bag: PathBuf,
+    },
+    /// Make a bag whole that was cut off by a kill or a full disk, or damaged
+    ///
+    /// Writes a new MCAP file of everything that is whole, with its index, and metadata.yaml, so that stock tools open it. The original
+    /// stays beside it with `.damaged` behind its name. A bag that is whole stays as it is; one that is being written is refused.
+    /// A killed run loses at most its last second.
+    Recover {
+        /// Folder of the bag
+        #[arg(value_name = "DIR")]
+        bag: PathBuf,
+    },
+    /// Write the cycles of a bag as comma-separated values, one line a time stamp
+    ///
+    /// The columns are those that `frictionlab identify` reads: t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm, and behind them the
+    /// reference, the command and the friction estimate. A field is empty where the bag has no message of that time.
+    ToCsv {
+        /// Folder of the bag, or an .mcap file
+        #[arg(value_name = "DIR")]
+        bag: PathBuf,
+        /// The file [default: beside the bag, its name with .csv behind]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
+}
+
+/// Runs it.
+///
+/// # Errors
+/// [`BadInput`] names the bag or file at fault.
+pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
+    let text = match &args.command {
+        BagCommand::Info { bag } => info(bag)?,
+        BagCommand::Recover { bag } => recovered(bag)?,
+        BagCommand::ToCsv { bag, out } => to_csv(bag, out.as_deref())?,
+    };
+    print(&text)
+}
+
+fn bad(error: &BagError) -> BadInput {
+    BadInput(error.to_string())
+}
+
+fn info(path: &Path) -> Result<String, BadInput> {
+    let bag = BagReader::open(path).map_err(|error| bad(&error))?;
+    let width = bag.topics().iter().map(|topic| topic.name.len()).max().unwrap_or(0);
+    let messages: u64 = bag.topics().iter().map(|topic| topic.count).sum();
+    let megabytes = bag.bytes() as f64 * 1e-6;
+    let mut text = format!("{}: {messages} messages, {megabytes:.1} MB", path.display());
+    if let Some((start, end)) = bag.span() {
+        text += &format!(
+            ", {:.3} s from {}.{:09} s since 1970",
+            end.saturating_sub(start) as f64 * 1e-9,
+            start / 1_000_000_000,
+            start % 1_000_000_000
+        );
+    }
+    text.push('\n');
+    for topic in bag.topics() {
+        text += &format!("  {:<width$}  {:<35} {:>10}\n", topic.name, topic.type_name, topic.count);
+    }
+    for name in bag.attachment_names() {
+        text += &format!("  attachment {name}\n");
+    }
+    for name in bag.metadata_names().filter(|name| *name != "rosbag2") {
+        let entries = bag.metadata(name).map_err(|error| bad(&error))?.unwrap_or_default();
+        for (key, value) in entries {
+            let line = value.lines().next().unwrap_or_default();
+            let shown: String = line.chars().take(90).collect();
+            let more = if shown.len() < value.len() { " ..." } else { "" };
+            text += &format!("  {name}: {key} = {shown}{more}\n");
+        }
+    }
+    Ok(text)
+}
+
+fn recovered(path: &Path) -> Result<String, BadInput> {
+    Ok(match recover(path).map_err(|error| bad(&error))? {
+        Recovery::Whole => format!("{} is whole; nothing was done\n", path.display()),
+        Recovery::Recovered { bag, original, lost_bytes, lost_chunks, lost_messages } => {
+            let mut text = format!(
+                "{}: {} messages over {:.3} s are whole; the original is kept as {}\n",
+                bag.file.display(),
+                bag.messages,
+                bag.duration,
+                original.display()
+            );
+            if lost_bytes > 0 {
+                text += &format!("lost: {lost_bytes} bytes, among them {lost_chunks} damaged chunks\n");
+            }
+            if lost_messages > 0 {
+                text += &format!("lost: {lost_messages} messages whose topic is not known any more\n");
+            }
+            text
+        }
+    })
+}
+
+fn to_csv(path: &Path, out: Option<&Path>) -> Result<String, BadInput> {
+    let table = crate::bag::table(path).map_err(|error| bad(&error))?;
+    let out = out.map_or_else(|| path.with_extension("csv"), Path::to_owned);
+    let name = out.file_name().and_then(|name| name.to_str()).ok_or_else(|| {
+        BadInput(format!("--out must name a file, as in motion.csv, but is {}", out.display()))
+    })?;
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    write_all(folder, &[(name, table.text)]).map_err(|error| BadInput(error.to_string()))?;
+    Ok(format!("{}: {} lines\n", out.display(), table.rows))
+}

@@ -1,0 +1,55 @@
+//! `frictionlab serve`: experiments and identification for whoever asks over ROS 2.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context;
+use ros_node::{Discovery, Participant, RosNodeError, Stop};
+
+use super::BadInput;
+use crate::server::node::Runner;
+
+/// Run experiments for whoever asks over ROS 2
+///
+/// Offers the action /experiment_runner/run_experiment and the services start_experiment, list_experiments, identify and abort
+/// beside it, and says on /experiment_status what goes on. Experiments are those of `frictionlab run`, with its options, and leave
+/// the same folder. One runs at a time. ROS_DOMAIN_ID is honoured; only this machine sees it unless
+/// ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps its bag, and leaves.
+///
+/// The executable `experiment_runner` is the same with the arguments of ROS.
+#[derive(Debug, clap::Args)]
+pub struct ServeArgs {
+    /// Folder in which each run gets a folder of its own, unless its request names one
+    #[arg(long, value_name = "DIR", default_value = "runs")]
+    pub runs: PathBuf,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Runs it until ctrl-C.
+///
+/// # Errors
+/// [`BadInput`] for an environment variable that is none of ROS's; an error if the network cannot be joined.
+pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
+    let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
+    let discovery =
+        Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;
+    let participant = Participant::join(&discovery)?;
+    let node = participant.node("experiment_runner")?;
+    let runner = Runner::new(&node, args.runs.clone())?;
+    if !args.quiet {
+        super::offer_recovery(&args.runs);
+        super::print(&format!(
+            "experiment_runner is ready on domain {}; runs go to {}; ctrl-C ends it\n",
+            discovery.domain,
+            args.runs.display()
+        ))?;
+    }
+    while !stop.wait(Duration::from_secs(1)) {}
+    // In this order: the experiment ends and its result is sent, then the node leaves, then the participant.
+    drop(runner);
+    drop(node);
+    drop(participant);
+    Ok(())
+}

@@ -1,0 +1,370 @@
+//! Runs one experiment at a time, for whoever asks.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use msgs::friction_msgs::{ExperimentStatus, RunExperimentFeedback};
+use msgs::std_msgs::Header;
+
+use super::request::ExperimentRequest;
+use super::{Refusal, outcome};
+use crate::output::OutputError;
+use crate::progress::Progress;
+use crate::run::{self, RunError, RunOptions, RunResults};
+
+/// Time between two reports of a running experiment.
+const TICK: Duration = Duration::from_millis(250);
+/// Time between two statuses of the same stage: whoever comes late is sent what the writer still keeps.
+const STATUS: Duration = Duration::from_secs(1);
+/// How long a preempted experiment may take to end.
+const PREEMPTION: Duration = Duration::from_secs(30);
+
+/// Somebody who follows one experiment.
+pub trait Watcher: Send + Sync + 'static {
+    /// How far it is; a few times a second.
+    fn progress(&self, feedback: RunExperimentFeedback);
+
+    /// How it ended. The last call.
+    fn ended(self: Box<Self>, ended: &Ended);
+}
+
+/// Nobody in particular.
+impl Watcher for () {
+    fn progress(&self, _feedback: RunExperimentFeedback) {}
+    fn ended(self: Box<Self>, _ended: &Ended) {}
+}
+
+/// An experiment that was started.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Started {
+    /// Name of the run: the last part of its folder.
+    pub run_id: String,
+    /// Name of the experiment.
+    pub experiment: &'static str,
+    /// Where the results go, absolute.
+    pub folder: PathBuf,
+}
+
+/// How an experiment ended.
+#[derive(Debug)]
+pub struct Ended {
+    /// Which.
+    pub started: Started,
+    /// What was found, also if it was stopped; or why it failed.
+    pub results: Result<RunResults, String>,
+}
+
+/// Hears of every change: a status for whoever is interested.
+pub type Announce = dyn FnMut(ExperimentStatus) + Send;
+
+/// The place where experiments are asked for. Clones are the same desk.
+#[derive(Clone)]
+pub struct Desk {
+    inner: Arc<Inner>,
+}
+
+struct Inner {
+    runs: PathBuf,
+    announce: Mutex<Box<Announce>>,
+    state: Mutex<State>,
+    idle: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    running: Option<Running>,
+    /// Ended experiments whose watcher is being told.
+    telling: u32,
+    /// Why nothing is started.
+    closed: Option<Refusal>,
+}
+
+struct Running {
+    started: Started,
+    progress: Progress,
+    cancel: Arc<AtomicBool>,
+}
+
+impl Desk {
+    /// A desk that makes the folders of its runs in `runs` and tells everything to `announce`.
+    #[must_use]
+    pub fn new(runs: PathBuf, announce: Box<Announce>) -> Self {
+        let state = Mutex::default();
+        let desk = Self {
+            inner: Arc::new(Inner { runs, announce: Mutex::new(announce), state, idle: Condvar::new() }),
+        };
+        let message = "ready: list_experiments tells what there is".to_owned();
+        desk.inner.announce(ExperimentStatus {
+            stage: "idle".to_owned(),
+            remaining: f64::NAN,
+            message,
+            ..Default::default()
+        });
+        desk
+    }
+
+    /// Starts an experiment on a thread of its own, unless one runs. Once `cancel` is set it ends.
+    ///
+    /// With `preempt`, waits for the running one to end, which it is told to.
+    ///
+    /// # Errors
+    /// [`Refusal`]; nothing was done then, and nothing is left behind.
+    pub fn start(
+        &self,
+        request: &ExperimentRequest,
+        cancel: Arc<AtomicBool>,
+        watcher: impl Watcher,
+    ) -> Result<Started, Refusal> {
+        let options = request.options()?;
+        if let Some(folder) = &request.folder {
+            run::check(&options, folder).map_err(bad_folder)?;
+        }
+        let mut state = self.inner.free(request.preempt)?;
+        let folder = match &request.folder {
+            Some(folder) => folder.clone(),
+            None => first_free(&self.inner.runs, options.experiment.as_str()),
+        };
+        run::check(&options, &folder).map_err(bad_folder)?;
+        let folder = make(&folder)?;
+        let run_id = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let started = Started { run_id, experiment: options.experiment.as_str(), folder };
+        let progress = Progress::new(options.rig_seconds(), true);
+        let running =
+            Running { started: started.clone(), progress: progress.clone(), cancel: Arc::clone(&cancel) };
+        let job = Job { inner: Arc::clone(&self.inner), options, started: started.clone(), progress, cancel };
+        thread::Builder::new()
+            .name("experiment".into())
+            .spawn(move || job.run(Box::new(watcher)))
+            .map_err(|error| Refusal::BadRequest(format!("no thread can be started: {error}")))?;
+        state.running = Some(running);
+        Ok(started)
+    }
+
+    /// Tells the running experiment to end; its name, if there is one.
+    pub fn abort(&self) -> Option<String> {
+        let state = self.inner.state();
+        let running = state.running.as_ref()?;
+        running.cancel.store(true, Ordering::Relaxed);
+        Some(running.started.run_id.clone())
+    }
+
+    /// Takes requests again.
+    pub fn open(&self) {
+        self.inner.state().closed = None;
+    }
+
+    /// Ends the running experiment, if there is one, and refuses what is asked for from now on. Whether it ended within `patience`.
+    pub fn close(&self, refusal: Refusal, patience: Duration) -> bool {
+        let mut state = self.inner.state();
+        state.closed = Some(refusal);
+        if let Some(running) = &state.running {
+            running.cancel.store(true, Ordering::Relaxed);
+        }
+        let (state, _) = self
+            .inner
+            .idle
+            .wait_timeout_while(state, patience, |state| state.running.is_some() || state.telling > 0)
+            .unwrap_or_else(PoisonError::into_inner);
+        state.running.is_none()
+    }
+}
+
+impl Inner {
+    fn state(&self) -> MutexGuard<'_, State> {
+        // Every change of the state is one step: what a panicked thread left is whole.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The state once nothing runs.
+    fn free(&self, preempt: bool) -> Result<MutexGuard<'_, State>, Refusal> {
+        let mut state = self.state();
+        let until = Instant::now() + PREEMPTION;
+        loop {
+            if let Some(refusal) = &state.closed {
+                return Err(refusal.clone());
+            }
+            let Some(running) = &state.running else { return Ok(state) };
+            let left = until.saturating_duration_since(Instant::now());
+            if !preempt || left.is_zero() {
+                let percent = (100.0 * running.progress.fraction()).clamp(0.0, 100.0) as u8;
+                return Err(Refusal::Busy { run_id: running.started.run_id.clone(), percent });
+            }
+            running.cancel.store(true, Ordering::Relaxed);
+            state = self.idle.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    fn announce(&self, status: ExperimentStatus) {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        let header = Header::at(since.map_or(0, |since| since.as_nanos() as u64));
+        // What hears is whole even if it panicked once.
+        let mut announce = self.announce.lock().unwrap_or_else(PoisonError::into_inner);
+        announce(ExperimentStatus { header, ..status });
+    }
+}
+
+/// What the thread of an experiment has.
+struct Job {
+    inner: Arc<Inner>,
+    options: RunOptions,
+    started: Started,
+    progress: Progress,
+    cancel: Arc<AtomicBool>,
+}
+
+/// Makes the desk free again, however the experiment ended.
+struct Release(Arc<Inner>);
+
+impl Drop for Release {
+    fn drop(&mut self) {
+        self.0.state().running = None;
+        self.0.idle.notify_all();
+    }
+}
+
+/// Whoever closes the desk waits until the watcher was told.
+struct Telling(Arc<Inner>);
+
+impl Telling {
+    fn new(inner: &Arc<Inner>) -> Self {
+        inner.state().telling += 1;
+        Self(Arc::clone(inner))
+    }
+}
+
+impl Drop for Telling {
+    fn drop(&mut self) {
+        let mut state = self.0.state();
+        state.telling = state.telling.saturating_sub(1);
+        drop(state);
+        self.0.idle.notify_all();
+    }
+}
+
+impl Job {
+    fn run(self, watcher: Box<dyn Watcher>) {
+        let release = Release(Arc::clone(&self.inner));
+        let begun = Instant::now();
+        let (working, worked) = mpsc::channel::<()>();
+        let results = thread::scope(|scope| {
+            let (job, watcher) = (&self, &*watcher);
+            scope.spawn(move || {
+                let mut told = Told::default();
+                loop {
+                    job.tell(begun, watcher, &mut told);
+                    if worked.recv_timeout(TICK) != Err(RecvTimeoutError::Timeout) {
+                        break;
+                    }
+                }
+            });
+            // Dropped even by a panic, so that the one above ends.
+            let _working = working;
+            run::execute(&self.options, &self.started.folder, &self.progress, &self.cancel)
+        });
+        let results = results.map(|outcome| outcome.results).map_err(|error| error.to_string());
+        let ended = Ended { started: self.started.clone(), results };
+        let complete = ended.results.is_ok() && !self.cancel.load(Ordering::Relaxed);
+        let _telling = Telling::new(&self.inner);
+        // Free before anybody hears of the end, so that whoever does can ask for the next.
+        drop(release);
+        self.inner.announce(ExperimentStatus {
+            stage: "idle".to_owned(),
+            progress: if complete { 1.0 } else { self.progress.fraction() },
+            remaining: 0.0,
+            bag_path: self.bag(),
+            message: outcome::message(&ended),
+            ..Default::default()
+        });
+        watcher.ended(&ended);
+    }
+
+    fn bag(&self) -> String {
+        self.started.folder.join("bag").display().to_string()
+    }
+
+    /// Tells how far it is: the watcher each time, everybody when the stage changes or a second has gone by.
+    fn tell(&self, begun: Instant, watcher: &dyn Watcher, told: &mut Told) {
+        let (stage, fraction) = (self.progress.message(), self.progress.fraction());
+        let elapsed = begun.elapsed().as_secs_f64();
+        // The first seconds tell little.
+        let remaining = if fraction > 0.01 { elapsed * (1.0 - fraction) / fraction } else { f64::NAN };
+        if told.stage != stage || told.at.is_none_or(|at| at.elapsed() >= STATUS) {
+            self.inner.announce(ExperimentStatus {
+                experiment: self.started.experiment.to_owned(),
+                stage: stage.clone(),
+                repetition: repetition(&stage),
+                progress: fraction,
+                remaining,
+                bag_path: self.bag(),
+                message: format!("{} runs", self.started.run_id),
+                ..Default::default()
+            });
+            *told = Told { stage: stage.clone(), at: Some(Instant::now()) };
+        }
+        watcher.progress(RunExperimentFeedback {
+            repetition: repetition(&stage),
+            stage,
+            progress: fraction,
+            remaining,
+            rig_seconds: self.progress.position(),
+        });
+    }
+}
+
+/// What everybody was told last.
+#[derive(Default)]
+struct Told {
+    stage: String,
+    at: Option<Instant>,
+}
+
+/// The repetition in the words of a stage, as in `friction: set 1 of 2, repetition 3`; 0 where there is none.
+fn repetition(stage: &str) -> u32 {
+    let digits = stage.rsplit_once("repetition ").map(|(_, rest)| rest);
+    digits.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+/// The folder, made, with its absolute path.
+fn make(folder: &Path) -> Result<PathBuf, Refusal> {
+    let say = |error: std::io::Error| {
+        Refusal::BadRequest(format!(
+            "the results cannot be written to {}: {error}; name another output_folder",
+            folder.display()
+        ))
+    };
+    fs::create_dir_all(folder).map_err(say)?;
+    // A folder can be there and still take no file.
+    let probe = folder.join(".frictionlab-probe");
+    fs::write(&probe, "").and_then(|()| fs::remove_file(&probe)).map_err(say)?;
+    fs::canonicalize(folder).map_err(say)
+}
+
+fn bad_folder(error: RunError) -> Refusal {
+    Refusal::BadRequest(match error {
+        RunError::NotEmpty(folder) => format!(
+            "the output_folder {} is not empty: name a new one, or leave it out and one is made",
+            folder.display()
+        ),
+        RunError::Output(OutputError { path, source }) => {
+            format!(
+                "the results cannot be written to {}: {source}; name another output_folder",
+                path.display()
+            )
+        }
+        other => other.to_string(),
+    })
+}
+
+/// The first folder `EXPERIMENT-N` in `runs` that is not there yet.
+fn first_free(runs: &Path, experiment: &str) -> PathBuf {
+    let candidate = |n: u32| runs.join(format!("{experiment}-{n}"));
+    (1..).map(candidate).find(|folder| !folder.exists()).unwrap_or_else(|| candidate(0))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,262 @@
+//! Requests as the command line would have them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, ValueEnum};
+use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
+
+use super::Refusal;
+use crate::cli::{identify::IdentifyArgs, run::RunArgs};
+use crate::run::{Experiment, RunOptions};
+
+/// Options of `frictionlab run` that a request has fields for, or that are about the terminal.
+pub(super) const NOT_OF_RUN: [&str; 6] = ["experiment", "model", "repetitions", "out", "quiet", "jobs"];
+/// The same of `frictionlab identify`.
+const NOT_OF_IDENTIFY: [&str; 6] = ["files", "model", "validate", "out", "quiet", "jobs"];
+
+/// An experiment that was asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ExperimentRequest {
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Models that compensate; empty for the usual ones.
+    pub models: Vec<String>,
+    /// Repetitions; 0 for the protocol's own.
+    pub repetitions: u32,
+    /// Options by name.
+    pub overrides: Vec<Setting>,
+    /// Folder for the results; none for one of the runner's own.
+    pub folder: Option<PathBuf>,
+    /// End what runs.
+    pub preempt: bool,
+}
+
+impl From<RunExperimentGoal> for ExperimentRequest {
+    fn from(goal: RunExperimentGoal) -> Self {
+        let RunExperimentGoal { experiment, models, repetitions, overrides, output_folder, preempt } = goal;
+        let folder = folder(&output_folder);
+        Self { experiment, models, repetitions, overrides, folder, preempt }
+    }
+}
+
+impl From<StartExperimentRequest> for ExperimentRequest {
+    fn from(request: StartExperimentRequest) -> Self {
+        let StartExperimentRequest { experiment, models, repetitions, overrides, output_folder, preempt } =
+            request;
+        let folder = folder(&output_folder);
+        Self { experiment, models, repetitions, overrides, folder, preempt }
+    }
+}
+
+fn folder(text: &str) -> Option<PathBuf> {
+    (!text.trim().is_empty()).then(|| PathBuf::from(text))
+}
+
+impl ExperimentRequest {
+    /// What is to be run.
+    ///
+    /// # Errors
+    /// [`Refusal::BadRequest`] names the experiment, model or option at fault and what was expected.
+    pub fn options(&self) -> Result<RunOptions, Refusal> {
+        let known = || {
+            let names: Vec<&str> = Experiment::value_variants().iter().map(|e| e.as_str()).collect();
+            names.join(", ")
+        };
+        let Some(experiment) = Experiment::value_variants().iter().find(|e| e.as_str() == self.experiment)
+        else {
+            return Err(Refusal::BadRequest(format!(
+                "there is no experiment `{}`; expected one of {}",
+                self.experiment,
+                known()
+            )));
+        };
+        let mut line = vec![experiment.as_str().to_owned()];
+        if !self.models.is_empty() {
+            line.push(format!("--model={}", self.models.join(",")));
+        }
+        if self.repetitions > 0 {
+            line.push(format!("--repetitions={}", self.repetitions));
+        }
+        line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides)?);
+        let args: RunArgs = parse(&line)?;
+        crate::cli::run::options(&args).map_err(|error| Refusal::BadRequest(format!("{error:#}")))
+    }
+}
+
+/// The options of `frictionlab identify` that a request stands for. The bags must be there.
+///
+/// # Errors
+/// [`Refusal::BadRequest`] names the option or bag at fault and what was expected.
+pub fn identify_args(request: &IdentifyRequest) -> Result<IdentifyArgs, Refusal> {
+    for bag in std::iter::once(&request.bag_path).chain(&request.validation_bags) {
+        if bag.is_empty() || !Path::new(bag).exists() {
+            return Err(Refusal::BadRequest(format!(
+                "there is no bag `{bag}`; expected the folder of a bag or an .mcap file, as in {}",
+                "runs/all-1/bag"
+            )));
+        }
+    }
+    let command = IdentifyArgs::augment_args(Command::new("identify"));
+    let mut line = settings(&command, &NOT_OF_IDENTIFY, &request.overrides)?;
+    if !request.models.is_empty() {
+        line.push(format!("--model={}", request.models.join(",")));
+    }
+    line.extend(request.validation_bags.iter().map(|bag| format!("--validate={bag}")));
+    let folder = folder(&request.output_folder).unwrap_or_else(|| beside(Path::new(&request.bag_path)));
+    line.push(format!("--out={}", folder.display()));
+    line.extend(["--quiet".to_owned(), "--".to_owned(), request.bag_path.clone()]);
+    parse(&line)
+}
+
+/// The folder beside a bag where its identification goes.
+fn beside(bag: &Path) -> PathBuf {
+    let bag = fs::canonicalize(bag).unwrap_or_else(|_| bag.to_owned());
+    let stem = bag.file_stem().map_or_else(|| "bag".into(), |stem| stem.to_string_lossy());
+    bag.with_file_name(format!("identification-{stem}"))
+}
+
+/// The options of `frictionlab run` as the command line knows them.
+pub(super) fn run_command() -> Command {
+    RunArgs::augment_args(Command::new("run"))
+}
+
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true, disable_help_flag = true)]
+struct Line<A: Args> {
+    #[command(flatten)]
+    args: A,
+}
+
+/// Reads a command line.
+pub(super) fn parse<A: Args>(line: &[String]) -> Result<A, Refusal> {
+    let mut command = Line::<A>::command();
+    command
+        .try_get_matches_from_mut(line)
+        .and_then(|found| Line::<A>::from_arg_matches(&found))
+        .map_or_else(|error| Err(Refusal::BadRequest(sentence(&error))), |Line { args }| Ok(args))
+}
+
+/// The settings as command line.
+fn settings(command: &Command, reserved: &[&str], given: &[Setting]) -> Result<Vec<String>, Refusal> {
+    let named = |arg: &&Arg, name: &str| arg.get_long() == Some(name) && !reserved.contains(&name);
+    let mut line = Vec::with_capacity(given.len());
+    for Setting { name, value } in given {
+        let name = name.trim().trim_start_matches('-').replace('_', "-");
+        let Some(arg) = command.get_arguments().find(|arg| named(arg, &name)) else {
+            let known: Vec<&str> = command
+                .get_arguments()
+                .filter_map(Arg::get_long)
+                .filter(|long| !reserved.contains(long))
+                .collect();
+            return Err(Refusal::BadRequest(format!(
+                "there is no option `{name}`; expected one of {}",
+                known.join(", ")
+            )));
+        };
+        match (arg.get_action().takes_values(), value.trim()) {
+            (true, value) => line.push(format!("--{name}={value}")),
+            // As Python writes them.
+            (false, "True") => line.push(format!("--{name}")),
+            (false, "False") => {}
+            (false, "" | "true") => line.push(format!("--{name}")),
+            (false, "false") => {}
+            (false, other) => {
+                return Err(Refusal::BadRequest(format!(
+                    "the option `{name}` is a switch: true or false was expected, but `{other}` came"
+                )));
+            }
+        }
+    }
+    Ok(line)
+}
+
+/// What clap says, without what only a terminal is interested in.
+fn sentence(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
+    let text = text.get(..end.unwrap_or(text.len())).unwrap_or(&text);
+    let words: Vec<&str> = text.trim_start_matches("error:").split_whitespace().collect();
+    words.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use friction_model::ModelName;
+
+    use super::*;
+
+    fn setting(name: &str, value: &str) -> Setting {
+        Setting { name: name.into(), value: value.into() }
+    }
+
+    fn request(experiment: &str, overrides: &[(&str, &str)]) -> ExperimentRequest {
+        ExperimentRequest {
+            experiment: experiment.into(),
+            overrides: overrides.iter().map(|(name, value)| setting(name, value)).collect(),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_request_is_what_the_command_line_would_be() {
+        let asked = ExperimentRequest {
+            models: vec!["lugre".into(), "dahl".into()],
+            repetitions: 3,
+            ..request("position-tracking", &[("seed", "7"), ("quick", ""), ("voltage_limit", "4.5")])
+        };
+        let options = asked.options().unwrap();
+        assert_eq!(options.experiment, Experiment::PositionTracking);
+        assert_eq!(options.models, [ModelName::LuGre, ModelName::Dahl]);
+        assert_eq!((options.seed, options.position_tracking.repetitions), (7, 3));
+        assert_eq!(options.test_bed.simulation.voltage_limit, 4.5);
+        assert_eq!(options.constant_velocity.duration, 6.0, "--quick");
+        let slow = request("all", &[("quick", "false")]).options().unwrap();
+        assert_eq!(slow.constant_velocity.duration, 15.0);
+    }
+
+    #[test]
+    fn every_mistake_is_named_with_what_was_expected() {
+        for (asked, said) in [
+            (request("positon-tracking", &[]), ["positon-tracking", "velocity-tracking"]),
+            (request("", &[]), ["no experiment ``", "characterise"]),
+            (request("--help", &[]), ["--help", "all"]),
+            (request("all", &[("sed", "7")]), ["`sed`", "seed"]),
+            (request("all", &[("out", "/tmp")]), ["`out`", "seed"]),
+            (request("all", &[("seed", "seven")]), ["seven", "--seed"]),
+            (request("all", &[("quick", "perhaps")]), ["switch", "perhaps"]),
+            (request("all", &[("plant", "lugri")]), ["lugri", "lugre"]),
+            (request("sequence", &[]), ["protocol", "sequence"]),
+            (request("all", &[("protocol", "/nowhere.yaml")]), ["/nowhere.yaml", "cannot be driven"]),
+            (ExperimentRequest { repetitions: 100_000, ..request("all", &[]) }, ["100000", "1000"]),
+            (
+                ExperimentRequest { models: vec!["newton".into()], ..request("all", &[]) },
+                ["newton", "coulomb"],
+            ),
+        ] {
+            let Err(Refusal::BadRequest(message)) = asked.options() else { panic!("{asked:?} was taken") };
+            for said in said {
+                assert!(message.contains(said), "{asked:?}: {message}");
+            }
+            assert!(!message.contains("Usage") && !message.contains('\n'), "{message}");
+        }
+    }
+
+    #[test]
+    fn an_identification_needs_its_bag_and_known_options() {
+        let folder = tempfile::tempdir().unwrap();
+        let bag_path = folder.path().display().to_string();
+        let asked = IdentifyRequest {
+            bag_path,
+            models: vec!["lugre".into()],
+            overrides: vec![setting("no-joint", "true"), setting("damping-ratio", "0.5")],
+            ..Default::default()
+        };
+        identify_args(&asked).unwrap();
+        let refused = |asked: IdentifyRequest| identify_args(&asked).unwrap_err().to_string();
+        let nowhere = IdentifyRequest { bag_path: "/nowhere/bag".into(), ..asked.clone() };
+        assert!(refused(nowhere).contains("/nowhere/bag"));
+        let wrong = IdentifyRequest { overrides: vec![setting("dampingratio", "1")], ..asked };
+        assert!(refused(wrong).contains("damping-ratio"));
+    }
+}

@@ -1,0 +1,13 @@
+//! The observer as a ROS 2 node.
+//!
+//! - [`ObserverNode`]: what it estimates, published; for programs that have a loop of their own;
+//! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each joint state ([`step`]).
+
+mod observing;
+mod parameters;
+mod publishers;
+mod step;
+
+pub use observing::run;
+pub use parameters::declarations;
+pub use publishers::ObserverNode;

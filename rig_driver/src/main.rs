@@ -1,0 +1,16 @@
+//! `rig_driver`: the rig as a ROS 2 node.
+
+use std::process::ExitCode;
+
+const ABOUT: &str = "\
+The rig as a managed ROS 2 node: measures and drives one axis at its control period.
+
+Publishes /joint_states and /rig_measurement, follows /motor_voltage while it is active, and stops the motor by itself when
+commands come late, readings contradict each other or limits are passed. The simulated rig activates itself; a real one waits
+for `ros2 lifecycle set /rig_driver configure` and `activate` (parameter autostart).
+  rig_driver --ros-args -p rig:=simulated
+  rig_driver --ros-args -p rig:=serial:/dev/ttyACM0 --params-file calibration.yaml";
+
+fn main() -> ExitCode {
+    ros_node::run("rig_driver", env!("CARGO_PKG_VERSION"), ABOUT, rig_driver::node::run)
+}

@@ -1,0 +1,16 @@
+//! The rig as a ROS 2 node.
+//!
+//! - [`RigNode`]: what it measures, published; for programs that have a loop of their own;
+//! - [`run`]: the executable `rig_driver`, a managed node: a control thread ([`control`]) at the rig's period, commands over `/motor_voltage`
+//!   with an age limit, the safety layer's states behind those of the managed node ([`driver`]).
+
+mod control;
+mod driver;
+mod parameters;
+mod publishers;
+mod torque_source;
+
+pub use driver::run;
+pub use parameters::declarations;
+pub use publishers::RigNode;
+pub use torque_source::TorqueSource;

@@ -1,0 +1,68 @@
+//! What every executable does first and last: read its arguments, join, and say why it ends.
+
+use std::{fmt::Display, io::Write, process::ExitCode};
+
+use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop};
+
+/// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
+const BAD_INPUT: u8 = 2;
+
+/// Runs a node's program: `about` is what `--help` says of it, `body` runs until the wish to end.
+///
+/// Ends with code 0, with 1 if `body` fails, and with 2 if the command line, a parameter or the environment is wrong.
+pub fn run(
+    name: &str,
+    version: &str,
+    about: &str,
+    body: impl FnOnce(&Participant, &Stop) -> Result<(), RosNodeError>,
+) -> ExitCode {
+    let fail = |text: &dyn Display, code: u8| {
+        // Nobody is left to be told if the terminal is gone.
+        let _ = writeln!(std::io::stderr(), "{name}: {text}");
+        ExitCode::from(code)
+    };
+    let arguments = match Arguments::from_process() {
+        Ok(arguments) => arguments,
+        Err(error) => return fail(&error, BAD_INPUT),
+    };
+    match arguments.user.first().map(String::as_str) {
+        None => {}
+        Some("--help" | "-h") => {
+            let _ = write!(
+                std::io::stdout(),
+                "{about}\n\nUsage: {name} [--ros-args ROS ARGUMENTS]\n\n{ROS_ARGUMENTS_HELP}"
+            );
+            return ExitCode::SUCCESS;
+        }
+        Some("--version" | "-V") => {
+            let _ = writeln!(std::io::stdout(), "{name} {version}");
+            return ExitCode::SUCCESS;
+        }
+        Some(other) => {
+            let text = format!(
+                "the argument `{other}` is unknown; parameters are given as --ros-args -p NAME:=VALUE, and --help shows the rest"
+            );
+            return fail(&text, BAD_INPUT);
+        }
+    }
+    let discovery = match Discovery::from_environment() {
+        Ok(discovery) => discovery,
+        Err(error) => return fail(&error, BAD_INPUT),
+    };
+    for warning in Discovery::warnings() {
+        let _ = writeln!(std::io::stderr(), "{name}: {warning}");
+    }
+    let stop = match Stop::on_signals() {
+        Ok(stop) => stop,
+        Err(error) => return fail(&error, 1),
+    };
+    let participant = match Participant::join_with(&discovery, arguments) {
+        Ok(participant) => participant,
+        Err(error) => return fail(&error, 1),
+    };
+    match body(&participant, &stop) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is_bad_input() => fail(&error, BAD_INPUT),
+        Err(error) => fail(&error, 1),
+    }
+}

@@ -1,0 +1,247 @@
+//! A managed node while it runs.
+
+use std::sync::{
+    Arc, Mutex, PoisonError,
+    atomic::{AtomicU8, Ordering},
+};
+
+use msgs::{
+    lifecycle_msgs::{
+        ChangeState, ChangeStateResponse, GetAvailableStates, GetAvailableStatesResponse,
+        GetAvailableTransitions, GetAvailableTransitionsResponse, GetState, GetStateResponse,
+        TransitionEvent,
+    },
+    topics::Qos,
+};
+
+use super::table::{Phase, TRANSITIONS, Transition, find};
+use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError};
+
+/// Why a transition did not happen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CallbackError {
+    /// It could not be done; the node is where it was before.
+    Failure(String),
+    /// Something broke; the node has to be configured anew.
+    Error(String),
+}
+
+impl From<String> for CallbackError {
+    fn from(reason: String) -> Self {
+        Self::Failure(reason)
+    }
+}
+
+/// What a node does on its way between states. What is left out does nothing and succeeds.
+pub trait Managed: Send {
+    /// Sets up.
+    ///
+    /// # Errors
+    /// The reason.
+    fn configure(&mut self) -> Result<(), CallbackError> {
+        Ok(())
+    }
+
+    /// Begins its work.
+    ///
+    /// # Errors
+    /// The reason.
+    fn activate(&mut self) -> Result<(), CallbackError> {
+        Ok(())
+    }
+
+    /// Ends its work.
+    ///
+    /// # Errors
+    /// The reason.
+    fn deactivate(&mut self) -> Result<(), CallbackError> {
+        Ok(())
+    }
+
+    /// Forgets what it was set up with.
+    ///
+    /// # Errors
+    /// The reason.
+    fn clean_up(&mut self) -> Result<(), CallbackError> {
+        Ok(())
+    }
+
+    /// Ends, from whatever state.
+    ///
+    /// # Errors
+    /// The reason.
+    fn shut_down(&mut self) -> Result<(), CallbackError> {
+        Ok(())
+    }
+
+    /// Mends what went wrong, so that it can be configured anew.
+    ///
+    /// # Errors
+    /// The reason, after which it is finalized.
+    fn recover(&mut self) -> Result<(), CallbackError> {
+        self.shut_down()
+    }
+}
+
+/// What a program asks its own node for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Requested {
+    /// Set up.
+    Configure,
+    /// Begin to work.
+    Activate,
+    /// End its work.
+    Deactivate,
+    /// Forget what it was set up with.
+    CleanUp,
+    /// End for good.
+    ShutDown,
+}
+
+impl Requested {
+    const fn label(self) -> &'static str {
+        match self {
+            Self::Configure => "configure",
+            Self::Activate => "activate",
+            Self::Deactivate => "deactivate",
+            Self::CleanUp => "cleanup",
+            Self::ShutDown => "shutdown",
+        }
+    }
+}
+
+/// The states of a running node. Clones are the same node's.
+#[derive(Clone)]
+pub struct Lifecycle(Arc<Inner>);
+
+struct Inner {
+    phase: AtomicU8,
+    managed: Mutex<Box<dyn Managed>>,
+    events: Publisher<TransitionEvent>,
+    logger: Logger,
+    clock: NodeClock,
+}
+
+impl Lifecycle {
+    /// Makes `node` a managed one, in state unconfigured, and offers its five services and its event.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn start(node: &RosNode, managed: Box<dyn Managed>) -> Result<Self, RosNodeError> {
+        let this = Self(Arc::new(Inner {
+            phase: AtomicU8::new(Phase::Unconfigured as u8),
+            managed: Mutex::new(managed),
+            events: node.publisher_on("~/transition_event", Qos::DEFAULT)?,
+            logger: node.logger().clone(),
+            clock: node.clock().clone(),
+        }));
+        let lifecycle = this.clone();
+        node.serve::<ChangeState>("~/change_state", move |asked| ChangeStateResponse {
+            success: lifecycle.change(asked.transition.id, &asked.transition.label).is_ok(),
+        })?;
+        let lifecycle = this.clone();
+        node.serve::<GetState>("~/get_state", move |_| GetStateResponse {
+            current_state: lifecycle.phase().message(),
+        })?;
+        node.serve::<GetAvailableStates>("~/get_available_states", |_| GetAvailableStatesResponse {
+            available_states: Phase::ALL.iter().map(|phase| phase.message()).collect(),
+        })?;
+        let lifecycle = this.clone();
+        node.serve::<GetAvailableTransitions>("~/get_available_transitions", move |_| {
+            let phase = lifecycle.phase();
+            GetAvailableTransitionsResponse { available_transitions: described(|row| row.start == phase) }
+        })?;
+        node.serve::<GetAvailableTransitions>("~/get_transition_graph", |_| {
+            GetAvailableTransitionsResponse { available_transitions: described(|_| true) }
+        })?;
+        Ok(this)
+    }
+
+    /// The state now.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        let id = self.0.phase.load(Ordering::Acquire);
+        Phase::ALL.into_iter().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
+    }
+
+    /// Asks for a transition.
+    ///
+    /// # Errors
+    /// The reason it did not happen, which the log has too.
+    pub fn request(&self, requested: Requested) -> Result<Phase, String> {
+        self.change(0, requested.label())
+    }
+
+    /// Asks for a transition by number or label, as `change_state` does. Waits for one that is under way.
+    fn change(&self, id: u8, label: &str) -> Result<Phase, String> {
+        let mut managed = self.0.managed.lock().unwrap_or_else(PoisonError::into_inner);
+        let from = self.phase();
+        let Some(first) = find(from, id, label) else {
+            let possible: Vec<&str> =
+                TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
+            let asked = if label.is_empty() { id.to_string() } else { label.to_owned() };
+            let possible = if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
+            let reason =
+                format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
+            self.0.logger.error(&reason);
+            return Err(reason);
+        };
+        let outcome = self.walk(managed.as_mut(), first);
+        match &outcome {
+            Ok(phase) => {
+                self.0.logger.info(&format!("{}: {} to {}", first.label, from.label(), phase.label()))
+            }
+            Err(reason) => self.0.logger.error(&format!("{} did not succeed: {reason}", first.label)),
+        }
+        outcome
+    }
+
+    /// Takes the transition, does what belongs to it, and takes the one that its outcome leads to, up to a primary state.
+    fn walk(&self, managed: &mut dyn Managed, first: &'static Transition) -> Result<Phase, String> {
+        let mut step = first;
+        let mut reason = None;
+        loop {
+            self.enter(step);
+            let outcome = match step.goal {
+                Phase::Configuring => managed.configure(),
+                Phase::Activating => managed.activate(),
+                Phase::Deactivating => managed.deactivate(),
+                Phase::CleaningUp => managed.clean_up(),
+                Phase::ShuttingDown => managed.shut_down(),
+                Phase::ErrorProcessing => managed.recover(),
+                primary => return reason.map_or(Ok(primary), Err),
+            };
+            let label = match outcome {
+                Ok(()) => "transition_success",
+                Err(CallbackError::Failure(why)) => {
+                    reason.get_or_insert(why);
+                    "transition_failure"
+                }
+                Err(CallbackError::Error(why)) => {
+                    reason.get_or_insert(why);
+                    "transition_error"
+                }
+            };
+            match find(step.goal, 0, label) {
+                Some(next) => step = next,
+                // The table has one for each; a test says so.
+                None => return Err(format!("there is no {label} from {}", step.goal.label())),
+            }
+        }
+    }
+
+    fn enter(&self, step: &Transition) {
+        self.0.phase.store(step.goal as u8, Ordering::Release);
+        // Nobody is harmed if an event is not heard.
+        let _ = self.0.events.publish(TransitionEvent {
+            timestamp: self.0.clock.now_ns(),
+            transition: step.message(),
+            start_state: step.start.message(),
+            goal_state: step.goal.message(),
+        });
+    }
+}
+
+fn described(wanted: impl Fn(&Transition) -> bool) -> Vec<msgs::lifecycle_msgs::TransitionDescription> {
+    TRANSITIONS.iter().filter(|row| wanted(row)).map(Transition::description).collect()
+}

@@ -1,0 +1,10 @@
+//! Managed nodes: states, transitions and the services that tell and change them
+//! (<https://design.ros2.org/articles/node_lifecycle.html>).
+//!
+//! States and transitions are one table ([`TRANSITIONS`]), that of `rcl_lifecycle`. A node says in [`Managed`] what it does on the way.
+
+mod machine;
+mod table;
+
+pub use machine::{CallbackError, Lifecycle, Managed, Requested};
+pub use table::{Phase, TRANSITIONS, Transition, find};

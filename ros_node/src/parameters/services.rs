@@ -1,0 +1,217 @@
+//! The six services of parameters, and `/parameter_events`.
+
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
+
+use msgs::topics::Qos;
+use ros2_client::{
+    Message,
+    parameters::raw,
+    rcl_interfaces::{
+        DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
+        GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
+        ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse, SetParametersRequest,
+        SetParametersResponse,
+    },
+};
+use serde::{Deserialize, Serialize};
+
+use super::{Change, Declaration, ParameterStore, Values};
+use crate::{NodeClock, ParameterValue, Publisher, RosNode, RosNodeError};
+
+/// The parameter that every node has.
+const USE_SIM_TIME: &str = "use_sim_time";
+
+/// The event as it travels.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(transparent)]
+struct Event(raw::ParameterEvent);
+
+impl Message for Event {}
+
+/// The running parameters of a node. Clones are the same parameters.
+#[derive(Clone)]
+pub struct Parameters(Arc<Inner>);
+
+struct Inner {
+    store: Mutex<ParameterStore>,
+    events: Publisher<Event>,
+    node: String,
+    clock: NodeClock,
+}
+
+impl Parameters {
+    /// Declares the parameters of `node`, and `use_sim_time`; takes what the command line gives for them; offers the services and tells `/parameter_events`.
+    ///
+    /// `judge` sees all values, and which of them change, before they count; what it returns as an error is the reason that people read. It is called once before this
+    /// function returns.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Parameter`] or [`RosNodeError::Parameters`] if what the command line gives cannot be; [`RosNodeError::Create`].
+    pub fn declare(
+        node: &RosNode,
+        mut declared: Vec<Declaration>,
+        mut judge: impl FnMut(&Values, &BTreeSet<String>) -> Result<(), String> + Send + 'static,
+    ) -> Result<Self, RosNodeError> {
+        if !declared.iter().any(|parameter| parameter.name() == USE_SIM_TIME) {
+            declared.push(Declaration::boolean(USE_SIM_TIME, false, "Take the time from /clock"));
+        }
+        let name = node.identity().qualified();
+        let given = node.arguments().overrides(&name);
+        let clock = node.clock().clone();
+        let for_judge = clock.clone();
+        let store = ParameterStore::new(
+            declared,
+            &given,
+            Box::new(move |values, changed| {
+                judge(values, changed)?;
+                for_judge.simulate(values.boolean(USE_SIM_TIME));
+                Ok(())
+            }),
+        )
+        .map_err(|(parameter, reason)| match given.get(&parameter) {
+            None => RosNodeError::Parameters { node: name.clone(), reason },
+            Some(value) => RosNodeError::Parameter {
+                node: name.clone(),
+                value: format!("{value:?}"),
+                name: parameter,
+                reason,
+            },
+        })?;
+        for unknown in store.undeclared(&given) {
+            node.logger()
+                .warn(&format!("the parameter {unknown} was given, but {name} has none of that name"));
+        }
+        let shown = clock.clone();
+        node.subscribe_on("/clock", Qos::DEFAULT, move |message: msgs::rosgraph_msgs::Clock| {
+            shown.show(message.clock.to_nanos());
+        })?;
+        let events = node.raw_publisher(
+            "/parameter_events",
+            "rcl_interfaces",
+            "ParameterEvent",
+            Qos { depth: 1000, ..Qos::DEFAULT },
+        )?;
+        let parameters = Self(Arc::new(Inner { store: Mutex::new(store), events, node: name, clock }));
+        parameters.serve(node)?;
+        parameters.tell_all();
+        Ok(parameters)
+    }
+
+    /// The value of a parameter, if there is one of that name.
+    #[must_use]
+    pub fn get(&self, name: &str) -> Option<ParameterValue> {
+        self.0.store().values().get(name).cloned()
+    }
+
+    /// All values now.
+    #[must_use]
+    pub fn values(&self) -> Values {
+        self.0.store().values().clone()
+    }
+
+    /// Sets all of `changes` or none, and tells it.
+    ///
+    /// # Errors
+    /// The reason, for people.
+    pub fn set(&self, changes: &[Change]) -> Result<(), String> {
+        self.0.store().set(changes)?;
+        self.tell(changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect(), Vec::new());
+        Ok(())
+    }
+
+    fn tell_all(&self) {
+        let all = self.values();
+        let new = all.0.iter().map(|(name, value)| raw_parameter(name, value.clone())).collect();
+        self.tell(Vec::new(), new);
+    }
+
+    fn tell(&self, changed_parameters: Vec<raw::Parameter>, new_parameters: Vec<raw::Parameter>) {
+        let stamp = i64::try_from(self.0.clock.now_ns()).unwrap_or(i64::MAX);
+        // Nobody is harmed if an event is not heard.
+        let _ = self.0.events.publish(Event(raw::ParameterEvent {
+            stamp: ros2_client::builtin_interfaces::Time::from_nanos(stamp),
+            node: self.0.node.clone(),
+            new_parameters,
+            changed_parameters,
+            deleted_parameters: Vec::new(),
+        }));
+    }
+
+    fn serve(&self, node: &RosNode) -> Result<(), RosNodeError> {
+        let package = "rcl_interfaces";
+        let this = self.clone();
+        node.raw_serve(
+            "~/list_parameters",
+            package,
+            "ListParameters",
+            move |asked: ListParametersRequest| {
+                let (names, prefixes) = this.0.store().list(&asked.prefixes, asked.depth);
+                ListParametersResponse { result: ListParametersResult { names, prefixes } }
+            },
+        )?;
+        let this = self.clone();
+        node.raw_serve("~/get_parameters", package, "GetParameters", move |asked: GetParametersRequest| {
+            let store = this.0.store();
+            GetParametersResponse { values: asked.names.iter().map(|name| store.raw(name)).collect() }
+        })?;
+        let this = self.clone();
+        node.raw_serve(
+            "~/get_parameter_types",
+            package,
+            "GetParameterTypes",
+            move |asked: GetParameterTypesRequest| {
+                let store = this.0.store();
+                GetParameterTypesResponse {
+                    values: asked.names.iter().map(|name| store.kind(name)).collect(),
+                }
+            },
+        )?;
+        let this = self.clone();
+        node.raw_serve(
+            "~/describe_parameters",
+            package,
+            "DescribeParameters",
+            move |asked: DescribeParametersRequest| {
+                let store = this.0.store();
+                DescribeParametersResponse {
+                    values: asked.names.iter().map(|name| store.describe(name)).collect(),
+                }
+            },
+        )?;
+        let this = self.clone();
+        node.raw_serve("~/set_parameters", package, "SetParameters", move |asked: SetParametersRequest| {
+            let results = changes(asked).into_iter().map(|change| this.set(&[change]).into()).collect();
+            SetParametersResponse { results }
+        })?;
+        let this = self.clone();
+        node.raw_serve(
+            "~/set_parameters_atomically",
+            package,
+            "SetParametersAtomically",
+            move |asked: SetParametersRequest| SetParametersAtomicallyResponse {
+                result: this.set(&changes(asked)).into(),
+            },
+        )
+    }
+}
+
+impl Inner {
+    fn store(&self) -> MutexGuard<'_, ParameterStore> {
+        self.store.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn raw_parameter(name: &str, value: ParameterValue) -> raw::Parameter {
+    raw::Parameter { name: name.to_owned(), value: value.into() }
+}
+
+fn changes(asked: SetParametersRequest) -> Vec<Change> {
+    asked
+        .parameter
+        .into_iter()
+        .map(|parameter| Change { name: parameter.name, value: parameter.value.into() })
+        .collect()
+}

@@ -1,0 +1,92 @@
+//! Programs that speak DDS, in a network namespace of their own with loopback only.
+
+use std::io::Write;
+use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+use serde_json::Value;
+
+use crate::python;
+
+/// Brings loopback up with multicast, then becomes the command.
+const LOOPBACK_ONLY: &str =
+    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+
+/// A command in a network namespace of its own, so that nothing leaves this machine and nothing else is heard; `None`
+/// where the system grants none.
+pub fn namespaced() -> Option<Command> {
+    for flags in [&["-n"][..], &["-r", "-n"]] {
+        let mut command = Command::new("unshare");
+        command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]);
+        let probe = Command::new("unshare")
+            .args(flags)
+            .args(["bash", "-c", LOOPBACK_ONLY, "--", "true"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+        if probe.is_ok_and(|status| status.success()) {
+            return Some(command);
+        }
+    }
+    crate::skip("no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces");
+    None
+}
+
+/// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the JSON it prints; `None` where either cannot
+/// be had. The nodes' programs are given to it as the folder in which they lie.
+///
+/// # Panics
+/// When the script fails or prints something else; the message carries what it said.
+pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
+    // Six nodes at 1 kHz are enough for one machine: one session after the other.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let python = python::interpreter("rclpy")?;
+    let mut command = namespaced()?;
+    let folder = crate::node_programs();
+    let logs = tempfile::tempdir().expect("a folder");
+    let output = command
+        .arg(&python)
+        .arg(python::script(script))
+        .arg(&folder)
+        .args(arguments)
+        .env("ROS_DOMAIN_ID", "74")
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_LOG_DIR", logs.path())
+        .output()
+        .expect("unshare starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{script}: {told}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    Some(
+        serde_json::from_str(&text)
+            .unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")),
+    )
+}
+
+/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints; `None` where it cannot be had.
+///
+/// # Panics
+/// When the script fails or prints something else; the message carries what it said.
+pub fn peer(script: &str, cases: &Value) -> Option<Value> {
+    let python = python::interpreter("rclpy")?;
+    let mut command = namespaced()?;
+    let logs = tempfile::tempdir().expect("a folder");
+    let mut running = command
+        .arg(&python)
+        .arg(python::script(script))
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_LOG_DIR", logs.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("unshare starts");
+    let mut input = running.stdin.take().expect("its input is ours");
+    input.write_all(cases.to_string().as_bytes()).expect("it reads");
+    drop(input);
+    let output = running.wait_with_output().expect("it ends");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{script}: {told}");
+    Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
+}

@@ -1,0 +1,44 @@
+//! The Python package `friction_analysis`, tested by pytest: on a bag of the built program, and with the real rclpy.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use tests::{network, python};
+
+fn package() -> PathBuf {
+    tests::checkout().join("analysis")
+}
+
+#[test]
+fn bags_become_tables_curves_and_figures() {
+    let Some(python) = python::interpreter("bag_tools") else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let run = tests::frictionlab()
+        .args(["run", "velocity-tracking", "--quick", "--repetitions", "1", "--model", "lugre", "--quiet"])
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .expect("frictionlab starts");
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let mut command = Command::new("env");
+    command.env("FRICTION_TEST_BAG", out.join("bag"));
+    python::pytest(command, &python, &package(), &["--ignore=tests/test_ros.py"]);
+}
+
+#[test]
+fn live_plots_and_experiments_work_with_the_real_rclpy() {
+    let Some(python) = python::interpreter("rclpy") else { return };
+    if python::interpreter("bag_tools").is_none() {
+        return;
+    }
+    let Some(mut command) = network::namespaced() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    command
+        .env("FRICTION_ROS_TESTS", "1")
+        .env("FRICTIONLAB_BIN", tests::frictionlab().get_program())
+        .env("ROS_DOMAIN_ID", "75")
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        .env("ROS_LOG_DIR", folder.path());
+    python::pytest(command, &python, &package(), &["tests/test_ros.py"]);
+}
