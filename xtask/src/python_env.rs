@@ -213,8 +213,11 @@ impl Environment {
         .context("cannot configure friction_msgs; a C++ compiler and the headers of Python are needed")?;
         run_quietly(command("cmake").arg("--build").arg(&build)).context("cannot build friction_msgs")?;
         run_quietly(command("cmake").arg("--install").arg(&build)).context("cannot install friction_msgs")?;
-        run_quietly(Command::new(&self.python).args(["-c", "import rclpy, friction_msgs.msg, friction_msgs.srv, friction_msgs.action"]))
-            .context("rclpy with friction_msgs was built, but cannot be imported")
+        run_quietly(
+            Command::new(&self.python)
+                .args(["-c", "import rclpy, friction_msgs.msg, friction_msgs.srv, friction_msgs.action"]),
+        )
+        .context("rclpy with friction_msgs was built, but cannot be imported")
     }
 }
 
