@@ -9,6 +9,7 @@ use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::RigError;
 
+use super::recorder::{Kept, Stream};
 use super::{Pace, RunError, RunOptions};
 use crate::compensation::{Arm, Means};
 use crate::control_loop::{ControlLoop, RunningLoop};
@@ -40,6 +41,8 @@ pub(super) struct Bench<'a> {
     axis: Axis,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Arc<AtomicBool>,
+    /// Where cycles go at once.
+    stream: Option<Stream>,
     /// Why the rig ended the run.
     ended: Mutex<Option<String>>,
 }
@@ -128,7 +131,22 @@ impl<'a> Bench<'a> {
         progress: &'a Progress,
         cancel: &'a Arc<AtomicBool>,
     ) -> Self {
-        Self { options, axis, progress, cancel, ended: Mutex::default() }
+        Self { options, axis, progress, cancel, stream: None, ended: Mutex::default() }
+    }
+
+    /// Whether runs take as long as they say.
+    pub fn is_real_time(&self) -> bool {
+        !self.is_simulated() || self.options.pace == Pace::RealTime
+    }
+
+    /// Runs in real time are recorded there while they go on.
+    pub fn record_to(&mut self, stream: Option<Stream>) {
+        self.stream = stream;
+    }
+
+    /// What keeps one of `every` so many cycles of a run.
+    pub fn kept(&self, every: Option<u64>) -> Kept {
+        Kept::one_of(every, self.stream.clone())
     }
 
     /// Whether every run has a rig for itself, in a time of its own.

@@ -6,7 +6,7 @@ use friction_ident::FrictionTorque;
 
 use super::bench::Bench;
 use super::options::stream_seed;
-use super::recorder::{Kept, Recorder, Timeline};
+use super::recorder::{Recorder, Timeline};
 use super::{RecordPolicy, RunError};
 use crate::characterise::Channels;
 use crate::characterise::channels::block_means;
@@ -187,7 +187,7 @@ impl Bench<'_> {
             let mut control =
                 self.excited_loop(job.excitation.clone(), job.feed_forward, (*seed, *start_ns))?;
             let start_ns = control.start_ns();
-            let mut kept = Kept::one_of(every(job));
+            let mut kept = self.kept(every(job));
             let mut channels = Channels::new(period);
             for _ in 0..=(job.excitation.profile.duration() / period).round() as u64 {
                 let sample = control.step()?;

@@ -13,7 +13,7 @@ use friction_model::ModelName;
 use super::bench::{self, Bench};
 use super::characterisation::Progressed;
 use super::options::stream_seed;
-use super::recorder::{Kept, Recorder, Timeline};
+use super::recorder::{Recorder, Timeline};
 use super::results::{
     BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
 };
@@ -62,9 +62,10 @@ pub fn execute(
     check(options, folder)?;
     let (rig, options) = bench::open(options, progress, cancel)?;
     let options = &options;
-    let bench = Bench::new(options, rig, progress, cancel);
+    let mut bench = Bench::new(options, rig, progress, cancel);
     Bench::check(options)?;
-    let mut recorder = Recorder::create(&folder.join(BAG), options)?;
+    let mut recorder = Recorder::create(&folder.join(BAG), options, bench.is_real_time())?;
+    bench.record_to(recorder.stream());
     let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
     let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
@@ -140,6 +141,10 @@ pub fn execute(
 
     // The rig is let go before the report is written.
     let ended = bench.end().or(unfit);
+    let unrecorded = recorder.drain()?;
+    if unrecorded > 0 {
+        progress.line(&format!("{unrecorded} cycles are not in the bag: the disk did not keep up"));
+    }
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let parameters = parameter_file::render(options, &models, chosen)?;
@@ -271,7 +276,7 @@ impl Bench<'_> {
             let task = (SteadyJob::MODE, job.reference());
             let control = self.control_loop(bed, task, &observer, None, (seed, start_ns))?;
             let start_ns = control.start_ns();
-            let mut kept = Kept::one_of(self.options.record.every_of_steady(&job));
+            let mut kept = self.kept(self.options.record.every_of_steady(&job));
             let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
             Ok::<_, RunError>((start_ns, run, kept))
         };

@@ -2,6 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use msgs::friction_msgs::ExperimentStatus;
 use msgs::std_msgs::Header;
@@ -15,6 +20,11 @@ use crate::rig::RigChoice;
 
 /// Pause between two runs on the bag's time axis [ns]. The shaft is at rest then.
 const PAUSE_NS: u64 = 1_000_000_000;
+
+/// Cycles that wait for the disk while a run goes on in real time: eight seconds at 1 kHz.
+const WAITING: usize = 8192;
+/// Time between two closings of a chunk then: as much as a kill can cost.
+const FLUSH: Duration = Duration::from_millis(500);
 
 /// Hands out the time at which each run starts: one after the other, as on a rig.
 #[derive(Debug, Clone, Copy)]
@@ -36,18 +46,26 @@ impl Timeline {
     }
 }
 
+/// Where the cycles of runs in real time go at once: whatever ends such a run, what it measured is kept.
+#[derive(Debug, Clone)]
+pub(super) struct Stream {
+    cycles: SyncSender<EncodedCycle>,
+    lost: Arc<AtomicU64>,
+}
+
 /// Cycles of one run that go into the bag, encoded on the thread that ran it.
 #[derive(Debug)]
 pub(super) struct Kept {
     every: Option<u64>,
     cycles: Vec<EncodedCycle>,
+    stream: Option<Stream>,
     error: Option<BagError>,
 }
 
 impl Kept {
-    /// Keeps one of `every` so many cycles, or none.
-    pub const fn one_of(every: Option<u64>) -> Self {
-        Self { every, cycles: Vec::new(), error: None }
+    /// Keeps one of `every` so many cycles, or none; in a stream if there is one, else until the run is over.
+    pub const fn one_of(every: Option<u64>, stream: Option<Stream>) -> Self {
+        Self { every, cycles: Vec::new(), stream, error: None }
     }
 
     /// Takes a cycle in, if it is one to be kept.
@@ -57,7 +75,15 @@ impl Kept {
         {
             let mut cycle = EncodedCycle::default();
             match cycle.encode(sample) {
-                Ok(()) => self.cycles.push(cycle),
+                Ok(()) => match &self.stream {
+                    None => self.cycles.push(cycle),
+                    // A run in real time does not wait for the disk.
+                    Some(stream) => {
+                        if stream.cycles.try_send(cycle).is_err() {
+                            stream.lost.fetch_add(1, Ordering::Relaxed);
+                        }
+                    }
+                },
                 Err(error) => self.error = Some(error),
             }
         }
@@ -66,14 +92,43 @@ impl Kept {
 
 /// The bag that is being written.
 pub(super) struct Recorder {
+    writing: Arc<Mutex<Writing>>,
+    bag_path: String,
+    stream: Option<(Stream, JoinHandle<Result<(), BagError>>)>,
+}
+
+struct Writing {
     bag: BagWriter,
     topics: CycleTopics,
-    bag_path: String,
+}
+
+/// The bag; what a thread that panicked left of it is whole.
+fn locked(writing: &Mutex<Writing>) -> MutexGuard<'_, Writing> {
+    writing.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes cycles as they come, until nobody sends any more.
+fn record(writing: &Mutex<Writing>, cycles: &Receiver<EncodedCycle>) -> Result<(), BagError> {
+    let mut next = Instant::now() + FLUSH;
+    loop {
+        match cycles.recv_timeout(FLUSH) {
+            Ok(cycle) => {
+                let Writing { bag, topics } = &mut *locked(writing);
+                topics.write(bag, &cycle)?;
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+        if Instant::now() >= next {
+            next += FLUSH;
+            locked(writing).bag.flush()?;
+        }
+    }
 }
 
 impl Recorder {
-    /// Starts the bag with the seed, the version and the options of the run.
-    pub fn create(dir: &Path, options: &RunOptions) -> Result<Self, RunError> {
+    /// Starts the bag with the seed, the version and the options of the run. In `real_time` cycles are written while they come.
+    pub fn create(dir: &Path, options: &RunOptions, real_time: bool) -> Result<Self, RunError> {
         let mut bag = BagWriter::create(dir, BagOptions::default())?;
         let topics = CycleTopics::open(&mut bag)?;
         let about = BTreeMap::from([
@@ -94,7 +149,27 @@ impl Recorder {
         let text = serde_json::to_string_pretty(options)
             .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
         bag.attach("options.json", "application/json", text.as_bytes())?;
-        Ok(Self { bag, topics, bag_path: dir.display().to_string() })
+        let writing = Arc::new(Mutex::new(Writing { bag, topics }));
+        let stream = if real_time { Some(Self::streaming(&writing, dir)?) } else { None };
+        Ok(Self { writing, bag_path: dir.display().to_string(), stream })
+    }
+
+    fn streaming(
+        writing: &Arc<Mutex<Writing>>,
+        dir: &Path,
+    ) -> Result<(Stream, JoinHandle<Result<(), BagError>>), RunError> {
+        let (cycles, receiver) = mpsc::sync_channel(WAITING);
+        let writing = Arc::clone(writing);
+        let thread = thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || record(&writing, &receiver))
+            .map_err(|source| BagError::Write { path: dir.into(), source })?;
+        Ok((Stream { cycles, lost: Arc::default() }, thread))
+    }
+
+    /// Where cycles of runs in real time go.
+    pub fn stream(&self) -> Option<Stream> {
+        self.stream.as_ref().map(|(stream, _)| stream.clone())
     }
 
     /// Writes the cycles that were kept.
@@ -102,8 +177,9 @@ impl Recorder {
         if let Some(error) = kept.error {
             return Err(error.into());
         }
+        let Writing { bag, topics } = &mut *locked(&self.writing);
         for cycle in &kept.cycles {
-            self.topics.write(&mut self.bag, cycle)?;
+            topics.write(bag, cycle)?;
         }
         Ok(())
     }
@@ -124,21 +200,39 @@ impl Recorder {
             bag_path: self.bag_path.clone(),
             ..Default::default()
         };
-        Ok(self.bag.write(topics::EXPERIMENT_STATUS.name, stamp_ns, &status)?)
+        Ok(locked(&self.writing).bag.write(topics::EXPERIMENT_STATUS.name, stamp_ns, &status)?)
     }
 
     /// Keeps a file with the bag.
     pub fn attach(&mut self, name: &str, media_type: &str, text: &str) -> Result<(), RunError> {
-        Ok(self.bag.attach(name, media_type, text.as_bytes())?)
+        Ok(locked(&self.writing).bag.attach(name, media_type, text.as_bytes())?)
     }
 
     /// Hands everything to the system.
     pub fn flush(&mut self) -> Result<(), RunError> {
-        Ok(self.bag.flush()?)
+        Ok(locked(&self.writing).bag.flush()?)
+    }
+
+    /// Waits until every cycle of a stream is in the bag; how many were left out because the disk did not keep up. Whoever holds the [`stream`](Self::stream) must have
+    /// dropped it.
+    pub fn drain(&mut self) -> Result<u64, RunError> {
+        let Some((stream, thread)) = self.stream.take() else { return Ok(0) };
+        let lost = stream.lost.load(Ordering::Relaxed);
+        drop(stream);
+        match thread.join() {
+            Ok(written) => written?,
+            // It panicked; what was written until then is there.
+            Err(_) => return Ok(lost.max(1)),
+        }
+        Ok(lost)
     }
 
     /// Closes the bag.
-    pub fn finish(self) -> Result<BagSummary, RunError> {
-        Ok(self.bag.finish()?)
+    pub fn finish(mut self) -> Result<BagSummary, RunError> {
+        self.drain()?;
+        let Some(writing) = Arc::into_inner(self.writing) else {
+            return Err(RunError::Describe { what: "a bag", detail: "somebody still writes it".to_owned() });
+        };
+        Ok(writing.into_inner().unwrap_or_else(PoisonError::into_inner).bag.finish()?)
     }
 }

@@ -5,7 +5,7 @@ use friction_model::ModelName;
 
 use super::bench::Bench;
 use super::options::stream_seed;
-use super::recorder::{Kept, Recorder, Timeline};
+use super::recorder::{Recorder, Timeline};
 use super::results::{Comparison, TaskComparison};
 use super::trace::Trace;
 use super::{Compensators, Experiment, RunError, RunOptions};
@@ -110,7 +110,7 @@ impl Bench<'_> {
             let task = (protocol.mode, protocol.reference);
             let control = self.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
             let start_ns = control.start_ns();
-            let mut kept = Kept::one_of(Some(self.options.record.every_of_tracking(&job)));
+            let mut kept = self.kept(Some(self.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();
             let run = job.run(protocol, control, |sample| {
                 kept.add(sample);

@@ -29,9 +29,10 @@ pub fn result(ended: &Ended) -> RunExperimentResult {
     };
     let (outcome, parameters, figures) = match &ended.results {
         Ok(results) => {
-            let outcome = match results.status {
-                Status::Complete => RunExperimentResult::SUCCEEDED,
-                Status::Interrupted => RunExperimentResult::CANCELED,
+            let outcome = match (results.status, &results.ended) {
+                (_, Some(_)) => RunExperimentResult::FAILED,
+                (Status::Complete, None) => RunExperimentResult::SUCCEEDED,
+                (Status::Interrupted, None) => RunExperimentResult::CANCELED,
             };
             (outcome, parameters(results), figures(results))
         }
@@ -58,6 +59,12 @@ pub fn message(ended: &Ended) -> String {
     match &ended.results {
         Ok(results) => {
             let timing = &results.timing;
+            if let Some(reason) = &results.ended {
+                return format!(
+                    "{run_id} ended early: {reason}. What was measured until then is in {}",
+                    folder.display()
+                );
+            }
             match results.status {
                 Status::Complete => format!(
                     "{run_id} is complete: {:.0} s of rig time in {:.1} s; the report is {}",
