@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use experiment_runner::cli::{
     BadInput, Interrupted, bag, design, features, identify, identify_drive, identify_servo,
     identify_stiction, models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
@@ -42,8 +42,19 @@ enum Command {
     Serve(experiment_runner::cli::serve::ServeArgs),
 }
 
+/// Takes `--gain -1` for a gain, wherever it comes: whether it may be negative is said by whoever reads it, in words.
+fn negative_numbers_are_values(command: clap::Command) -> clap::Command {
+    let value = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values();
+        arg.allow_negative_numbers(takes)
+    };
+    command.mut_args(value).mut_subcommands(negative_numbers_are_values)
+}
+
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let given = negative_numbers_are_values(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
+    let result = match cli.command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),
         Command::IdentifyDrive(args) => identify_drive::execute(&args),

@@ -57,6 +57,7 @@ fn what_cannot_be_designed_is_refused_with_a_sentence() {
             "the nearest has overshoot",
         ),
         (&["design", "velocity", "--gains", "1,20", "--gain", "-1"], "gain must be"),
+        (&["design", "position", "--overshoot", "-3", "--rise", ".2", "--settling", "1"], "overshoot"),
         (&["design", "velocity", "--gains", "1,20", "--drive", "nowhere.yaml"], "nowhere.yaml"),
     ] {
         let done = frictionlab(arguments, root.path());

@@ -17,12 +17,12 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
 }
 
-/// Mean square and largest error by the sensors, of each compensation of a run.
+/// Mean square of the error by the sensors and its largest value, of the shaft itself where that is known, of each compensation of a run.
 fn figures(run: &Path) -> Vec<(f64, f64)> {
     let results = std::fs::read_to_string(run.join("run.json")).expect("the run's results");
     let results: Value = serde_json::from_str(&results).expect("JSON");
     let rows = results["position_tracking"]["rows"].as_array().expect("rows").clone();
-    rows.iter().map(|row| (number(&row["mse_measured"]), number(&row["max_error_measured"]))).collect()
+    rows.iter().map(|row| (number(&row["mse_measured"]), number(&row["max_error"]))).collect()
 }
 
 /// The same experiment on one thread, in lock-step.

@@ -41,7 +41,10 @@ impl Test {
             program.into_os_string().into_string().ok().context("the target folder's path must be text")
         };
         let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
+        let nodes = target.join("debug").into_os_string().into_string().ok();
+        let nodes = nodes.context("the target folder's path must be text")?;
         let mut environment = vec![
+            ("FRICTION_NODES", nodes.as_str()),
             ("FRICTIONLAB_BIN", program.as_str()),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
             ("PROPTEST_CASES", cases),
