@@ -11,7 +11,7 @@ use friction_observer::EstimatorOptions;
 use rig_driver::RigError;
 use ros_node::lifecycle::Phase;
 use ros_node::parameters::RemoteParameters;
-use ros_node::{Discovery, ParameterValue, Participant, RosNodeError};
+use ros_node::{Arguments, Discovery, ParameterValue, Participant, RosNodeError};
 
 use super::link::{Event, Led, Link, PATIENCE, STOPPING};
 use super::nodes_loop::{NodesLoop, Task};
@@ -57,16 +57,23 @@ pub struct Wanted<'a> {
 }
 
 impl NodesBench {
-    /// Finds the nodes on the network that the environment names, and brings the motor to zero volts. Once `stop` is set every run ends with [`RigError::Stopped`].
+    /// Finds the nodes of an axis by its `namespace` (else `ROS_NAMESPACE`, else the root) on the network that the environment names, and brings the motor to zero volts. Once
+    /// `stop` is set every run ends with [`RigError::Stopped`].
     ///
     /// # Errors
     /// [`RigSetupError`] names the node that is missing or does not fit, and how to mend it.
-    pub fn open(stop: Arc<AtomicBool>) -> Result<Self, RigSetupError> {
+    pub fn open(namespace: Option<String>, stop: Arc<AtomicBool>) -> Result<Self, RigSetupError> {
         let discovery = Discovery::from_environment().map_err(said)?;
-        let link = Link::new(Participant::join(&discovery).map_err(said)?).map_err(said)?;
+        let given = || std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
+        let namespace = namespace.or_else(given);
+        let axis = namespace.as_deref().unwrap_or("").trim_matches('/');
+        let axis = if axis.is_empty() { String::new() } else { format!("/{axis}") };
+        let arguments = Arguments { namespace, ..Arguments::default() };
+        let participant = Participant::join_with(&discovery, arguments).map_err(said)?;
+        let link = Link::new(participant).map_err(said)?;
         let missing = |name: &str, error: RosNodeError| {
             RigSetupError::Nodes(format!(
-                "the node /{name} was not found on domain {}: {error}; `frictionlab launch` or `frictionlab live` start it",
+                "the node {axis}/{name} was not found on domain {}: {error}; `frictionlab launch` or `frictionlab live` start it",
                 discovery.domain
             ))
         };

@@ -1,4 +1,4 @@
-//! Which rig: `simulated`, `quanser[:CARD]`, `serial:PORT[@BAUD]` or `nodes`.
+//! Which rig: `simulated`, `quanser[:CARD]`, `serial:PORT[@BAUD]` or `nodes[:NAMESPACE]`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -34,7 +34,10 @@ pub enum RigChoice {
         baud: u32,
     },
     /// Whatever rig the running ROS 2 nodes drive, with their observer and controller.
-    Nodes,
+    Nodes {
+        /// Namespace of the axis, as in `/axis_1`; none for that of whoever asks.
+        namespace: Option<String>,
+    },
 }
 
 impl FromStr for RigChoice {
@@ -44,7 +47,13 @@ impl FromStr for RigChoice {
         let (kind, which) = text.split_once(':').map_or((text, None), |(kind, which)| (kind, Some(which)));
         match (kind, which) {
             ("simulated", None) => Ok(Self::Simulated),
-            ("nodes", None) => Ok(Self::Nodes),
+            ("nodes", None) => Ok(Self::Nodes { namespace: None }),
+            ("nodes", Some(axis)) if !axis.trim_matches('/').is_empty() => {
+                Ok(Self::Nodes { namespace: Some(format!("/{}", axis.trim_matches('/'))) })
+            }
+            ("nodes", Some(_)) => {
+                Err("`nodes:` wants the namespace of an axis, as in nodes:/axis_1".to_owned())
+            }
             ("quanser", None) => Ok(Self::Quanser { card: "0".to_owned() }),
             ("quanser", Some(card)) if !card.is_empty() => Ok(Self::Quanser { card: card.to_owned() }),
             ("serial", Some(port)) if !port.is_empty() && !port.starts_with('@') => {
@@ -71,7 +80,8 @@ impl fmt::Display for RigChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Simulated => f.write_str("simulated"),
-            Self::Nodes => f.write_str("nodes"),
+            Self::Nodes { namespace: None } => f.write_str("nodes"),
+            Self::Nodes { namespace: Some(axis) } => write!(f, "nodes:{axis}"),
             Self::Quanser { card } => write!(f, "quanser:{card}"),
             Self::Serial { port, baud } if *baud == SerialOptions::default().baud => {
                 write!(f, "serial:{}", port.display())
@@ -132,7 +142,7 @@ impl RigChoice {
                     about: None,
                 }
             }
-            Self::Nodes => return Err(RigSetupError::NotDriven("the rig of the running nodes is driven by `frictionlab run --rig nodes`; here a rig of one's own is needed, as in --rig serial:/dev/ttyACM0".to_owned())),
+            Self::Nodes { .. } => return Err(RigSetupError::NotDriven("the rig of the running nodes is driven by `frictionlab run --rig nodes`; here a rig of one's own is needed, as in --rig serial:/dev/ttyACM0".to_owned())),
             Self::Quanser { card } => {
                 let options = QuanserOptions { card: card.clone(), ..QuanserOptions::default() };
                 let mut limits = SafetyLimits { voltage: options.voltage_limit, ..SafetyLimits::default() };
@@ -191,6 +201,7 @@ mod tests {
         for text in [
             "simulated",
             "nodes",
+            "nodes:/axis_1",
             "quanser:0",
             "quanser:1@tcpip://rig:18920",
             "serial:/dev/ttyACM0",
@@ -199,6 +210,8 @@ mod tests {
             assert_eq!(text.parse::<RigChoice>().unwrap().to_string(), text);
         }
         assert_eq!("quanser".parse::<RigChoice>().unwrap().to_string(), "quanser:0");
+        assert_eq!("nodes:axis_1/".parse::<RigChoice>().unwrap().to_string(), "nodes:/axis_1");
+        assert!("nodes:".parse::<RigChoice>().unwrap_err().contains("nodes:/axis_1"));
         for wrong in ["", "serial", "serial:", "serial:@9600", "quanser:", "simulated:1", "usb"] {
             let said = wrong.parse::<RigChoice>().unwrap_err();
             assert!(said.contains("serial:/dev/ttyACM0"), "{said}");

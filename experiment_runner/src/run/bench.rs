@@ -60,8 +60,8 @@ pub(super) fn open(
     if options.rig == RigChoice::Simulated {
         return Ok((Axis::Simulated, options));
     }
-    if options.rig == RigChoice::Nodes {
-        return open_nodes(options, progress, cancel);
+    if let RigChoice::Nodes { namespace } = options.rig.clone() {
+        return open_nodes(options, namespace, progress, cancel);
     }
     let opened = options.rig.open(options.test_bed.friction, options.seed, None, options.calibration)?;
     require_sensors(&options, opened.sensors)?;
@@ -76,11 +76,12 @@ pub(super) fn open(
 #[cfg(feature = "ros")]
 fn open_nodes(
     mut options: RunOptions,
+    namespace: Option<String>,
     progress: &Progress,
     cancel: &Arc<AtomicBool>,
 ) -> Result<(Axis, RunOptions), RunError> {
     progress.stage("looking for the nodes");
-    let nodes = NodesBench::open(Arc::clone(cancel))?;
+    let nodes = NodesBench::open(namespace, Arc::clone(cancel))?;
     require_sensors(&options, SensorsPresent { torque: nodes.torque_sensor(), current: false })?;
     progress.line(&format!(
         "the nodes are there: a cycle every {:.3} ms, at most {:.2} V",
@@ -96,6 +97,7 @@ fn open_nodes(
 #[cfg(not(feature = "ros"))]
 fn open_nodes(
     _options: RunOptions,
+    _namespace: Option<String>,
     _progress: &Progress,
     _cancel: &Arc<AtomicBool>,
 ) -> Result<(Axis, RunOptions), RunError> {
@@ -163,7 +165,7 @@ impl<'a> Bench<'a> {
                 let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
                 bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
                 #[cfg(feature = "ros")]
-                if options.rig == RigChoice::Nodes {
+                if matches!(options.rig, RigChoice::Nodes { .. }) {
                     let (controller, estimator) =
                         bed.settings(protocol.mode, arm.means(), bed.simulation.period);
                     NodesBench::parameters(Wanted {

@@ -15,6 +15,7 @@ use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
 use crate::output::OutputError;
 use crate::progress::Progress;
+use crate::rig::RigChoice;
 use crate::run::{self, RunError, RunOptions, RunResults};
 
 /// Time between two reports of a running experiment.
@@ -70,6 +71,8 @@ pub struct Desk {
 
 struct Inner {
     runs: PathBuf,
+    /// Namespace of the axis.
+    axis: String,
     announce: Mutex<Box<Announce>>,
     state: Mutex<State>,
     idle: Condvar,
@@ -91,12 +94,18 @@ struct Running {
 }
 
 impl Desk {
-    /// A desk that makes the folders of its runs in `runs` and tells everything to `announce`.
+    /// A desk of the axis with that namespace, that makes the folders of its runs in `runs` and tells everything to `announce`.
     #[must_use]
-    pub fn new(runs: PathBuf, announce: Box<Announce>) -> Self {
+    pub fn new(axis: &str, runs: PathBuf, announce: Box<Announce>) -> Self {
         let state = Mutex::default();
         let desk = Self {
-            inner: Arc::new(Inner { runs, announce: Mutex::new(announce), state, idle: Condvar::new() }),
+            inner: Arc::new(Inner {
+                runs,
+                axis: axis.to_owned(),
+                announce: Mutex::new(announce),
+                state,
+                idle: Condvar::new(),
+            }),
         };
         let message = "ready: list_experiments tells what there is".to_owned();
         desk.inner.announce(ExperimentStatus {
@@ -120,7 +129,11 @@ impl Desk {
         cancel: Arc<AtomicBool>,
         watcher: impl Watcher,
     ) -> Result<Started, Refusal> {
-        let options = request.options()?;
+        let mut options = request.options()?;
+        // Who asks for the nodes means those of this runner's axis.
+        if let RigChoice::Nodes { namespace: namespace @ None } = &mut options.rig {
+            *namespace = Some(self.inner.axis.clone());
+        }
         if let Some(folder) = &request.folder {
             run::check(&options, folder).map_err(bad_folder)?;
         }

@@ -106,7 +106,7 @@ impl Runner {
             // A status that does not get through is followed by the next.
             let _ = status.publish(message);
         };
-        let desk = Desk::new(runs, Box::new(announce));
+        let desk = Desk::new(&node.identity().namespace, runs, Box::new(announce));
         let goals = Goals { desk: desk.clone(), cancels: Arc::default() };
         let (starts, aborts) = (desk.clone(), desk.clone());
         let cancel_identification = Arc::new(AtomicBool::new(false));
