@@ -19,7 +19,7 @@ use tokio::task::JoinHandle;
 
 use crate::{
     ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError, action,
-    participant::Shared,
+    limits, participant::Shared,
 };
 
 /// How long a leaving node waits for its background work.
@@ -263,6 +263,13 @@ impl RosNode {
                 match server.async_receive_request().await {
                     Ok((id, request)) => {
                         let response = tokio::task::block_in_place(|| answer(request));
+                        if limits::is_too_long(&response) {
+                            logger.warn(&format!(
+                                "an answer of {absolute} would be longer than {} bytes and was not sent; ask for less at a time",
+                                limits::ANSWER
+                            ));
+                            continue;
+                        }
                         if let Err(error) = server.async_send_response(id, response).await {
                             logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
                         }

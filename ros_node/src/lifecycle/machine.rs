@@ -15,7 +15,7 @@ use msgs::{
 };
 
 use super::table::{Phase, TRANSITIONS, Transition, find};
-use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError};
+use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, quoted};
 
 /// Why a transition did not happen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -179,7 +179,7 @@ impl Lifecycle {
         let Some(first) = find(from, id, label) else {
             let possible: Vec<&str> =
                 TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
-            let asked = if label.is_empty() { id.to_string() } else { label.to_owned() };
+            let asked = if label.is_empty() { id.to_string() } else { quoted(label).into_owned() };
             let possible = if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
             let reason =
                 format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
