@@ -5,6 +5,7 @@
 
 mod controlling;
 mod parameters;
+mod plausible;
 mod publishers;
 mod reference;
 mod step;

@@ -66,7 +66,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let commands = Arc::clone(&axis.commands);
     node.subscribe(&topics::MOTOR_VOLTAGE, move |message| {
         if let Some(queue) = &mut *locked(&commands) {
-            let stamp_ns = message.header.stamp.to_nanos();
+            let stamp = message.header.stamp;
+            // Before 1970 is long ago; zero says that there is no stamp.
+            let stamp_ns = if stamp.sec < 0 { 1 } else { stamp.to_nanos() };
             queue.send(VoltageCommand { stamp_ns, volts: message.voltage });
         }
     })?;
