@@ -1,6 +1,6 @@
 //! What every executable does first and last: read its arguments, join, and say why it ends.
 
-use std::{fmt::Display, io::Write, process::ExitCode};
+use std::{fmt::Display, io::Write, process::ExitCode, sync::Arc};
 
 use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, middleware::Watch};
 
@@ -60,8 +60,10 @@ pub fn run(
         Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
     };
+    let last_phase = Arc::default();
     loop {
-        let participant = match Participant::join_with(&discovery, arguments.clone()) {
+        let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phase));
+        let participant = match joined {
             Ok(participant) => participant,
             Err(error) => return fail(&error, 1),
         };

@@ -97,6 +97,11 @@ impl RosNode {
         self.arguments().overrides(&self.identity.qualified()).into_keys().collect()
     }
 
+    /// State in which the managed node of this process's life before ended; zero in the first.
+    pub(crate) fn last_phase(&self) -> &Arc<std::sync::atomic::AtomicU8> {
+        &self.shared.last_phase
+    }
+
     /// What the command line says.
     pub(crate) fn arguments(&self) -> &crate::Arguments {
         &self.shared.arguments

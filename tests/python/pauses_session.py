@@ -24,7 +24,8 @@ def stands_still(bench, name):
     told = {"last_voltage": bench.last_voltage() - last, "fault_before": bench.first_fault(stopped) > 0.0}
     process.send_signal(signal.SIGCONT)
     awake = time.time()
-    bench.hear(0.6)
+    # Long enough to begin anew.
+    ros.spin(1.2)
     told["fault"] = bench.first_fault(stopped) > 0.0
     told["voltage_after"] = bench.highest(awake + 0.002)
     told["cycles_after"] = len(bench.after(awake))
@@ -32,6 +33,10 @@ def stands_still(bench, name):
     heard = bench.after(stopped - 0.2)
     told["fastest"] = max(abs(m.tachometer_velocity) for m in heard)
     told["steepest"] = max((abs(b.encoder_position - a.encoder_position) for a, b in zip(heard, heard[1:]) if seconds(b) - seconds(a) < 0.0015), default=0.0)
+    # A rig driver that saw its commands lost before it began anew waits for people.
+    told["again"] = (
+        [ros.change(RIG, "configure"), ros.change(RIG, "activate")] if told["state"] == "unconfigured" else None
+    )
     told["cleared"] = bench.clear_and_activate() if told["fault"] else None
     told["moves_again"] = bench.moves(1.0)
     return told

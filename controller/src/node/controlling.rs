@@ -95,7 +95,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         TriggerResponse { success, message: message.to_owned() }
     })?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
+        && lifecycle.request(Requested::Configure).is_ok()
+    {
         // The log says why it is not active, if it is not.
         let _ = lifecycle.request(Requested::Activate);
     }

@@ -116,6 +116,10 @@ pub struct Lifecycle(Arc<Inner>);
 
 struct Inner {
     phase: AtomicU8,
+    /// The same for a life after this one.
+    kept: Arc<AtomicU8>,
+    /// What the life before left there.
+    before: u8,
     managed: Mutex<Box<dyn Managed>>,
     events: Publisher<TransitionEvent>,
     logger: Logger,
@@ -130,6 +134,8 @@ impl Lifecycle {
     pub fn start(node: &RosNode, managed: Box<dyn Managed>) -> Result<Self, RosNodeError> {
         let this = Self(Arc::new(Inner {
             phase: AtomicU8::new(Phase::Unconfigured as u8),
+            before: node.last_phase().swap(Phase::Unconfigured as u8, Ordering::AcqRel),
+            kept: Arc::clone(node.last_phase()),
             managed: Mutex::new(managed),
             events: node.publisher_on("~/transition_event", Qos::DEFAULT)?,
             logger: node.logger().clone(),
@@ -162,6 +168,13 @@ impl Lifecycle {
     pub fn phase(&self) -> Phase {
         let id = self.0.phase.load(Ordering::Acquire);
         Phase::ALL.into_iter().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
+    }
+
+    /// Whether the node is to configure and activate itself, given its parameter `autostart`: in a process's first life, and in a later one if
+    /// it was active when the middleware died. What was stopped stays stopped.
+    #[must_use]
+    pub fn starts_itself(&self, autostart: bool) -> bool {
+        autostart && (self.0.before == 0 || self.0.before == Phase::Active as u8)
     }
 
     /// Asks for a transition.
@@ -232,6 +245,7 @@ impl Lifecycle {
 
     fn enter(&self, step: &Transition) {
         self.0.phase.store(step.goal as u8, Ordering::Release);
+        self.0.kept.store(step.goal as u8, Ordering::Release);
         // Nobody is harmed if an event is not heard.
         let _ = self.0.events.publish(TransitionEvent {
             timestamp: self.0.clock.now_ns(),
