@@ -1,8 +1,8 @@
 //! What every executable does first and last: read its arguments, join, and say why it ends.
 
-use std::{fmt::Display, io::Write, process::ExitCode};
+use std::{fmt::Display, io::Write, process::ExitCode, sync::Arc};
 
-use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop};
+use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, middleware::Watch};
 
 /// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
 const BAD_INPUT: u8 = 2;
@@ -10,11 +10,15 @@ const BAD_INPUT: u8 = 2;
 /// Runs a node's program: `about` is what `--help` says of it, `body` runs until the wish to end.
 ///
 /// Ends with code 0, with 1 if `body` fails, and with 2 if the command line, a parameter or the environment is wrong.
+///
+/// Where the middleware dies under the node, as it does when the process was stopped and continued or the machine was suspended, `body` is asked to
+/// end, and begins anew on a new participant with the parameters of the command line: a node that hears nothing is of no use, and one that
+/// starts is in a state that everybody knows.
 pub fn run(
     name: &str,
     version: &str,
     about: &str,
-    body: impl FnOnce(&Participant, &Stop) -> Result<(), RosNodeError>,
+    mut body: impl FnMut(&Participant, &Stop) -> Result<(), RosNodeError>,
 ) -> ExitCode {
     let fail = |text: &dyn Display, code: u8| {
         // Nobody is left to be told if the terminal is gone.
@@ -52,17 +56,36 @@ pub fn run(
     for warning in Discovery::warnings() {
         let _ = writeln!(std::io::stderr(), "{name}: {warning}");
     }
-    let stop = match Stop::on_signals() {
-        Ok(stop) => stop,
+    let wished = match Stop::on_signals() {
+        Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
     };
-    let participant = match Participant::join_with(&discovery, arguments) {
-        Ok(participant) => participant,
-        Err(error) => return fail(&error, 1),
-    };
-    match body(&participant, &stop) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is_bad_input() => fail(&error, BAD_INPUT),
-        Err(error) => fail(&error, 1),
+    let last_phase = Arc::default();
+    loop {
+        let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phase));
+        let participant = match joined {
+            Ok(participant) => participant,
+            Err(error) => return fail(&error, 1),
+        };
+        let watch = match Watch::start(&wished) {
+            Ok(watch) => watch,
+            Err(error) => return fail(&error, 1),
+        };
+        let ended = body(&participant, watch.stop());
+        let lost = watch.end();
+        drop(participant);
+        match (ended, lost) {
+            (Err(error), _) if error.is_bad_input() => return fail(&error, BAD_INPUT),
+            (Err(error), None) => return fail(&error, 1),
+            (Ok(()), None) => return ExitCode::SUCCESS,
+            (_, Some(_)) if wished.is_set() => return ExitCode::SUCCESS,
+            (_, Some(thread)) => {
+                let _ = writeln!(
+                    std::io::stderr(),
+                    "{name}: a thread of the middleware ({thread}) has ended, as it does when a program was stopped and continued; the node \
+                     starts anew, with the parameters it was started with"
+                );
+            }
+        }
     }
 }

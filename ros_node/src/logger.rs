@@ -45,6 +45,7 @@ impl Logger {
             return;
         }
         let now = clock.now_ns();
+        let text = &*crate::limits::line(text);
         if self.0.terminal {
             // Nobody is told if the terminal is gone.
             let _ = writeln!(

@@ -3,7 +3,7 @@
 use std::{
     future::Future,
     sync::{Arc, Mutex, PoisonError},
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 use futures::StreamExt;
@@ -12,14 +12,15 @@ use msgs::{
     topics::{Qos, Topic},
 };
 use ros2_client::{
-    Message, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping, ServiceTypeName,
+    Message, MessageInfo, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping,
+    ServiceTypeName,
     qos::{Durability, History, QosProfile, WhenFull},
 };
 use tokio::task::JoinHandle;
 
 use crate::{
     ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
-    ServiceClient, action, participant::Shared,
+    ServiceClient, action, limits, participant::Shared,
 };
 
 /// How long a leaving node waits for its background work.
@@ -97,6 +98,11 @@ impl RosNode {
         self.arguments().overrides(&self.identity.qualified()).into_keys().collect()
     }
 
+    /// State in which the managed node of this process's life before ended; zero in the first.
+    pub(crate) fn last_phase(&self) -> &Arc<std::sync::atomic::AtomicU8> {
+        &self.shared.last_phase
+    }
+
     /// What the command line says.
     pub(crate) fn arguments(&self) -> &crate::Arguments {
         &self.shared.arguments
@@ -164,6 +170,19 @@ impl RosNode {
         self.subscribe_on(topic.name_in_namespace(), topic.qos, take)
     }
 
+    /// Like [`subscribe`](Self::subscribe), and tells how long ago each message was sent, by the system's clocks on both sides; zero if its
+    /// publisher did not say, or by a clock that is ahead.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn subscribe_with_age<M: RosMessage + Message + Send + Sync + 'static>(
+        &self,
+        topic: &Topic<M>,
+        take: impl FnMut(M, Duration) + Send + 'static,
+    ) -> Result<(), RosNodeError> {
+        self.listen(topic.name_in_namespace(), topic.qos, take)
+    }
+
     /// Like [`subscribe`](Self::subscribe), on the topic that the code calls `name`.
     ///
     /// # Errors
@@ -173,6 +192,15 @@ impl RosNode {
         name: &str,
         qos: Qos,
         mut take: impl FnMut(M) + Send + 'static,
+    ) -> Result<(), RosNodeError> {
+        self.listen(name, qos, move |message, _| take(message))
+    }
+
+    fn listen<M: RosMessage + Message + Send + Sync + 'static>(
+        &self,
+        name: &str,
+        qos: Qos,
+        mut take: impl FnMut(M, Duration) + Send + 'static,
     ) -> Result<(), RosNodeError> {
         let absolute = self.resolve(Named::Topic, name)?;
         let subscription = self.with_node("a subscription", &absolute, |node| {
@@ -187,7 +215,7 @@ impl RosNode {
             let (mut refused, mut told) = (0u64, None::<std::time::Instant>);
             while let Some(next) = stream.next().await {
                 match next {
-                    Ok((message, _)) => take(message),
+                    Ok((message, info)) => take(message, age(&info)),
                     Err(error) => {
                         refused += 1;
                         if told.is_none_or(|told| told.elapsed() >= WARNINGS) {
@@ -263,6 +291,13 @@ impl RosNode {
                 match server.async_receive_request().await {
                     Ok((id, request)) => {
                         let response = tokio::task::block_in_place(|| answer(request));
+                        if limits::is_too_long(&response) {
+                            logger.warn(&format!(
+                                "an answer of {absolute} would be longer than {} bytes and was not sent; ask for less at a time",
+                                limits::ANSWER
+                            ));
+                            continue;
+                        }
                         if let Err(error) = server.async_send_response(id, response).await {
                             logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
                         }
@@ -349,6 +384,13 @@ impl Drop for RosNode {
         self.logger.leave();
         drop(self.node.lock().unwrap_or_else(PoisonError::into_inner).take());
     }
+}
+
+/// How long ago a message was sent.
+fn age(info: &MessageInfo) -> Duration {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let sent = info.source_timestamp().and_then(|sent| u64::try_from(sent.to_nanos()).ok());
+    sent.map_or(Duration::ZERO, |sent| now.saturating_sub(Duration::from_nanos(sent)))
 }
 
 fn parse(name: &str) -> Result<Name, String> {

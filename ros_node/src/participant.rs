@@ -1,6 +1,6 @@
 //! The process on the network.
 
-use std::sync::Arc;
+use std::sync::{Arc, atomic::AtomicU8};
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
@@ -19,6 +19,8 @@ pub(crate) struct Shared {
     pub(crate) context: Context,
     pub(crate) runtime: Runtime,
     pub(crate) arguments: Arguments,
+    /// State in which the managed node of the life before ended; zero in the first life.
+    pub(crate) last_phase: Arc<AtomicU8>,
 }
 
 impl Participant {
@@ -35,6 +37,15 @@ impl Participant {
     /// # Errors
     /// As for [`join`](Self::join).
     pub fn join_with(discovery: &Discovery, arguments: Arguments) -> Result<Self, RosNodeError> {
+        Self::join_after(discovery, arguments, Arc::default())
+    }
+
+    /// Joins the network once more, after a life that left `last_phase`.
+    pub(crate) fn join_after(
+        discovery: &Discovery,
+        arguments: Arguments,
+        last_phase: Arc<AtomicU8>,
+    ) -> Result<Self, RosNodeError> {
         let runtime = Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("ros")
@@ -50,7 +61,7 @@ impl Participant {
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
-        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments }) })
+        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments, last_phase }) })
     }
 
     /// A node that the code calls `name`, in the root namespace unless the command line says otherwise.

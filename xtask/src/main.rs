@@ -6,6 +6,7 @@ mod bench_monte_carlo;
 mod bench_step;
 mod docs;
 mod python_env;
+mod soak;
 mod test;
 
 use clap::Parser;
@@ -26,6 +27,8 @@ enum Task {
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv,
+    /// The loop at 1 kHz for minutes, with the real rclpy listening: memory, losses, drift.
+    Soak(soak::Soak),
     /// Every test of the project, with what they need made ready first.
     Test(test::Test),
 }
@@ -38,6 +41,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
         Task::PythonEnv => python_env::run(),
+        Task::Soak(soak) => soak.run(),
         Task::Test(test) => test.run(),
     }
 }

@@ -27,6 +27,7 @@ use ros_node::{
 use super::{
     declarations,
     parameters::ControlSettings,
+    plausible,
     step::{self, Decided, Friction, Inputs, Joint, Order},
 };
 use crate::{Controller, Reference, messages};
@@ -94,7 +95,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         TriggerResponse { success, message: message.to_owned() }
     })?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
+        && lifecycle.request(Requested::Configure).is_ok()
+    {
         // The log says why it is not active, if it is not.
         let _ = lifecycle.request(Requested::Activate);
     }
@@ -182,12 +185,19 @@ fn listen(
     };
     let unusable = complain.clone();
     node.subscribe(&topics::JOINT_STATES, move |message| {
-        let index = message.name.iter().position(|name| name == JOINT).unwrap_or(0);
-        let (Some(&position), Some(&velocity)) = (message.position.get(index), message.velocity.get(index))
+        // Without any names the first joint is meant.
+        let index =
+            message.name.iter().position(|name| name == JOINT).or(message.name.is_empty().then_some(0));
+        let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
+        let (Some(position), Some(velocity)) = (of_joint(&message.position), of_joint(&message.velocity))
         else {
             unusable(&format!("a joint state has no position or no velocity of {JOINT}"));
             return;
         };
+        if plausible::is_beyond(position, velocity) {
+            unusable("a joint state is beyond what a shaft does");
+            return;
+        }
         // What is no number goes on: the controller counts it and stops after a few.
         joints.send(Joint { stamp_ns: message.header.stamp.to_nanos(), position, velocity });
     })?;
@@ -205,13 +215,10 @@ fn listen(
             velocity: message.velocity,
             acceleration: message.acceleration,
         };
-        if reference.position.is_finite()
-            && reference.velocity.is_finite()
-            && reference.acceleration.is_finite()
-        {
-            references.send(reference);
+        if plausible::is_reference(&reference) {
+            references.send((reference, Instant::now()));
         } else {
-            complain("a reference is no number");
+            complain("a reference is no number, or beyond what a shaft does");
         }
     })?;
     Ok(Inputs { joints: for_joints, frictions: for_frictions, references: for_references, orders })

@@ -6,6 +6,7 @@
 mod controlling;
 mod expressed;
 mod parameters;
+mod plausible;
 mod publishers;
 mod reference;
 mod step;

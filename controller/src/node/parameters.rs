@@ -128,6 +128,8 @@ pub(super) struct ControlSettings {
     pub(super) options: ControllerOptions,
     pub(super) reference_timeout: f64,
     pub(super) reference_deceleration: f64,
+    /// Velocity that the drive reaches at the voltage limit [rad/s].
+    pub(super) fastest: f64,
     pub(super) estimate_timeout: f64,
     pub(super) estimate_wait: f64,
 }
@@ -199,6 +201,7 @@ impl ControlSettings {
             options,
             reference_timeout: values.double("reference_timeout"),
             reference_deceleration: values.double("reference_deceleration"),
+            fastest: drive.gain * options.voltage_limit,
             estimate_timeout: values.double("estimate_timeout"),
             estimate_wait: values.double("estimate_wait"),
         })

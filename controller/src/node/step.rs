@@ -7,6 +7,9 @@ use ros_node::queue::{Receiver, Sender, Waker};
 use super::{parameters::ControlSettings, reference::ReferenceKeeper};
 use crate::{Command, ControlFault, Controller, Feedback, Reference};
 
+/// Time without joint states after which the loop begins anew [s]: the rig driver takes that of commands for a fault.
+const SILENCE: f64 = 0.5;
+
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Joint {
@@ -35,7 +38,8 @@ pub(super) enum Order {
 pub(super) struct Inputs {
     pub(super) joints: Receiver<Joint>,
     pub(super) frictions: Receiver<Friction>,
-    pub(super) references: Receiver<Reference>,
+    /// With the moment at which each came.
+    pub(super) references: Receiver<(Reference, Instant)>,
     pub(super) orders: Receiver<Order>,
 }
 
@@ -64,6 +68,8 @@ pub(super) fn control(
     let mut runs = false;
     let mut pending: Option<(Joint, Instant)> = None;
     let mut last_stamp = 0;
+    let mut newest_reference = None;
+    let mut faulted = false;
     loop {
         while let Some(order) = inputs.orders.take() {
             match order {
@@ -74,6 +80,7 @@ pub(super) fn control(
                         (keeper, friction) = (None, Friction::default());
                         // What was said before it was active does not count.
                         let _ = inputs.references.take_last();
+                        newest_reference = None;
                     }
                     runs = wanted;
                 }
@@ -82,13 +89,15 @@ pub(super) fn control(
                     if new.options == settings.options || controller.change(new.options).is_ok() {
                         settings = new;
                         if let Some(keeper) = &mut keeper {
-                            keeper.limit(new.reference_timeout, new.reference_deceleration);
+                            keeper.limit(new.reference_timeout, new.reference_deceleration, new.fastest);
                         }
                     }
                 }
             }
         }
         friction = inputs.frictions.take_last().unwrap_or(friction);
+        // Also while no joint state comes: a full queue would keep the oldest.
+        newest_reference = inputs.references.take_last().or(newest_reference);
         if pending.is_none() {
             pending = inputs.joints.take().map(|joint| (joint, Instant::now()));
         }
@@ -113,25 +122,40 @@ pub(super) fn control(
             continue;
         }
         pending = None;
+        // After a silence it begins anew: the shaft may be elsewhere, and what was asked for before is old.
+        let silence = joint.stamp_ns.saturating_sub(last_stamp) as f64 * 1e-9;
+        if silence > SILENCE {
+            keeper = None;
+            if !faulted {
+                controller.reset();
+            }
+        }
         last_stamp = joint.stamp_ns;
         let keeper = keeper.get_or_insert_with(|| {
-            ReferenceKeeper::new(settings.reference_timeout, settings.reference_deceleration, joint.position)
+            let mut keeper = ReferenceKeeper::new(joint.position);
+            keeper.limit(settings.reference_timeout, settings.reference_deceleration, settings.fastest);
+            keeper
         });
-        while let Some(reference) = inputs.references.take() {
-            keeper.take(reference);
+        if let Some((reference, came)) = newest_reference.take() {
+            keeper.take(reference, came.elapsed().as_secs_f64());
         }
         let reference = keeper.next(period);
-        let age = joint.stamp_ns.saturating_sub(friction.stamp_ns) as f64 * 1e-9;
-        let torque = if age <= settings.estimate_timeout { friction.torque } else { 0.0 };
+        // One from the future belongs to another clock.
+        let age = joint.stamp_ns.abs_diff(friction.stamp_ns) as f64 * 1e-9;
+        // More than the motor can overcome is no friction that it could compensate: it would be full voltage.
+        let volts = friction.torque.abs() * settings.options.compensation.volts_per_newton_metre;
+        let counts = age <= settings.estimate_timeout && volts <= settings.options.voltage_limit;
+        let torque = if counts { friction.torque } else { 0.0 };
         let feedback =
             Feedback { position: joint.position, velocity: joint.velocity, friction: torque, cycle: None };
         let command = controller.step(&reference, &feedback);
+        faulted = command.fault.is_some();
         out.send(Decided {
             stamp_ns: joint.stamp_ns,
             command,
             fault: command.fault,
             stale_reference: keeper.is_stale(),
-            fresh_estimate: fresh,
+            fresh_estimate: fresh && counts,
         });
     }
 }

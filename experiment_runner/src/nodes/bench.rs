@@ -13,7 +13,7 @@ use ros_node::lifecycle::Phase;
 use ros_node::parameters::RemoteParameters;
 use ros_node::{Arguments, Discovery, ParameterValue, Participant, RosNodeError};
 
-use super::link::{Event, Led, Link, PATIENCE, STOPPING};
+use super::link::{Event, FINDING, Led, Link, PATIENCE, STOPPING};
 use super::nodes_loop::{NodesLoop, Task};
 use crate::rig::RigSetupError;
 
@@ -77,10 +77,10 @@ impl NodesBench {
                 discovery.domain
             ))
         };
-        let led = |led: &Led, name: &str, goal| match led.lifecycle.phase(PATIENCE) {
+        let led = |led: &Led, name: &str, goal| match led.lifecycle.phase(FINDING) {
             Err(error) => Err(missing(name, error)),
             Ok(was) => {
-                led.lifecycle.lead_to(goal, PATIENCE).map_err(said)?;
+                led.lifecycle.lead_to(goal, FINDING).map_err(said)?;
                 Ok(was)
             }
         };
@@ -88,7 +88,7 @@ impl NodesBench {
         led(&link.observer, "friction_observer", Phase::Active)?;
         let controller_was_active = led(&link.controller, "controller", Phase::Inactive)? == Phase::Active;
         let period = measured_period(&link)?;
-        let number = |of: &Led, name: &str| match of.parameters.get(&[name.to_owned()], PATIENCE) {
+        let number = |of: &Led, name: &str| match of.parameters.get(&[name.to_owned()], FINDING) {
             Ok(values) => match values.get(name) {
                 Some(ParameterValue::Double(value)) => Ok(*value),
                 _ => Ok(f64::NAN),
@@ -104,7 +104,7 @@ impl NodesBench {
             }
         }
         let voltage_limit = number(&link.rig, "voltage_limit")?;
-        let source = link.rig.parameters.get(&["torque_source".to_owned()], PATIENCE).map_err(said)?;
+        let source = link.rig.parameters.get(&["torque_source".to_owned()], FINDING).map_err(said)?;
         let sensor = ParameterValue::String("sensor".to_owned());
         Ok(Self {
             link: Arc::new(link),
@@ -204,9 +204,9 @@ fn set(of: &RemoteParameters, values: &Values, own: &mut Values) -> Result<(), R
     let said = |error: RosNodeError| RigError::Elsewhere(error.to_string());
     let new: Vec<String> = values.keys().filter(|name| !own.contains_key(*name)).cloned().collect();
     if !new.is_empty() {
-        own.extend(of.get(&new, PATIENCE).map_err(said)?);
+        own.extend(of.get(&new, FINDING).map_err(said)?);
     }
-    of.set(values, PATIENCE).map_err(said)
+    of.set(values, FINDING).map_err(said)
 }
 
 /// The rig's period by its own clock [s].

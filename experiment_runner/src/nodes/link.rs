@@ -20,6 +20,8 @@ use super::{Assembler, Heard, Source, Whole};
 
 /// What waits for the one who drives: eight seconds at 1 kHz.
 const WAITING: usize = 16_384;
+/// How long it may take to find a node: on a busy machine the first answer to a new client can take seven seconds.
+pub(super) const FINDING: Duration = Duration::from_secs(25);
 /// How long a node may take to answer.
 pub(super) const PATIENCE: Duration = Duration::from_secs(8);
 /// How long one may take that is asked to stop.
@@ -226,6 +228,6 @@ impl Link {
 
     /// Puts the observer at rest.
     pub(super) fn reset_observer(&self) -> Result<(), RosNodeError> {
-        self.reset.call_until_answered(&TriggerRequest::default(), PATIENCE).map(drop)
+        self.reset.call_until_answered(&TriggerRequest::default(), FINDING).map(drop)
     }
 }

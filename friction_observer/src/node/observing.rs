@@ -100,7 +100,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         }
     })?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
+        && lifecycle.request(Requested::Configure).is_ok()
+    {
         // The log says why it is not active, if it is not.
         let _ = lifecycle.request(Requested::Activate);
     }
@@ -158,15 +160,16 @@ fn listen(
     let counts = Arc::clone(counts);
     let logger = node.logger().clone();
     node.subscribe(&topics::JOINT_STATES, move |message| {
-        let index = message.name.iter().position(|name| name == JOINT).unwrap_or(0);
-        let (position, velocity) = (message.position.get(index), message.velocity.get(index));
-        let (Some(&position), Some(&velocity)) = (position, velocity) else {
+        // Without any names the first joint is meant.
+        let index = message.name.iter().position(|name| name == JOINT).or(message.name.is_empty().then_some(0));
+        let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
+        let (Some(position), Some(velocity)) = (of_joint(&message.position), of_joint(&message.velocity)) else {
             if counts.unusable.fetch_add(1, Ordering::Relaxed) == 0 {
                 logger.warn(&format!("a joint state has no position or no velocity of {JOINT}; such are left out and counted in /diagnostics"));
             }
             return;
         };
-        let effort = message.effort.get(index).copied();
+        let effort = of_joint(&message.effort);
         joints.send(Joint { stamp_ns: message.header.stamp.to_nanos(), position, velocity, effort });
     })?;
     node.subscribe(&topics::MOTOR_VOLTAGE, move |message| {

@@ -10,6 +10,7 @@ use std::{
 };
 
 use msgs::{
+    builtin_interfaces::Time,
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     std_msgs::Header,
     std_srvs::{Trigger, TriggerResponse},
@@ -37,6 +38,8 @@ use crate::{
 
 /// Cycles that wait for the publisher: half a second at 1 kHz.
 const PUBLISHER_QUEUE: usize = 512;
+/// Age from which a command without a stamp no longer counts as made when it comes.
+const WAITED: Duration = Duration::from_millis(100);
 /// How often faults are looked for.
 const WATCH: Duration = Duration::from_millis(20);
 /// Time between two diagnostics.
@@ -64,9 +67,16 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         Ok(())
     })?;
     let commands = Arc::clone(&axis.commands);
-    node.subscribe(&topics::MOTOR_VOLTAGE, move |message| {
+    node.subscribe_with_age(&topics::MOTOR_VOLTAGE, move |message, age| {
+        let unstamped = message.header.stamp == Time::default();
+        // It waited somewhere: the one who sent it did not mean now.
+        if unstamped && age > WAITED {
+            return;
+        }
         if let Some(queue) = &mut *locked(&commands) {
-            let stamp_ns = message.header.stamp.to_nanos();
+            let stamp = message.header.stamp;
+            // Before 1970 is long ago; zero says that there is no stamp.
+            let stamp_ns = if stamp.sec < 0 { 1 } else { stamp.to_nanos() };
             queue.send(VoltageCommand { stamp_ns, volts: message.voltage });
         }
     })?;
@@ -74,7 +84,9 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
     serve(&node, &axis, &lifecycle)?;
     let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if parameters.values().boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
+        && lifecycle.request(Requested::Configure).is_ok()
+    {
         // The log says why it is not active, if it is not.
         let _ = lifecycle.request(Requested::Activate);
     }

@@ -15,7 +15,7 @@ use msgs::{
 };
 
 use super::table::{Phase, TRANSITIONS, Transition, find};
-use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError};
+use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, quoted};
 
 /// Why a transition did not happen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -118,6 +118,10 @@ pub struct Lifecycle(Arc<Inner>);
 
 struct Inner {
     phase: AtomicU8,
+    /// The same for a life after this one.
+    kept: Arc<AtomicU8>,
+    /// What the life before left there.
+    before: u8,
     managed: Mutex<Box<dyn Managed>>,
     events: Publisher<TransitionEvent>,
     logger: Logger,
@@ -132,6 +136,8 @@ impl Lifecycle {
     pub fn start(node: &RosNode, managed: Box<dyn Managed>) -> Result<Self, RosNodeError> {
         let this = Self(Arc::new(Inner {
             phase: AtomicU8::new(Phase::Unconfigured as u8),
+            before: node.last_phase().swap(Phase::Unconfigured as u8, Ordering::AcqRel),
+            kept: Arc::clone(node.last_phase()),
             managed: Mutex::new(managed),
             events: node.publisher_on("~/transition_event", Qos::DEFAULT)?,
             logger: node.logger().clone(),
@@ -166,6 +172,13 @@ impl Lifecycle {
         Phase::ALL.into_iter().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
     }
 
+    /// Whether the node is to configure and activate itself, given its parameter `autostart`: in a process's first life, and in a later one if
+    /// it was active when the middleware died. What was stopped stays stopped.
+    #[must_use]
+    pub fn starts_itself(&self, autostart: bool) -> bool {
+        autostart && (self.0.before == 0 || self.0.before == Phase::Active as u8)
+    }
+
     /// Asks for a transition.
     ///
     /// # Errors
@@ -181,7 +194,7 @@ impl Lifecycle {
         let Some(first) = find(from, id, label) else {
             let possible: Vec<&str> =
                 TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
-            let asked = if label.is_empty() { id.to_string() } else { label.to_owned() };
+            let asked = if label.is_empty() { id.to_string() } else { quoted(label).into_owned() };
             let possible = if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
             let reason =
                 format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
@@ -234,6 +247,7 @@ impl Lifecycle {
 
     fn enter(&self, step: &Transition) {
         self.0.phase.store(step.goal as u8, Ordering::Release);
+        self.0.kept.store(step.goal as u8, Ordering::Release);
         // Nobody is harmed if an event is not heard.
         let _ = self.0.events.publish(TransitionEvent {
             timestamp: self.0.clock.now_ns(),

@@ -1,5 +1,6 @@
 //! What a parameter is: name, type, default, description, range.
 
+use crate::limits::{TEXT, quoted};
 use ros2_client::{
     ParameterValue,
     parameters::{NumericRange, ParameterDescriptor, raw},
@@ -177,7 +178,10 @@ impl Declaration {
                 return Err(format!("{name} must be {}, but is {n}", self.allowed()));
             }
             (ParameterValue::String(text), _) if !self.choices.is_empty() && !self.choices.contains(text) => {
-                return Err(format!("{name} must be {}, but is `{text}`", self.constraints));
+                return Err(format!("{name} must be {}, but is `{}`", self.constraints, quoted(text)));
+            }
+            (ParameterValue::String(text), _) if text.len() > TEXT => {
+                return Err(format!("{name} must have at most {TEXT} bytes, but has {}", text.len()));
             }
             _ => {}
         }

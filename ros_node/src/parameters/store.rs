@@ -8,6 +8,7 @@ use ros2_client::{
 };
 
 use super::{Declaration, Values};
+use crate::limits::quoted;
 
 /// Judges values as a whole before they count, and takes them over if they are good: the values, and the names of those that change. What it
 /// returns as an error is the reason that people read.
@@ -74,10 +75,9 @@ impl ParameterStore {
         let mut candidate = self.values.clone();
         let mut changed = BTreeSet::new();
         for Change { name, value } in changes {
-            let parameter = self
-                .declared
-                .get(name)
-                .ok_or_else(|| format!("parameter '{name}' cannot be set because it was not declared"))?;
+            let parameter = self.declared.get(name).ok_or_else(|| {
+                format!("parameter '{}' cannot be set because it was not declared", quoted(name))
+            })?;
             if parameter.read_only {
                 return Err(format!(
                     "parameter '{name}' cannot be set because it is read-only; give it when the program starts"

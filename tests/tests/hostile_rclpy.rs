@@ -1,0 +1,154 @@
+//! Publishers and callers that send what nobody should, before the real rclpy.
+
+use serde_json::{Value, json};
+use tests::network::session;
+
+/// The voltage limit, and half a step of the converter that reads the voltage back [V].
+const LIMIT: f64 = 6.0 + 0.0025;
+/// What the shaft may turn in a phase with a reference of zero velocity [rad]: a few counts of the encoder, 1.5 mrad each.
+const AT_REST: f64 = 0.02;
+const NODES: [&str; 3] = ["/rig_driver", "/friction_observer", "/controller"];
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or_default()
+}
+
+/// Runs parts of the session; asserts what holds in each.
+fn hostile(parts: &[&str]) -> Option<Value> {
+    let report = session("hostile_session.py", parts)?;
+    assert_eq!(report["moves"], true, "{report}");
+    for part in parts {
+        let Some(phases) = report[part].as_object() else { continue };
+        for (name, phase) in phases {
+            if name.starts_with("comes back") {
+                assert_eq!(phase, &json!([true, true, true]), "{part}: {name}");
+            } else if phase.get("highest").is_some() {
+                quiet(&format!("{part}: {name}"), phase);
+            }
+        }
+    }
+    assert_eq!(report["again"], json!([true, true, true]));
+    for node in ["rig_driver", "friction_observer", "controller"] {
+        let said = text(&report[&format!("said {node}")]);
+        assert!(!said.contains("panicked") && !said.contains("starts anew"), "{node} said:\n{said}");
+    }
+    for exit in report["exit"].as_array().expect("exits") {
+        assert_eq!(exit[0], 0, "{exit}");
+    }
+    Some(report)
+}
+
+/// Nothing moved, within the limits, and the measurements went on.
+fn quiet(name: &str, phase: &Value) {
+    assert!(number(&phase["heard"]) > 200.0, "{name}: {phase}");
+    assert!(number(&phase["highest"]) <= LIMIT, "{name}: {phase}");
+    assert!(number(&phase["travel"]) < AT_REST, "{name}: {phase}");
+    assert!(phase.get("not_finite").is_none_or(|count| count == 0), "{name}: {phase}");
+    let fault = name.contains("voltage nan") || name.contains("voltage inf");
+    assert_eq!(phase["state"], if fault { "inactive" } else { "active" }, "{name}: {phase}");
+    if fault {
+        assert_eq!(phase["recovered"], json!([true, true]), "{name}");
+    }
+}
+
+#[test]
+fn numbers_that_no_shaft_has_are_left_out_and_told() {
+    let Some(report) = hostile(&["numbers"]) else { return };
+    // Six times twenty of references, of estimates that are no number, and of joint states beyond a shaft's.
+    let left_out =
+        text(&report["health"]["controller"]["messages without numbers"]).parse::<u32>().unwrap_or(0);
+    assert!(left_out >= 200, "{}", report["health"]["controller"]);
+    assert!(text(&report["said controller"]).contains("is no number, or beyond what a shaft does"));
+    let said = text(&report["said rig_driver"]);
+    assert!(said.contains("command not finite") && said.contains("NaN"), "{said}");
+}
+
+#[test]
+fn joint_states_of_others_and_stamps_of_other_times_move_nothing() {
+    let Some(report) = hostile(&["forms", "another_type"]) else { return };
+    for node in ["controller", "friction_observer"] {
+        assert!(
+            text(&report[&format!("said {node}")]).contains("no position or no velocity of load_shaft"),
+            "{node}"
+        );
+    }
+    let stale =
+        text(&report["health"]["rig_driver: control loop"]["stale commands"]).parse::<u32>().unwrap_or(0);
+    assert!(stale >= 60, "three times twenty came from the past: {}", report["health"]);
+    quiet("another type", &report["another_type"]);
+}
+
+#[test]
+fn bytes_that_are_no_message_are_dropped_and_told() {
+    let Some(report) = hostile(&["bytes"]) else { return };
+    assert!(number(&report["bytes"]["cases"]) > 500.0);
+    for (node, topic) in [
+        ("rig_driver", "/motor_voltage"),
+        ("controller", "/reference"),
+        ("controller", "/friction_estimate"),
+        ("friction_observer", "/joint_states"),
+    ] {
+        let said = text(&report[&format!("said {node}")]);
+        assert!(said.contains(&format!("messages on {topic} were no ")), "{node}:\n{said}");
+    }
+}
+
+#[test]
+fn a_flood_does_not_keep_the_loop_from_its_work_nor_the_nodes_from_answering() {
+    let Some(report) = hostile(&["floods", "requests"]) else { return };
+    for which in ["reference", "voltage"] {
+        let flood = &report["floods"][which];
+        eprintln!(
+            "a flood of {} messages a second on {which}: answered after {} s",
+            flood["rate"], flood["answered"]
+        );
+        assert!(number(&flood["rate"]) > 1000.0, "{flood}");
+        assert!(number(&flood["answered"]) < 7.0, "{flood}");
+    }
+    bad_requests_are_answered(&report["requests"]);
+}
+
+fn bad_requests_are_answered(report: &Value) {
+    for node in NODES {
+        for (what, said) in [
+            ("unknown", "was not declared"),
+            ("huge name", "(1000000 bytes)"),
+            ("huge value", "(1000000 bytes)"),
+            ("type", "is not allowed"),
+            ("range", "but is"),
+        ] {
+            let answer = &report[what][node];
+            assert!(answer[0] == false && text(&answer[1]).contains(said), "{what} of {node}: {answer}");
+            assert!(text(&answer[1]).len() < 1000, "{what} of {node} is short");
+        }
+    }
+    assert_eq!(report["transition"], Value::from(vec![Value::from(vec![false; 3]); 3]));
+    assert_eq!(report["get huge"], json!([[null], [null], [null]]));
+    assert_eq!(report["states"], json!(["active", "active", "active"]));
+}
+
+/// A node whose middleware a packet ended would start anew, and say so; a deaf one would not answer.
+#[test]
+fn damaged_dds_packets_neither_move_the_motor_nor_silence_the_nodes() {
+    let packets = if std::env::var_os("FRICTION_FULL").is_some() { "30000" } else { "3000" };
+    let Some(report) = session("packets_session.py", &[packets, "6"]) else { return };
+    assert!(number(&report["sources"]) > 20.0, "{report}");
+    assert!(number(&report["highest"]) < 1.0, "the loop holds still: {report}");
+    for node in ["rig_driver", "friction_observer", "controller"] {
+        assert_eq!(report["alive"][node], true, "{node}");
+        let said = text(&report["said"][node]);
+        for line in said.lines().filter(|line| line.contains("panicked") || line.contains("starts anew")) {
+            eprintln!("{node}: {line}");
+        }
+    }
+    for state in report["states"].as_array().expect("states") {
+        assert!(["active", "inactive"].contains(&text(state)), "{report}");
+    }
+    for exit in report["exit"].as_array().expect("exits") {
+        assert_eq!(exit[0], 0, "{exit}");
+    }
+}
