@@ -9,6 +9,7 @@
 //! - [`Logger`], [`NodeClock`]: `/rosout` and `use_sim_time`;
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
+//! - [`Graph`]: which other nodes are there;
 //! - [`Stop`]: SIGINT and SIGTERM;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
@@ -32,6 +33,7 @@ pub mod deadlines;
 mod discovery;
 mod error;
 mod executable;
+mod graph;
 pub mod lifecycle;
 mod log_level;
 mod logger;
@@ -53,6 +55,7 @@ pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
 pub use error::RosNodeError;
 pub use executable::run;
+pub use graph::{Graph, ParticipantId, SeenNode};
 pub use log_level::LogLevel;
 pub use logger::Logger;
 pub use names::NodeIdentity;
