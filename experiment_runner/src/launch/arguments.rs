@@ -154,7 +154,9 @@ impl AxisArguments {
         let owned = value.map(str::to_owned);
         match (name, value) {
             ("rig", Some(rig)) => {
-                rig.parse::<RigChoice>().map_err(LaunchError::Argument)?;
+                if rig.parse::<RigChoice>().map_err(LaunchError::Argument)? == RigChoice::Nodes {
+                    return wrong(rig, "simulated, serial:PORT, quanser or quanser:CARD: this starts the nodes");
+                }
                 self.rig = owned;
             }
             ("rig", None) => self.rig = None,
@@ -244,6 +246,7 @@ mod tests {
             ("seriel", "NAME:=VALUE"),
             ("rig:=seriel:/dev/ttyACM0", "serial:PORT"),
             ("rig:=serial:", "serial:/dev/ttyACM0"),
+            ("rig:=nodes", "this starts the nodes"),
             ("model:=newton", "coulomb"),
             ("mode:=torque", "velocity or position"),
             ("params_file:=/nowhere.yaml", "/nowhere.yaml is no file"),
