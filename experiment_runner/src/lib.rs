@@ -26,6 +26,8 @@ pub mod paced;
 pub mod profile;
 pub mod progress;
 pub mod protocol;
+#[cfg(feature = "ros")]
+pub mod record;
 pub mod recording;
 pub mod report;
 pub mod rig;

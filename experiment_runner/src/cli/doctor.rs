@@ -19,7 +19,7 @@ use crate::{
 /// Beside running nodes (`frictionlab launch`, or the executables) it also tells how old the measurement behind each applied voltage is,
 /// from what rig_driver reports on /diagnostics.
 ///
-/// Nothing is moved, opened or called. Ends with exit code 1 if something is broken; what is merely worth a look ends with 0.
+/// Nothing is moved, opened or changed. Ends with exit code 1 if something is broken; what is merely worth a look ends with 0.
 #[derive(Debug, clap::Args)]
 pub struct DoctorArgs {
     /// Print the findings as JSON, for programs

@@ -1,5 +1,7 @@
 //! `frictionlab launch`: the nodes as processes, as `ros2 launch` would start them.
 
+use std::path::Path;
+
 use anyhow::Context;
 use ros_node::Stop;
 
@@ -26,7 +28,7 @@ use crate::launch::{
 ///   mode:=MODE         what is regulated: velocity or position
 ///   namespace:=NAME    namespace of the axis
 ///   params_file:=FILE  one more parameter file for all nodes
-///   record:=DIR        bag written by `ros2 bag record`; true for the first free runs/launch-N
+///   record:=DIR        bag written by `ros2 bag record`, or by frictionlab where there is no ros2; true: runs/launch-N
 ///   log_level:=LEVEL   debug, info, warn, error or fatal
 ///   files:=DIR         folder for the nodes' own parameter files, to be edited; made if it is not there
 ///
@@ -102,10 +104,16 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
     }
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let config = ConfigFolder::make(arguments.files.as_deref())?;
-    let processes = plan::processes(&arguments, config.path());
+    let processes = processes(&arguments, config.path());
     // A terminal that went away must not stop the nodes.
     supervise(&processes, &stop, |text| _ = print(&format!("[launch] {text}\n")))?;
     Ok(())
+}
+
+/// The processes; where there is no `ros2`, frictionlab itself records.
+fn processes(arguments: &LaunchArguments, config: &Path) -> Vec<plan::Process> {
+    let processes = plan::processes(arguments, config);
+    if plan::find("ros2").is_ok() { processes } else { plan::without_ros(processes, arguments) }
 }
 
 /// What would be started, ready to be typed.
@@ -120,7 +128,7 @@ fn show(arguments: &LaunchArguments) -> anyhow::Result<()> {
             (ConfigFolder::temporary_path(), note.to_owned())
         }
     };
-    let lines = plan::processes(arguments, &folder)
+    let lines = processes(arguments, &folder)
         .iter()
         .fold(note, |text, process| text + &process.command_line() + "\n");
     print(&lines)

@@ -6,7 +6,7 @@
 //! - [`domain`]: listens to the domain, from which [`participants`] and [`loop_timing`] judge who is there and how old the commands are;
 //! - [`rigs`]: rigs, ports and disk.
 //!
-//! Nothing here moves a motor, opens a rig or calls a service.
+//! Nothing here moves a motor, opens a rig or changes a node.
 
 mod clock;
 mod domain;

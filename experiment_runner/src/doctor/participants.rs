@@ -57,14 +57,15 @@ fn twice(name: &str, times: u32) -> Finding {
 
 /// What a node of the laboratory says of itself.
 fn state(name: &str, heard: &Heard) -> Finding {
-    let said = heard
-        .health
-        .iter()
-        .filter(|(component, _)| node_of(component) == name.trim_start_matches('/'))
-        .filter_map(|(_, statuses)| statuses.last())
-        .max_by_key(|status| status.level);
-    let Some(status) = said else {
-        return Finding::fine(name, "runs; it says nothing on /diagnostics");
+    let Some(status) = heard.said_by(name) else {
+        return match heard.states.get(name) {
+            Some(state) => Finding::fine(name, format!("lifecycle state {state}")),
+            None => Finding::look(
+                name,
+                "it says nothing on /diagnostics and does not answer get_state: it hangs, has just ended, or is no managed node",
+                "look at its log; end its program if it hangs",
+            ),
+        };
     };
     let label = value(status, "node");
     let lifecycle = label.map_or_else(|| "runs".to_owned(), |state| format!("lifecycle state {state}"));
@@ -117,6 +118,8 @@ mod tests {
             nodes: seen(&["/a", "/a", "/axis_1/controller", "/axis_2/controller"]),
             ..Heard::default()
         };
+        let states = ["/axis_1/controller", "/axis_2/controller"].map(|name| (name.to_owned(), "active"));
+        let heard = Heard { states: states.into(), ..heard };
         let findings = check(&heard);
         assert_eq!(findings[0].figures[0].value, 4.0);
         let of = |name: &str| findings.iter().find(|f| f.subject == name).map(|f| f.verdict);

@@ -155,7 +155,10 @@ impl AxisArguments {
         match (name, value) {
             ("rig", Some(rig)) => {
                 if rig.parse::<RigChoice>().map_err(LaunchError::Argument)? == RigChoice::Nodes {
-                    return wrong(rig, "simulated, serial:PORT, quanser or quanser:CARD: this starts the nodes");
+                    return wrong(
+                        rig,
+                        "simulated, serial:PORT, quanser or quanser:CARD: this starts the nodes",
+                    );
                 }
                 self.rig = owned;
             }

@@ -61,6 +61,21 @@ impl Process {
     }
 }
 
+/// The same processes where there is no `ros2`: frictionlab itself records.
+#[must_use]
+pub fn without_ros(mut processes: Vec<Process>, arguments: &LaunchArguments) -> Vec<Process> {
+    let axes = arguments.axes.iter().filter_map(|axis| Some((axis, axis.record.as_deref()?)));
+    for (process, (axis, folder)) in processes.iter_mut().filter(|of| of.program == "ros2").zip(axes) {
+        let namespace = axis.namespace.iter().flat_map(|name| ["--namespace".to_owned(), name.clone()]);
+        process.program = "frictionlab";
+        process.arguments = ["bag".to_owned(), "record".to_owned(), folder.display().to_string()]
+            .into_iter()
+            .chain(namespace)
+            .collect();
+    }
+    processes
+}
+
 /// All processes, with the nodes' own files in the folder `config`.
 #[must_use]
 pub fn processes(arguments: &LaunchArguments, config: &Path) -> Vec<Process> {
@@ -175,6 +190,10 @@ mod tests {
         ));
         assert!(line.ends_with(" /diagnostics"));
         assert_eq!(self::plan(LaunchFile::TwoAxes, &[]).len(), 8);
+        let given = ["record:=/nowhere/bags".to_owned()];
+        let both = LaunchArguments::read(LaunchFile::TwoAxes, &given).unwrap();
+        let own = without_ros(processes(&both, Path::new("config")), &both);
+        assert_eq!(own[5].command_line(), "frictionlab bag record /nowhere/bags/axis_2 --namespace axis_2");
     }
 
     #[test]
