@@ -8,9 +8,13 @@ pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
 pub mod design;
+#[cfg(feature = "ros")]
+pub mod doctor;
 pub mod drive;
 pub mod features;
 pub mod identify;
+#[cfg(feature = "ros")]
+pub mod launch;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod messages;
@@ -22,6 +26,8 @@ pub mod paced;
 pub mod profile;
 pub mod progress;
 pub mod protocol;
+#[cfg(feature = "ros")]
+pub mod record;
 pub mod recording;
 pub mod report;
 pub mod rig;

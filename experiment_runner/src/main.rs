@@ -37,6 +37,10 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     TruthMatrix(truth_matrix::TruthMatrixArgs),
     #[cfg(feature = "ros")]
+    Doctor(experiment_runner::cli::doctor::DoctorArgs),
+    #[cfg(feature = "ros")]
+    Launch(experiment_runner::cli::launch::LaunchArgs),
+    #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
     #[cfg(feature = "ros")]
     Serve(experiment_runner::cli::serve::ServeArgs),
@@ -69,6 +73,10 @@ fn main() -> ExitCode {
         Command::Rig(args) => rig::execute(&args),
         Command::Simulate(args) => simulate::execute(&args),
         Command::TruthMatrix(args) => truth_matrix::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Doctor(args) => experiment_runner::cli::doctor::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Launch(args) => experiment_runner::cli::launch::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
         #[cfg(feature = "ros")]

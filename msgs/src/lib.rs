@@ -7,6 +7,7 @@
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
 //! - [`topics`]: which topics there are, with type and quality of service;
+//! - [`interfaces`]: topics, services and actions of every node, for documentation and tests;
 //! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types;
 //! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes and the simulated clock.
 
@@ -14,6 +15,7 @@ pub mod builtin_interfaces;
 pub mod cdr;
 pub mod diagnostic_msgs;
 pub mod friction_msgs;
+pub mod interfaces;
 pub mod lifecycle_msgs;
 pub mod message;
 pub mod rosgraph_msgs;

@@ -13,7 +13,7 @@ use thread_priority::{
 const NANOSECONDS: u64 = 1_000_000_000;
 
 /// The middle of the real-time priorities: above everything ordinary, below the kernel's own threads.
-const PRIORITY: u8 = 50;
+pub const PRIORITY: u8 = 50;
 
 /// A loop that is further behind than this does not catch up any more [ns].
 const HOPELESS: u64 = NANOSECONDS / 10;
@@ -59,14 +59,21 @@ impl Deadlines {
     }
 }
 
-/// Asks for first-in-first-out real-time scheduling of the calling thread. Returns a line that says what came of it.
-pub fn request_realtime() -> String {
+/// Asks for first-in-first-out real-time scheduling of the calling thread, at priority [`PRIORITY`].
+///
+/// # Errors
+/// What the system says when it refuses.
+pub fn realtime() -> Result<(), String> {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let granted = ThreadPriorityValue::try_from(PRIORITY).and_then(|priority| {
+    ThreadPriorityValue::try_from(PRIORITY).and_then(|priority| {
         set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(priority), policy)
             .map_err(|error| format!("{error:?}"))
-    });
-    match granted {
+    })
+}
+
+/// Asks for [`realtime`] scheduling of the calling thread. Returns a line that says what came of it.
+pub fn request_realtime() -> String {
+    match realtime() {
         Ok(()) => format!("control thread: real time (SCHED_FIFO, priority {PRIORITY})"),
         Err(error) => format!(
             "control thread: ordinary priority, expect late cycles under load: SCHED_FIFO was refused ({error}); \

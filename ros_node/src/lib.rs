@@ -10,6 +10,7 @@
 //! - [`Logger`], [`NodeClock`]: `/rosout` and `use_sim_time`;
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
+//! - [`Graph`]: which other nodes are there;
 //! - [`Stop`]: SIGINT and SIGTERM;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
@@ -34,6 +35,7 @@ pub mod deadlines;
 mod discovery;
 mod error;
 mod executable;
+mod graph;
 pub mod lifecycle;
 mod limits;
 mod log_level;
@@ -58,6 +60,7 @@ pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
 pub use error::RosNodeError;
 pub use executable::run;
+pub use graph::{Graph, ParticipantId, SeenNode};
 pub use limits::quoted;
 pub use log_level::LogLevel;
 pub use logger::Logger;

@@ -14,13 +14,18 @@ use msgs::{
 use ros2_client::{
     Message, MessageInfo, MessageTypeName, Name, Node, NodeName, NodeOptions, ServiceMapping,
     ServiceTypeName,
+    builtin_topics::ros_discovery,
     qos::{Durability, History, QosProfile, WhenFull},
 };
+use rustdds::TopicKind;
 use tokio::task::JoinHandle;
 
 use crate::{
-    ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
-    ServiceClient, action, limits, participant::Shared,
+    ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
+    ServiceClient, action,
+    graph::{self, ParticipantNodes},
+    limits,
+    participant::Shared,
 };
 
 /// How long a leaving node waits for its background work.
@@ -230,6 +235,39 @@ impl RosNode {
             }
         });
         Ok(())
+    }
+
+    /// Listens to who else is there. What is heard arrives over the next seconds, this node's own participant included.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn watch_graph(&self) -> Result<Graph, RosNodeError> {
+        // Many participants tell of themselves at the same moment.
+        let qos = profile(Qos { depth: 100, transient_local: true });
+        let participant = self.shared.context.domain_participant();
+        let subscription = self.with_node("a subscription", graph::TOPIC, |node| {
+            let topic = participant
+                .create_topic(
+                    graph::TOPIC.to_owned(),
+                    graph::TYPE.to_owned(),
+                    &ros_discovery::QOS_PUB,
+                    TopicKind::NoKey,
+                )
+                .map_err(|e| e.to_string())?;
+            node.create_subscription::<ParticipantNodes>(&topic, Some(qos)).map_err(|e| e.to_string())
+        })?;
+        let graph = Graph::default();
+        let heard = graph.clone();
+        self.spawn(async move {
+            let mut stream = std::pin::pin!(subscription.async_stream());
+            while let Some(next) = stream.next().await {
+                // What cannot be read is of another version of ROS: that participant stays unknown.
+                if let Ok((told, _)) = next {
+                    heard.take(told);
+                }
+            }
+        });
+        Ok(graph)
     }
 
     /// Answers a service that the code calls `name`, on a background thread.

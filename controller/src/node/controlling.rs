@@ -106,7 +106,7 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         next += DIAGNOSTICS;
         let lost = counts.refused.load(Ordering::Relaxed) + lost.load(Ordering::Relaxed);
         // The next one comes in a second.
-        let _ = diagnostics.publish(counts.message(node.clock().now_ns(), lifecycle.phase().label(), lost));
+        let _ = diagnostics.publish(counts.message(&node, lifecycle.phase().label(), lost));
     }
     node.logger().info("leaving");
     drop(node);
@@ -131,7 +131,7 @@ struct Counts {
 }
 
 impl Counts {
-    fn message(&self, stamp_ns: u64, phase: &str, lost: u64) -> DiagnosticArray {
+    fn message(&self, node: &RosNode, phase: &str, lost: u64) -> DiagnosticArray {
         let unusable = self.unusable.load(Ordering::Relaxed);
         let (level, message) = if self.faulty.load(Ordering::Relaxed) {
             (
@@ -152,15 +152,16 @@ impl Counts {
             ("not published", lost),
         ];
         DiagnosticArray {
-            header: Header::at(stamp_ns),
+            header: Header::at(node.clock().now_ns()),
             status: vec![DiagnosticStatus {
                 level,
-                name: "controller".to_owned(),
+                name: node.identity().qualified().trim_start_matches('/').to_owned(),
                 message,
                 hardware_id: String::new(),
-                values: values
-                    .map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() })
-                    .into(),
+                values: std::iter::once(("node", phase.to_owned()))
+                    .chain(values.map(|(key, value)| (key, value.to_string())))
+                    .map(|(key, value)| KeyValue { key: key.to_owned(), value })
+                    .collect(),
             }],
         }
     }

@@ -15,6 +15,22 @@ pub struct BagArgs {
 
 #[derive(Debug, clap::Subcommand)]
 enum BagCommand {
+    /// Record what the running nodes publish, until ctrl-C
+    ///
+    /// For those without `ros2 bag record`: every topic of one axis, and /diagnostics, as rosbag2 would write them. `frictionlab live` and
+    /// `frictionlab run` record by themselves.
+    #[cfg(feature = "ros")]
+    Record {
+        /// Folder for the bag, new or empty
+        #[arg(value_name = "DIR")]
+        bag: PathBuf,
+        /// Namespace of the axis, as in axis_1
+        #[arg(long, value_name = "NAME")]
+        namespace: Option<String>,
+        /// Length [s] [default: until ctrl-C]
+        #[arg(long, value_name = "SECONDS")]
+        duration: Option<f64>,
+    },
     /// List the topics of a bag, with types and numbers of messages, and what was kept with it
     Info {
         /// Folder of the bag, or an .mcap file
@@ -51,11 +67,35 @@ enum BagCommand {
 /// [`BadInput`] names the bag or file at fault.
 pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
     let text = match &args.command {
+        #[cfg(feature = "ros")]
+        BagCommand::Record { bag, namespace, duration } => record(bag, namespace.as_deref(), *duration)?,
         BagCommand::Info { bag } => info(bag)?,
         BagCommand::Recover { bag } => recovered(bag)?,
         BagCommand::ToCsv { bag, out } => to_csv(bag, out.as_deref())?,
     };
     print(&text)
+}
+
+#[cfg(feature = "ros")]
+fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow::Result<String> {
+    use crate::record::{RecordError, RecordOptions, record};
+    if let Some(length) = duration.filter(|length| !(*length > 0.0 && length.is_finite())) {
+        return Err(BadInput(format!("--duration must be above 0 s, but is {length}")).into());
+    }
+    let stop = ros_node::Stop::on_signals()?;
+    let namespace = namespace.map(|name| format!("/{}", name.trim_matches('/'))).filter(|name| name != "/");
+    let options = RecordOptions { dir: bag.to_owned(), namespace, duration };
+    let ready = || _ = print(&format!("recording into {}; ctrl-C ends it\n", bag.display()));
+    let recorded = record(&options, &stop, ready).map_err(|error| match error {
+        RecordError::Bag(error) => anyhow::Error::new(bad(&error)),
+        RecordError::Ros(error) if error.is_bad_input() => BadInput(error.to_string()).into(),
+        other => other.into(),
+    })?;
+    let lost = match recorded.dropped {
+        0 => String::new(),
+        lost => format!(", {lost} lost because the disk was too slow"),
+    };
+    Ok(format!("{} messages in {}{lost}\n", recorded.bag.messages, recorded.bag.dir.display()))
 }
 
 fn bad(error: &BagError) -> BadInput {

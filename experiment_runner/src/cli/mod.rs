@@ -2,6 +2,8 @@
 
 pub mod bag;
 pub mod design;
+#[cfg(feature = "ros")]
+pub mod doctor;
 mod drive_errors;
 pub mod features;
 pub mod identify;
@@ -9,6 +11,8 @@ pub mod identify_drive;
 pub mod identify_friction;
 pub mod identify_servo;
 pub mod identify_stiction;
+#[cfg(feature = "ros")]
+pub mod launch;
 #[cfg(feature = "ros")]
 pub mod live;
 pub mod models;

@@ -401,7 +401,7 @@ fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>)
 }
 
 /// The first folder `runs/EXPERIMENT-N` that is not there yet.
-pub(super) fn first_free(experiment: &str) -> PathBuf {
+pub(crate) fn first_free(experiment: &str) -> PathBuf {
     let candidate = |n: u32| PathBuf::from("runs").join(format!("{experiment}-{n}"));
     (1..).map(candidate).find(|folder| !folder.exists()).unwrap_or_else(|| candidate(0))
 }

@@ -23,17 +23,22 @@ use super::desk::{Desk, Ended, Watcher};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
 
+/// The parameters of the node.
+#[must_use]
+pub fn declarations() -> Vec<Declaration> {
+    vec![
+        Declaration::text("runs", "runs", "Folder in which each run gets a folder of its own").read_only(),
+        Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
+    ]
+}
+
 /// The executable `experiment_runner`: the node with its parameters, until the wish to end.
 ///
 /// # Errors
 /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let node = participant.node("experiment_runner")?;
-    let declared = vec![
-        Declaration::text("runs", "runs", "Folder in which each run gets a folder of its own").read_only(),
-        Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
-    ];
-    let parameters = Parameters::declare(&node, declared, |_, _| Ok(()))?.values();
+    let parameters = Parameters::declare(&node, declarations(), |_, _| Ok(()))?.values();
     let runner = Runner::new(&node, PathBuf::from(parameters.text("runs")))?;
     runner.desk.close(Refusal::Inactive, Duration::ZERO);
     let lifecycle = Lifecycle::start(&node, Box::new(Management(runner.desk.clone())))?;
@@ -236,6 +241,28 @@ impl Drop for Follower {
         // Refused or panicked: nobody will cancel it any more.
         if let Some(goal) = &*self.goal.lock().unwrap_or_else(PoisonError::into_inner) {
             lock(&self.cancels).remove(&goal.id());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
+    #[test]
+    fn the_documentation_shows_these_parameters() {
+        let made = ros_node::parameters::markdown_table(&super::declarations());
+        let (begin, end) = ("<!-- experiment_runner -->\n", "<!-- end of experiment_runner -->\n");
+        for page in ["../docs/ros.md", "../README.md"] {
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+            let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
+            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let to = text.find(end).expect("the page marks where the table ends");
+            if std::env::var_os("UPDATE_DOCS").is_some() {
+                text.replace_range(from..to, &made);
+                std::fs::write(&path, text).expect("the page can be written");
+            } else {
+                assert_eq!(&text[from..to], made, "{page}: run the test with UPDATE_DOCS=1");
+            }
         }
     }
 }

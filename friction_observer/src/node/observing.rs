@@ -120,12 +120,13 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
             header: Header::at(node.clock().now_ns()),
             status: vec![DiagnosticStatus {
                 level: if healthy { DiagnosticStatus::OK } else { DiagnosticStatus::WARN },
-                name: "friction_observer".to_owned(),
+                name: node.identity().qualified().trim_start_matches('/').to_owned(),
                 message: lifecycle.phase().label().to_owned(),
                 hardware_id: String::new(),
-                values: values
-                    .map(|(key, value)| KeyValue { key: key.to_owned(), value: value.to_string() })
-                    .into(),
+                values: std::iter::once(("node", lifecycle.phase().label().to_owned()))
+                    .chain(values.map(|(key, value)| (key, value.to_string())))
+                    .map(|(key, value)| KeyValue { key: key.to_owned(), value })
+                    .collect(),
             }],
         });
     }

@@ -313,8 +313,6 @@ mod tests {
     /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
     #[test]
     fn the_documentation_shows_these_parameters() {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ros.md");
-        let mut page = std::fs::read_to_string(&path).expect("docs/ros.md is part of the project");
         let own: Vec<_> = declarations(&[])
             .into_iter()
             .filter(|parameter| {
@@ -323,13 +321,17 @@ mod tests {
             .collect();
         let made = ros_node::parameters::markdown_table(&own);
         let (begin, end) = ("<!-- friction_observer -->\n", "<!-- end of friction_observer -->\n");
-        let from = page.find(begin).expect("the page marks where the table begins") + begin.len();
-        let to = page.find(end).expect("the page marks where the table ends");
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            page.replace_range(from..to, &made);
-            std::fs::write(&path, page).expect("the page can be written");
-        } else {
-            assert_eq!(&page[from..to], made, "run the test with UPDATE_DOCS=1");
+        for page in ["../docs/ros.md", "../README.md"] {
+            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+            let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
+            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let to = text.find(end).expect("the page marks where the table ends");
+            if std::env::var_os("UPDATE_DOCS").is_some() {
+                text.replace_range(from..to, &made);
+                std::fs::write(&path, text).expect("the page can be written");
+            } else {
+                assert_eq!(&text[from..to], made, "{page}: run the test with UPDATE_DOCS=1");
+            }
         }
     }
 }

@@ -169,6 +169,8 @@ impl Zero {
 
 /// The axis as the node sees it.
 struct Axis {
+    /// Name of the node in `/diagnostics`, which all axes share.
+    name: String,
     publishers: Arc<RigNode>,
     logger: Logger,
     clock: NodeClock,
@@ -192,6 +194,7 @@ impl Axis {
             zero: Zero::default(),
         };
         Ok(Self {
+            name: node.identity().qualified().trim_start_matches('/').to_owned(),
             publishers: Arc::new(RigNode::on(node)?),
             logger: node.logger().clone(),
             clock: node.clock().clone(),
@@ -363,7 +366,7 @@ impl Axis {
             header: Header::at(clock.now_ns()),
             status: vec![DiagnosticStatus {
                 level,
-                name: "rig_driver: control loop".to_owned(),
+                name: format!("{}: control loop", self.name),
                 message,
                 hardware_id: "rig".to_owned(),
                 values: vec![

@@ -1,0 +1,88 @@
+//! Joins the domain for some seconds and writes down who is there and what they say of their health.
+
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use msgs::{diagnostic_msgs::DiagnosticStatus, topics};
+use ros_node::{Discovery, Participant, RosNodeError, SeenNode, Stop, lifecycle::RemoteLifecycle};
+
+/// Time in which everybody is found: a participant of Fast DDS that was there first takes 1.2 s.
+const DISCOVERY: Duration = Duration::from_secs(3);
+/// Time for an answer.
+const ANSWER: Duration = Duration::from_secs(2);
+/// Time for three reports of a node's health, which come once a second.
+const HEALTH: Duration = Duration::from_millis(3500);
+
+/// What was heard on a domain.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Heard {
+    /// The other nodes.
+    pub(super) nodes: Vec<SeenNode>,
+    /// Lifecycle states of the laboratory's nodes that say nothing of their health, by full name.
+    pub(super) states: BTreeMap<String, &'static str>,
+    /// What each component said of itself, in order; by its name in `/diagnostics`.
+    pub(super) health: BTreeMap<String, Vec<DiagnosticStatus>>,
+}
+
+impl Heard {
+    /// The laboratory's nodes of which nothing was heard.
+    fn silent(&self) -> Vec<String> {
+        let ours =
+            self.nodes.iter().map(|node| node.name.clone()).filter(|name| super::participants::is_ours(name));
+        let mut silent: Vec<String> = ours.filter(|name| self.said_by(name).is_none()).collect();
+        silent.dedup();
+        silent
+    }
+
+    /// The last and worst thing that a node said of itself.
+    pub(super) fn said_by(&self, name: &str) -> Option<&DiagnosticStatus> {
+        self.health
+            .iter()
+            .filter(|(component, _)| super::participants::node_of(component) == name.trim_start_matches('/'))
+            .filter_map(|(_, statuses)| statuses.last())
+            .max_by_key(|status| status.level)
+    }
+}
+
+/// Joins, listens and leaves.
+///
+/// # Errors
+/// [`RosNodeError`] if the network cannot be joined.
+pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNodeError> {
+    let participant = Participant::join(discovery)?;
+    let node = participant.node(&format!("frictionlab_doctor_{}", std::process::id()))?;
+    let own = node.identity().qualified();
+    let graph = node.watch_graph()?;
+    let health: Arc<Mutex<BTreeMap<String, Vec<DiagnosticStatus>>>> = Arc::default();
+    let heard = Arc::clone(&health);
+    node.subscribe(&topics::DIAGNOSTICS, move |message| {
+        let mut heard = heard.lock().unwrap_or_else(PoisonError::into_inner);
+        for status in message.status {
+            heard.entry(status.name.clone()).or_default().push(status);
+        }
+    })?;
+    let others = || graph.nodes().into_iter().filter(|seen| seen.name != own).collect::<Vec<_>>();
+    let mut interrupted = stop.wait(DISCOVERY);
+    // Only the laboratory's nodes tell their health.
+    let reporting = |nodes: &[SeenNode]| nodes.iter().any(|node| super::participants::is_ours(&node.name));
+    if !interrupted && reporting(&others()) {
+        let began = Instant::now();
+        while !interrupted && began.elapsed() < HEALTH {
+            interrupted = stop.wait(Duration::from_millis(100));
+        }
+    }
+    let nodes = others();
+    let health = std::mem::take(&mut *health.lock().unwrap_or_else(PoisonError::into_inner));
+    let mut heard = Heard { nodes, health, states: BTreeMap::new() };
+    for name in heard.silent().into_iter().filter(|_| !interrupted) {
+        // Whoever does not answer has no state that could be told.
+        let state = RemoteLifecycle::new(&node, &name).and_then(|lifecycle| lifecycle.phase(ANSWER));
+        if let Ok(state) = state {
+            heard.states.insert(name, state.label());
+        }
+    }
+    Ok(heard)
+}

@@ -1,0 +1,216 @@
+//! Which processes with which arguments: the same that the launch files start.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    LaunchError,
+    arguments::{AxisArguments, AxisFile, LaunchArguments},
+};
+
+/// Nodes of an axis, in the order in which they start.
+const NODES: [&str; 4] = ["rig_driver", "friction_observer", "controller", "experiment_runner"];
+/// Topics of an axis that a bag has; `/diagnostics` is shared.
+const TOPICS: [&str; 7] = [
+    "joint_states",
+    "rig_measurement",
+    "reference",
+    "motor_voltage",
+    "friction_estimate",
+    "controller_state",
+    "experiment_status",
+];
+
+/// What the end of a process means to the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Without it there is no loop: its end ends the others.
+    Loop,
+    /// The others go on without it. It writes files, and gets more time to end.
+    Writer,
+}
+
+/// One process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Process {
+    /// What its lines begin with, as in `axis_1/rig_driver`.
+    pub label: String,
+    /// The program, not yet looked for.
+    pub program: &'static str,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+    /// What its end means.
+    pub part: Part,
+}
+
+impl Process {
+    /// The command as one would type it.
+    #[must_use]
+    pub fn command_line(&self) -> String {
+        let plain = |text: &str| text.chars().all(|c| c.is_ascii_alphanumeric() || "_-./:=@,+".contains(c));
+        let quoted = |text: &String| {
+            if plain(text) && !text.is_empty() {
+                text.clone()
+            } else {
+                format!("'{}'", text.replace('\'', "'\\''"))
+            }
+        };
+        std::iter::once(self.program.to_owned())
+            .chain(self.arguments.iter().map(quoted))
+            .collect::<Vec<_>>()
+            .join(" ")
+    }
+}
+
+/// The same processes where there is no `ros2`: frictionlab itself records.
+#[must_use]
+pub fn without_ros(mut processes: Vec<Process>, arguments: &LaunchArguments) -> Vec<Process> {
+    let axes = arguments.axes.iter().filter_map(|axis| Some((axis, axis.record.as_deref()?)));
+    for (process, (axis, folder)) in processes.iter_mut().filter(|of| of.program == "ros2").zip(axes) {
+        let namespace = axis.namespace.iter().flat_map(|name| ["--namespace".to_owned(), name.clone()]);
+        process.program = "frictionlab";
+        process.arguments = ["bag".to_owned(), "record".to_owned(), folder.display().to_string()]
+            .into_iter()
+            .chain(namespace)
+            .collect();
+    }
+    processes
+}
+
+/// All processes, with the nodes' own files in the folder `config`.
+#[must_use]
+pub fn processes(arguments: &LaunchArguments, config: &Path) -> Vec<Process> {
+    arguments.axes.iter().flat_map(|axis| axis_processes(axis, config)).collect()
+}
+
+fn axis_processes(axis: &AxisArguments, config: &Path) -> Vec<Process> {
+    // The recorder first: it is there when the rig wakes.
+    let recorder = axis.record.as_deref().map(|folder| recorder(axis, folder));
+    recorder.into_iter().chain(NODES.map(|name| node(name, axis, config))).collect()
+}
+
+fn label(axis: &AxisArguments, name: &str) -> String {
+    axis.namespace.as_ref().map_or_else(|| name.to_owned(), |namespace| format!("{namespace}/{name}"))
+}
+
+fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
+    let mut arguments = vec!["--ros-args".to_owned(), "--log-level".to_owned(), axis.log_level.clone()];
+    let mut add = |flag: &str, value: String| arguments.extend([flag.to_owned(), value]);
+    if let Some(namespace) = &axis.namespace {
+        add("-r", format!("__ns:=/{namespace}"));
+    }
+    let extra = axis.params_file.as_ref().map(|file| match file {
+        AxisFile::Given(path) => path.clone(),
+        AxisFile::SecondAxis => config.join("axis_2.yaml"),
+    });
+    for file in std::iter::once(config.join(format!("{name}.yaml"))).chain(extra) {
+        add("--params-file", file.display().to_string());
+    }
+    let sets: &[(&str, &Option<String>)] = match name {
+        "rig_driver" => &[("rig", &axis.rig)],
+        "friction_observer" => &[("model", &axis.model), ("mode", &axis.mode)],
+        "controller" => &[("mode", &axis.mode)],
+        _ => &[],
+    };
+    for (parameter, value) in sets {
+        if let Some(value) = value {
+            add("-p", format!("{parameter}:={value}"));
+        }
+    }
+    let part = if name == "experiment_runner" { Part::Writer } else { Part::Loop };
+    Process { label: label(axis, name), program: name, arguments, part }
+}
+
+/// `ros2 bag record` of the axis's topics, and of `/diagnostics`, which all axes share.
+fn recorder(axis: &AxisArguments, folder: &Path) -> Process {
+    let prefix = axis.namespace.as_ref().map_or_else(String::new, |namespace| format!("/{namespace}"));
+    let arguments = ["bag", "record", "--storage", "mcap", "--output"]
+        .map(str::to_owned)
+        .into_iter()
+        .chain([folder.display().to_string(), "--topics".to_owned()])
+        .chain(TOPICS.map(|topic| format!("{prefix}/{topic}")))
+        .chain(["/diagnostics".to_owned()])
+        .collect();
+    Process { label: label(axis, "recorder"), program: "ros2", arguments, part: Part::Writer }
+}
+
+/// Where a program is: beside this one, else on the PATH.
+///
+/// # Errors
+/// [`LaunchError::NoProgram`].
+pub fn find(program: &'static str) -> Result<PathBuf, LaunchError> {
+    let beside = std::env::current_exe()
+        .ok()
+        .and_then(|own| own.parent().map(Path::to_owned))
+        .unwrap_or_else(|| PathBuf::from("."));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let is_program =
+        |file: &PathBuf| file.is_file() && rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok();
+    std::iter::once(beside.clone())
+        .chain(std::env::split_paths(&path))
+        .map(|folder| folder.join(program))
+        .find(is_program)
+        .ok_or(LaunchError::NoProgram { name: program, package: program, beside })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::launch::LaunchFile;
+
+    fn plan(file: LaunchFile, given: &[&str]) -> Vec<Process> {
+        let given: Vec<String> = given.iter().map(|text| (*text).to_owned()).collect();
+        processes(&LaunchArguments::read(file, &given).unwrap(), Path::new("config"))
+    }
+
+    #[test]
+    fn files_come_before_what_the_arguments_set() {
+        let plan = plan(LaunchFile::Friction, &["model:=lugre", "mode:=position", "namespace:=axis_1"]);
+        assert_eq!(
+            plan[1].command_line(),
+            "friction_observer --ros-args --log-level info -r __ns:=/axis_1 --params-file config/friction_observer.yaml -p model:=lugre -p mode:=position"
+        );
+        assert_eq!(
+            plan.iter().map(|process| process.label.as_str()).collect::<Vec<_>>(),
+            [
+                "axis_1/rig_driver",
+                "axis_1/friction_observer",
+                "axis_1/controller",
+                "axis_1/experiment_runner"
+            ]
+        );
+        assert_eq!(plan.iter().filter(|process| process.part == Part::Loop).count(), 3);
+    }
+
+    #[test]
+    fn the_recorder_is_first_and_takes_the_axis_and_what_is_shared() {
+        let plan = plan(LaunchFile::Friction, &["record:=/nowhere/bag", "namespace:=axis_2"]);
+        let line = plan[0].command_line();
+        assert!(line.starts_with(
+            "ros2 bag record --storage mcap --output /nowhere/bag --topics /axis_2/joint_states"
+        ));
+        assert!(line.ends_with(" /diagnostics"));
+        assert_eq!(self::plan(LaunchFile::TwoAxes, &[]).len(), 8);
+        let given = ["record:=/nowhere/bags".to_owned()];
+        let both = LaunchArguments::read(LaunchFile::TwoAxes, &given).unwrap();
+        let own = without_ros(processes(&both, Path::new("config")), &both);
+        assert_eq!(own[5].command_line(), "frictionlab bag record /nowhere/bags/axis_2 --namespace axis_2");
+    }
+
+    #[test]
+    fn what_has_spaces_is_quoted() {
+        let process = Process {
+            label: String::new(),
+            program: "p",
+            arguments: vec!["a b".into(), "it's".into()],
+            part: Part::Loop,
+        };
+        assert_eq!(process.command_line(), r"p 'a b' 'it'\''s'");
+    }
+
+    #[test]
+    fn a_program_that_is_nowhere_says_how_to_install_it() {
+        let message = find("no_such_program_anywhere").unwrap_err().to_string();
+        assert!(message.contains("cargo install --path no_such_program_anywhere"), "{message}");
+        assert!(find("sh").is_ok());
+    }
+}
