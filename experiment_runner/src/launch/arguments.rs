@@ -154,7 +154,8 @@ impl AxisArguments {
         let owned = value.map(str::to_owned);
         match (name, value) {
             ("rig", Some(rig)) => {
-                if rig.parse::<RigChoice>().map_err(LaunchError::Argument)? == RigChoice::Nodes {
+                let rig_named = rig.parse::<RigChoice>().map_err(LaunchError::Argument)?;
+                if matches!(rig_named, RigChoice::Nodes { .. }) {
                     return wrong(
                         rig,
                         "simulated, serial:PORT, quanser or quanser:CARD: this starts the nodes",
