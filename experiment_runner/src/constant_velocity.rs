@@ -10,7 +10,7 @@ use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
 
 use crate::characterise::{Channels, TorqueReading};
-use crate::control_loop::ControlLoop;
+use crate::control_loop::RunningLoop;
 use crate::cycle::CycleSample;
 use crate::protocol::ConstantVelocityProtocol;
 use crate::waveform::Waveform;
@@ -104,7 +104,7 @@ impl SteadyJob {
         &self,
         protocol: &ConstantVelocityProtocol,
         reading: &TorqueReading,
-        mut control: ControlLoop,
+        mut control: impl RunningLoop,
         mut record: impl FnMut(&CycleSample),
     ) -> Result<SteadyRun, SteadyError> {
         let period = control.period();

@@ -14,6 +14,63 @@ use crate::waveform::Waveform;
 /// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so that bags are reproducible.
 pub const EPOCH_NS: u64 = 1_509_494_400_000_000_000;
 
+/// A loop that runs: here, or elsewhere and followed from here.
+pub trait RunningLoop: Send {
+    /// Period of the cycle [s].
+    fn period(&self) -> f64;
+
+    /// Stamp of cycle 0 [ns since the Unix epoch].
+    fn start_ns(&self) -> u64;
+
+    /// One cycle.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses or is lost; the motor is at zero volts then.
+    fn step(&mut self) -> Result<CycleSample, RigError>;
+
+    /// Leaves the motor at zero volts.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses.
+    fn stop(&mut self) -> Result<(), RigError>;
+}
+
+impl<L: RunningLoop + ?Sized> RunningLoop for Box<L> {
+    fn period(&self) -> f64 {
+        (**self).period()
+    }
+
+    fn start_ns(&self) -> u64 {
+        (**self).start_ns()
+    }
+
+    fn step(&mut self) -> Result<CycleSample, RigError> {
+        (**self).step()
+    }
+
+    fn stop(&mut self) -> Result<(), RigError> {
+        (**self).stop()
+    }
+}
+
+impl RunningLoop for ControlLoop {
+    fn period(&self) -> f64 {
+        self.period()
+    }
+
+    fn start_ns(&self) -> u64 {
+        self.start_ns()
+    }
+
+    fn step(&mut self) -> Result<CycleSample, RigError> {
+        self.step()
+    }
+
+    fn stop(&mut self) -> Result<(), RigError> {
+        self.stop()
+    }
+}
+
 /// Rig, estimator and controller with a reference.
 pub struct ControlLoop {
     rig: Box<dyn Rig + Send>,

@@ -15,6 +15,8 @@ pub mod identify;
 pub mod live;
 pub mod messages;
 pub mod models;
+#[cfg(feature = "ros")]
+pub mod nodes;
 pub mod output;
 pub mod paced;
 pub mod profile;

@@ -103,6 +103,24 @@ impl TestBed {
         start_ns: u64,
     ) -> Result<ControlLoop, TestBedError> {
         let period = rig.period();
+        let (options, estimator) = self.settings(mode, means, period);
+        Ok(ControlLoop::new(
+            rig,
+            FrictionEstimator::new(observer, estimator, TimeStep::new(period)?)?,
+            Controller::new(options)?,
+            reference,
+            start_ns,
+        ))
+    }
+
+    /// What controller and estimator are set to for one run at `period` [s].
+    #[must_use]
+    pub fn settings(
+        &self,
+        mode: ControlMode,
+        means: Option<Means>,
+        period: f64,
+    ) -> (ControllerOptions, EstimatorOptions) {
         let mut options = ControllerOptions {
             mode,
             period,
@@ -114,13 +132,7 @@ impl TestBed {
         if let Some(means) = means {
             means.configure(&mut estimator, &mut options);
         }
-        Ok(ControlLoop::new(
-            rig,
-            FrictionEstimator::new(observer, estimator, TimeStep::new(period)?)?,
-            Controller::new(options)?,
-            reference,
-            start_ns,
-        ))
+        (options, estimator)
     }
 
     /// The same bench, with the whole inverse of its drive in the feed-forward path if `fed_forward`.

@@ -4,7 +4,7 @@ use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
 
 use crate::compensation::{Arm, LimitCycle};
-use crate::control_loop::ControlLoop;
+use crate::control_loop::RunningLoop;
 use crate::cycle::CycleSample;
 use crate::protocol::TrackingProtocol;
 use crate::waveform::Waveform;
@@ -64,7 +64,7 @@ impl TrackingJob {
     pub fn run(
         &self,
         protocol: &TrackingProtocol,
-        mut control: ControlLoop,
+        mut control: impl RunningLoop,
         mut record: impl FnMut(&CycleSample),
     ) -> Result<TrackingRun, RigError> {
         let cycles = (protocol.duration / control.period()).round() as u64;

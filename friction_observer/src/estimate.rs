@@ -23,6 +23,15 @@ impl Source {
             Self::RbfCompensator => "rbf_compensator",
         }
     }
+
+    /// The one of that name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::DisturbanceObserver, Self::RbfCompensator]
+            .into_iter()
+            .find(|source| source.as_str() == name)
+            .or_else(|| name.parse().ok().map(Self::Model))
+    }
 }
 
 /// One cycle's friction estimate.

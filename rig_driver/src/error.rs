@@ -45,6 +45,9 @@ pub enum RigError {
     /// Whoever drives was told to stop.
     #[error("stopped; the motor is at zero volts")]
     Stopped,
+    /// The rig is driven elsewhere, and what was said there ends the run.
+    #[error("{0}")]
+    Elsewhere(String),
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),

@@ -70,6 +70,26 @@ pub enum RosNodeError {
         /// What the middleware said.
         detail: String,
     },
+    /// A service did not answer.
+    #[error(
+        "{service} gave no answer: {detail}; does its node run on this domain? `frictionlab doctor` lists who is there"
+    )]
+    NoAnswer {
+        /// The service.
+        service: String,
+        /// What happened instead.
+        detail: String,
+    },
+    /// Another node said no.
+    #[error("{node} refused {what}: {reason}")]
+    Refused {
+        /// The node.
+        node: String,
+        /// What was asked of it.
+        what: &'static str,
+        /// What it said.
+        reason: String,
+    },
     /// A message was not taken.
     #[error(
         "a message on {topic} was not sent: {detail}; a reliable subscriber may be slower than the publisher"

@@ -5,6 +5,7 @@
 //! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs on;
 //! - [`RosNode`]: a node that publishes, listens, answers and leaves cleanly;
 //! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`];
+//! - [`ServiceClient`], [`parameters::RemoteParameters`]: asking other nodes;
 //! - [`ActionServer`]: requests that take their time, see [`RosNode::serve_action`];
 //! - [`Logger`], [`NodeClock`]: `/rosout` and `use_sim_time`;
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
@@ -27,6 +28,7 @@
 
 mod action;
 mod arguments;
+mod client;
 mod clock;
 pub mod deadlines;
 mod discovery;
@@ -49,6 +51,7 @@ mod turn;
 
 pub use action::{ActionHandler, ActionServer, Goal, GoalEnd, GoalId};
 pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
+pub use client::ServiceClient;
 pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
 pub use error::RosNodeError;

@@ -18,8 +18,8 @@ use ros2_client::{
 use tokio::task::JoinHandle;
 
 use crate::{
-    ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError, action,
-    participant::Shared,
+    ActionHandler, ActionServer, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
+    ServiceClient, action, participant::Shared,
 };
 
 /// How long a leaving node waits for its background work.
@@ -278,6 +278,47 @@ impl RosNode {
             }
         });
         Ok(())
+    }
+
+    /// A client of the service that the code calls `name`.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses.
+    pub fn client<S: RosService>(
+        &self,
+        name: &str,
+    ) -> Result<ServiceClient<S::Request, S::Response>, RosNodeError>
+    where
+        S::Request: Message + Sync,
+        S::Response: Message + Sync,
+    {
+        self.raw_client(name, S::PACKAGE, S::NAME)
+    }
+
+    /// A client of a service whose types are only known to the client library.
+    pub(crate) fn raw_client<Q, A>(
+        &self,
+        name: &str,
+        package: &str,
+        kind: &str,
+    ) -> Result<ServiceClient<Q, A>, RosNodeError>
+    where
+        Q: Message + Clone + Send + Sync + 'static,
+        A: Message + Send + Sync + 'static,
+    {
+        let absolute = self.resolve(Named::Service, name)?;
+        let client = self.with_node("a client", &absolute, |node| {
+            let qos = profile(Qos::DEFAULT);
+            node.create_client::<Q, A>(
+                ServiceMapping::Enhanced,
+                &parse(&absolute)?,
+                &ServiceTypeName::new(package, kind),
+                qos.clone(),
+                qos,
+            )
+            .map_err(|e| e.to_string())
+        })?;
+        Ok(ServiceClient::new(absolute, client, Arc::clone(&self.shared)))
     }
 
     fn with_node<T>(

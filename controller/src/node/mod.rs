@@ -4,11 +4,13 @@
 //! - [`run`]: the executable `controller`, a managed node that gives one command for each joint state ([`step`]).
 
 mod controlling;
+mod expressed;
 mod parameters;
 mod publishers;
 mod reference;
 mod step;
 
 pub use controlling::run;
+pub use expressed::parameters_of;
 pub use parameters::declarations;
 pub use publishers::ControllerNode;

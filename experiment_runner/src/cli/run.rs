@@ -37,8 +37,8 @@ pub struct RunArgs {
     /// What to run [default: all, or the experiment of the protocol given]
     #[arg(value_enum)]
     pub experiment: Option<Experiment>,
-    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, or `quanser[:CARD]`. A real rig runs in real time, one run after
-    /// the other, and ctrl-C puts its motor at zero volts at once
+    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or `nodes`: whatever the running ROS 2 nodes drive, with
+    /// their observer and controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C puts the motor at zero volts at once
     #[arg(long, value_name = "RIG", default_value = "simulated")]
     pub rig: RigChoice,
     /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
@@ -312,6 +312,10 @@ pub(super) fn calibration(rig: &RigChoice, file: Option<&Path>) -> Result<Option
     let Some(file) = file else { return Ok(None) };
     if *rig == RigChoice::Simulated {
         let why = "--calibration corrects a real rig; the simulated one's readings are true";
+        return Err(BadInput(why.to_owned()));
+    }
+    if *rig == RigChoice::Nodes {
+        let why = "--calibration corrects a rig that is opened here; the node rig_driver has it as parameters, `calibration.*`";
         return Err(BadInput(why.to_owned()));
     }
     let say = |what: String| BadInput(format!("the calibration {} cannot be used: {what}", file.display()));

@@ -1,4 +1,4 @@
-//! Which rig: `simulated`, `quanser[:CARD]` or `serial:PORT[@BAUD]`.
+//! Which rig: `simulated`, `quanser[:CARD]`, `serial:PORT[@BAUD]` or `nodes`.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -33,6 +33,8 @@ pub enum RigChoice {
         /// Baud rate.
         baud: u32,
     },
+    /// Whatever rig the running ROS 2 nodes drive, with their observer and controller.
+    Nodes,
 }
 
 impl FromStr for RigChoice {
@@ -42,6 +44,7 @@ impl FromStr for RigChoice {
         let (kind, which) = text.split_once(':').map_or((text, None), |(kind, which)| (kind, Some(which)));
         match (kind, which) {
             ("simulated", None) => Ok(Self::Simulated),
+            ("nodes", None) => Ok(Self::Nodes),
             ("quanser", None) => Ok(Self::Quanser { card: "0".to_owned() }),
             ("quanser", Some(card)) if !card.is_empty() => Ok(Self::Quanser { card: card.to_owned() }),
             ("serial", Some(port)) if !port.is_empty() && !port.starts_with('@') => {
@@ -58,7 +61,7 @@ impl FromStr for RigChoice {
                     .to_owned())
             }
             _ => Err(format!(
-                "`{text}` is no rig; there are `simulated`, `quanser` or `quanser:CARD`, and `serial:PORT` as in serial:/dev/ttyACM0"
+                "`{text}` is no rig; there are `simulated`, `quanser` or `quanser:CARD`, `serial:PORT` as in serial:/dev/ttyACM0, and `nodes` for the running ROS 2 nodes"
             )),
         }
     }
@@ -68,6 +71,7 @@ impl fmt::Display for RigChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Simulated => f.write_str("simulated"),
+            Self::Nodes => f.write_str("nodes"),
             Self::Quanser { card } => write!(f, "quanser:{card}"),
             Self::Serial { port, baud } if *baud == SerialOptions::default().baud => {
                 write!(f, "serial:{}", port.display())
@@ -128,6 +132,7 @@ impl RigChoice {
                     about: None,
                 }
             }
+            Self::Nodes => return Err(RigSetupError::NotDriven("the rig of the running nodes is driven by `frictionlab run --rig nodes`; here a rig of one's own is needed, as in --rig serial:/dev/ttyACM0".to_owned())),
             Self::Quanser { card } => {
                 let options = QuanserOptions { card: card.clone(), ..QuanserOptions::default() };
                 let mut limits = SafetyLimits { voltage: options.voltage_limit, ..SafetyLimits::default() };
@@ -185,6 +190,7 @@ mod tests {
     fn rigs_are_read_by_name_and_written_back_the_same() {
         for text in [
             "simulated",
+            "nodes",
             "quanser:0",
             "quanser:1@tcpip://rig:18920",
             "serial:/dev/ttyACM0",

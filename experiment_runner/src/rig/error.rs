@@ -12,6 +12,9 @@ pub enum RigSetupError {
     /// This program does not drive such a rig yet.
     #[error("{0}")]
     NotDriven(String),
+    /// The nodes that are to drive the rig are missing or do not fit.
+    #[error("{0}")]
+    Nodes(String),
     /// The shaft does not move.
     #[error(
         "the shaft did not move {direction} up to {volts:.2} V: by the encoder it travelled {travelled} counts. Look at the motor's leads, the amplifier's enable and supply, \

@@ -13,7 +13,7 @@ mod regression;
 mod session;
 mod terminal;
 
-pub use bench_rig::BenchRig;
+pub use bench_rig::{BenchRig, REST};
 pub use choice::{Opened, RigChoice, SensorsPresent};
 pub use error::RigSetupError;
 pub use findings::{Findings, Level, Verdict};

@@ -11,28 +11,40 @@ use rig_driver::RigError;
 
 use super::{Pace, RunError, RunOptions};
 use crate::compensation::{Arm, Means};
-use crate::control_loop::ControlLoop;
+use crate::control_loop::{ControlLoop, RunningLoop};
+#[cfg(feature = "ros")]
+use crate::nodes::{NodesBench, Task, Wanted};
 use crate::paced::Paced;
 use crate::profile::Excitation;
 use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::rig::{BenchRig, RigChoice, SensorsPresent};
+use crate::rig::{BenchRig, RigChoice, RigSetupError, SensorsPresent};
 use crate::sequencer::{Completion, run_in_order};
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
 
+/// The axis that a run drives.
+pub(super) enum Axis {
+    /// A simulated one, which every run has for itself.
+    Simulated,
+    /// A real one, whose loop is closed here.
+    Real(BenchRig),
+    /// Whatever the running nodes drive; they close the loop.
+    #[cfg(feature = "ros")]
+    Nodes(NodesBench),
+}
+
 /// What all experiments of a run share.
 pub(super) struct Bench<'a> {
     pub(super) options: &'a RunOptions,
-    /// The real rig; none for the simulated one, which every run has for itself.
-    rig: Option<BenchRig>,
+    axis: Axis,
     pub(super) progress: &'a Progress,
     pub(super) cancel: &'a Arc<AtomicBool>,
     /// Why the rig ended the run.
     ended: Mutex<Option<String>>,
 }
 
-/// Opens the real rig, if one was chosen. The options that come back have its period and voltage limit.
+/// Opens the real rig, or finds the nodes, if that was chosen. The options that come back have its period and voltage limit.
 ///
 /// # Errors
 /// [`RunError::Setup`] if it does not open; [`RunError::NoSensor`] if it lacks what the experiments read.
@@ -40,10 +52,13 @@ pub(super) fn open(
     options: &RunOptions,
     progress: &Progress,
     cancel: &Arc<AtomicBool>,
-) -> Result<(Option<BenchRig>, RunOptions), RunError> {
+) -> Result<(Axis, RunOptions), RunError> {
     let mut options = options.clone();
     if options.rig == RigChoice::Simulated {
-        return Ok((None, options));
+        return Ok((Axis::Simulated, options));
+    }
+    if options.rig == RigChoice::Nodes {
+        return open_nodes(options, progress, cancel);
     }
     let opened = options.rig.open(options.test_bed.friction, options.seed, None, options.calibration)?;
     require_sensors(&options, opened.sensors)?;
@@ -52,7 +67,39 @@ pub(super) fn open(
     let simulation = &mut options.test_bed.simulation;
     simulation.period = rig.period();
     simulation.voltage_limit = simulation.voltage_limit.min(rig.voltage_limit());
-    Ok((Some(rig), options))
+    Ok((Axis::Real(rig), options))
+}
+
+#[cfg(feature = "ros")]
+fn open_nodes(
+    mut options: RunOptions,
+    progress: &Progress,
+    cancel: &Arc<AtomicBool>,
+) -> Result<(Axis, RunOptions), RunError> {
+    progress.stage("looking for the nodes");
+    let nodes = NodesBench::open(Arc::clone(cancel))?;
+    require_sensors(&options, SensorsPresent { torque: nodes.torque_sensor(), current: false })?;
+    progress.line(&format!(
+        "the nodes are there: a cycle every {:.3} ms, at most {:.2} V",
+        nodes.period() * 1e3,
+        nodes.voltage_limit()
+    ));
+    let simulation = &mut options.test_bed.simulation;
+    simulation.period = nodes.period();
+    simulation.voltage_limit = simulation.voltage_limit.min(nodes.voltage_limit());
+    Ok((Axis::Nodes(nodes), options))
+}
+
+#[cfg(not(feature = "ros"))]
+fn open_nodes(
+    _options: RunOptions,
+    _progress: &Progress,
+    _cancel: &Arc<AtomicBool>,
+) -> Result<(Axis, RunOptions), RunError> {
+    Err(RigSetupError::Nodes(
+        "this program was built without ROS 2: build it with the feature `ros`".to_owned(),
+    )
+    .into())
 }
 
 fn require_sensors(options: &RunOptions, sensors: SensorsPresent) -> Result<(), RunError> {
@@ -77,11 +124,16 @@ impl<'a> Bench<'a> {
     /// The bench of a run.
     pub fn new(
         options: &'a RunOptions,
-        rig: Option<BenchRig>,
+        axis: Axis,
         progress: &'a Progress,
         cancel: &'a Arc<AtomicBool>,
     ) -> Self {
-        Self { options, rig, progress, cancel, ended: Mutex::default() }
+        Self { options, axis, progress, cancel, ended: Mutex::default() }
+    }
+
+    /// Whether every run has a rig for itself, in a time of its own.
+    fn is_simulated(&self) -> bool {
+        matches!(self.axis, Axis::Simulated)
     }
 
     /// Puts every loop together once, so that a parameter out of range is told before anything is written.
@@ -92,6 +144,17 @@ impl<'a> Bench<'a> {
             for arm in Arm::all(&options.means, &options.models) {
                 let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
                 bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 0, 0)?;
+                #[cfg(feature = "ros")]
+                if options.rig == RigChoice::Nodes {
+                    let (controller, estimator) =
+                        bed.settings(protocol.mode, arm.means(), bed.simulation.period);
+                    NodesBench::parameters(Wanted {
+                        controller: &controller,
+                        estimator: &estimator,
+                        model: &model,
+                    })
+                    .map_err(RigSetupError::Nodes)?;
+                }
             }
             bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;
         }
@@ -101,7 +164,7 @@ impl<'a> Bench<'a> {
     /// The time at which a run starts: now on a real rig, else `planned` [ns since the Unix epoch].
     pub fn now_or(&self, planned: u64) -> u64 {
         let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
-        self.rig.as_ref().map_or(planned, |_| now())
+        if self.is_simulated() { planned } else { now() }
     }
 
     /// A loop around the rig that is at rest, following `task`. `planned` is seed and start of a simulated one.
@@ -115,13 +178,29 @@ impl<'a> Bench<'a> {
         observer: &AnyModel,
         means: Option<Means>,
         (seed, start_ns): (u64, u64),
+    ) -> Result<Box<dyn RunningLoop>, RunError> {
+        #[cfg(feature = "ros")]
+        if let Axis::Nodes(nodes) = &self.axis {
+            return lend(nodes, bed, (mode, means), observer, Task::Follow(reference));
+        }
+        Ok(Box::new(self.loop_here(bed, (mode, reference), observer, means, (seed, start_ns))?))
+    }
+
+    /// A loop that is closed here.
+    fn loop_here(
+        &self,
+        bed: &TestBed,
+        (mode, reference): (ControlMode, Waveform),
+        observer: &AnyModel,
+        means: Option<Means>,
+        (seed, start_ns): (u64, u64),
     ) -> Result<ControlLoop, RunError> {
-        Ok(match &self.rig {
-            None => self.paced(bed.control_loop(mode, reference, observer, means, seed, start_ns)?),
-            Some(rig) => {
+        Ok(match &self.axis {
+            Axis::Real(rig) => {
                 let rig = rig.lend()?;
                 bed.loop_around(rig, mode, reference, observer, means, self.now_or(start_ns))?
             }
+            _ => self.paced(bed.control_loop(mode, reference, observer, means, seed, start_ns)?),
         })
     }
 
@@ -142,13 +221,17 @@ impl<'a> Bench<'a> {
         excitation: Excitation,
         feed_forward: bool,
         planned: (u64, u64),
-    ) -> Result<ControlLoop, RunError> {
+    ) -> Result<Box<dyn RunningLoop>, RunError> {
         // Nothing compensates here: the observer only keeps the recorder's topics alike.
         let observer = self.options.compensators.get(ModelName::Proposed);
         let bed = self.options.test_bed.fed_forward(feed_forward);
+        #[cfg(feature = "ros")]
+        if let Axis::Nodes(nodes) = &self.axis {
+            return lend(nodes, &bed, (excitation.mode(), None), &observer, Task::Excite(excitation));
+        }
         let unused = Waveform::ConstantVelocity { velocity: 0.0 };
-        let control = self.control_loop(&bed, (excitation.mode(), unused), &observer, None, planned)?;
-        Ok(control.excited(excitation))
+        let control = self.loop_here(&bed, (excitation.mode(), unused), &observer, None, planned)?;
+        Ok(Box::new(control.excited(excitation)))
     }
 
     /// Does the jobs, on all cores where the rig is simulated and one after the other on a real one, and delivers what comes of them in order. A real rig that fails or is
@@ -162,14 +245,14 @@ impl<'a> Bench<'a> {
         work: impl Fn(&J) -> Result<R, RunError> + Sync,
         mut deliver: impl FnMut(&J, R) -> Result<(), RunError>,
     ) -> Result<Completion, RunError> {
-        let workers = if self.rig.is_some() { 1 } else { self.options.workers };
+        let workers = if self.is_simulated() { self.options.workers } else { 1 };
         let mut delivered = 0;
         let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
             delivered += 1;
             deliver(job, result)
         });
         let Err(error) = completion else { return completion };
-        let Some(said) = error.of_rig().filter(|_| self.rig.is_some()) else { return Err(error) };
+        let Some(said) = error.of_rig().filter(|_| !self.is_simulated()) else { return Err(error) };
         if *said != RigError::Stopped {
             let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
             ended.get_or_insert_with(|| error.to_string());
@@ -179,6 +262,29 @@ impl<'a> Bench<'a> {
 
     /// Lets the rig go, at zero volts, and says why it ended the run, if it did.
     pub fn end(self) -> Option<String> {
+        #[cfg(feature = "ros")]
+        if let Axis::Nodes(nodes) = &self.axis
+            && nodes.lost() > 0
+        {
+            self.progress.line(&format!(
+                "{} cycles are missing: not everything was heard of them in time",
+                nodes.lost()
+            ));
+        }
         self.ended.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The nodes for one run.
+#[cfg(feature = "ros")]
+fn lend(
+    nodes: &NodesBench,
+    bed: &TestBed,
+    (mode, means): (ControlMode, Option<Means>),
+    model: &AnyModel,
+    task: Task,
+) -> Result<Box<dyn RunningLoop>, RunError> {
+    let (controller, estimator) = bed.settings(mode, means, nodes.period());
+    let wanted = Wanted { controller: &controller, estimator: &estimator, model };
+    Ok(Box::new(nodes.lend(wanted, task)?))
 }

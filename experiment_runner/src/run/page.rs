@@ -58,6 +58,7 @@ pub(super) fn build(
                     options.test_bed.friction.name(),
                     options.seed
                 ),
+                RigChoice::Nodes => "the loop of the running ROS 2 nodes".to_owned(),
                 ref real => format!("rig {real}"),
             },
             options.torque.source.name(),

@@ -3,11 +3,13 @@
 //! - [`ObserverNode`]: what it estimates, published; for programs that have a loop of their own;
 //! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each joint state ([`step`]).
 
+mod expressed;
 mod observing;
 mod parameters;
 mod publishers;
 mod step;
 
+pub use expressed::parameters_of;
 pub use observing::run;
 pub use parameters::declarations;
 pub use publishers::ObserverNode;

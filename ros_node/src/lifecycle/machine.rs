@@ -99,7 +99,9 @@ pub enum Requested {
 }
 
 impl Requested {
-    const fn label(self) -> &'static str {
+    /// The name of the transition, as `ros2 lifecycle set` has it.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
         match self {
             Self::Configure => "configure",
             Self::Activate => "activate",
