@@ -1,25 +1,32 @@
-//! The thread that controls: one command for each joint state. While it runs it locks, allocates and publishes nothing.
+//! One command for each joint state, and the thread that gives them. While it runs it locks, allocates and publishes nothing.
 
 use std::time::{Duration, Instant};
 
 use ros_node::queue::{Receiver, Sender, Waker};
 
 use super::{parameters::ControlSettings, reference::ReferenceKeeper};
-use crate::{Command, ControlFault, Controller, Feedback, Reference};
+use crate::{Command, ControlFault, ControlMode, Controller, Feedback, Reference};
 
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Joint {
-    pub(super) stamp_ns: u64,
-    pub(super) position: f64,
-    pub(super) velocity: f64,
+pub struct Joint {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// Position [rad].
+    pub position: f64,
+    /// Velocity [rad/s].
+    pub velocity: f64,
+    /// Number of the measurement, where it is known: one that comes twice is found by it.
+    pub cycle: Option<u64>,
 }
 
 /// One friction estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Friction {
-    pub(super) stamp_ns: u64,
-    pub(super) torque: f64,
+pub struct Friction {
+    /// Time of the measurement behind it [ns since the epoch]; zero for none.
+    pub stamp_ns: u64,
+    /// Estimated friction torque [N m].
+    pub torque: f64,
 }
 
 /// What people ask of it, taken at the beginning of a cycle.
@@ -35,58 +42,132 @@ pub(super) enum Order {
 pub(super) struct Inputs {
     pub(super) joints: Receiver<Joint>,
     pub(super) frictions: Receiver<Friction>,
-    pub(super) references: Receiver<Reference>,
-    pub(super) orders: Receiver<Order>,
 }
 
 /// One command on its way to the publisher.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Decided {
-    pub(super) stamp_ns: u64,
-    pub(super) command: Command,
-    pub(super) fault: Option<ControlFault>,
+pub struct Decided {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// What was decided.
+    pub command: Command,
+    /// Why it is zero volts, if it is.
+    pub fault: Option<ControlFault>,
     /// It stands in for a reference that does not come.
-    pub(super) stale_reference: bool,
+    pub stale_reference: bool,
     /// The estimate that belongs to the joint state had come.
-    pub(super) fresh_estimate: bool,
+    pub fresh_estimate: bool,
 }
 
-/// Controls until the joint states' queue has no other end.
-pub(super) fn control(
-    mut settings: ControlSettings,
-    mut controller: Controller,
-    mut inputs: Inputs,
-    mut out: Sender<Decided>,
-) {
-    let period = settings.options.period;
-    let mut keeper: Option<ReferenceKeeper> = None;
-    let mut friction = Friction::default();
-    let mut runs = false;
-    let mut pending: Option<(Joint, Instant)> = None;
-    let mut last_stamp = 0;
-    loop {
-        while let Some(order) = inputs.orders.take() {
+/// The controller of the running node: settings, resets, the lifecycle and references reach it by queues, which it empties between two cycles.
+pub struct Control {
+    settings: ControlSettings,
+    controller: Controller,
+    orders: Receiver<Order>,
+    references: Receiver<Reference>,
+    keeper: Option<ReferenceKeeper>,
+    runs: bool,
+}
+
+impl Control {
+    pub(super) fn new(
+        settings: ControlSettings,
+        controller: Controller,
+        orders: Receiver<Order>,
+        references: Receiver<Reference>,
+    ) -> Self {
+        Self { settings, controller, orders, references, keeper: None, runs: false }
+    }
+
+    /// Does what people asked for since the last cycle.
+    pub fn take_orders(&mut self) {
+        while let Some(order) = self.orders.take() {
             match order {
-                Order::Reset => controller.reset(),
+                Order::Reset => self.controller.reset(),
                 Order::Run(wanted) => {
-                    if wanted && !runs {
-                        controller.reset();
-                        (keeper, friction) = (None, Friction::default());
+                    if wanted && !self.runs {
+                        self.reset();
                         // What was said before it was active does not count.
-                        let _ = inputs.references.take_last();
+                        let _ = self.references.take_last();
                     }
-                    runs = wanted;
+                    self.runs = wanted;
                 }
                 Order::Settings(new) => {
                     // It was built once by the one who sent it: it cannot fail.
-                    if new.options == settings.options || controller.change(new.options).is_ok() {
-                        settings = new;
-                        if let Some(keeper) = &mut keeper {
+                    if new.options == self.settings.options || self.controller.change(new.options).is_ok() {
+                        self.settings = new;
+                        if let Some(keeper) = &mut self.keeper {
                             keeper.limit(new.reference_timeout, new.reference_deceleration);
                         }
                     }
                 }
             }
+        }
+    }
+
+    /// Back to rest, without a reference, as when the motor begins to move.
+    pub fn reset(&mut self) {
+        self.controller.reset();
+        self.keeper = None;
+    }
+
+    /// Whether the node is active.
+    #[must_use]
+    pub const fn runs(&self) -> bool {
+        self.runs
+    }
+
+    /// What is regulated, in the settings that count now.
+    #[must_use]
+    pub const fn mode(&self) -> ControlMode {
+        self.settings.options.mode
+    }
+
+    /// The reference for a cycle: the newest that came, or what stands in for it. `position` [rad] is where the axis stands without any.
+    pub fn next_reference(&mut self, position: f64) -> Reference {
+        let settings = &self.settings;
+        let keeper = self.keeper.get_or_insert_with(|| {
+            ReferenceKeeper::new(settings.reference_timeout, settings.reference_deceleration, position)
+        });
+        while let Some(reference) = self.references.take() {
+            keeper.take(reference);
+        }
+        keeper.next(settings.options.period)
+    }
+
+    /// The command for a joint state; none while the node is not active. `friction` is the newest estimate.
+    pub fn step(&mut self, joint: &Joint, reference: &Reference, friction: &Friction) -> Option<Decided> {
+        if !self.runs {
+            return None;
+        }
+        let age = joint.stamp_ns.saturating_sub(friction.stamp_ns) as f64 * 1e-9;
+        let feedback = Feedback {
+            position: joint.position,
+            velocity: joint.velocity,
+            friction: if age <= self.settings.estimate_timeout { friction.torque } else { 0.0 },
+            cycle: joint.cycle,
+        };
+        let command = self.controller.step(reference, &feedback);
+        Some(Decided {
+            stamp_ns: joint.stamp_ns,
+            command,
+            fault: command.fault,
+            stale_reference: self.keeper.is_some_and(|keeper| keeper.is_stale()),
+            fresh_estimate: friction.stamp_ns >= joint.stamp_ns,
+        })
+    }
+}
+
+/// Controls until the joint states' queue has no other end.
+pub(super) fn control(mut control: Control, mut inputs: Inputs, mut out: Sender<Decided>) {
+    let mut friction = Friction::default();
+    let mut pending: Option<(Joint, Instant)> = None;
+    let mut last_stamp = 0;
+    loop {
+        let ran = control.runs();
+        control.take_orders();
+        if control.runs() && !ran {
+            friction = Friction::default();
         }
         friction = inputs.frictions.take_last().unwrap_or(friction);
         if pending.is_none() {
@@ -100,38 +181,23 @@ pub(super) fn control(
             continue;
         };
         // A joint state that comes twice, or late, is no news.
-        if !runs || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < 1_000_000_000 {
+        if !control.runs() || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < 1_000_000_000 {
             pending = None;
             last_stamp = last_stamp.max(joint.stamp_ns);
             continue;
         }
-        let fresh = friction.stamp_ns >= joint.stamp_ns;
+        let settings = &control.settings;
         let needed = settings.options.compensation.enabled && friction.stamp_ns > 0;
         let wait = Duration::from_secs_f64(settings.estimate_wait);
-        if needed && !fresh && came.elapsed() < wait {
+        if needed && friction.stamp_ns < joint.stamp_ns && came.elapsed() < wait {
             Waker::sleep(wait.saturating_sub(came.elapsed()));
             continue;
         }
         pending = None;
         last_stamp = joint.stamp_ns;
-        let keeper = keeper.get_or_insert_with(|| {
-            ReferenceKeeper::new(settings.reference_timeout, settings.reference_deceleration, joint.position)
-        });
-        while let Some(reference) = inputs.references.take() {
-            keeper.take(reference);
+        let reference = control.next_reference(joint.position);
+        if let Some(decided) = control.step(&joint, &reference, &friction) {
+            out.send(decided);
         }
-        let reference = keeper.next(period);
-        let age = joint.stamp_ns.saturating_sub(friction.stamp_ns) as f64 * 1e-9;
-        let torque = if age <= settings.estimate_timeout { friction.torque } else { 0.0 };
-        let feedback =
-            Feedback { position: joint.position, velocity: joint.velocity, friction: torque, cycle: None };
-        let command = controller.step(&reference, &feedback);
-        out.send(Decided {
-            stamp_ns: joint.stamp_ns,
-            command,
-            fault: command.fault,
-            stale_reference: keeper.is_stale(),
-            fresh_estimate: fresh,
-        });
     }
 }

@@ -124,7 +124,10 @@ impl Axis {
         }
         let in_cycle = locked(&self.in_cycle).take();
         if self.answered_within && in_cycle.is_none() {
-            return Err("observer and controller are lost with the thread that had them; start the program again".to_owned());
+            return Err(
+                "observer and controller are lost with the thread that had them; start the program again"
+                    .to_owned(),
+            );
         }
         let started = self.start(settings, in_cycle).and_then(|()| self.ask(Request::Configure));
         if started.is_err() {
@@ -145,8 +148,12 @@ impl Axis {
                 return Err(error.to_string());
             }
         };
-        let torque =
-            TorqueEstimate::new(settings.torque_source, settings.drive(), rig.period(), settings.torque_filter);
+        let torque = TorqueEstimate::new(
+            settings.torque_source,
+            settings.drive(),
+            rig.period(),
+            settings.torque_filter,
+        );
         let waker = Waker::default();
         let (to_publisher, for_publisher) = queue(PUBLISHER_QUEUE, &waker);
         let publisher = {

@@ -295,11 +295,7 @@ impl Task {
     }
 
     /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns` [s].
-    fn take_commands(
-        &mut self,
-        newest: &mut VoltageCommand,
-        (stamp_ns, epoch_ns, now): (u64, u64, f64),
-    ) {
+    fn take_commands(&mut self, newest: &mut VoltageCommand, (stamp_ns, epoch_ns, now): (u64, u64, f64)) {
         let lost = self.work.rig.supervisor().limits().command_lost;
         while let Some(command) = self.commands.take() {
             let stamp_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };

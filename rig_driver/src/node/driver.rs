@@ -36,7 +36,8 @@ const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// [`RosNodeError`] if it cannot start; everything later is told in the log.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let mut driver = RigDriver::new(participant, None, None)?;
-    driver.start();
+    // The log says why it is not active, if it is not.
+    let _ = driver.start();
     while !stop.wait(WATCH) {
         driver.tend();
     }
@@ -95,11 +96,16 @@ impl RigDriver {
         Ok(Self { axis, lifecycle, autostart, diagnostics, next: Instant::now() + DIAGNOSTICS, node })
     }
 
-    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it is not active, if it is not.
-    pub fn start(&self) {
-        if self.autostart && self.lifecycle.request(Requested::Configure).is_ok() {
-            let _ = self.lifecycle.request(Requested::Activate);
+    /// Configures and activates the node, if its parameter `autostart` says so.
+    ///
+    /// # Errors
+    /// Why it is not active; the log says it too.
+    pub fn start(&self) -> Result<(), String> {
+        if self.autostart {
+            self.lifecycle.request(Requested::Configure)?;
+            self.lifecycle.request(Requested::Activate)?;
         }
+        Ok(())
     }
 
     /// Looks for faults and publishes diagnostics once a second. To be called some fifty times a second.
