@@ -72,11 +72,29 @@ impl CycleTopics {
     /// # Errors
     /// [`BagError`] if the disk refuses.
     pub fn write(&self, bag: &mut BagWriter, cycle: &EncodedCycle) -> Result<(), BagError> {
-        for (handle, part) in self.handles.into_iter().zip(cycle.parts()) {
+        // A message has its four bytes of encoding at least: what is empty was not said.
+        for (handle, part) in self.handles.into_iter().zip(cycle.parts()).filter(|(_, part)| !part.is_empty())
+        {
             bag.write_cdr(handle, cycle.stamp_ns, cycle.sequence, part)?;
         }
         Ok(())
     }
+}
+
+/// Who said something in a cycle, where nodes may be inactive. The rig always does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Spoken {
+    /// There was a reference.
+    pub reference: bool,
+    /// The observer said an estimate.
+    pub estimate: bool,
+    /// The controller gave a command.
+    pub command: bool,
+}
+
+impl Spoken {
+    /// All of them.
+    pub const ALL: Self = Self { reference: true, estimate: true, command: true };
 }
 
 /// One cycle's six messages as bytes, ready for a bag. Can be used again: its memory stays.
@@ -95,26 +113,42 @@ impl EncodedCycle {
     /// # Errors
     /// [`BagError::Encode`]; it cannot happen with the laboratory's own messages, whose strings are short.
     pub fn encode(&mut self, sample: &CycleSample) -> Result<(), BagError> {
-        let messages = CycleMessages::from(sample);
+        self.encode_spoken(sample, sample.measurement.torque, Spoken::ALL)
+    }
+
+    /// Encodes what was said in a cycle, in place of what was there; `effort` is the friction torque of `/joint_states` [N m].
+    ///
+    /// # Errors
+    /// As for [`encode`](Self::encode).
+    pub fn encode_spoken(
+        &mut self,
+        sample: &CycleSample,
+        effort: f64,
+        spoken: Spoken,
+    ) -> Result<(), BagError> {
+        let mut messages = CycleMessages::from(sample);
+        messages.joint_state.effort = vec![effort];
         self.stamp_ns = sample.stamp_ns;
         // Sequence numbers of MCAP have 32 bits; they wrap after seven weeks at 1 kHz.
         self.sequence = sample.measurement.cycle as u32;
         self.bytes.clear();
         let mut part = 0;
         macro_rules! append {
-            ($message:expr) => {
-                cdr::encode_into($message, &mut self.scratch)?;
-                self.bytes.extend_from_slice(&self.scratch);
+            ($message:expr, $spoken:expr) => {
+                if $spoken {
+                    cdr::encode_into($message, &mut self.scratch)?;
+                    self.bytes.extend_from_slice(&self.scratch);
+                }
                 self.ends[part] = self.bytes.len();
                 part += 1;
             };
         }
-        append!(&messages.joint_state);
-        append!(&messages.rig_measurement);
-        append!(&messages.reference);
-        append!(&messages.motor_voltage);
-        append!(&messages.friction_estimate);
-        append!(&messages.controller_state);
+        append!(&messages.joint_state, true);
+        append!(&messages.rig_measurement, true);
+        append!(&messages.reference, spoken.reference);
+        append!(&messages.motor_voltage, spoken.command);
+        append!(&messages.friction_estimate, spoken.estimate);
+        append!(&messages.controller_state, spoken.command);
         debug_assert_eq!(part, self.ends.len());
         Ok(())
     }

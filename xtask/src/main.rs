@@ -2,6 +2,7 @@
 
 mod bench;
 mod bench_fits;
+mod bench_live;
 mod bench_monte_carlo;
 mod bench_step;
 mod docs;
@@ -19,6 +20,8 @@ enum Task {
     Bench(bench::Bench),
     /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled by Numba.
     BenchFits(bench_fits::BenchFits),
+    /// Period errors of the loop of `frictionlab live`, beside a bare `clock_nanosleep` loop of the same scheduling class.
+    BenchLive(bench_live::BenchLive),
     /// Draws a second of the Monte Carlo of position tracking, beside the same loop compiled by Numba.
     BenchMonteCarlo(bench_monte_carlo::BenchMonteCarlo),
     /// Nanoseconds of a whole control step, estimator and controller, for every model and technique.
@@ -37,6 +40,7 @@ fn main() -> anyhow::Result<()> {
     match Task::parse() {
         Task::Bench(bench) => bench.run(),
         Task::BenchFits(bench) => bench.run(),
+        Task::BenchLive(bench) => bench.run(),
         Task::BenchMonteCarlo(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),

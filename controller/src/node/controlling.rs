@@ -1,11 +1,11 @@
-//! The executable: a managed node that hears joint states and references and asks for voltages.
+//! The managed node that asks for voltages; as an executable it hears joint states and estimates.
 
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
-    thread,
+    thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
 
@@ -28,14 +28,16 @@ use super::{
     declarations,
     parameters::ControlSettings,
     plausible,
-    step::{self, Decided, Friction, Inputs, Joint, Order},
+    step::{self, Control, Decided, Friction, Inputs, Joint, Order},
 };
-use crate::{Controller, Reference, messages};
+use crate::{Controller, ControllerOptions, Reference, messages};
 
 /// Messages that wait for the thread, and commands that wait for the publisher.
 const WAITING: usize = 256;
 /// Time between two diagnostics.
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
+/// Said when orders come faster than cycles.
+const BUSY: &str = "too many requests at once; try again";
 /// Name of the joint that is looked for.
 const JOINT: &str = "load_shaft";
 
@@ -44,75 +46,159 @@ const JOINT: &str = "load_shaft";
 /// # Errors
 /// [`RosNodeError`] if it cannot start; everything later is told in the log.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
-    let node = participant.node("controller")?;
+    let (mut node, Inner { control, out, references }) =
+        ManagedController::new(participant, &ControllerOptions::default())?;
+    node.follow(references)?;
     let waker = Waker::default();
-    let (orders, for_orders) = queue(WAITING, &waker);
-    let orders = Arc::new(Mutex::new(orders));
-    let first = Arc::new(Mutex::new(None));
-    let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
-    let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
-        let settings = ControlSettings::read(values)?;
-        *locked(&judged) = Some(settings);
-        locked(&to_thread).send(Order::Settings(settings));
-        Ok(())
-    })?;
-    let Some(settings) = *locked(&first) else { return Ok(()) };
-    let controller = Controller::new(settings.options).map_err(|error| RosNodeError::Parameters {
-        node: node.identity().qualified(),
-        reason: error.to_string(),
-    })?;
-    let counts = Arc::new(Counts::default());
-    let inputs = listen(&node, &waker, for_orders, &counts)?;
-    let published = Waker::default();
-    let (out, for_publisher) = queue(WAITING, &published);
-    let lost = out.dropped();
-    let publishers = (node.publisher(&topics::MOTOR_VOLTAGE)?, node.publisher(&topics::CONTROLLER_STATE)?);
-    let logger = node.logger().clone();
+    let inputs = listen(&node.node, &waker, &node.counts)?;
+    let logger = node.node.logger().clone();
     // The thread ends with the node's subscriptions, which hold the other ends of its queues.
     thread::Builder::new()
         .name("controller".into())
         .spawn(move || {
             waker.is_this_thread();
             logger.info(&request_realtime());
-            step::control(settings, controller, inputs, out);
+            step::control(control, inputs, out);
         })
         .map_err(RosNodeError::Runtime)?;
-    let (counted, logger) = (Arc::clone(&counts), node.logger().clone());
-    let publisher = thread::Builder::new()
-        .name("publisher".into())
-        .spawn(move || {
-            published.is_this_thread();
-            publish(&publishers, for_publisher, &counted, &logger);
-        })
-        .map_err(RosNodeError::Runtime)?;
-
-    let lifecycle = Lifecycle::start(&node, Box::new(Controlling { orders: Arc::clone(&orders) }))?;
-    let reset = Arc::clone(&orders);
-    node.serve::<Trigger>("~/reset", move |_| {
-        let success = locked(&reset).send(Order::Reset);
-        let message =
-            if success { "the controller is at rest" } else { "too many requests at once; try again" };
-        TriggerResponse { success, message: message.to_owned() }
-    })?;
-    let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
-        && lifecycle.request(Requested::Configure).is_ok()
-    {
-        // The log says why it is not active, if it is not.
-        let _ = lifecycle.request(Requested::Activate);
+    node.start();
+    while !stop.wait(node.next.saturating_duration_since(Instant::now())) {
+        node.tend();
     }
-    let mut next = Instant::now() + DIAGNOSTICS;
-    while !stop.wait(next.saturating_duration_since(Instant::now())) {
-        next += DIAGNOSTICS;
-        let lost = counts.refused.load(Ordering::Relaxed) + lost.load(Ordering::Relaxed);
-        // The next one comes in a second.
-        let _ = diagnostics.publish(counts.message(&node, lifecycle.phase().label(), lost));
-    }
-    node.logger().info("leaving");
-    drop(node);
-    // It ends with the commands.
-    let _ = publisher.join();
+    node.node.logger().info("leaving");
+    node.leave();
     Ok(())
+}
+
+/// What controls, apart from the node: it belongs to one thread, which calls it once a cycle and sends on what it says.
+pub struct Inner {
+    /// The controller.
+    pub control: Control,
+    /// The way to the publisher. With its end the publisher ends.
+    pub out: Sender<Decided>,
+    /// The way of references to the controller: [`follow`](ManagedController::follow) takes it where they come over `/reference`.
+    pub references: Sender<(Reference, Instant)>,
+}
+
+/// The managed node `/controller` with its parameters, services and publisher.
+pub struct ManagedController {
+    node: RosNode,
+    lifecycle: Lifecycle,
+    autostart: bool,
+    counts: Arc<Counts>,
+    lost: Arc<AtomicU64>,
+    publisher: JoinHandle<()>,
+    diagnostics: Publisher<DiagnosticArray>,
+    next: Instant,
+}
+
+impl ManagedController {
+    /// Joins the participant, unconfigured and without any joint states: whoever holds the other part decides where they come from.
+    /// `base` has the options that are no parameters.
+    ///
+    /// # Errors
+    /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
+    pub fn new(participant: &Participant, base: &ControllerOptions) -> Result<(Self, Inner), RosNodeError> {
+        let node = participant.node("controller")?;
+        let cannot_be =
+            |reason: String| RosNodeError::Parameters { node: node.identity().qualified(), reason };
+        let (orders, for_orders) = queue(WAITING, &Waker::default());
+        let orders = Arc::new(Mutex::new(orders));
+        let first = Arc::new(Mutex::new(None));
+        let (judged, to_thread, base) = (Arc::clone(&first), Arc::clone(&orders), *base);
+        let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
+            let settings = ControlSettings::read_upon(values, &base)?;
+            *locked(&judged) = Some(settings);
+            if locked(&to_thread).send(Order::Settings(settings)) { Ok(()) } else { Err(BUSY.to_owned()) }
+        })?;
+        let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;
+        let controller = Controller::new(settings.options).map_err(|error| cannot_be(error.to_string()))?;
+        let counts = Arc::new(Counts::default());
+        let published = Waker::default();
+        let (out, for_publisher) = queue(WAITING, &published);
+        let (references, for_references) = queue(WAITING, &Waker::default());
+        let lost = out.dropped();
+        let publishers =
+            (node.publisher(&topics::MOTOR_VOLTAGE)?, node.publisher(&topics::CONTROLLER_STATE)?);
+        let (counted, logger) = (Arc::clone(&counts), node.logger().clone());
+        let publisher = thread::Builder::new()
+            .name("publisher".into())
+            .spawn(move || {
+                published.is_this_thread();
+                publish(&publishers, for_publisher, &counted, &logger);
+            })
+            .map_err(RosNodeError::Runtime)?;
+        let lifecycle = Lifecycle::start(&node, Box::new(Controlling { orders: Arc::clone(&orders) }))?;
+        node.serve::<Trigger>("~/reset", move |_| {
+            let success = locked(&orders).send(Order::Reset);
+            let message = if success { "the controller is at rest" } else { BUSY };
+            TriggerResponse { success, message: message.to_owned() }
+        })?;
+        let this = Self {
+            autostart: lifecycle.starts_itself(parameters.values().boolean("autostart")),
+            lifecycle,
+            counts,
+            lost,
+            publisher,
+            diagnostics: node.publisher(&topics::DIAGNOSTICS)?,
+            next: Instant::now() + DIAGNOSTICS,
+            node,
+        };
+        let control = Control::new(settings, controller, for_orders, for_references);
+        Ok((this, Inner { control, out, references }))
+    }
+
+    /// Takes references from `/reference`.
+    ///
+    /// # Errors
+    /// [`RosNodeError`] if the middleware refuses.
+    pub fn follow(&self, mut references: Sender<(Reference, Instant)>) -> Result<(), RosNodeError> {
+        let complain = self.counts.complainer(&self.node);
+        self.node.subscribe(&topics::REFERENCE, move |message| {
+            let reference = Reference {
+                position: message.position,
+                velocity: message.velocity,
+                acceleration: message.acceleration,
+            };
+            if plausible::is_reference(&reference) {
+                references.send((reference, Instant::now()));
+            } else {
+                complain("a reference is no number, or beyond what a shaft does");
+            }
+        })
+    }
+
+    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it is not active, if it is not.
+    pub fn start(&self) {
+        if self.autostart && self.lifecycle.request(Requested::Configure).is_ok() {
+            let _ = self.lifecycle.request(Requested::Activate);
+        }
+    }
+
+    /// Publishes diagnostics once a second.
+    pub fn tend(&mut self) {
+        if Instant::now() < self.next {
+            return;
+        }
+        self.next += DIAGNOSTICS;
+        let label = self.lifecycle.phase().label();
+        let message = self.counts.message(&self.node, label, self.not_published());
+        // The next one comes in a second.
+        let _ = self.diagnostics.publish(message);
+    }
+
+    /// Commands that were not published: the queue was full, or the middleware refused.
+    #[must_use]
+    pub fn not_published(&self) -> u64 {
+        self.counts.refused.load(Ordering::Relaxed) + self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Takes the node off the graph, and waits for the publisher, which ends with the other part.
+    pub fn leave(self) {
+        let Self { node, publisher, diagnostics, lifecycle, .. } = self;
+        drop((diagnostics, lifecycle, node));
+        let _ = publisher.join();
+    }
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -131,6 +217,16 @@ struct Counts {
 }
 
 impl Counts {
+    /// Counts a message that cannot be used; the first one is told.
+    fn complainer(self: &Arc<Self>, node: &RosNode) -> impl Fn(&str) + Send + 'static {
+        let (counts, logger) = (Arc::clone(self), node.logger().clone());
+        move |what| {
+            if counts.unusable.fetch_add(1, Ordering::Relaxed) == 0 {
+                logger.warn(&format!("{what}; such are left out and counted in /diagnostics"));
+            }
+        }
+    }
+
     fn message(&self, node: &RosNode, phase: &str, lost: u64) -> DiagnosticArray {
         let unusable = self.unusable.load(Ordering::Relaxed);
         let (level, message) = if self.faulty.load(Ordering::Relaxed) {
@@ -168,23 +264,10 @@ impl Counts {
 }
 
 /// Subscribes to what the thread is told.
-fn listen(
-    node: &RosNode,
-    waker: &Waker,
-    orders: Receiver<Order>,
-    counts: &Arc<Counts>,
-) -> Result<Inputs, RosNodeError> {
+fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs, RosNodeError> {
     let (mut joints, for_joints) = queue(WAITING, waker);
     let (mut frictions, for_frictions) = queue(WAITING, waker);
-    let (mut references, for_references) = queue(WAITING, &Waker::default());
-    let logger = node.logger().clone();
-    let counted = Arc::clone(counts);
-    let complain = move |what: &str| {
-        if counted.unusable.fetch_add(1, Ordering::Relaxed) == 0 {
-            logger.warn(&format!("{what}; such are left out and counted in /diagnostics"));
-        }
-    };
-    let unusable = complain.clone();
+    let unusable = counts.complainer(node);
     node.subscribe(&topics::JOINT_STATES, move |message| {
         // Without any names the first joint is meant.
         let index =
@@ -200,9 +283,10 @@ fn listen(
             return;
         }
         // What is no number goes on: the controller counts it and stops after a few.
-        joints.send(Joint { stamp_ns: message.header.stamp.to_nanos(), position, velocity });
+        let stamp_ns = message.header.stamp.to_nanos();
+        joints.send(Joint { stamp_ns, position, velocity, cycle: None });
     })?;
-    let unusable = complain.clone();
+    let unusable = counts.complainer(node);
     node.subscribe(&topics::FRICTION_ESTIMATE, move |message| {
         if message.torque.is_finite() {
             frictions.send(Friction { stamp_ns: message.header.stamp.to_nanos(), torque: message.torque });
@@ -210,19 +294,7 @@ fn listen(
             unusable("a friction estimate is no number");
         }
     })?;
-    node.subscribe(&topics::REFERENCE, move |message| {
-        let reference = Reference {
-            position: message.position,
-            velocity: message.velocity,
-            acceleration: message.acceleration,
-        };
-        if plausible::is_reference(&reference) {
-            references.send((reference, Instant::now()));
-        } else {
-            complain("a reference is no number, or beyond what a shaft does");
-        }
-    })?;
-    Ok(Inputs { joints: for_joints, frictions: for_frictions, references: for_references, orders })
+    Ok(Inputs { joints: for_joints, frictions: for_frictions })
 }
 
 /// Publishes commands until the queue's other end is gone.
@@ -277,7 +349,7 @@ impl Controlling {
         if locked(&self.orders).send(Order::Run(runs)) {
             Ok(())
         } else {
-            Err(CallbackError::Failure("too many requests at once; try again".to_owned()))
+            Err(CallbackError::Failure(BUSY.to_owned()))
         }
     }
 }

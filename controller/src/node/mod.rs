@@ -1,17 +1,16 @@
 //! The controller as a ROS 2 node.
 //!
-//! - [`ControllerNode`]: what it decides, published; for programs that have a loop of their own;
-//! - [`run`]: the executable `controller`, a managed node that gives one command for each joint state ([`step`]).
+//! - [`run`]: the executable `controller`, a managed node that gives one command for each joint state ([`step`]);
+//! - [`ManagedController`] and [`Inner`]: the same node taken apart, for a process whose control thread gives the commands itself.
 
 mod controlling;
 mod expressed;
 mod parameters;
 mod plausible;
-mod publishers;
 mod reference;
 mod step;
 
-pub use controlling::run;
+pub use controlling::{Inner, ManagedController, run};
 pub use expressed::parameters_of;
 pub use parameters::declarations;
-pub use publishers::ControllerNode;
+pub use step::{Control, Decided, Friction, Joint};

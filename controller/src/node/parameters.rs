@@ -140,6 +140,14 @@ impl ControlSettings {
     /// # Errors
     /// The reason, for people.
     pub(super) fn read(values: &Values) -> Result<Self, String> {
+        Self::read_upon(values, &ControllerOptions::default())
+    }
+
+    /// The same with `base` for the options that are no parameters.
+    ///
+    /// # Errors
+    /// The reason, for people.
+    pub(super) fn read_upon(values: &Values, base: &ControllerOptions) -> Result<Self, String> {
         let drive = LinearDrive {
             gain: values.double("drive.gain"),
             time_constant: values.double("drive.time_constant"),
@@ -193,7 +201,7 @@ impl ControlSettings {
             tolerated_cycles: u32::try_from(values.integer("tolerated_cycles")).unwrap_or(0),
             fade: values.double("fade"),
             voltage_limit: values.double("voltage_limit"),
-            ..ControllerOptions::default()
+            ..*base
         };
         // What cannot be built is refused here, and not in the middle of the loop.
         Controller::new(options).map_err(|error| error.to_string())?;

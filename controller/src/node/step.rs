@@ -1,28 +1,35 @@
-//! The thread that controls: one command for each joint state. While it runs it locks, allocates and publishes nothing.
+//! One command for each joint state, and the thread that gives them. While it runs it locks, allocates and publishes nothing.
 
 use std::time::{Duration, Instant};
 
 use ros_node::queue::{Receiver, Sender, Waker};
 
 use super::{parameters::ControlSettings, reference::ReferenceKeeper};
-use crate::{Command, ControlFault, Controller, Feedback, Reference};
+use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedback, Reference};
 
 /// Time without joint states after which the loop begins anew [s]: the rig driver takes that of commands for a fault.
 const SILENCE: f64 = 0.5;
 
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Joint {
-    pub(super) stamp_ns: u64,
-    pub(super) position: f64,
-    pub(super) velocity: f64,
+pub struct Joint {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// Position [rad].
+    pub position: f64,
+    /// Velocity [rad/s].
+    pub velocity: f64,
+    /// Number of the measurement, where it is known: one that comes twice is found by it.
+    pub cycle: Option<u64>,
 }
 
 /// One friction estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Friction {
-    pub(super) stamp_ns: u64,
-    pub(super) torque: f64,
+pub struct Friction {
+    /// Time of the measurement behind it [ns since the epoch]; zero for none.
+    pub stamp_ns: u64,
+    /// Estimated friction torque [N m].
+    pub torque: f64,
 }
 
 /// What people ask of it, taken at the beginning of a cycle.
@@ -38,66 +45,165 @@ pub(super) enum Order {
 pub(super) struct Inputs {
     pub(super) joints: Receiver<Joint>,
     pub(super) frictions: Receiver<Friction>,
-    /// With the moment at which each came.
-    pub(super) references: Receiver<(Reference, Instant)>,
-    pub(super) orders: Receiver<Order>,
 }
 
 /// One command on its way to the publisher.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Decided {
-    pub(super) stamp_ns: u64,
-    pub(super) command: Command,
-    pub(super) fault: Option<ControlFault>,
+pub struct Decided {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// What was decided.
+    pub command: Command,
+    /// Why it is zero volts, if it is.
+    pub fault: Option<ControlFault>,
     /// It stands in for a reference that does not come.
-    pub(super) stale_reference: bool,
+    pub stale_reference: bool,
     /// The estimate that belongs to the joint state had come.
-    pub(super) fresh_estimate: bool,
+    pub fresh_estimate: bool,
 }
 
-/// Controls until the joint states' queue has no other end.
-pub(super) fn control(
-    mut settings: ControlSettings,
-    mut controller: Controller,
-    mut inputs: Inputs,
-    mut out: Sender<Decided>,
-) {
-    let period = settings.options.period;
-    let mut keeper: Option<ReferenceKeeper> = None;
-    let mut friction = Friction::default();
-    let mut runs = false;
-    let mut pending: Option<(Joint, Instant)> = None;
-    let mut last_stamp = 0;
-    let mut newest_reference = None;
-    let mut faulted = false;
-    loop {
-        while let Some(order) = inputs.orders.take() {
+/// The controller of the running node: settings, resets, the lifecycle and references reach it by queues, which it empties between two cycles.
+pub struct Control {
+    settings: ControlSettings,
+    controller: Controller,
+    orders: Receiver<Order>,
+    /// With the moment at which each came.
+    references: Receiver<(Reference, Instant)>,
+    newest_reference: Option<(Reference, Instant)>,
+    keeper: Option<ReferenceKeeper>,
+    runs: bool,
+    faulted: bool,
+}
+
+impl Control {
+    pub(super) fn new(
+        settings: ControlSettings,
+        controller: Controller,
+        orders: Receiver<Order>,
+        references: Receiver<(Reference, Instant)>,
+    ) -> Self {
+        Self {
+            settings,
+            controller,
+            orders,
+            references,
+            newest_reference: None,
+            keeper: None,
+            runs: false,
+            faulted: false,
+        }
+    }
+
+    /// Does what people asked for since the last cycle.
+    pub fn take_orders(&mut self) {
+        while let Some(order) = self.orders.take() {
             match order {
-                Order::Reset => controller.reset(),
+                Order::Reset => self.controller.reset(),
                 Order::Run(wanted) => {
-                    if wanted && !runs {
-                        controller.reset();
-                        (keeper, friction) = (None, Friction::default());
+                    if wanted && !self.runs {
+                        self.reset();
                         // What was said before it was active does not count.
-                        let _ = inputs.references.take_last();
-                        newest_reference = None;
+                        let _ = self.references.take_last();
+                        self.newest_reference = None;
                     }
-                    runs = wanted;
+                    self.runs = wanted;
                 }
                 Order::Settings(new) => {
                     // It was built once by the one who sent it: it cannot fail.
-                    if new.options == settings.options || controller.change(new.options).is_ok() {
-                        settings = new;
-                        if let Some(keeper) = &mut keeper {
+                    if new.options == self.settings.options || self.controller.change(new.options).is_ok() {
+                        self.settings = new;
+                        if let Some(keeper) = &mut self.keeper {
                             keeper.limit(new.reference_timeout, new.reference_deceleration, new.fastest);
                         }
                     }
                 }
             }
         }
-        friction = inputs.frictions.take_last().unwrap_or(friction);
         // Also while no joint state comes: a full queue would keep the oldest.
-        newest_reference = inputs.references.take_last().or(newest_reference);
+        self.newest_reference = self.references.take_last().or(self.newest_reference.take());
+    }
+
+    /// Back to rest, unless a fault is latched: the shaft may be elsewhere, and what was asked for before is old.
+    fn begin_anew(&mut self) {
+        self.keeper = None;
+        if !self.faulted {
+            self.controller.reset();
+        }
+    }
+
+    /// Back to rest, without a reference, as when the motor begins to move.
+    pub fn reset(&mut self) {
+        self.controller.reset();
+        self.keeper = None;
+    }
+
+    /// Whether the node is active.
+    #[must_use]
+    pub const fn runs(&self) -> bool {
+        self.runs
+    }
+
+    /// What is regulated, in the settings that count now.
+    #[must_use]
+    pub const fn mode(&self) -> ControlMode {
+        self.settings.options.mode
+    }
+
+    /// The reference for a cycle: the newest that came, or what stands in for it. `position` [rad] is where the axis stands without any.
+    pub fn next_reference(&mut self, position: f64) -> Reference {
+        let settings = &self.settings;
+        let keeper = self.keeper.get_or_insert_with(|| {
+            let mut keeper = ReferenceKeeper::new(position);
+            keeper.limit(settings.reference_timeout, settings.reference_deceleration, settings.fastest);
+            keeper
+        });
+        if let Some((reference, came)) = self.newest_reference.take() {
+            keeper.take(reference, came.elapsed().as_secs_f64());
+        }
+        keeper.next(settings.options.period)
+    }
+
+    /// The command for a joint state; none while the node is not active. `friction` is the newest estimate.
+    pub fn step(&mut self, joint: &Joint, reference: &Reference, friction: &Friction) -> Option<Decided> {
+        if !self.runs {
+            return None;
+        }
+        let Compensation { volts_per_newton_metre, .. } = self.settings.options.compensation;
+        // One from the future belongs to another clock.
+        let age = joint.stamp_ns.abs_diff(friction.stamp_ns) as f64 * 1e-9;
+        // More than the motor can overcome is no friction that it could compensate: it would be full voltage.
+        let volts = friction.torque.abs() * volts_per_newton_metre;
+        let counts = age <= self.settings.estimate_timeout && volts <= self.settings.options.voltage_limit;
+        let feedback = Feedback {
+            position: joint.position,
+            velocity: joint.velocity,
+            friction: if counts { friction.torque } else { 0.0 },
+            cycle: joint.cycle,
+        };
+        let command = self.controller.step(reference, &feedback);
+        self.faulted = command.fault.is_some();
+        Some(Decided {
+            stamp_ns: joint.stamp_ns,
+            command,
+            fault: command.fault,
+            stale_reference: self.keeper.is_some_and(|keeper| keeper.is_stale()),
+            fresh_estimate: counts && friction.stamp_ns >= joint.stamp_ns,
+        })
+    }
+}
+
+/// Controls until the joint states' queue has no other end.
+pub(super) fn control(mut control: Control, mut inputs: Inputs, mut out: Sender<Decided>) {
+    let mut friction = Friction::default();
+    let mut pending: Option<(Joint, Instant)> = None;
+    let mut last_stamp = 0;
+    loop {
+        let ran = control.runs();
+        control.take_orders();
+        if control.runs() && !ran {
+            friction = Friction::default();
+        }
+        friction = inputs.frictions.take_last().unwrap_or(friction);
         if pending.is_none() {
             pending = inputs.joints.take().map(|joint| (joint, Instant::now()));
         }
@@ -109,53 +215,26 @@ pub(super) fn control(
             continue;
         };
         // A joint state that comes twice, or late, is no news.
-        if !runs || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < 1_000_000_000 {
+        if !control.runs() || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < 1_000_000_000 {
             pending = None;
             last_stamp = last_stamp.max(joint.stamp_ns);
             continue;
         }
-        let fresh = friction.stamp_ns >= joint.stamp_ns;
+        let settings = &control.settings;
         let needed = settings.options.compensation.enabled && friction.stamp_ns > 0;
         let wait = Duration::from_secs_f64(settings.estimate_wait);
-        if needed && !fresh && came.elapsed() < wait {
+        if needed && friction.stamp_ns < joint.stamp_ns && came.elapsed() < wait {
             Waker::sleep(wait.saturating_sub(came.elapsed()));
             continue;
         }
         pending = None;
-        // After a silence it begins anew: the shaft may be elsewhere, and what was asked for before is old.
-        let silence = joint.stamp_ns.saturating_sub(last_stamp) as f64 * 1e-9;
-        if silence > SILENCE {
-            keeper = None;
-            if !faulted {
-                controller.reset();
-            }
+        if joint.stamp_ns.saturating_sub(last_stamp) as f64 * 1e-9 > SILENCE {
+            control.begin_anew();
         }
         last_stamp = joint.stamp_ns;
-        let keeper = keeper.get_or_insert_with(|| {
-            let mut keeper = ReferenceKeeper::new(joint.position);
-            keeper.limit(settings.reference_timeout, settings.reference_deceleration, settings.fastest);
-            keeper
-        });
-        if let Some((reference, came)) = newest_reference.take() {
-            keeper.take(reference, came.elapsed().as_secs_f64());
+        let reference = control.next_reference(joint.position);
+        if let Some(decided) = control.step(&joint, &reference, &friction) {
+            out.send(decided);
         }
-        let reference = keeper.next(period);
-        // One from the future belongs to another clock.
-        let age = joint.stamp_ns.abs_diff(friction.stamp_ns) as f64 * 1e-9;
-        // More than the motor can overcome is no friction that it could compensate: it would be full voltage.
-        let volts = friction.torque.abs() * settings.options.compensation.volts_per_newton_metre;
-        let counts = age <= settings.estimate_timeout && volts <= settings.options.voltage_limit;
-        let torque = if counts { friction.torque } else { 0.0 };
-        let feedback =
-            Feedback { position: joint.position, velocity: joint.velocity, friction: torque, cycle: None };
-        let command = controller.step(&reference, &feedback);
-        faulted = command.fault.is_some();
-        out.send(Decided {
-            stamp_ns: joint.stamp_ns,
-            command,
-            fault: command.fault,
-            stale_reference: keeper.is_stale(),
-            fresh_estimate: fresh && counts,
-        });
     }
 }

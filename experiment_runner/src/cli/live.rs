@@ -26,7 +26,9 @@ use crate::{
 
 /// Run rig, observer and controller in real time and publish everything over ROS 2
 ///
-/// One process, one control thread at 1 kHz. Publishes /joint_states, /rig_measurement, /reference, /friction_estimate,
+/// One process with the nodes rig_driver, friction_observer, controller and experiment_runner, as the executables have them: parameters,
+/// lifecycle and services. The loop goes through memory on one control thread at 1 kHz; the options here are the nodes' parameters, which
+/// `ros2 param set` changes while it runs. Publishes /joint_states, /rig_measurement, /reference, /friction_estimate,
 /// /motor_voltage, /controller_state and /diagnostics, and records them into DIR/bag. ROS_DOMAIN_ID is honoured; only this
 /// machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends the run cleanly.
 ///
@@ -81,11 +83,17 @@ pub struct LiveArgs {
     #[arg(long)]
     pub serve: bool,
     /// Seed of the sensors' noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
+    /// Write the exact percentiles of the periods' errors to FILE, as JSON
+    #[arg(long, value_name = "FILE")]
+    pub timing: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long, short)]
     pub quiet: bool,
+    /// Arguments of ROS for the nodes, last on the line: -r __ns:=/axis_1, -p controller:fade:=0.2, --params-file FILE
+    #[arg(long = "ros-args", value_name = "ROS ARGUMENTS", num_args = 0.., allow_hyphen_values = true)]
+    pub ros_arguments: Vec<String>,
 }
 
 /// Control cycles a second of the simulated rig [Hz].
@@ -109,6 +117,8 @@ pub enum ReferenceArg {
     Sine,
     /// A constant velocity
     Constant,
+    /// Whatever comes on the topic /reference; without any the shaft stands
+    Ros,
 }
 
 /// Runs it.
@@ -177,15 +187,35 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         test_bed,
         mode,
         reference: reference(args)?,
-        observer: super::run::compensators(args.parameters.as_deref())?.get(args.model),
+        observer: args.model,
+        models: super::run::compensators(args.parameters.as_deref())?,
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
         serve: args.serve.then(|| PathBuf::from("runs")),
+        ros_arguments: args
+            .quiet
+            .then_some(["--log-level", "error"].map(str::to_owned))
+            .into_iter()
+            .flatten()
+            .chain(args.ros_arguments.iter().cloned())
+            .collect(),
+        timing: args.timing.clone(),
     })
 }
 
-fn reference(args: &LiveArgs) -> anyhow::Result<Waveform> {
+fn reference(args: &LiveArgs) -> anyhow::Result<Option<Waveform>> {
+    if args.reference == ReferenceArg::Ros {
+        return if args.amplitude.or(args.frequency).is_none() {
+            Ok(None)
+        } else {
+            Err(BadInput(
+                "--amplitude and --frequency belong to a reference of its own; with --reference ros leave them out"
+                    .to_owned(),
+            )
+            .into())
+        };
+    }
     let finite = |name: &str, value: Option<f64>| match value {
         Some(value) if !value.is_finite() || (name == "--frequency" && value <= 0.0) => {
             Err(BadInput(format!(
@@ -201,8 +231,8 @@ fn reference(args: &LiveArgs) -> anyhow::Result<Waveform> {
         ModeArg::Velocity => TrackingProtocol::velocity().reference,
         ModeArg::Position => TrackingProtocol::position().reference,
     };
-    Ok(match (args.reference, default) {
-        (ReferenceArg::Constant, _) => {
+    Ok(Some(match (args.reference, default) {
+        (ReferenceArg::Constant | ReferenceArg::Ros, _) => {
             Waveform::ConstantVelocity { velocity: amplitude_given.unwrap_or(0.3) }
         }
         (ReferenceArg::Sine, Waveform::SineVelocity { amplitude, angular_frequency }) => {
@@ -218,5 +248,5 @@ fn reference(args: &LiveArgs) -> anyhow::Result<Waveform> {
             }
         }
         (ReferenceArg::Sine, other) => other,
-    })
+    }))
 }

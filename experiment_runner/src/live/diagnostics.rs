@@ -1,19 +1,18 @@
 //! The loop's health as a ROS 2 message.
 
-use std::sync::atomic::Ordering;
-
 use msgs::{
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     std_msgs::Header,
 };
 use ros_node::timing::Timing;
 
-use super::Counters;
-
 /// The loop's health over the last second, and its losses since the start.
-pub(super) fn message(stamp_ns: u64, timing: &Timing, counters: &Counters, not_sent: u64) -> DiagnosticArray {
-    let not_published = counters.not_published.load(Ordering::Relaxed) + not_sent;
-    let not_recorded = counters.not_recorded.load(Ordering::Relaxed);
+pub(super) fn message(
+    stamp_ns: u64,
+    timing: &Timing,
+    not_recorded: u64,
+    not_published: u64,
+) -> DiagnosticArray {
     let (level, text) = match (not_recorded, not_published, timing.overruns) {
         (0, 0, 0) => (DiagnosticStatus::OK, "in time".to_owned()),
         (0, 0, late) => (DiagnosticStatus::WARN, format!("{late} cycles were late")),
@@ -28,7 +27,7 @@ pub(super) fn message(stamp_ns: u64, timing: &Timing, counters: &Counters, not_s
             level,
             name: "experiment_runner: control loop".to_owned(),
             message: text,
-            hardware_id: "simulated".to_owned(),
+            hardware_id: String::new(),
             values: vec![
                 value("cycles", timing.cycles.to_string()),
                 microseconds("period p50 [us]", timing.period.p50),
@@ -53,16 +52,14 @@ mod tests {
 
     #[test]
     fn the_worst_loss_is_the_one_told() {
-        let counters = Counters::default();
-        let level = |timing: &Timing, counters: &Counters, not_sent| {
-            let status = message(1, timing, counters, not_sent).status.remove(0);
+        let level = |timing: &Timing, not_recorded, not_published| {
+            let status = message(1, timing, not_recorded, not_published).status.remove(0);
             (status.level, status.message)
         };
-        assert_eq!(level(&Timing::default(), &counters, 0), (DiagnosticStatus::OK, "in time".into()));
+        assert_eq!(level(&Timing::default(), 0, 0), (DiagnosticStatus::OK, "in time".into()));
         let late = Timing { overruns: 2, ..Timing::default() };
-        assert_eq!(level(&late, &counters, 0).0, DiagnosticStatus::WARN);
-        assert_eq!(level(&late, &counters, 4).1, "4 cycles were not published");
-        counters.not_recorded.store(3, Ordering::Relaxed);
-        assert_eq!(level(&late, &counters, 4).0, DiagnosticStatus::ERROR);
+        assert_eq!(level(&late, 0, 0).0, DiagnosticStatus::WARN);
+        assert_eq!(level(&late, 0, 4).1, "4 cycles were not published");
+        assert_eq!(level(&late, 3, 4).0, DiagnosticStatus::ERROR);
     }
 }

@@ -6,7 +6,7 @@ use ros_node::RosNodeError;
 
 use rig_driver::RigError;
 
-use crate::{bag::BagError, rig::RigSetupError, test_bed::TestBedError};
+use crate::{bag::BagError, output::OutputError, rig::RigSetupError, run::RunError, test_bed::TestBedError};
 
 /// A live run that cannot start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +31,21 @@ pub enum LiveError {
         /// Rate asked for [Hz].
         asked: f64,
     },
+    /// No parameters of the nodes say these options.
+    #[error("{0}")]
+    Parameters(String),
+    /// The arguments behind `--ros-args` are wrong.
+    #[error("{0}")]
+    Arguments(String),
+    /// The rig did not become active.
+    #[error("the rig does not start, and is at zero volts: {0}")]
+    Start(String),
+    /// What is to be kept beside the bag cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The parameters cannot be written into the bag.
+    #[error(transparent)]
+    ParameterFile(Box<RunError>),
     /// The bag cannot be written.
     #[error(transparent)]
     Bag(#[from] BagError),
@@ -64,8 +79,10 @@ impl LiveError {
                 | Self::TestBed(_)
                 | Self::Setup(_)
                 | Self::Rate { .. }
+                | Self::Parameters(_)
+                | Self::Arguments(_)
+                | Self::Output(_)
                 | Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. })
-                | Self::Ros(RosNodeError::Environment { .. })
-        )
+        ) || matches!(self, Self::Ros(error) if error.is_bad_input())
     }
 }

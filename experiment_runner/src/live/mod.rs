@@ -1,57 +1,64 @@
-//! The loop in real time, on ROS 2: rig, observer and controller in one process, recorded and published.
+//! The loop in real time, on ROS 2: the nodes `rig_driver`, `friction_observer`, `controller` and `experiment_runner` in one process, recorded.
 //!
-//! Three threads share the work. The control thread ([`control`]) runs the loop at absolute deadlines and does nothing
-//! else: no lock, no allocation, no message. Its cycles leave through two bounded queues, one to the thread that publishes
-//! ([`publishing`]) and one to the thread that records ([`recording`]). A full queue costs a cycle, which is counted and
-//! told, never a wait.
+//! The nodes are those of the executables, with their parameters, services and states. What is different is the way between them:
+//! observer and controller answer on the rig's control thread ([`answering`]), which runs at absolute deadlines and does nothing else: no lock,
+//! no allocation, no message. Its cycles leave through bounded queues, to the threads that publish and to the one that records
+//! ([`recording`]). A full queue costs a cycle, which is counted and told, never a wait. The command's options become
+//! the nodes' parameters ([`settings`]).
 
-mod control;
+mod answering;
 mod diagnostics;
 mod error;
+mod period_errors;
 mod publishing;
 mod recording;
 mod report;
+mod settings;
 
 use std::{
     collections::BTreeMap,
     path::PathBuf,
     sync::{
         Arc,
-        atomic::{AtomicBool, AtomicU64},
+        atomic::{AtomicBool, Ordering},
     },
     thread,
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    time::Duration,
 };
 
 use controller::ControlMode;
-use friction_model::AnyModel;
-use rig_driver::{
-    Calibration,
-    safety::{SafetyLimits, Supervised},
-};
-use ros_node::{Discovery, Participant, deadlines};
+use controller::node::ManagedController;
+use friction_model::{AnyModel, ModelName};
+use friction_observer::node::FrictionObserver;
+use rig_driver::node::RigDriver;
+use rig_driver::{Calibration, safety::Supervised};
+use ros_node::{Discovery, Participant};
 use serde::Serialize;
 
 pub use error::LiveError;
 pub use report::LiveReport;
 pub use ros_node::timing::{Percentiles, Timing};
 
+use answering::{Ending, InProcess, Memory};
+use period_errors::PeriodErrors;
+use publishing::{Nodes, RunnerSide};
+use recording::Recorded;
+
 use crate::compensation::Means;
 use crate::{
     bag::{BagOptions, BagWriter},
-    cycle::CycleSample,
     messages::CycleTopics,
+    output,
     rig::{Opened, RigChoice},
+    run::{Compensators, GIVEN_PARAMETERS, render_parameter_file},
     test_bed::TestBed,
     waveform::Waveform,
 };
 
-/// Cycles that wait for the publisher: half a second at 1 kHz.
-const PUBLISHER_QUEUE: usize = 512;
 /// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that long.
 const RECORDER_QUEUE: usize = 8192;
-/// Time to start the threads before the first cycle.
-const HEAD_START: Duration = Duration::from_millis(50);
+/// How often faults and the end are looked for.
+const WATCH: Duration = Duration::from_millis(20);
 
 /// What a live run does.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,10 +73,12 @@ pub struct LiveOptions {
     pub test_bed: TestBed,
     /// What the controller regulates.
     pub mode: ControlMode,
-    /// Where the axis should be.
-    pub reference: Waveform,
+    /// Where the axis should be; none if `/reference` says it.
+    pub reference: Option<Waveform>,
     /// Model of the observer.
-    pub observer: AnyModel,
+    pub observer: ModelName,
+    /// Every model with the parameters that the observer knows of it.
+    pub models: Compensators,
     /// By what means the estimate enters the command; none for not at all.
     pub means: Option<Means>,
     /// The bench's period was asked for by name: a device with another one is refused.
@@ -80,24 +89,10 @@ pub struct LiveOptions {
     pub duration: Option<f64>,
     /// Folder for the experiments that others ask for meanwhile; none for taking no requests.
     pub serve: Option<PathBuf>,
-}
-
-/// One cycle on its way to publisher and recorder.
-#[derive(Debug, Clone, Copy)]
-struct LiveCycle {
-    sample: CycleSample,
-    /// Time since the start of the cycle before [ns]; zero for the first.
-    period_ns: u64,
-    /// Time the step took [ns].
-    execution_ns: u64,
-}
-
-/// What the control thread counts for others to see. Written by it alone.
-#[derive(Debug, Default)]
-struct Counters {
-    overruns: AtomicU64,
-    not_published: AtomicU64,
-    not_recorded: AtomicU64,
+    /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above the other options.
+    pub ros_arguments: Vec<String>,
+    /// File for the exact percentiles of the periods' errors.
+    pub timing: Option<PathBuf>,
 }
 
 /// Runs the loop in real time until the duration is over or `stop` is set.
@@ -114,90 +109,119 @@ pub fn run(
 ) -> Result<LiveReport, LiveError> {
     let discovery = Discovery::from_environment()?;
     // Put together once for nothing, so that a wrong option leaves neither a folder nor a node behind.
-    options.control_loop(0, None)?;
+    options.check()?;
     let real = options.open_rig()?;
     let period = real.as_ref().map_or(options.test_bed.simulation.period, |opened| opened.rig.period());
     let about_line = real.as_ref().and_then(|opened| opened.about.clone());
+    let arguments = settings::arguments(options, period)?;
 
-    let participant = Participant::join(&discovery)?;
-    let nodes = publishing::Nodes::new(participant, options.serve.as_deref())?;
-    let mut bag = BagWriter::create(&options.out.join("bag"), BagOptions::default())?;
-    bag.metadata("frictionlab", options.metadata())?;
-    let topics = CycleTopics::open(&mut bag)?;
-
-    // Joining takes a while; only now can the stamp of the first cycle be told, and its deadline be the same instant.
-    let first_deadline = deadlines::now_ns() + HEAD_START.as_nanos() as u64;
-    let control_loop = options.control_loop(epoch_ns(SystemTime::now() + HEAD_START), real)?;
-
-    let counters = Arc::new(Counters::default());
-    let (to_publisher, for_publisher) = rtrb::RingBuffer::new(PUBLISHER_QUEUE);
-    let (to_recorder, for_recorder) = rtrb::RingBuffer::new(RECORDER_QUEUE);
-    let spawn_error = |source| LiveError::Thread { source };
-
-    let recorder = {
-        let stop = Arc::clone(stop);
-        let record = move || recording::record(bag, topics, for_recorder, &stop);
-        thread::Builder::new().name("recorder".into()).spawn(record).map_err(spawn_error)?
-    };
-    let publisher = {
-        let counters = Arc::clone(&counters);
-        let publish = move || publishing::publish(nodes, for_publisher, &counters);
-        thread::Builder::new().name("publisher".into()).spawn(publish).map_err(spawn_error)?
-    };
-    let (priority, told_priority) = std::sync::mpsc::channel();
-    let control = {
-        let task = control::Task {
-            control_loop,
-            cycles: options.duration.map(|duration| (duration / period).round() as u64),
-            first_deadline,
-            to_publisher,
-            to_recorder,
-            counters: Arc::clone(&counters),
-            stop: Arc::clone(stop),
-        };
-        let run = move || task.run(|line| _ = priority.send(line));
-        thread::Builder::new().name("control".into()).spawn(run).map_err(spawn_error)?
-    };
-    if let Ok(line) = told_priority.recv() {
-        started(&about_line.map_or_else(|| line.clone(), |about| format!("{about}\n{line}")));
+    let participant = Participant::join_with(&discovery, arguments)?;
+    let (runner, to_reference) =
+        RunnerSide::new(&participant, options.reference.is_some(), options.serve.is_some())?;
+    let (observer, estimating) = FrictionObserver::new(&participant)?;
+    let (base, _) = options.test_bed.settings(options.mode, options.means, period);
+    let (controller, controlling) = ManagedController::new(&participant, &base)?;
+    if options.reference.is_none() {
+        controller.follow(controlling.references)?;
     }
+    let bag = options.bag()?;
 
-    // The control thread drops its ends of the queues when it is done, which ends the other two.
-    let control = control.join().map_err(|_| LiveError::Panicked { thread: "control" });
-    let published = publisher.join().map_err(|_| LiveError::Panicked { thread: "publisher" });
-    let recorded = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
-    let (control, published, bag) = (control?, published?, recorded??);
-    if let Some(error) = control.rig_error {
+    let (to_recorder, for_recorder) = rtrb::RingBuffer::new(RECORDER_QUEUE);
+    let ending = Arc::new(Ending::default());
+    let in_process = InProcess {
+        estimation: estimating.estimation,
+        control: controlling.control,
+        waveform: options.reference,
+        cycles: options.duration.map(|duration| (duration / period).round() as u64),
+        to_observer: estimating.out,
+        to_controller: controlling.out,
+        to_reference,
+        to_recorder,
+        ending: Arc::clone(&ending),
+        memory: Memory::default(),
+    };
+    let opened = real.map(|Opened { rig, limits, .. }| Supervised::new(rig, limits)).transpose();
+    let rig = RigDriver::new(&participant, Some(Box::new(in_process)), opened.map_err(LiveError::Rig)?)?;
+    let mut nodes = Nodes { rig, observer, controller, runner };
+
+    let recorded = Arc::new(Recorded::new());
+    let recorder = {
+        let (stop, recorded) = (Arc::clone(stop), Arc::clone(&recorded));
+        let errors = options.timing.is_some().then(|| PeriodErrors::new(period));
+        let (bag, topics) = bag;
+        let record = move || recording::record(bag, topics, for_recorder, (&recorded, errors), &stop);
+        let spawned = thread::Builder::new().name("recorder".into()).spawn(record);
+        spawned.map_err(|source| LiveError::Thread { source })?
+    };
+
+    nodes.observer.start();
+    nodes.controller.start();
+    let begun = nodes.rig.start();
+    let priority = nodes.rig.priority();
+    if begun.is_ok() {
+        started(&about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")));
+        let over = || ending.over.load(Ordering::Acquire) || ending.gone.load(Ordering::Acquire);
+        while !over() && !stop.load(Ordering::Relaxed) {
+            nodes.tend(&recorded, ending.not_recorded.load(Ordering::Relaxed));
+            thread::sleep(WATCH);
+        }
+    }
+    let (over, lost) = (ending.over.load(Ordering::Acquire), ending.gone.load(Ordering::Acquire));
+    // The motor is at zero volts before anything else ends.
+    nodes.rig.halt();
+    let overruns = nodes.rig.overruns();
+    let published = nodes.leave();
+    drop(participant);
+    // Its queue ended with the rig's node.
+    let kept = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
+    let (published, (bag, errors)) = (published?, kept??);
+    if let Err(reason) = begun {
+        return Err(LiveError::Start(reason));
+    }
+    if let Some(error) = ending.error() {
         return Err(LiveError::Rig(error));
     }
-    Ok(LiveReport::new(options, control, published, bag, &counters))
+    if lost && !over {
+        return Err(LiveError::Panicked { thread: "control" });
+    }
+    if let (Some(path), Some(errors)) = (&options.timing, errors) {
+        let summary = errors.summary(priority.clone());
+        let text = serde_json::to_string(&summary).unwrap_or_else(|error| error.to_string());
+        let name = path.file_name().map_or_else(Default::default, |name| name.to_string_lossy());
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        output::write_all(folder.unwrap_or_else(|| ".".as_ref()), &[(&name, text + "\n")])?;
+    }
+    let not_recorded = ending.not_recorded.load(Ordering::Relaxed);
+    let report = LiveReport::new(recorded.timing(overruns), priority, published, bag, not_recorded);
+    Ok(LiveReport { interrupted: options.duration.is_some() && !over, ..report })
 }
 
 impl LiveOptions {
-    /// The loop around `real`, or around the simulated rig.
-    fn control_loop(
-        &self,
-        start_ns: u64,
-        real: Option<Opened>,
-    ) -> Result<crate::control_loop::ControlLoop, LiveError> {
+    /// The observer's model with its parameters.
+    fn observer(&self) -> AnyModel {
+        self.models.get(self.observer)
+    }
+
+    /// Puts the loop together once.
+    fn check(&self) -> Result<(), LiveError> {
         if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
             return Err(LiveError::Duration(duration));
         }
-        let Self { test_bed, mode, reference, observer, means, seed, .. } = self;
-        Ok(match real {
-            Some(Opened { rig, limits, .. }) => {
-                let rig = Supervised::activated(rig, limits).map_err(LiveError::Rig)?;
-                test_bed.loop_around(Box::new(rig), *mode, *reference, observer, *means, start_ns)?
-            }
-            None => {
-                let mut test_bed = *test_bed;
-                // A simulated shaft stands still while its loop waits: a late cycle never asks for a new activation.
-                let limits = SafetyLimits::for_simulation(&test_bed.simulation);
-                let limits = SafetyLimits { cycle_lost: f64::MAX, ..limits };
-                test_bed.simulation.safety.get_or_insert(limits);
-                test_bed.control_loop(*mode, *reference, observer, *means, *seed, start_ns)?
-            }
-        })
+        let Self { test_bed, mode, means, seed, .. } = self;
+        let reference = self.reference.unwrap_or(Waveform::ConstantVelocity { velocity: 0.0 });
+        test_bed.control_loop(*mode, reference, &self.observer(), *means, *seed, 0)?;
+        Ok(())
+    }
+
+    /// The bag with what belongs to it, and its topics.
+    fn bag(&self) -> Result<(BagWriter, CycleTopics), LiveError> {
+        let mut bag = BagWriter::create(&self.out.join("bag"), BagOptions::default())?;
+        bag.metadata("frictionlab", self.metadata())?;
+        let parameters = render_parameter_file(&self.test_bed, &self.models, self.observer, GIVEN_PARAMETERS)
+            .map_err(|error| LiveError::ParameterFile(Box::new(error)))?;
+        bag.attach("parameters.yaml", "application/yaml", parameters.as_bytes())?;
+        let topics = CycleTopics::open(&mut bag)?;
+        Ok((bag, topics))
     }
 
     /// The real rig, if one was chosen, its motor at zero volts.
@@ -223,9 +247,4 @@ impl LiveOptions {
             ("options".to_owned(), options),
         ])
     }
-}
-
-/// Nanoseconds since the Unix epoch; zero before it.
-fn epoch_ns(time: SystemTime) -> u64 {
-    time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }

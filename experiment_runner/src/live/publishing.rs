@@ -1,111 +1,151 @@
-//! The thread that publishes.
+//! The nodes of a live run beside the loop: who is on the network, and the thread that publishes the reference.
 
-use std::{
-    path::Path,
-    sync::atomic::Ordering,
-    thread,
-    time::{Duration, SystemTime},
-};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
-use controller::node::ControllerNode;
-use friction_observer::node::ObserverNode;
-use msgs::{diagnostic_msgs::DiagnosticArray, topics};
-use rig_driver::node::RigNode;
-use ros_node::{Participant, Publisher, RosNode, RosNodeError, timing::Stopwatch};
-use rtrb::Consumer;
+use controller::Reference;
+use controller::node::ManagedController;
+use friction_observer::node::FrictionObserver;
+use msgs::diagnostic_msgs::DiagnosticArray;
+use msgs::{friction_msgs, topics};
+use rig_driver::node::RigDriver;
+use ros_node::queue::{Receiver, Sender, Waker, queue};
+use ros_node::{Participant, Publisher, RosNode, RosNodeError};
 
-use super::{Counters, LiveCycle, diagnostics, epoch_ns};
-use crate::server::node::Runner;
+use super::{LiveError, diagnostics, recording::Recorded};
+use crate::server::node::ManagedRunner;
 
-/// Pause when there is nothing to publish: short against the period, long against the work.
-const PAUSE: Duration = Duration::from_micros(500);
+/// References that wait for the publisher.
+const WAITING: usize = 256;
 /// Time between two diagnostics.
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Time for the last samples to be acknowledged before the writers go.
 const LINGER: Duration = Duration::from_millis(200);
 
-/// All nodes of the process. The fields are dropped in this order: publishers, then nodes, then the participant.
-pub(super) struct Nodes {
-    rig: RigNode,
-    observer: ObserverNode,
-    controller: ControllerNode,
+/// The node `/experiment_runner`: it says the reference, if it is its own, how the loop goes, and takes requests.
+pub(super) struct RunnerSide {
     diagnostics: Publisher<DiagnosticArray>,
-    _requests: Option<Runner>,
-    _runner: RosNode,
-    _participant: Participant,
+    next: Instant,
+    reference: Option<JoinHandle<(u64, Option<String>)>>,
+    _requests: Option<ManagedRunner>,
+    _node: RosNode,
 }
 
-impl Nodes {
-    pub(super) fn new(participant: Participant, serve: Option<&Path>) -> Result<Self, RosNodeError> {
-        let runner = participant.node("experiment_runner")?;
-        Ok(Self {
-            rig: RigNode::new(&participant)?,
-            observer: ObserverNode::new(&participant)?,
-            controller: ControllerNode::new(&participant)?,
-            diagnostics: runner.publisher(&topics::DIAGNOSTICS)?,
-            _requests: serve.map(|runs| Runner::new(&runner, runs.to_owned())).transpose()?,
-            _runner: runner,
-            _participant: participant,
-        })
+/// The way of a waveform's references to their publisher, each with its stamp [ns since the Unix epoch].
+pub(super) type OwnReferences = Sender<(u64, Reference)>;
+
+impl RunnerSide {
+    /// Joins the participant. The end of the queue is for the references of a `waveform`.
+    pub(super) fn new(
+        participant: &Participant,
+        waveform: bool,
+        serve: bool,
+    ) -> Result<(Self, Option<OwnReferences>), LiveError> {
+        let node = participant.node("experiment_runner")?;
+        let (mut reference, mut sender) = (None, None);
+        if waveform {
+            let waker = Waker::default();
+            let (to_publisher, for_publisher) = queue(WAITING, &waker);
+            let publisher = node.publisher(&topics::REFERENCE)?;
+            let publish = move || {
+                waker.is_this_thread();
+                publish(&publisher, for_publisher)
+            };
+            let spawned = thread::Builder::new().name("publisher".into()).spawn(publish);
+            reference = Some(spawned.map_err(|source| LiveError::Thread { source })?);
+            sender = Some(to_publisher);
+        }
+        let side = Self {
+            diagnostics: node.publisher(&topics::DIAGNOSTICS)?,
+            next: Instant::now() + DIAGNOSTICS,
+            reference,
+            _requests: serve.then(|| ManagedRunner::new(&node)).transpose()?,
+            _node: node,
+        };
+        Ok((side, sender))
     }
 
-    fn publish(&self, cycle: &LiveCycle) -> Result<(), RosNodeError> {
-        let sample = &cycle.sample;
-        self.rig.publish(sample.stamp_ns, &sample.measurement)?;
-        self.observer.publish(sample.stamp_ns, &sample.estimate)?;
-        self.controller.publish(sample.stamp_ns, &sample.reference, &sample.command)
+    /// Publishes diagnostics once a second.
+    fn tend(&mut self, recorded: &Recorded, overruns: u64, not_recorded: u64, not_published: u64) {
+        if Instant::now() < self.next {
+            return;
+        }
+        self.next += DIAGNOSTICS;
+        let timing = recorded.last_second(overruns);
+        let stamp_ns = self._node.clock().now_ns();
+        // The next one comes in a second.
+        let _ =
+            self.diagnostics.publish(diagnostics::message(stamp_ns, &timing, not_recorded, not_published));
     }
 }
 
-/// What the thread leaves behind.
+/// All nodes of the process.
+pub(super) struct Nodes {
+    pub(super) rig: RigDriver,
+    pub(super) observer: FrictionObserver,
+    pub(super) controller: ManagedController,
+    pub(super) runner: RunnerSide,
+}
+
+/// What came of publishing.
 #[derive(Debug, Default)]
 pub(super) struct Published {
-    /// Cycles of which every message was taken.
+    /// Measurements that were published.
     pub(super) cycles: u64,
-    /// Cycles of which a message was refused.
-    pub(super) failed: u64,
-    /// The first refusal.
+    /// Messages of all topics that were not.
+    pub(super) lost: u64,
+    /// The first refusal of a reference.
     pub(super) first_failure: Option<String>,
 }
 
-impl Published {
-    fn note(&mut self, result: Result<(), RosNodeError>) {
-        match result {
-            Ok(()) => self.cycles += 1,
-            Err(error) => {
-                self.failed += 1;
-                self.first_failure.get_or_insert_with(|| error.to_string());
-            }
-        }
+impl Nodes {
+    /// Looks after faults and diagnostics; some fifty times a second.
+    pub(super) fn tend(&mut self, recorded: &Recorded, not_recorded: u64) {
+        self.rig.tend();
+        self.observer.tend();
+        self.controller.tend();
+        let not_published = self.not_published();
+        self.runner.tend(recorded, self.rig.overruns(), not_recorded, not_published);
+    }
+
+    fn not_published(&self) -> u64 {
+        self.rig.published().1 + self.observer.not_published() + self.controller.not_published()
+    }
+
+    /// The motor is at zero volts already: lets the last messages out, then takes the nodes off the graph.
+    pub(super) fn leave(self) -> Result<Published, LiveError> {
+        thread::sleep(LINGER);
+        let (cycles, lost) = (self.rig.published().0, self.not_published());
+        let Self { rig, observer, controller, mut runner } = self;
+        // With the rig go observer and controller, which the control thread had, and with them the publishers' queues.
+        drop(rig);
+        observer.leave();
+        controller.leave();
+        let told = runner.reference.take().map(JoinHandle::join).transpose();
+        let (refused, first_failure) =
+            told.map_err(|_| LiveError::Panicked { thread: "publisher" })?.unwrap_or_default();
+        Ok(Published { cycles, lost: lost + refused, first_failure })
     }
 }
 
-/// Publishes cycles until the queue's other end is gone and it is empty.
-pub(super) fn publish(nodes: Nodes, mut queue: Consumer<LiveCycle>, counters: &Counters) -> Published {
-    let mut published = Published::default();
-    let mut stopwatch = Stopwatch::new();
-    let mut next = std::time::Instant::now() + DIAGNOSTICS;
+/// Publishes references until the queue's other end is gone. Returns how many were refused, and why the first.
+fn publish(
+    publisher: &Publisher<friction_msgs::Reference>,
+    mut queue: Receiver<(u64, Reference)>,
+) -> (u64, Option<String>) {
+    let (mut refused, mut first) = (0, None);
     loop {
-        match queue.pop() {
-            Ok(cycle) => {
-                stopwatch.note(cycle.period_ns, cycle.execution_ns);
-                published.note(nodes.publish(&cycle));
+        match queue.take() {
+            Some((stamp_ns, reference)) => {
+                let sent: Result<(), RosNodeError> =
+                    publisher.publish(controller::messages::reference(stamp_ns, &reference));
+                if let Err(error) = sent {
+                    refused += 1;
+                    first.get_or_insert_with(|| error.to_string());
+                }
             }
-            // Looked at in this order, nothing can slip in between.
-            Err(_) if queue.is_abandoned() && queue.is_empty() => break,
-            Err(_) => thread::sleep(PAUSE),
-        }
-        if std::time::Instant::now() >= next {
-            next += DIAGNOSTICS;
-            let timing = stopwatch.timing(counters.overruns.load(Ordering::Relaxed));
-            let message =
-                diagnostics::message(epoch_ns(SystemTime::now()), &timing, counters, published.failed);
-            if let Err(error) = nodes.diagnostics.publish(message) {
-                published.first_failure.get_or_insert_with(|| error.to_string());
-            }
-            stopwatch.clear();
+            None if queue.is_over() => return (refused, first),
+            None => Waker::sleep(Duration::from_millis(50)),
         }
     }
-    thread::sleep(LINGER);
-    published
 }

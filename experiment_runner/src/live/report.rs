@@ -1,10 +1,10 @@
 //! What a live run comes to.
 
-use std::{fmt, sync::atomic::Ordering};
+use std::fmt;
 
 use ros_node::timing::{Percentiles, Timing};
 
-use super::{Counters, LiveOptions, control::Done, publishing::Published};
+use super::publishing::Published;
 use crate::bag::BagSummary;
 
 /// What a live run came to. Displayed, it is what a person wants to read at the end.
@@ -14,9 +14,9 @@ pub struct LiveReport {
     pub timing: Timing,
     /// What the control thread was told about its priority.
     pub priority: String,
-    /// Cycles that were published, all six topics of each.
+    /// Cycles whose measurement was published.
     pub published: u64,
-    /// Cycles that were not, because the queue was full or the middleware refused.
+    /// Messages of all topics that were not, because a queue was full or the middleware refused.
     pub not_published: u64,
     /// What the middleware said at its first refusal.
     pub first_refusal: Option<String>,
@@ -30,21 +30,22 @@ pub struct LiveReport {
 
 impl LiveReport {
     pub(super) fn new(
-        options: &LiveOptions,
-        control: Done,
+        timing: Timing,
+        priority: String,
         published: Published,
         bag: BagSummary,
-        counters: &Counters,
+        not_recorded: u64,
     ) -> Self {
+        let timing = Timing { cycles: timing.cycles + not_recorded, ..timing };
         Self {
-            timing: control.timing,
-            priority: control.priority,
+            timing,
+            priority,
             published: published.cycles,
-            not_published: counters.not_published.load(Ordering::Relaxed) + published.failed,
+            not_published: published.lost,
             first_refusal: published.first_failure,
-            not_recorded: counters.not_recorded.load(Ordering::Relaxed),
+            not_recorded,
             bag,
-            interrupted: control.stopped && options.duration.is_some(),
+            interrupted: false,
         }
     }
 }

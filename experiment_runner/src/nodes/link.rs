@@ -106,10 +106,10 @@ impl Ear {
         }
     }
 
-    fn diagnosed(&self, message: &DiagnosticArray) {
-        let of_rig = |status: &&DiagnosticStatus| {
-            status.name.starts_with("rig_driver") && status.level >= DiagnosticStatus::ERROR
-        };
+    /// `rig` is the name under which the rig's driver speaks of its loop.
+    fn diagnosed(&self, rig: &str, message: &DiagnosticArray) {
+        let of_rig =
+            |status: &&DiagnosticStatus| status.name == rig && status.level >= DiagnosticStatus::ERROR;
         if let Some(status) = message.status.iter().find(of_rig) {
             *locked(&self.fault) = Some(status.message.clone());
         }
@@ -159,7 +159,9 @@ impl Link {
             }
         })?;
         let of_all = Arc::clone(&ear);
-        node.subscribe(&topics::DIAGNOSTICS, move |message| of_all.diagnosed(&message))?;
+        let namespace = node.identity().namespace.trim_matches('/');
+        let rig = format!("{namespace}/rig_driver: control loop").trim_start_matches('/').to_owned();
+        node.subscribe(&topics::DIAGNOSTICS, move |message| of_all.diagnosed(&rig, &message))?;
         Ok(Self {
             events: Mutex::new(receiver),
             ear,

@@ -32,5 +32,7 @@ pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
 pub use execute::{Outcome, check, execute};
 pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
+#[cfg(feature = "ros")]
+pub(crate) use parameter_file::{GIVEN as GIVEN_PARAMETERS, render_bed as render_parameter_file};
 pub use parameter_file::{read as read_parameter_file, read_controller};
 pub use results::{Comparison, RunResults, Status, TaskComparison};

@@ -8,6 +8,7 @@ use rig_driver::DriveParameters;
 use serde::{Deserialize, Serialize};
 
 use super::{Compensators, ControllerParameters, RunError, RunOptions};
+use crate::test_bed::TestBed;
 
 /// The file: node name, then `ros__parameters`.
 #[derive(Debug, Serialize)]
@@ -41,11 +42,32 @@ struct RigNode<'a> {
     period: f64,
 }
 
+/// Where the parameters come from, if nothing was identified.
+pub(crate) const GIVEN: &str = "the parameters this run was given";
+
 /// The file as text: `chosen` is the observer's model, all models stand with their parameters.
 pub(super) fn render(
     options: &RunOptions,
     models: &Compensators,
     chosen: ModelName,
+) -> Result<String, RunError> {
+    let origin = if options.experiment.identifies() {
+        "static parameters identified by this run; stiffness, damping and lag as given to it"
+    } else {
+        GIVEN
+    };
+    render_bed(&options.test_bed, models, chosen, origin)
+}
+
+/// The same for any run on `test_bed`; `origin` says where the parameters come from.
+///
+/// # Errors
+/// As for [`render`].
+pub(crate) fn render_bed(
+    test_bed: &TestBed,
+    models: &Compensators,
+    chosen: ModelName,
+    origin: &str,
 ) -> Result<String, RunError> {
     let mut observer = BTreeMap::from([("model", Entry::Choice(chosen))]);
     let mut asymmetric = serde_json::Map::new();
@@ -61,13 +83,13 @@ pub(super) fn render(
     if !asymmetric.is_empty() {
         observer.insert("asymmetric", Entry::Parameters(asymmetric.into()));
     }
-    let simulation = &options.test_bed.simulation;
+    let simulation = &test_bed.simulation;
     let file = File {
         friction_observer: Node { parameters: observer },
         controller: Node {
             parameters: ControllerParameters::of(&ControllerOptions {
                 voltage_limit: simulation.voltage_limit,
-                ..options.test_bed.controller
+                ..test_bed.controller
             }),
         },
         rig_driver: Node {
@@ -79,11 +101,6 @@ pub(super) fn render(
         },
     };
     let yaml = serde_saphyr::to_string(&file).map_err(|e| describe(&e))?;
-    let origin = if options.experiment.identifies() {
-        "static parameters identified by this run; stiffness, damping and lag as given to it"
-    } else {
-        "the parameters this run was given"
-    };
     Ok(format!("# frictionlab {}: {origin}.\n{yaml}", env!("CARGO_PKG_VERSION")))
 }
 

@@ -38,19 +38,36 @@ pub fn declarations() -> Vec<Declaration> {
 /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let node = participant.node("experiment_runner")?;
-    let parameters = Parameters::declare(&node, declarations(), |_, _| Ok(()))?.values();
-    let runner = Runner::new(&node, PathBuf::from(parameters.text("runs")))?;
-    runner.desk.close(Refusal::Inactive, Duration::ZERO);
-    let lifecycle = Lifecycle::start(&node, Box::new(Management(runner.desk.clone())))?;
-    if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
-        // The log says why it is not active, if it is not.
-        let _ = lifecycle.request(Requested::Activate);
-    }
+    let runner = ManagedRunner::new(&node)?;
     while !stop.wait(Duration::from_secs(1)) {}
     node.logger().info("leaving");
     // The experiment ends and its result is sent before the node goes.
     drop(runner);
     Ok(())
+}
+
+/// What the node offers, with its parameters and as a managed node.
+pub struct ManagedRunner {
+    _lifecycle: Lifecycle,
+    _runner: Runner,
+}
+
+impl ManagedRunner {
+    /// Offers everything on `node`, and becomes active if the parameter `autostart` says so.
+    ///
+    /// # Errors
+    /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
+    pub fn new(node: &RosNode) -> Result<Self, RosNodeError> {
+        let parameters = Parameters::declare(node, declarations(), |_, _| Ok(()))?.values();
+        let runner = Runner::new(node, PathBuf::from(parameters.text("runs")))?;
+        runner.desk.close(Refusal::Inactive, Duration::ZERO);
+        let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
+        if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+            // The log says why it is not active, if it is not.
+            let _ = lifecycle.request(Requested::Activate);
+        }
+        Ok(Self { _lifecycle: lifecycle, _runner: runner })
+    }
 }
 
 /// Requests are taken while the node is active.

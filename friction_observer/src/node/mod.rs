@@ -1,7 +1,8 @@
 //! The observer as a ROS 2 node.
 //!
 //! - [`ObserverNode`]: what it estimates, published; for programs that have a loop of their own;
-//! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each joint state ([`step`]).
+//! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each joint state ([`step`]);
+//! - [`FrictionObserver`] and [`Inner`]: the same node taken apart, for a process whose control thread makes the estimates itself.
 
 mod expressed;
 mod observing;
@@ -10,6 +11,7 @@ mod publishers;
 mod step;
 
 pub use expressed::parameters_of;
-pub use observing::run;
+pub use observing::{FrictionObserver, Inner, run};
 pub use parameters::declarations;
 pub use publishers::ObserverNode;
+pub use step::{Beside, Estimated, Estimation, Joint};

@@ -1,11 +1,11 @@
-//! The executable: a managed node that hears joint states and says friction torques.
+//! The managed node that says friction torques; as an executable it hears joint states.
 
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
-    thread,
+    thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
 
@@ -16,7 +16,7 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Participant, RosNode, RosNodeError, Stop,
+    Participant, Publisher, RosNode, RosNodeError, Stop,
     deadlines::request_realtime,
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
     parameters::Parameters,
@@ -26,7 +26,7 @@ use ros_node::{
 use super::{
     ObserverNode, declarations,
     parameters::ObserverSettings,
-    step::{self, Estimated, Inputs, Joint, Order},
+    step::{self, Estimated, Estimation, Inputs, Joint, Order},
 };
 use crate::FrictionEstimator;
 
@@ -34,6 +34,8 @@ use crate::FrictionEstimator;
 const WAITING: usize = 256;
 /// Time between two diagnostics.
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
+/// Said when orders come faster than cycles.
+const BUSY: &str = "too many requests at once; try again";
 /// Name of the joint that is looked for.
 const JOINT: &str = "load_shaft";
 
@@ -42,99 +44,149 @@ const JOINT: &str = "load_shaft";
 /// # Errors
 /// [`RosNodeError`] if it cannot start; everything later is told in the log.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
-    let node = participant.node("friction_observer")?;
+    let (mut observer, Inner { estimation, out }) = FrictionObserver::new(participant)?;
     let waker = Waker::default();
-    let (orders, for_orders) = queue(WAITING, &waker);
-    let orders = Arc::new(Mutex::new(orders));
-    let first = Arc::new(Mutex::new(None));
-    let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
-    let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
-        let settings = ObserverSettings::read(values)?;
-        *locked(&judged) = Some(settings);
-        locked(&to_thread).send(Order::Settings(settings));
-        Ok(())
-    })?;
-    let Some(settings) = *locked(&first) else { return Ok(()) };
-    let estimator =
-        FrictionEstimator::new(&settings.model, settings.options, settings.dt).map_err(|error| {
-            RosNodeError::Parameters { node: node.identity().qualified(), reason: error.to_string() }
-        })?;
-    let counts = Arc::new(Counts::default());
-    let inputs = listen(&node, &waker, for_orders, &counts)?;
-    let published = Waker::default();
-    let (out, for_publisher) = queue(WAITING, &published);
-    let lost = out.dropped();
-    let publishers = ObserverNode::on(&node)?;
-    let spawn = |error: std::io::Error| RosNodeError::Runtime(error);
-    let logger = node.logger().clone();
+    let inputs = listen(&observer.node, &waker, &observer.counts)?;
+    let logger = observer.node.logger().clone();
     // The thread ends with the node's subscriptions, which hold the other ends of its queues.
     thread::Builder::new()
         .name("observer".into())
         .spawn(move || {
             waker.is_this_thread();
             logger.info(&request_realtime());
-            step::estimate(settings, estimator, inputs, out);
+            step::estimate(estimation, inputs, out);
         })
-        .map_err(spawn)?;
-    let counted = Arc::clone(&counts);
-    let publisher = thread::Builder::new()
-        .name("publisher".into())
-        .spawn(move || {
-            published.is_this_thread();
-            publish(&publishers, for_publisher, &counted);
-        })
-        .map_err(spawn)?;
-
-    let lifecycle = Lifecycle::start(&node, Box::new(Observing { orders: Arc::clone(&orders) }))?;
-    let reset = Arc::clone(&orders);
-    node.serve::<Trigger>("~/reset", move |_| {
-        let success = locked(&reset).send(Order::Reset);
-        TriggerResponse {
-            success,
-            message: if success {
-                "the estimator is at rest"
-            } else {
-                "too many requests at once; try again"
-            }
-            .to_owned(),
-        }
-    })?;
-    let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
-    if lifecycle.starts_itself(parameters.values().boolean("autostart"))
-        && lifecycle.request(Requested::Configure).is_ok()
-    {
-        // The log says why it is not active, if it is not.
-        let _ = lifecycle.request(Requested::Activate);
+        .map_err(RosNodeError::Runtime)?;
+    observer.start();
+    while !stop.wait(observer.next.saturating_duration_since(Instant::now())) {
+        observer.tend();
     }
-    let mut next = Instant::now() + DIAGNOSTICS;
-    while !stop.wait(next.saturating_duration_since(Instant::now())) {
-        next += DIAGNOSTICS;
+    observer.node.logger().info("leaving");
+    observer.leave();
+    Ok(())
+}
+
+/// What estimates, apart from the node: it belongs to one thread, which calls it once a cycle and sends on what it says.
+pub struct Inner {
+    /// The estimator.
+    pub estimation: Estimation,
+    /// The way to the publisher. With its end the publisher ends.
+    pub out: Sender<Estimated>,
+}
+
+/// The managed node `/friction_observer` with its parameters, services and publisher.
+pub struct FrictionObserver {
+    node: RosNode,
+    lifecycle: Lifecycle,
+    autostart: bool,
+    counts: Arc<Counts>,
+    lost: Arc<AtomicU64>,
+    publisher: JoinHandle<()>,
+    diagnostics: Publisher<DiagnosticArray>,
+    next: Instant,
+}
+
+impl FrictionObserver {
+    /// Joins the participant, unconfigured and without any joint states: whoever holds the other part decides where they come from.
+    ///
+    /// # Errors
+    /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
+    pub fn new(participant: &Participant) -> Result<(Self, Inner), RosNodeError> {
+        let node = participant.node("friction_observer")?;
+        let cannot_be =
+            |reason: String| RosNodeError::Parameters { node: node.identity().qualified(), reason };
+        let (orders, for_orders) = queue(WAITING, &Waker::default());
+        let orders = Arc::new(Mutex::new(orders));
+        let first = Arc::new(Mutex::new(None));
+        let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
+        let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
+            let settings = ObserverSettings::read(values)?;
+            *locked(&judged) = Some(settings);
+            if locked(&to_thread).send(Order::Settings(settings)) { Ok(()) } else { Err(BUSY.to_owned()) }
+        })?;
+        let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;
+        let estimator = FrictionEstimator::new(&settings.model, settings.options, settings.dt)
+            .map_err(|error| cannot_be(error.to_string()))?;
+        let counts = Arc::new(Counts::default());
+        let published = Waker::default();
+        let (out, for_publisher) = queue(WAITING, &published);
+        let lost = out.dropped();
+        let publishers = ObserverNode::on(&node)?;
+        let counted = Arc::clone(&counts);
+        let publisher = thread::Builder::new()
+            .name("publisher".into())
+            .spawn(move || {
+                published.is_this_thread();
+                publish(&publishers, for_publisher, &counted);
+            })
+            .map_err(RosNodeError::Runtime)?;
+        let lifecycle = Lifecycle::start(&node, Box::new(Observing { orders: Arc::clone(&orders) }))?;
+        node.serve::<Trigger>("~/reset", move |_| {
+            let success = locked(&orders).send(Order::Reset);
+            let message = if success { "the estimator is at rest" } else { BUSY };
+            TriggerResponse { success, message: message.to_owned() }
+        })?;
+        let this = Self {
+            autostart: lifecycle.starts_itself(parameters.values().boolean("autostart")),
+            lifecycle,
+            counts,
+            lost,
+            publisher,
+            diagnostics: node.publisher(&topics::DIAGNOSTICS)?,
+            next: Instant::now() + DIAGNOSTICS,
+            node,
+        };
+        Ok((this, Inner { estimation: Estimation::new(settings, estimator, for_orders), out }))
+    }
+
+    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it is not active, if it is not.
+    pub fn start(&self) {
+        if self.autostart && self.lifecycle.request(Requested::Configure).is_ok() {
+            let _ = self.lifecycle.request(Requested::Activate);
+        }
+    }
+
+    /// Publishes diagnostics once a second.
+    pub fn tend(&mut self) {
+        if Instant::now() < self.next {
+            return;
+        }
+        self.next += DIAGNOSTICS;
+        let counts = &self.counts;
         let values = [
             ("estimates", counts.published.swap(0, Ordering::Relaxed)),
             ("joint states without numbers", counts.unusable.load(Ordering::Relaxed)),
-            ("not published", counts.refused.load(Ordering::Relaxed) + lost.load(Ordering::Relaxed)),
+            ("not published", self.not_published()),
         ];
         let healthy = values[1].1 + values[2].1 == 0;
         // The next one comes in a second.
-        let _ = diagnostics.publish(DiagnosticArray {
-            header: Header::at(node.clock().now_ns()),
+        let _ = self.diagnostics.publish(DiagnosticArray {
+            header: Header::at(self.node.clock().now_ns()),
             status: vec![DiagnosticStatus {
                 level: if healthy { DiagnosticStatus::OK } else { DiagnosticStatus::WARN },
-                name: node.identity().qualified().trim_start_matches('/').to_owned(),
-                message: lifecycle.phase().label().to_owned(),
+                name: self.node.identity().qualified().trim_start_matches('/').to_owned(),
+                message: self.lifecycle.phase().label().to_owned(),
                 hardware_id: String::new(),
-                values: std::iter::once(("node", lifecycle.phase().label().to_owned()))
+                values: std::iter::once(("node", self.lifecycle.phase().label().to_owned()))
                     .chain(values.map(|(key, value)| (key, value.to_string())))
                     .map(|(key, value)| KeyValue { key: key.to_owned(), value })
                     .collect(),
             }],
         });
     }
-    node.logger().info("leaving");
-    drop(node);
-    // It ends with the estimates.
-    let _ = publisher.join();
-    Ok(())
+
+    /// Estimates that were not published: the queue was full, or the middleware refused.
+    #[must_use]
+    pub fn not_published(&self) -> u64 {
+        self.counts.refused.load(Ordering::Relaxed) + self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Takes the node off the graph, and waits for the publisher, which ends with the other part.
+    pub fn leave(self) {
+        let Self { node, publisher, diagnostics, lifecycle, .. } = self;
+        drop((diagnostics, lifecycle, node));
+        let _ = publisher.join();
+    }
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -149,12 +201,7 @@ struct Counts {
 }
 
 /// Subscribes to what the thread is told.
-fn listen(
-    node: &RosNode,
-    waker: &Waker,
-    orders: Receiver<Order>,
-    counts: &Arc<Counts>,
-) -> Result<Inputs, RosNodeError> {
+fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs, RosNodeError> {
     let (mut joints, for_joints) = queue(WAITING, waker);
     let (mut voltages, for_voltages) = queue(WAITING, &Waker::default());
     let (mut references, for_references) = queue(WAITING, &Waker::default());
@@ -183,7 +230,7 @@ fn listen(
             references.send((message.position, message.velocity));
         }
     })?;
-    Ok(Inputs { joints: for_joints, voltages: for_voltages, references: for_references, orders })
+    Ok(Inputs { joints: for_joints, voltages: for_voltages, references: for_references })
 }
 
 /// Publishes estimates until the queue's other end is gone.
@@ -213,7 +260,7 @@ impl Observing {
         if locked(&self.orders).send(Order::Run(runs)) {
             Ok(())
         } else {
-            Err(CallbackError::Failure("too many requests at once; try again".to_owned()))
+            Err(CallbackError::Failure(BUSY.to_owned()))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The thread that estimates: one estimate for each joint state. While it runs it locks, allocates and publishes nothing.
+//! One estimate for each joint state, and the thread that makes them. While it runs it locks, allocates and publishes nothing.
 
 use std::time::Duration;
 
@@ -9,11 +9,26 @@ use crate::{Estimate, FrictionEstimator, Seen};
 
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Joint {
-    pub(super) stamp_ns: u64,
-    pub(super) position: f64,
-    pub(super) velocity: f64,
-    pub(super) effort: Option<f64>,
+pub struct Joint {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// Position [rad].
+    pub position: f64,
+    /// Velocity [rad/s].
+    pub velocity: f64,
+    /// Friction torque [N m], where it is measured.
+    pub effort: Option<f64>,
+}
+
+/// What goes with a joint state.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beside {
+    /// Voltage on the motor in the period before [V].
+    pub volts: f64,
+    /// Position of the reference [rad].
+    pub reference_position: f64,
+    /// Velocity of the reference [rad/s].
+    pub reference_velocity: f64,
 }
 
 /// What the thread is told, each by its own queue.
@@ -23,7 +38,6 @@ pub(super) struct Inputs {
     pub(super) voltages: Receiver<f64>,
     /// Position [rad] and velocity [rad/s].
     pub(super) references: Receiver<(f64, f64)>,
-    pub(super) orders: Receiver<Order>,
 }
 
 /// What people ask of it, taken at the beginning of a cycle.
@@ -37,42 +51,89 @@ pub(super) enum Order {
 
 /// One estimate on its way to the publisher.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Estimated {
-    pub(super) stamp_ns: u64,
-    pub(super) estimate: Estimate,
+pub struct Estimated {
+    /// Time of the measurement [ns since the epoch].
+    pub stamp_ns: u64,
+    /// What is thought of it.
+    pub estimate: Estimate,
 }
 
-/// Estimates until the joint states' queue has no other end.
-pub(super) fn estimate(
-    mut settings: ObserverSettings,
-    mut estimator: FrictionEstimator,
-    mut inputs: Inputs,
-    mut out: Sender<Estimated>,
-) {
-    let (mut volts, mut reference) = (0.0, (0.0, 0.0));
-    let mut runs = false;
-    loop {
-        while let Some(order) = inputs.orders.take() {
+/// The estimator of the running node: settings, resets and the lifecycle reach it as orders, which it takes between two cycles.
+pub struct Estimation {
+    settings: ObserverSettings,
+    estimator: FrictionEstimator,
+    orders: Receiver<Order>,
+    runs: bool,
+}
+
+impl Estimation {
+    pub(super) fn new(
+        settings: ObserverSettings,
+        estimator: FrictionEstimator,
+        orders: Receiver<Order>,
+    ) -> Self {
+        Self { settings, estimator, orders, runs: false }
+    }
+
+    /// Does what people asked for since the last cycle.
+    pub fn take_orders(&mut self) {
+        while let Some(order) = self.orders.take() {
             match order {
-                Order::Reset => estimator.reset(),
+                Order::Reset => self.estimator.reset(),
                 Order::Run(wanted) => {
-                    if wanted && !runs {
-                        estimator.reset();
+                    if wanted && !self.runs {
+                        self.estimator.reset();
                     }
-                    runs = wanted;
+                    self.runs = wanted;
                 }
                 Order::Settings(new) => {
                     // It was built once by the one who sent it: it cannot fail.
-                    if (new.model, new.options) == (settings.model, settings.options)
-                        || estimator.change(&new.model, new.options).is_ok()
+                    if (new.model, new.options) == (self.settings.model, self.settings.options)
+                        || self.estimator.change(&new.model, new.options).is_ok()
                     {
-                        settings = new;
+                        self.settings = new;
                     }
                 }
             }
         }
-        volts = inputs.voltages.take_last().unwrap_or(volts);
-        reference = inputs.references.take_last().unwrap_or(reference);
+    }
+
+    /// Back to rest, as when the motor begins to move.
+    pub fn reset(&mut self) {
+        self.estimator.reset();
+    }
+
+    /// The estimate for a joint state; none while the node is not active.
+    pub fn step(&mut self, joint: &Joint, beside: &Beside) -> Option<Estimated> {
+        if !self.runs {
+            return None;
+        }
+        let error = if self.settings.position {
+            joint.position - beside.reference_position
+        } else {
+            joint.velocity - beside.reference_velocity
+        };
+        let estimate = self.estimator.estimate(&Seen {
+            velocity: joint.velocity,
+            position: joint.position,
+            reference_velocity: beside.reference_velocity,
+            error,
+            voltage: beside.volts,
+            torque: joint.effort.filter(|effort| effort.is_finite()),
+        });
+        Some(Estimated { stamp_ns: joint.stamp_ns, estimate })
+    }
+}
+
+/// Estimates until the joint states' queue has no other end.
+pub(super) fn estimate(mut estimation: Estimation, mut inputs: Inputs, mut out: Sender<Estimated>) {
+    let mut beside = Beside::default();
+    loop {
+        estimation.take_orders();
+        beside.volts = inputs.voltages.take_last().unwrap_or(beside.volts);
+        if let Some(reference) = inputs.references.take_last() {
+            (beside.reference_position, beside.reference_velocity) = reference;
+        }
         let Some(joint) = inputs.joints.take() else {
             if inputs.joints.is_over() {
                 return;
@@ -80,19 +141,8 @@ pub(super) fn estimate(
             Waker::sleep(Duration::from_millis(100));
             continue;
         };
-        if !runs {
-            continue;
+        if let Some(estimated) = estimation.step(&joint, &beside) {
+            out.send(estimated);
         }
-        let error =
-            if settings.position { joint.position - reference.0 } else { joint.velocity - reference.1 };
-        let estimate = estimator.estimate(&Seen {
-            velocity: joint.velocity,
-            position: joint.position,
-            reference_velocity: reference.1,
-            error,
-            voltage: volts,
-            torque: joint.effort.filter(|effort| effort.is_finite()),
-        });
-        out.send(Estimated { stamp_ns: joint.stamp_ns, estimate });
     }
 }

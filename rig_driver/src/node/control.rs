@@ -1,6 +1,7 @@
 //! The control thread: measures and drives the rig at its period. Between start and end it locks, allocates and publishes nothing.
 
 use std::{
+    ops::ControlFlow,
     sync::{
         Arc, Mutex, PoisonError,
         atomic::{AtomicBool, AtomicU64, Ordering},
@@ -14,6 +15,11 @@ use ros_node::{
     queue::{Receiver, Sender, Waker, queue},
 };
 
+use super::{
+    in_cycle::{BegunCycle, EndedCycle, InCycle},
+    torque_source::TorqueEstimate,
+    zero::Zero,
+};
 use crate::{
     Measurement, Rig, RigError,
     safety::{FaultReport, Request, State, Supervised},
@@ -29,6 +35,15 @@ const ANSWER: Duration = Duration::from_millis(1000);
 /// What comes of a request.
 type Answer = Result<State, RigError>;
 
+/// What the thread is asked for between two cycles.
+#[derive(Debug, Clone, Copy)]
+enum Asked {
+    /// A transition of the safety layer.
+    Safety(Request),
+    /// Zeros found anew.
+    Zero,
+}
+
 /// A voltage that somebody asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct VoltageCommand {
@@ -42,7 +57,11 @@ pub(super) struct VoltageCommand {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cycle {
     pub(super) stamp_ns: u64,
+    /// Zeros taken off.
     pub(super) measurement: Measurement,
+    /// Friction torque by the chosen source [N m].
+    pub(super) effort: f64,
+    pub(super) zero: Zero,
     pub(super) state: State,
     pub(super) fault: Option<FaultReport>,
     /// Age of the measurement behind the voltage of this cycle [ns]; zero without a command.
@@ -61,9 +80,9 @@ pub(super) struct Counters {
 
 /// The running thread, from outside. Dropped, the motor is at zero volts and the thread has ended.
 pub(super) struct RunningRig {
-    requests: Mutex<(Sender<Request>, Receiver<Answer>)>,
+    requests: Mutex<(Sender<Asked>, Receiver<Answer>)>,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Option<Box<dyn InCycle>>>>,
     pub(super) counters: Arc<Counters>,
     pub(super) not_published: Arc<AtomicU64>,
 }
@@ -76,11 +95,20 @@ pub(super) struct Ends {
     pub(super) priority: String,
 }
 
-/// Starts the thread around `rig`, which is unconfigured. Cycles go to `cycles`; the first is stamped `epoch_ns` [ns since the epoch].
+/// What the thread drives, and what it does with it.
+pub(super) struct Work {
+    /// Unconfigured.
+    pub(super) rig: Supervised<Box<dyn Rig + Send>>,
+    pub(super) torque: TorqueEstimate,
+    /// Answers within the cycle, where it does not go over the network.
+    pub(super) in_cycle: Option<Box<dyn InCycle>>,
+}
+
+/// Starts the thread. Cycles go to `cycles`; `clock` says what time the first one is [ns since the epoch].
 pub(super) fn start(
-    rig: Supervised<Box<dyn Rig + Send>>,
+    work: Work,
     cycles: Sender<Cycle>,
-    epoch_ns: u64,
+    clock: impl FnOnce() -> u64 + Send + 'static,
 ) -> Result<Ends, std::io::Error> {
     let nobody = Waker::default();
     let (commands, for_commands) = queue(COMMANDS, &nobody);
@@ -90,12 +118,11 @@ pub(super) fn start(
     let counters = Arc::new(Counters::default());
     let not_published = cycles.dropped();
     let task = Task {
-        rig,
+        work,
         commands: for_commands,
         requests: for_requests,
         answers,
         cycles,
-        epoch_ns,
         stop: Arc::clone(&stop),
         counters: Arc::clone(&counters),
     };
@@ -103,7 +130,7 @@ pub(super) fn start(
     let thread = std::thread::Builder::new().name("control".into()).spawn(move || {
         // Nobody listens any more if the start was given up.
         let _ = tell.send(request_realtime());
-        task.run();
+        task.run(clock())
     })?;
     let priority = told.recv().unwrap_or_default();
     let requests = Mutex::new((requests, for_answers));
@@ -120,6 +147,29 @@ impl RunningRig {
     /// # Errors
     /// A sentence about why not.
     pub(super) fn ask(&self, request: Request) -> Result<State, String> {
+        self.send(Asked::Safety(request))
+    }
+
+    /// Has zeros found anew.
+    ///
+    /// # Errors
+    /// A sentence about why not.
+    pub(super) fn find_zero(&self) -> Result<State, String> {
+        self.send(Asked::Zero)
+    }
+
+    /// Whether the thread has come to its end by itself.
+    pub(super) fn is_over(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Ends the thread, the motor at zero volts. Returns what answered within the cycle, unless the thread panicked.
+    pub(super) fn end(mut self) -> Option<Box<dyn InCycle>> {
+        self.stop.store(true, Ordering::Relaxed);
+        self.thread.take().and_then(|thread| thread.join().ok().flatten())
+    }
+
+    fn send(&self, request: Asked) -> Result<State, String> {
         let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
         let (requests, answers) = &mut *ends;
         // An answer that came too late for the one who asked.
@@ -129,6 +179,9 @@ impl RunningRig {
         while asked.elapsed() < ANSWER {
             if let Some(answer) = answers.take() {
                 return answer.map_err(|error| error.to_string());
+            }
+            if self.is_over() && answers.is_over() {
+                return Err("the control thread has ended, the motor at zero volts; clean the node up and configure it again".to_owned());
             }
             std::thread::sleep(Duration::from_micros(200));
         }
@@ -147,27 +200,29 @@ impl Drop for RunningRig {
 }
 
 struct Task {
-    rig: Supervised<Box<dyn Rig + Send>>,
+    work: Work,
     commands: Receiver<VoltageCommand>,
-    requests: Receiver<Request>,
+    requests: Receiver<Asked>,
     answers: Sender<Answer>,
     cycles: Sender<Cycle>,
-    epoch_ns: u64,
     stop: Arc<AtomicBool>,
     counters: Arc<Counters>,
 }
 
 impl Task {
-    fn run(mut self) {
-        let period_ns = (self.rig.period() * 1e9).round() as u64;
+    fn run(mut self, epoch_ns: u64) -> Option<Box<dyn InCycle>> {
+        let period_ns = (self.work.rig.period() * 1e9).round() as u64;
         let first = now_ns();
         let mut deadlines = Deadlines::new(first, period_ns);
         let mut before: Option<u64> = None;
         let mut newest = VoltageCommand { stamp_ns: 0, volts: 0.0 };
+        let mut zero = Zero::default();
         while !self.stop.load(Ordering::Relaxed) {
-            let (start, late) = if self.rig.keeps_time() {
+            let mut refused = None;
+            let (start, late) = if self.work.rig.keeps_time() {
                 // A rig that hangs is found by the supervisor, whose own time goes on.
-                if self.rig.wait().is_err() {
+                if let Err(error) = self.work.rig.wait() {
+                    refused = Some(error);
                     deadlines.wait();
                 }
                 let now = now_ns();
@@ -180,43 +235,80 @@ impl Task {
             }
             let since_first = start.saturating_sub(first);
             let now = since_first as f64 * 1e-9;
-            self.rig.tell_time(now);
-            let measurement = self.rig.measure();
-            while let Some(request) = self.requests.take() {
-                let answer = self.rig.request(request);
-                self.answers.send(answer);
-            }
-            let stamp_ns = self.epoch_ns + since_first;
-            let lost = self.rig.supervisor().limits().command_lost;
-            while let Some(command) = self.commands.take() {
-                let stamp_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
-                let made = (stamp_ns as i128 - i128::from(self.epoch_ns)) as f64 * 1e-9;
-                // What is too old to count at all is no command; a voltage that is no number is told to the supervisor whatever its age.
-                if command.volts.is_finite() && now - made > lost {
-                    self.counters.stale.fetch_add(1, Ordering::Relaxed);
-                    continue;
-                }
-                if stamp_ns >= newest.stamp_ns {
-                    newest = VoltageCommand { stamp_ns, ..command };
-                }
-                self.rig.command(made, command.volts);
+            self.work.rig.tell_time(now);
+            let raw = self.work.rig.measure();
+            self.take_requests(&mut zero);
+            let measurement = zero.apply(&raw);
+            let effort = self.work.torque.torque(&measurement);
+            let stamp_ns = epoch_ns + since_first;
+            self.take_commands(&mut newest, (stamp_ns, epoch_ns, now));
+            let state = self.work.rig.supervisor().state();
+            let begun = BegunCycle { stamp_ns, measurement, effort, state };
+            // Last, so that what was answered within the cycle counts above what came over the network.
+            if let Some(volts) = self.work.in_cycle.as_mut().and_then(|inner| inner.answer(&begun)) {
+                self.work.rig.command(now, volts);
+                newest = VoltageCommand { stamp_ns, volts };
             }
             // The supervisor holds what the back end refuses as a fault.
-            let _ = self.rig.drive();
-            let supervisor = self.rig.supervisor();
-            let moves = supervisor.state().moves() && newest.stamp_ns > 0;
+            if let Err(error) = self.work.rig.drive() {
+                refused.get_or_insert(error);
+            }
+            let supervisor = self.work.rig.supervisor();
+            let (state, fault) = (supervisor.state(), supervisor.latched().copied());
+            let moves = state.moves() && newest.stamp_ns > 0;
             let cycle = Cycle {
                 stamp_ns,
                 measurement,
-                state: supervisor.state(),
-                fault: supervisor.latched().copied(),
+                effort,
+                zero,
+                state,
+                fault,
                 age_ns: if moves { stamp_ns.saturating_sub(newest.stamp_ns) } else { 0 },
                 period_ns: before.map_or(0, |before| start - before),
                 execution_ns: now_ns() - start,
             };
             before = Some(start);
             self.cycles.send(cycle);
+            if let Some(inner) = &mut self.work.in_cycle {
+                let Cycle { period_ns, execution_ns, .. } = cycle;
+                let ended = EndedCycle { state, fault, period_ns, execution_ns, refused };
+                if inner.end(ended) == ControlFlow::Break(()) {
+                    break;
+                }
+            }
         }
         // Dropped, the rig leaves zero volts.
+        self.work.in_cycle.take()
+    }
+
+    fn take_requests(&mut self, zero: &mut Zero) {
+        while let Some(asked) = self.requests.take() {
+            let answer = match asked {
+                Asked::Safety(request) => self.work.rig.request(request),
+                Asked::Zero => {
+                    zero.find();
+                    Ok(self.work.rig.supervisor().state())
+                }
+            };
+            self.answers.send(answer);
+        }
+    }
+
+    /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns` [s].
+    fn take_commands(&mut self, newest: &mut VoltageCommand, (stamp_ns, epoch_ns, now): (u64, u64, f64)) {
+        let lost = self.work.rig.supervisor().limits().command_lost;
+        while let Some(command) = self.commands.take() {
+            let stamp_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
+            let made = (stamp_ns as i128 - i128::from(epoch_ns)) as f64 * 1e-9;
+            // What is too old to count at all is no command; a voltage that is no number is told to the supervisor whatever its age.
+            if command.volts.is_finite() && now - made > lost {
+                self.counters.stale.fetch_add(1, Ordering::Relaxed);
+                continue;
+            }
+            if stamp_ns >= newest.stamp_ns {
+                *newest = VoltageCommand { stamp_ns, ..command };
+            }
+            self.work.rig.command(made, command.volts);
+        }
     }
 }

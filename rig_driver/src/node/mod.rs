@@ -2,15 +2,20 @@
 //!
 //! - [`RigNode`]: what it measures, published; for programs that have a loop of their own;
 //! - [`run`]: the executable `rig_driver`, a managed node: a control thread ([`control`]) at the rig's period, commands over `/motor_voltage`
-//!   with an age limit, the safety layer's states behind those of the managed node ([`driver`]).
+//!   with an age limit, the safety layer's states behind those of the managed node ([`driver`]);
+//! - [`RigDriver`]: the same node for a process in which observer and controller answer on the control thread ([`InCycle`]).
 
+mod axis;
 mod control;
 mod driver;
+mod in_cycle;
 mod parameters;
 mod publishers;
 mod torque_source;
+mod zero;
 
-pub use driver::run;
+pub use driver::{RigDriver, run};
+pub use in_cycle::{BegunCycle, EndedCycle, InCycle};
 pub use parameters::declarations;
 pub use publishers::RigNode;
 pub use torque_source::TorqueSource;

@@ -1,0 +1,38 @@
+//! The short form of `cargo xtask bench-live`: both loops run and are compared. What comes out is not judged here.
+
+use std::process::Command;
+
+#[test]
+fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
+    let Some(cargo) = std::env::var_os("CARGO") else {
+        tests::skip("no cargo to run the bench with");
+        return;
+    };
+    let output = Command::new(cargo)
+        .args(["run", "--quiet", "--locked", "--package", "xtask", "--"])
+        .args(["bench-live", "--blocks", "2", "--seconds", "2", "--report-only", "--program"])
+        .arg(tests::frictionlab().get_program())
+        .current_dir(tests::checkout())
+        .output()
+        .expect("cargo starts");
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    if said.contains("too busy to measure") {
+        tests::skip("the machine is too busy for the bench");
+        return;
+    }
+    assert!(output.status.success(), "{told}\n{said}");
+    let rows: Vec<Vec<f64>> = told
+        .lines()
+        .filter_map(|line| {
+            line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>()
+        })
+        .filter(|row| row.len() == 6)
+        .collect();
+    assert_eq!(rows.len(), 2, "{told}");
+    for row in &rows {
+        let [_, live_p50, live_p99, bare_p50, bare_p99, ratio] = row[..] else { panic!("{told}") };
+        assert!(live_p50 <= live_p99 && bare_p50 <= bare_p99, "{told}");
+        assert!((ratio - live_p99 / bare_p99).abs() < 0.02 * ratio + 0.05 / bare_p99.max(0.05), "{told}");
+    }
+    assert!(told.contains("median ratio of the p99 period errors"), "{told}");
+}

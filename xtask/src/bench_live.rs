@@ -1,0 +1,191 @@
+//! `cargo xtask bench-live`: is the 1 kHz loop of `frictionlab live` as regular as this machine allows?
+//!
+//! The loop runs with recording and DDS publishing on, in blocks, and between them a bare loop that does nothing but sleep to its next deadline by the same
+//! call, in the same scheduling class. What counts is the 99th percentile of |period - 1 ms| of each block, and of the blocks the median of
+//! the ratios of neighbours: what else the machine does strikes both.
+
+mod bare;
+mod errors;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, ensure};
+
+use errors::PeriodErrors;
+
+/// Period of both loops.
+const PERIOD: Duration = Duration::from_millis(1);
+/// Brings loopback up with multicast, then becomes the command.
+const LOOPBACK_ONLY: &str =
+    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+
+/// Options of `cargo xtask bench-live`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct BenchLive {
+    /// Blocks; each runs both loops once.
+    #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..))]
+    blocks: u32,
+    /// Length of a block of one loop [s].
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
+    seconds: u32,
+    /// Largest accepted median of the ratios.
+    #[arg(long, default_value_t = 1.2)]
+    bar: f64,
+    /// Print the table, whatever the ratio.
+    #[arg(long)]
+    report_only: bool,
+    /// A built `frictionlab`; built anew in the release profile if left out.
+    #[arg(long, value_name = "PROGRAM")]
+    program: Option<PathBuf>,
+}
+
+impl BenchLive {
+    /// Runs both loops in turns and prints the table.
+    ///
+    /// # Errors
+    /// When a loop cannot be built or run, when they ran in different scheduling classes, or when the median ratio is above the bar.
+    pub fn run(&self) -> Result<()> {
+        let program = match &self.program {
+            Some(program) => program.clone(),
+            None => build()?,
+        };
+        let namespace = namespace();
+        if namespace.is_none() {
+            writeln!(
+                std::io::stderr(),
+                "no network namespace: other participants of this machine are heard"
+            )?;
+        }
+        let mut out = std::io::stdout().lock();
+        writeln!(
+            out,
+            "block  live p50  p99 [us]   bare p50  p99 [us]  ratio of p99\n------------------------------------------------------------"
+        )?;
+        let mut ratios = Vec::new();
+        for block in 0..self.blocks {
+            // Who goes first changes, so that neither always finds the warmer machine.
+            let (live, bare) = if block % 2 == 0 {
+                let live = self.live(&program, namespace)?;
+                (live, self.bare()?)
+            } else {
+                let bare = self.bare()?;
+                (self.live(&program, namespace)?, bare)
+            };
+            ensure!(
+                live.realtime == bare.realtime,
+                "one loop has real-time priority and the other has not: live {}, bare {}",
+                live.realtime,
+                bare.realtime
+            );
+            let ratio = live.p99_us / bare.p99_us.max(0.1);
+            writeln!(
+                out,
+                "{:>5}  {:>8.1}  {:>8.1}   {:>8.1}  {:>8.1}  {ratio:>12.2}",
+                block + 1,
+                live.p50_us,
+                live.p99_us,
+                bare.p50_us,
+                bare.p99_us
+            )?;
+            out.flush()?;
+            ratios.push(ratio);
+            if block == 0 && !live.realtime {
+                writeln!(std::io::stderr(), "both loops run at ordinary priority: SCHED_FIFO was refused")?;
+            }
+        }
+        let median = median(&mut ratios);
+        writeln!(out, "median ratio of the p99 period errors: {median:.2} (bar {:.2})", self.bar)?;
+        ensure!(
+            self.report_only || median <= self.bar,
+            "the median ratio {median:.2} is above {:.2}",
+            self.bar
+        );
+        Ok(())
+    }
+
+    /// A block of `frictionlab live`.
+    fn live(&self, program: &Path, namespace: Option<&[&str]>) -> Result<PeriodErrors> {
+        let folder = tempfile::tempdir().context("making a folder for the bag")?;
+        let timing = folder.path().join("timing.json");
+        let mut command = match namespace {
+            Some(flags) => {
+                let mut command = Command::new("unshare");
+                command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]).arg(program);
+                command
+            }
+            None => Command::new(program),
+        };
+        let output = command
+            .args(["live", "--quiet", "--amplitude", "1.5", "--frequency", "3", "--duration"])
+            .arg(self.seconds.to_string())
+            .arg("--out")
+            .arg(folder.path().join("run"))
+            .arg("--timing")
+            .arg(&timing)
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .stdin(Stdio::null())
+            .output()
+            .with_context(|| format!("starting {}", program.display()))?;
+        ensure!(output.status.success(), "frictionlab live: {}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(&timing).context("reading the timing of frictionlab live")?;
+        let found: serde_json::Value =
+            serde_json::from_str(&text).context("the timing of frictionlab live")?;
+        let number = |name: &str| found[name].as_f64().with_context(|| format!("no {name} in {text}"));
+        let priority = found["priority"].as_str().context("no priority in the timing")?;
+        let cycles = number("cycles")?;
+        ensure!(
+            cycles >= f64::from(self.seconds) * 990.0,
+            "only {cycles} cycles of {} s were recorded: the machine is too busy to measure anything",
+            self.seconds
+        );
+        Ok(PeriodErrors {
+            p50_us: number("p50_us")?,
+            p99_us: number("p99_us")?,
+            realtime: priority.contains("SCHED_FIFO, priority"),
+        })
+    }
+
+    fn bare(&self) -> Result<PeriodErrors> {
+        let cycles = u64::from(self.seconds) * 1000;
+        let thread = std::thread::Builder::new().name("bare".into()).spawn(move || bare::run(PERIOD, cycles));
+        thread
+            .context("starting the bare loop")?
+            .join()
+            .map_err(|_| anyhow::anyhow!("the bare loop panicked"))
+    }
+}
+
+fn median(ratios: &mut [f64]) -> f64 {
+    ratios.sort_by(f64::total_cmp);
+    let (below, above) = (ratios[(ratios.len() - 1) / 2], ratios[ratios.len() / 2]);
+    0.5 * (below + above)
+}
+
+/// Builds `frictionlab` in the release profile.
+fn build() -> Result<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let arguments =
+        ["build", "--release", "--locked", "--package", "experiment_runner", "--bin", "frictionlab"];
+    let status = Command::new(cargo).args(arguments).current_dir(root).status().context("starting cargo")?;
+    ensure!(status.success(), "frictionlab could not be built; see above");
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+    Ok(target.join("release").join(format!("frictionlab{}", std::env::consts::EXE_SUFFIX)))
+}
+
+/// The flags with which `unshare` makes a network namespace here, if it does.
+fn namespace() -> Option<&'static [&'static str]> {
+    [&["-n"][..], &["-r", "-n"]].into_iter().find(|flags| {
+        let probe = Command::new("unshare")
+            .args(*flags)
+            .args(["bash", "-c", LOOPBACK_ONLY, "--", "true"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+        probe.is_ok_and(|status| status.success())
+    })
+}

@@ -1,0 +1,22 @@
+//! Errors of the periods of one block.
+
+/// Percentiles of |period - nominal| [us].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PeriodErrors {
+    pub(super) p50_us: f64,
+    pub(super) p99_us: f64,
+    /// The loop had real-time priority.
+    pub(super) realtime: bool,
+}
+
+impl PeriodErrors {
+    /// Of errors in nanoseconds: each percentile is the error of one cycle.
+    pub(super) fn of(mut errors: Vec<u64>, realtime: bool) -> Self {
+        errors.sort_unstable();
+        let at = |share: f64| {
+            let rank = (errors.len() as f64 * share).ceil().max(1.0) as usize;
+            errors.get(rank - 1).map_or(0.0, |ns| *ns as f64 * 1e-3)
+        };
+        Self { p50_us: at(0.5), p99_us: at(0.99), realtime }
+    }
+}
