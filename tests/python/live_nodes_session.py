@@ -70,11 +70,12 @@ def main() -> None:
         out = os.path.join(folder, "own")
         live = Live(program, out, "--model", "dahl", "--plant", "lugre", "--seed", "7", "--reference", "constant", "--amplitude", "1.5", "--serve")
         report["active"] = ros.until(lambda: measured and abs(measured[-1].voltage_applied) > 0.5, 30)
+        ros.until(lambda: {RIG, OBSERVER, CONTROLLER, RUNNER} <= set(ros.nodes()), 10)
         report["nodes"] = ros.nodes()
         report["given"] = {
             "rig": ros.get(RIG, "rig", "simulated.model", "simulated.seed", "autostart"),
             "observer": ros.get(OBSERVER, "model", "mode", "technique"),
-            "controller": ros.get(CONTROLLER, "mode", "compensation", "voltage_law") + ros.get(CONTROLLER, "lag.k_p"),
+            "controller": ros.get(CONTROLLER, "mode", "compensation", "velocity_law") + ros.get(CONTROLLER, "lag.k_p"),
             "runner": ros.get(RUNNER, "runs"),
         }
         report["states"] = [ros.state(node) for node in (RIG, OBSERVER, CONTROLLER, RUNNER)]
@@ -99,10 +100,9 @@ def main() -> None:
         report["moving_again"] = moved()
         # The observer's.
         report["observer_off"] = [ros.change(OBSERVER, "deactivate"), ros.state(OBSERVER)]
-        ros.spin(0.3)
-        estimates.clear()
-        ros.spin(0.5)
-        report["silent"] = len(estimates)
+        begin = time.time() + 0.1
+        ros.until(lambda: stamp(measured[-1]) > begin + 0.5, 8)
+        report["silent"] = sum(stamp(e) > begin for e in estimates)
         report["uncompensated"] = max((abs(s.friction) for s in fresh(states)), default=None)
         report["observer_on"] = ros.change(OBSERVER, "activate")
         report["reset"] = [ros.trigger(f"{node}/reset")[0] for node in (OBSERVER, CONTROLLER)]
