@@ -156,8 +156,8 @@ fn loopback() -> Finding {
         ),
         Ok(None) => Finding::broken(
             "loopback",
-            "a datagram to 127.0.0.1 does not come back: a firewall drops it",
-            "let everything pass on the interface lo (`sudo iptables -I INPUT -i lo -j ACCEPT`)",
+            "a datagram to 127.0.0.1 does not come back: the interface lo is down, or a firewall drops it",
+            "`sudo ip link set lo up`; if it is up, let everything pass on it (`sudo iptables -I INPUT -i lo -j ACCEPT`)",
         ),
         Err(error) => Finding::broken(
             "loopback",
