@@ -14,6 +14,8 @@ use super::Finding;
 const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
 /// First port of DDS, and ports a domain.
 const PORTS: (u32, u32) = (7400, 250);
+/// Ports of a domain with fifty participants: ten for all, and two for each.
+const PORTS_USED: u32 = 110;
 /// Time in which a datagram comes back from this very machine.
 const PATIENCE: Duration = Duration::from_millis(500);
 
@@ -64,8 +66,7 @@ fn ephemeral_ports() -> Option<(u32, u32)> {
 
 fn domain(id: u16, ephemeral: Option<(u32, u32)>) -> Finding {
     let first = PORTS.0 + PORTS.1 * u32::from(id);
-    // The last domain has fewer ports, since there are no more.
-    let last = (first + PORTS.1 - 1).min(65_535);
+    let last = first + PORTS_USED - 1;
     let finding = match ephemeral {
         Some((from, to)) if last >= from && first <= to => Finding::look(
             "ROS_DOMAIN_ID",
@@ -76,7 +77,7 @@ fn domain(id: u16, ephemeral: Option<(u32, u32)>) -> Finding {
         ),
         _ => Finding::fine("ROS_DOMAIN_ID", format!("domain {id}")),
     };
-    finding.with("first port", f64::from(first), "").with("last port", f64::from(last), "")
+    finding.with("first port", f64::from(first), "").with("last port of 50 participants", f64::from(last), "")
 }
 
 fn range(range: Range) -> Finding {
@@ -156,8 +157,8 @@ fn loopback() -> Finding {
         ),
         Ok(None) => Finding::broken(
             "loopback",
-            "a datagram to 127.0.0.1 does not come back: a firewall drops it",
-            "let everything pass on the interface lo (`sudo iptables -I INPUT -i lo -j ACCEPT`)",
+            "a datagram to 127.0.0.1 does not come back: the interface lo is down, or a firewall drops it",
+            "`sudo ip link set lo up`; if it is up, let everything pass on it (`sudo iptables -I INPUT -i lo -j ACCEPT`)",
         ),
         Err(error) => Finding::broken(
             "loopback",
@@ -237,7 +238,7 @@ mod tests {
         assert_eq!(domain(101, linux).verdict, Verdict::Fine);
         assert_eq!(domain(102, linux).verdict, Verdict::LookAtThis);
         assert_eq!(domain(215, linux).verdict, Verdict::Fine);
-        assert_eq!(domain(232, linux).figures[1].value, 65_535.0);
+        assert_eq!(domain(232, linux).figures[1].value, 65_509.0);
         assert_eq!(domain(150, None).verdict, Verdict::Fine);
     }
 

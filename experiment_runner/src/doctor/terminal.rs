@@ -41,7 +41,7 @@ fn write_finding(text: &mut String, finding: &Finding) {
 /// Four digits, or all of them before the point.
 fn number(value: f64) -> String {
     let magnitude = value.abs();
-    if value == value.round() && magnitude < 1e15 || magnitude >= 1000.0 {
+    if value == value.round() || magnitude >= 1000.0 {
         format!("{value:.0}")
     } else if magnitude >= 0.1 {
         let decimals = 3 - magnitude.log10().floor().max(0.0) as usize;
