@@ -71,7 +71,7 @@ fn rigs_that_cannot_be_driven_end_with_exit_code_2_and_leave_nothing_behind() {
         ("serial:/dev/no-such-port", "cannot open the serial port /dev/no-such-port"),
         ("serial:", "wants a port"),
         ("serial:/dev/ttyACM0@fast", "no baud rate"),
-        ("imagined", "and `serial:PORT` as in"),
+        ("imagined", "`serial:PORT` as in"),
     ] {
         let mut command = tests::frictionlab();
         command.args(["live", "--duration", "1", "--rig", choice]).stdin(Stdio::null());
