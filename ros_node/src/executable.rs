@@ -60,9 +60,9 @@ pub fn run(
         Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
     };
-    let last_phase = Arc::default();
+    let last_phases = Arc::default();
     loop {
-        let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phase));
+        let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));
         let participant = match joined {
             Ok(participant) => participant,
             Err(error) => return fail(&error, 1),

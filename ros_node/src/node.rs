@@ -2,7 +2,7 @@
 
 use std::{
     future::Future,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, PoisonError, atomic::AtomicU8},
     time::{Duration, SystemTime},
 };
 
@@ -104,8 +104,9 @@ impl RosNode {
     }
 
     /// State in which the managed node of this process's life before ended; zero in the first.
-    pub(crate) fn last_phase(&self) -> &Arc<std::sync::atomic::AtomicU8> {
-        &self.shared.last_phase
+    pub(crate) fn last_phase(&self) -> Arc<AtomicU8> {
+        let mut all = self.shared.last_phases.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(all.entry(self.identity.qualified()).or_default())
     }
 
     /// What the command line says.

@@ -1,6 +1,9 @@
 //! The process on the network.
 
-use std::sync::{Arc, atomic::AtomicU8};
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Mutex, atomic::AtomicU8},
+};
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
@@ -13,14 +16,17 @@ pub struct Participant {
     shared: Arc<Shared>,
 }
 
+/// States in which the managed nodes of a process were last, by their absolute names.
+pub(crate) type LastPhases = Mutex<BTreeMap<String, Arc<AtomicU8>>>;
+
 /// What participant and nodes hold together. The fields are dropped in this order: the runtime last, so that nothing
 /// runs on a participant that is gone.
 pub(crate) struct Shared {
     pub(crate) context: Context,
     pub(crate) runtime: Runtime,
     pub(crate) arguments: Arguments,
-    /// State in which the managed node of the life before ended; zero in the first life.
-    pub(crate) last_phase: Arc<AtomicU8>,
+    /// Of the life before; empty in the first.
+    pub(crate) last_phases: Arc<LastPhases>,
 }
 
 impl Participant {
@@ -40,11 +46,11 @@ impl Participant {
         Self::join_after(discovery, arguments, Arc::default())
     }
 
-    /// Joins the network once more, after a life that left `last_phase`.
+    /// Joins the network once more, after a life that left `last_phases`.
     pub(crate) fn join_after(
         discovery: &Discovery,
         arguments: Arguments,
-        last_phase: Arc<AtomicU8>,
+        last_phases: Arc<LastPhases>,
     ) -> Result<Self, RosNodeError> {
         let runtime = Builder::new_multi_thread()
             .worker_threads(2)
@@ -61,7 +67,7 @@ impl Participant {
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
-        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments, last_phase }) })
+        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments, last_phases }) })
     }
 
     /// A node that the code calls `name`, in the root namespace unless the command line says otherwise.

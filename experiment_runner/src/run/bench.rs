@@ -1,6 +1,6 @@
 //! What all experiments of a run share: the rig they drive, simulated or real, and what ends them early.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -267,6 +267,14 @@ impl<'a> Bench<'a> {
     ) -> Result<Completion, RunError> {
         let workers = if self.is_simulated() { self.options.workers } else { 1 };
         let mut delivered = 0;
+        // What ended one run on the one axis there is ends them all: the next must not begin while the first error is on its way.
+        let failed = AtomicBool::new(false);
+        let work = |job: &J| {
+            if !self.is_simulated() && failed.load(Ordering::Relaxed) {
+                return Err(RigError::Stopped.into());
+            }
+            work(job).inspect_err(|_| failed.store(true, Ordering::Relaxed))
+        };
         let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
             delivered += 1;
             deliver(job, result)

@@ -134,10 +134,11 @@ impl Lifecycle {
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
     pub fn start(node: &RosNode, managed: Box<dyn Managed>) -> Result<Self, RosNodeError> {
+        let kept = node.last_phase();
         let this = Self(Arc::new(Inner {
             phase: AtomicU8::new(Phase::Unconfigured as u8),
-            before: node.last_phase().swap(Phase::Unconfigured as u8, Ordering::AcqRel),
-            kept: Arc::clone(node.last_phase()),
+            before: kept.swap(Phase::Unconfigured as u8, Ordering::AcqRel),
+            kept,
             managed: Mutex::new(managed),
             events: node.publisher_on("~/transition_event", Qos::DEFAULT)?,
             logger: node.logger().clone(),
