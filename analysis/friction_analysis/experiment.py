@@ -15,7 +15,6 @@ import json
 import math
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
@@ -201,12 +200,12 @@ def _offered(ready: Callable[[], bool], name: str, patience: float) -> None:
 
 def _wait(future: Any, seconds: float = math.inf, complaint: str = "") -> Any:
     """The future's result, waited for in small steps, so that ctrl-C is heard."""
-    done = threading.Event()
-    future.add_done_callback(lambda _: done.set())
     end = time.monotonic() + seconds
-    while not done.wait(0.1):
+    while not future.done():
         if time.monotonic() > end:
             raise RosError(f"{complaint} within {seconds:g} s")
+        # An interrupt inside a condition variable can come out as another exception; sleeping passes it on as it is.
+        time.sleep(0.05)
     return future.result()
 
 

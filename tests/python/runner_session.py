@@ -164,7 +164,7 @@ def converse(session: Session, runs: Path) -> dict:
 
     # One experiment to its end, with feedback; the result can be asked for again.
     feedback = []
-    handle = session.send(goal("constant-velocity", repetitions=2, quick=True, seed=3), feedback)
+    handle = session.send(goal("constant-velocity", repetitions=30, quick=True, seed=3), feedback)
     report["complete"] = session.result(handle)
     report["asked_again"] = session.result(handle)
     report["feedback"] = [plain(message) for message in feedback]

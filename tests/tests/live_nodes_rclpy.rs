@@ -80,7 +80,8 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert!(moves("after_stop"), "{report}");
     // A reference from elsewhere.
     assert_eq!((&report["ready"], &report["scale_given"]), (&json!(true), &json!([0.75])));
-    assert_eq!(report["without_reference"][1], 0.0, "{report}");
+    // It stands, within a step of the encoder (1.5 mrad) or two.
+    assert!(number(&report["without_reference"][1]).abs() < 0.004, "{report}");
     // The lag compensator leaves an error under friction that is compensated in part.
     assert!((number(&report["velocity"]) + 1.5).abs() < 0.35, "{}", report["velocity"]);
     assert!(number(&report["reference_gone"][1]) < 0.05, "{}", report["reference_gone"]);
