@@ -71,7 +71,7 @@ pub fn topics() -> Vec<TopicInterface> {
             &topics::RIG_MEASUREMENT,
             &["rig_driver"],
             &[],
-            "every channel: counts, position [rad], velocity [rad/s], torque [N m], voltage [V], current [A], flags",
+            "every channel: counts, position [rad], velocity [rad/s], torque [N m], voltage [V], flags",
         ),
         topic(
             &topics::REFERENCE,

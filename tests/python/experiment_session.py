@@ -1,4 +1,4 @@
-"""Experiments on the loop of the three nodes: to the end, with a node that dies, stopped, and with a runner that is killed.
+"""Experiments on `frictionlab live`, and on the loop of the three nodes: to the end, with a node that dies, stopped, and with a runner that is killed.
 
 usage: experiment_session.py FOLDER_OF_PROGRAMS FRICTIONLAB OUT
 """
@@ -60,6 +60,15 @@ def main():
     report = {}
     with Processes(folder) as processes, caller() as calls:
         watch = Watch(calls)
+        # The nodes in one process.
+        live = subprocess.Popen([program, "live", "--reference", "ros", "--quiet", "--out", str(out / "live")])
+        assert calls.until(lambda: watch.last is not None, 20.0), "the live rig is not heard"
+        report["over_live"] = watch.finish(run(program, out / "over_live"))
+        live.send_signal(signal.SIGINT)
+        report["live"] = live.wait(20.0)
+        watch.last = None
+
+        # Three processes.
         given = {"friction_observer": ["-p", "model:=lugre"]}
         nodes = {name: processes.start(name, *given.get(name, [])) for name in NODES}
         assert calls.until(lambda: watch.last is not None, 20.0), "the rig is not heard"
