@@ -320,6 +320,10 @@ impl Content<'_> {
 
 /// The records in a chunk; `None` unless all of it can be read and its checksum is right.
 fn unpack(record: &[u8]) -> Option<Vec<Vec<u8>>> {
+    // The reader goes by the content's own length: with a record's that is too long it would read one chunk and leave out those behind it.
+    if !Content(record.get(HEAD..)?).ends_with(op::CHUNK) {
+        return None;
+    }
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
