@@ -72,10 +72,15 @@ fn an_experiment_over_the_nodes_is_the_one_of_a_single_process_and_ends_well_wha
 /// Within what noise and a cycle of delay make. Measured: the mean squares differ by at most .2 % without and 2 % with compensation, the largest errors by .2 % and 6 %.
 fn the_figures_are_those_of_one_process(report: &Value, folder: &Path) {
     assert_eq!(report["whole"][0], 0, "{}", report["whole"]);
-    assert_eq!((&report["over_live"][0], &report["live"]), (&serde_json::json!(0), &serde_json::json!(0)));
     let one = offline(&folder.join("offline"));
-    for way in ["over_live", "whole"] {
-        compared(way, &one, &figures(&folder.join(way)));
+    compared("three processes", &one, &figures(&folder.join("whole")));
+    // In the long tier `live` too.
+    if std::env::var_os("FRICTION_FULL").is_some() {
+        assert_eq!(
+            (&report["over_live"][0], &report["live"]),
+            (&serde_json::json!(0), &serde_json::json!(0))
+        );
+        compared("live", &one, &figures(&folder.join("over_live")));
     }
     // The nodes are left with their own parameters, the motor without voltage.
     assert_eq!(report["left"], serde_json::json!(["inactive", "active", "active"]));

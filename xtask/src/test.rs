@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::{env, time::Instant};
+use std::{env, thread, time::Instant};
 
 use anyhow::{Context, ensure};
 
@@ -31,11 +31,12 @@ impl Test {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
         let target =
             env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
-        prepare_python();
-
         let (tier, cases) = CASES[usize::from(self.full)];
-        // The program is built with the features of the whole workspace, so that the tests use it as it is instead of building it once more.
-        cargo(root, &["build", "--workspace", "--locked"], &[])?;
+        // Fetching the Python half leaves the processors to the compiler. Programs and tests are built together, with the same features, so that nothing is built twice.
+        thread::scope(|scope| {
+            scope.spawn(prepare_python);
+            cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], &[])
+        })?;
         let built = |name: &str| {
             let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
             program.into_os_string().into_string().ok().context("the target folder's path must be text")
