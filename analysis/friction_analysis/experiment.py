@@ -26,6 +26,9 @@ from friction_analysis.console import command, conclude, positive
 from friction_analysis.ros import RosError, SpinningNode, load, surroundings
 from friction_analysis.topics import topic_name
 
+_SETTLING = 0.2
+"""Time from finding an experiment runner to asking it [s]."""
+
 
 class Outcome(IntEnum):
     """How an experiment ended, as in friction_msgs/action/RunExperiment."""
@@ -196,6 +199,9 @@ def _offered(ready: Callable[[], bool], name: str, patience: float) -> None:
         if time.monotonic() > end:
             raise RosError(f"nobody offers {name}; start `frictionlab serve` or the node experiment_runner. {surroundings()}")
         time.sleep(0.05)
+    # The other side may find this client a moment later than it is found, and what it cannot place is sent again only by
+    # Fast DDS's heartbeat, every 3 s.
+    time.sleep(_SETTLING)
 
 
 def _wait(future: Any, seconds: float = math.inf, complaint: str = "") -> Any:

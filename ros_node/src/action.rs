@@ -4,6 +4,7 @@
 //! asked, in any order of asking and finishing; feedback goes on while a goal is being cancelled; a cancel request is answered with
 //! the codes of `action_msgs/srv/CancelGoal`.
 
+mod answers;
 mod goals;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,7 +14,7 @@ use std::time::Duration;
 
 use msgs::RosAction;
 use ros2_client::{
-    ActionTypeName, Name, Node, RmwRequestId, ServiceMapping,
+    ActionTypeName, Name, Node, RmwRequestId, ServiceMapping, WriteError,
     action::{ActionServerQosPolicies, CancelGoalResponse, GetResultResponse, SendGoalResponse},
     action_msgs::CancelGoalRequest,
     builtin_interfaces::Time,
@@ -23,6 +24,8 @@ use rustdds::mio1::{Events, Interest, Poll, Token, Waker, event::Source};
 
 pub use ros2_client::action::{GoalEndStatus as GoalEnd, GoalId};
 
+pub(crate) use answers::Answers;
+use answers::Service;
 use goals::{Goals, Wanted};
 
 /// How long a server sleeps at most when nothing comes.
@@ -53,6 +56,7 @@ type Server<A> =
 struct Shared<A: RosAction> {
     server: Server<A>,
     goals: Mutex<Goals<A::Result>>,
+    answers: Arc<Answers>,
 }
 
 impl<A: RosAction> Shared<A> {
@@ -67,7 +71,7 @@ impl<A: RosAction> Shared<A> {
         let _ = self.server.send_goal_statuses(statuses);
     }
 
-    fn finish(&self, id: GoalId, end: GoalEnd, result: A::Result) {
+    fn finish(self: &Arc<Self>, id: GoalId, end: GoalEnd, result: A::Result) {
         let waiting = self.goals().finish(id, end, result);
         self.publish_statuses();
         for (to, response) in waiting {
@@ -75,9 +79,19 @@ impl<A: RosAction> Shared<A> {
         }
     }
 
-    fn send_result(&self, to: RmwRequestId, response: GetResultResponse<A::Result>) {
-        // The client may be gone: then nobody waits for this.
-        let _ = self.server.send_result(to, response);
+    /// Answers a request of a client, which may be gone: then nobody waits for this.
+    fn answer(
+        self: &Arc<Self>,
+        service: Service,
+        to: RmwRequestId,
+        send: impl FnOnce(&Server<A>) -> Result<(), WriteError<()>> + Send + 'static,
+    ) {
+        let this = Arc::clone(self);
+        self.answers.send(service, to, move || send(&this.server));
+    }
+
+    fn send_result(self: &Arc<Self>, to: RmwRequestId, response: GetResultResponse<A::Result>) {
+        self.answer(Service::GetResult, to, move |server| server.send_result(to, response));
     }
 }
 
@@ -121,6 +135,7 @@ pub struct ActionServer {
     stop: Arc<AtomicBool>,
     waker: Waker,
     thread: Option<JoinHandle<()>>,
+    answers: Arc<Answers>,
 }
 
 impl Drop for ActionServer {
@@ -131,6 +146,7 @@ impl Drop for ActionServer {
             // A panic of it was told when it happened.
             let _ = thread.join();
         }
+        self.answers.give_up();
     }
 }
 
@@ -141,6 +157,7 @@ impl Drop for ActionServer {
 pub(crate) fn serve<A: RosAction>(
     node: &mut Node,
     name: &Name,
+    answers: Arc<Answers>,
     handler: impl ActionHandler<A>,
 ) -> Result<ActionServer, String> {
     let io = |e: std::io::Error| e.to_string();
@@ -168,11 +185,12 @@ pub(crate) fn serve<A: RosAction>(
     server.cancel_server().register(registry, Token(1), Interest::READABLE).map_err(io)?;
     server.result_server().register(registry, Token(2), Interest::READABLE).map_err(io)?;
     let waker = Waker::new(registry, WAKE).map_err(io)?;
-    let shared = Arc::new(Shared::<A> { server, goals: Mutex::new(Goals::new()) });
+    let shared =
+        Arc::new(Shared::<A> { server, goals: Mutex::new(Goals::new()), answers: Arc::clone(&answers) });
     let stop = Arc::new(AtomicBool::new(false));
     let serving = Serving { shared, handler, stop: Arc::clone(&stop) };
     let thread = thread::Builder::new().name("action".into()).spawn(move || serving.run(poll)).map_err(io)?;
-    Ok(ActionServer { stop, waker, thread: Some(thread) })
+    Ok(ActionServer { stop, waker, thread: Some(thread), answers })
 }
 
 struct Serving<A: RosAction, H> {
@@ -194,11 +212,11 @@ impl<A: RosAction, H: ActionHandler<A>> Serving<A, H> {
     }
 
     fn take_goals(&self) {
-        let server = &self.shared.server;
-        while let Some((to, request)) = next(|| server.receive_goal()) {
+        while let Some((to, request)) = next(|| self.shared.server.receive_goal()) {
             let (id, now) = (request.goal_id, Time::now());
             let accepted = self.shared.goals().accept(id, now);
-            let _ = server.send_goal_response(to, SendGoalResponse { accepted, stamp: now });
+            let response = SendGoalResponse { accepted, stamp: now };
+            self.shared.answer(Service::SendGoal, to, move |server| server.send_goal_response(to, response));
             if accepted {
                 self.shared.publish_statuses();
                 let shared = Arc::clone(&self.shared);
@@ -208,14 +226,14 @@ impl<A: RosAction, H: ActionHandler<A>> Serving<A, H> {
     }
 
     fn take_cancels(&self) {
-        let server = &self.shared.server;
-        while let Some((to, request)) = next(|| server.receive_cancel_request()) {
+        while let Some((to, request)) = next(|| self.shared.server.receive_cancel_request()) {
             let Some(wanted) = wanted(&request) else { continue };
             let matching = self.shared.goals().matching(&wanted);
             let granted: Vec<GoalId> = matching.into_iter().filter(|&id| self.handler.cancel(id)).collect();
             let response: CancelGoalResponse = self.shared.goals().cancel(&wanted, &granted);
             self.shared.publish_statuses();
-            let _ = server.send_cancel_response(to, response);
+            self.shared
+                .answer(Service::CancelGoal, to, move |server| server.send_cancel_response(to, response));
         }
     }
 

@@ -36,6 +36,7 @@ mod discovery;
 mod error;
 mod executable;
 mod graph;
+mod hearing;
 pub mod lifecycle;
 mod limits;
 mod log_level;

@@ -6,7 +6,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use futures::StreamExt;
+use futures::{StreamExt, stream::FuturesUnordered};
 use msgs::{
     RosAction, RosMessage, RosService,
     topics::{Qos, Topic},
@@ -24,7 +24,7 @@ use crate::{
     ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
     ServiceClient, action,
     graph::{self, ParticipantNodes},
-    limits,
+    hearing, limits,
     participant::Shared,
 };
 
@@ -297,7 +297,11 @@ impl RosNode {
         handler: impl ActionHandler<A>,
     ) -> Result<ActionServer, RosNodeError> {
         let absolute = self.resolve(Named::Service, name)?;
-        self.with_node("an action", &absolute, |node| action::serve::<A>(node, &parse(&absolute)?, handler))
+        let (hearers, runtime) = (Arc::clone(&self.shared.hearers), self.shared.runtime.handle().clone());
+        let answers = action::Answers::new(&absolute, self.logger.clone(), hearers, runtime);
+        self.with_node("an action", &absolute, |node| {
+            action::serve::<A>(node, &parse(&absolute)?, answers, handler)
+        })
     }
 
     /// Answers a service whose types are only known to the client library.
@@ -325,9 +329,21 @@ impl RosNode {
             .map_err(|e| e.to_string())
         })?;
         let logger = self.logger.clone();
+        let hearers = Arc::clone(&self.shared.hearers);
+        let topic = hearing::answers_of(&absolute);
         self.spawn(async move {
+            let send = async |id, response| {
+                if let Err(error) = server.async_send_response(id, response).await {
+                    logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
+                }
+            };
+            let mut held = FuturesUnordered::new();
             loop {
-                match server.async_receive_request().await {
+                let next = tokio::select! {
+                    next = server.async_receive_request() => next,
+                    Some(()) = held.next() => continue,
+                };
+                match next {
                     Ok((id, request)) => {
                         let response = tokio::task::block_in_place(|| answer(request));
                         if limits::is_too_long(&response) {
@@ -335,10 +351,15 @@ impl RosNode {
                                 "an answer of {absolute} would be longer than {} bytes and was not sent; ask for less at a time",
                                 limits::ANSWER
                             ));
-                            continue;
-                        }
-                        if let Err(error) = server.async_send_response(id, response).await {
-                            logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
+                        } else if hearers.hear(&id, &topic) || held.len() >= hearing::MOST_HELD {
+                            send(id, response).await;
+                        } else {
+                            let (hearers, topic, send) = (&hearers, &topic, &send);
+                            logger.debug(&format!("an answer of {absolute} waits until its client is found"));
+                            held.push(async move {
+                                hearers.until_heard(&id, topic).await;
+                                send(id, response).await;
+                            });
                         }
                     }
                     Err(error) => {

@@ -3,13 +3,21 @@
 use std::{
     collections::BTreeMap,
     sync::{Arc, Mutex, atomic::AtomicU8},
+    thread,
+    time::{Duration, Instant},
 };
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
-use tokio::runtime::{Builder, Runtime};
+use tokio::{
+    runtime::{Builder, Runtime},
+    task::JoinHandle,
+};
 
-use crate::{Arguments, Discovery, RosNode, RosNodeError, turn::Turn};
+use crate::{Arguments, Discovery, RosNode, RosNodeError, hearing::Hearers, turn::Turn};
+
+/// Longest wait for what follows the participant's events to end.
+const LEAVING: Duration = Duration::from_secs(1);
 
 /// One process's place on the network, shared by its nodes. It leaves when the last of them and this are dropped.
 pub struct Participant {
@@ -25,8 +33,22 @@ pub(crate) struct Shared {
     pub(crate) context: Context,
     pub(crate) runtime: Runtime,
     pub(crate) arguments: Arguments,
+    /// Who can hear the answers of the nodes' services.
+    pub(crate) hearers: Arc<Hearers>,
+    following: JoinHandle<()>,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // It holds a part of the participant, which leaves when nobody holds it any more.
+        self.following.abort();
+        let began = Instant::now();
+        while !self.following.is_finished() && began.elapsed() < LEAVING {
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
 }
 
 impl Participant {
@@ -67,7 +89,11 @@ impl Participant {
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
-        Ok(Self { shared: Arc::new(Shared { context, runtime, arguments, last_phases }) })
+        let hearers = Arc::<Hearers>::default();
+        let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
+        let following = runtime.spawn(async move { heard.follow(participant).await });
+        let shared = Shared { context, runtime, arguments, hearers, following, last_phases };
+        Ok(Self { shared: Arc::new(shared) })
     }
 
     /// A node that the code calls `name`, in the root namespace unless the command line says otherwise.

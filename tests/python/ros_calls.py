@@ -78,11 +78,15 @@ class Caller:
 
     def call(self, kind, name, request, seconds=20.0):
         key = (kind, name)
-        if key not in self.clients:
+        new = key not in self.clients
+        if new:
             self.clients[key] = self.node.create_client(kind, name)
         client = self.clients[key]
         if not client.wait_for_service(timeout_sec=seconds):
             raise RuntimeError(f"no service {name}")
+        if new:
+            # What a server cannot place yet is sent again only by Fast DDS's heartbeat, every 3 s.
+            self.spin(0.1)
         # A server may learn of a new client a moment after the client learns of it: ask again, as people do.
         for _ in range(3):
             future = client.call_async(request)

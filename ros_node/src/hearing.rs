@@ -1,0 +1,166 @@
+//! Who can hear an answer.
+//!
+//! A request may come before this process has found the reader that waits for its answer: the two are told on different ways. RustDDS 0.15 leaves out
+//! for a reader what was written before it was found, for good, so the client would wait for ever. The middlewares of rclcpp
+//! and rclpy hold such an answer back for a moment; so do the nodes here.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
+
+use futures::StreamExt;
+use ros2_client::RmwRequestId;
+use rustdds::{DomainParticipant, DomainParticipantStatusEvent as Event, GUID, StatusEvented};
+use tokio::sync::watch;
+
+/// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
+const LONGEST: Duration = Duration::from_secs(10);
+/// Answers of one service that are held back at most; what comes then is sent at once.
+pub(crate) const MOST_HELD: usize = 100;
+/// What the names of topics with answers begin with.
+const ANSWERS: &str = "rr/";
+
+/// The readers of answers that this process has found.
+#[derive(Default)]
+pub(crate) struct Hearers(watch::Sender<Readers>);
+
+#[derive(Default)]
+struct Readers {
+    /// Topics of all readers of answers that were told of.
+    topics: BTreeMap<GUID, String>,
+    /// Those that a writer of this process sends to.
+    found: BTreeSet<GUID>,
+}
+
+impl Hearers {
+    /// Takes what the participant tells of others, until it ends.
+    pub(crate) async fn follow(&self, participant: DomainParticipant) {
+        let listener = participant.status_listener();
+        // The listener keeps what it needs; the participant itself may leave.
+        drop(participant);
+        let mut events = listener.as_async_status_stream();
+        while let Some(event) = events.next().await {
+            match event {
+                Event::ReaderDetected { reader } if reader.topic_name.starts_with(ANSWERS) => {
+                    self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));
+                }
+                Event::RemoteReaderMatched { remote_reader, .. } => {
+                    self.0.send_if_modified(|readers| readers.found(remote_reader));
+                }
+                Event::ReaderLost { guid, .. } => {
+                    self.0.send_if_modified(|readers| readers.lost(|reader| *reader == guid));
+                }
+                Event::ParticipantLost { id, .. } => {
+                    self.0.send_if_modified(|readers| readers.lost(|reader| reader.prefix == id));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Whether an answer on `topic` to that request reaches its client now.
+    pub(crate) fn hear(&self, request: &RmwRequestId, topic: &str) -> bool {
+        self.0.borrow().hear(GUID::from(request.writer_gid), topic)
+    }
+
+    /// Waits until an answer on `topic` to that request reaches its client, but not for ever.
+    pub(crate) async fn until_heard(&self, request: &RmwRequestId, topic: &str) {
+        let client = GUID::from(request.writer_gid);
+        let mut readers = self.0.subscribe();
+        let heard = readers.wait_for(|readers| readers.hear(client, topic));
+        // Both ways the answer is sent.
+        let _ = tokio::time::timeout(LONGEST, heard).await;
+    }
+}
+
+impl Readers {
+    fn told(&mut self, reader: GUID, topic: String) {
+        self.topics.insert(reader, topic);
+    }
+
+    fn found(&mut self, reader: GUID) -> bool {
+        self.topics.contains_key(&reader) && self.found.insert(reader)
+    }
+
+    fn lost(&mut self, is_lost: impl Fn(&GUID) -> bool) -> bool {
+        let before = self.topics.len();
+        self.topics.retain(|reader, _| !is_lost(reader));
+        self.found.retain(|reader| !is_lost(reader));
+        self.topics.len() < before
+    }
+
+    /// A request carries the reader of its answer where the client's middleware is Fast DDS, and the writer of the request where it is RustDDS.
+    fn hear(&self, client: GUID, topic: &str) -> bool {
+        if client.entity_id.entity_kind.is_reader() {
+            return self.found.contains(&client);
+        }
+        self.found.iter().any(|reader| {
+            reader.prefix == client.prefix && self.topics.get(reader).is_some_and(|of| of == topic)
+        })
+    }
+}
+
+/// The topic on which a service of that absolute name answers, as DDS has it.
+pub(crate) fn answers_of(service: &str) -> String {
+    format!("{ANSWERS}{}Reply", service.trim_start_matches('/'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ros2_client::Gid;
+
+    const READER: u8 = 0x04;
+    const WRITER: u8 = 0x03;
+
+    /// An endpoint of participant `participant`.
+    fn endpoint(participant: u8, number: u8, kind: u8) -> GUID {
+        let mut bytes = [participant; 16];
+        bytes[12..].copy_from_slice(&[0, 0, number, kind]);
+        GUID::from(Gid::from(bytes))
+    }
+
+    #[test]
+    fn a_reader_named_by_the_request_is_heard_by_once_it_is_found() {
+        let mut readers = Readers::default();
+        let (reader, other) = (endpoint(1, 19, READER), endpoint(1, 20, READER));
+        readers.told(reader, "rr/pingReply".into());
+        assert!(!readers.hear(reader, "rr/pingReply"), "told of, not yet found");
+        assert!(readers.found(reader));
+        assert!(!readers.found(reader), "nothing new");
+        assert!(readers.hear(reader, "rr/pingReply"));
+        assert!(!readers.hear(other, "rr/pingReply"), "a second client of the same process");
+        assert!(readers.lost(|lost| *lost == reader));
+        assert!(!readers.hear(reader, "rr/pingReply"));
+    }
+
+    #[test]
+    fn a_request_that_names_its_writer_is_answered_once_its_participant_listens_there() {
+        let mut readers = Readers::default();
+        let (writer, reader) = (endpoint(7, 1, WRITER), endpoint(7, 2, READER));
+        readers.told(endpoint(7, 3, READER), "rr/pongReply".into());
+        readers.found(endpoint(7, 3, READER));
+        readers.told(endpoint(8, 2, READER), "rr/pingReply".into());
+        readers.found(endpoint(8, 2, READER));
+        assert!(!readers.hear(writer, "rr/pingReply"), "another topic, another participant");
+        readers.told(reader, "rr/pingReply".into());
+        readers.found(reader);
+        assert!(readers.hear(writer, "rr/pingReply"));
+        assert!(readers.lost(|lost| lost.prefix == reader.prefix));
+        assert!(!readers.hear(writer, "rr/pingReply"));
+        assert!(readers.hear(endpoint(8, 1, WRITER), "rr/pingReply"), "the other one is still there");
+    }
+
+    #[test]
+    fn only_readers_of_answers_are_kept() {
+        let mut readers = Readers::default();
+        assert!(!readers.found(endpoint(1, 1, READER)), "of a topic that is no answer's");
+        assert!(readers.found.is_empty());
+    }
+
+    #[test]
+    fn answers_have_the_topic_that_ros_gives_them() {
+        assert_eq!(answers_of("/axis_1/controller/reset"), "rr/axis_1/controller/resetReply");
+    }
+}
