@@ -36,7 +36,11 @@ TOPICS = (
 )
 
 ARGUMENTS = {
-    "rig": ("", "simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD; empty: as the files say (simulated)"),
+    "rig": (
+        "",
+        "simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD; empty: as the files say (simulated). "
+        "Experiments run on it too if it is a real one",
+    ),
     "model": ("", "friction model that estimates: coulomb, stribeck, lugre, proposed, ...; empty: as the files say (proposed)"),
     "mode": ("", "what is regulated: velocity or position; empty: as the files say (velocity)"),
     "namespace": ("", "namespace of the axis, as in axis_1; empty for none"),
@@ -66,6 +70,9 @@ def node(name: str, given: dict[str, str]) -> ExecuteProcess:
     """One node with its files and what the arguments set."""
     files = [str(CONFIG / f"{name}.yaml")] + ([given["params_file"]] if given["params_file"] else [])
     sets = {argument: given[argument] for argument, nodes in SETS.items() if name in nodes and given[argument]}
+    if name == RUNNER and given["rig"] not in ("", "simulated"):
+        # On a real rig its experiments run too. A simulated one of their own needs no real time.
+        sets["rig"] = "nodes"
     rest = {"output": "screen", "sigterm_timeout": "10"}
     if name in LOOP:
         rest["on_exit"] = Shutdown(reason=f"{name} has ended")

@@ -94,8 +94,9 @@ def test_arguments_come_after_the_files_and_reach_the_nodes_they_concern(tmp_pat
         "rig_driver": [{"rig": given["rig"]}],
         "friction_observer": [{"model": "lugre", "mode": "position"}],
         "controller": [{"mode": "position"}],
-        "experiment_runner": [],
+        "experiment_runner": [{"rig": "nodes"}],
     }
+    assert launch(FRICTION, rig="simulated").started[3].parameters[1:] == [], "experiments need no real time there"
     assert all(node.parameters[1] == str(file) and node.namespace == "axis_1" for node in context.started)
 
 

@@ -23,7 +23,7 @@ use crate::launch::{
 ///
 /// Arguments (an empty value is none; what is not given is as the parameter files say):
 ///
-///   rig:=RIG           simulated, serial:PORT, quanser or quanser:CARD
+///   rig:=RIG           simulated, serial:PORT, quanser or quanser:CARD; experiments run on it too if it is a real one
 ///   model:=NAME        friction model that estimates; `frictionlab models` lists them
 ///   mode:=MODE         what is regulated: velocity or position
 ///   namespace:=NAME    namespace of the axis

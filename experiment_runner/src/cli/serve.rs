@@ -7,6 +7,8 @@ use anyhow::Context;
 use ros_node::{Discovery, Participant, RosNodeError, Stop};
 
 use super::BadInput;
+use crate::rig::RigChoice;
+use crate::server::desk::UsualRig;
 use crate::server::node::Runner;
 
 /// Run experiments for whoever asks over ROS 2
@@ -22,6 +24,9 @@ pub struct ServeArgs {
     /// Folder in which each run gets a folder of its own, unless its request names one
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub runs: PathBuf,
+    /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
+    #[arg(long, value_name = "RIG", default_value = "simulated")]
+    pub rig: RigChoice,
     /// Print nothing but errors
     #[arg(long, short)]
     pub quiet: bool,
@@ -37,12 +42,15 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
         Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;
     let participant = Participant::join(&discovery)?;
     let node = participant.node("experiment_runner")?;
-    let runner = Runner::new(&node, args.runs.clone())?;
+    let usual = UsualRig::default();
+    usual.set(args.rig.clone());
+    let runner = Runner::new(&node, args.runs.clone(), usual)?;
     if !args.quiet {
         super::offer_recovery(&args.runs);
         super::print(&format!(
-            "experiment_runner is ready on domain {}; runs go to {}; ctrl-C ends it\n",
+            "experiment_runner is ready on domain {}; experiments run on the rig `{}` unless their request names another; runs go to {}; ctrl-C ends it\n",
             discovery.domain,
+            args.rig,
             args.runs.display()
         ))?;
     }

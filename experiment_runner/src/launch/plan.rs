@@ -105,11 +105,13 @@ fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
     for file in std::iter::once(config.join(format!("{name}.yaml"))).chain(extra) {
         add("--params-file", file.display().to_string());
     }
+    // On a real rig its experiments run too. A simulated one of their own needs no real time.
+    let experiments = axis.rig.as_ref().filter(|rig| *rig != "simulated").map(|_| "nodes".to_owned());
     let sets: &[(&str, &Option<String>)] = match name {
         "rig_driver" => &[("rig", &axis.rig)],
         "friction_observer" => &[("model", &axis.model), ("mode", &axis.mode)],
         "controller" => &[("mode", &axis.mode)],
-        _ => &[],
+        _ => &[("rig", &experiments)],
     };
     for (parameter, value) in sets {
         if let Some(value) = value {
@@ -179,6 +181,14 @@ mod tests {
             ]
         );
         assert_eq!(plan.iter().filter(|process| process.part == Part::Loop).count(), 3);
+    }
+
+    #[test]
+    fn experiments_run_on_a_real_rig_that_is_launched() {
+        let runner = |given: &[&str]| plan(LaunchFile::Friction, given).pop().unwrap().command_line();
+        assert!(runner(&["rig:=serial:/dev/ttyACM0"]).ends_with("-p rig:=nodes"));
+        assert!(runner(&["rig:=simulated"]).ends_with("experiment_runner.yaml"));
+        assert!(runner(&[]).ends_with("experiment_runner.yaml"));
     }
 
     #[test]

@@ -63,6 +63,21 @@ pub struct Ended {
 /// Hears of every change: a status for whoever is interested.
 pub type Announce = dyn FnMut(ExperimentStatus) + Send;
 
+/// The rig of requests that name none. Clones are one.
+#[derive(Debug, Clone, Default)]
+pub struct UsualRig(Arc<Mutex<RigChoice>>);
+
+impl UsualRig {
+    /// This rig from now on.
+    pub fn set(&self, rig: RigChoice) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = rig;
+    }
+
+    fn get(&self) -> RigChoice {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
 /// The place where experiments are asked for. Clones are the same desk.
 #[derive(Clone)]
 pub struct Desk {
@@ -73,6 +88,7 @@ struct Inner {
     runs: PathBuf,
     /// Namespace of the axis.
     axis: String,
+    usual: UsualRig,
     announce: Mutex<Box<Announce>>,
     state: Mutex<State>,
     idle: Condvar,
@@ -96,12 +112,13 @@ struct Running {
 impl Desk {
     /// A desk of the axis with that namespace, that makes the folders of its runs in `runs` and tells everything to `announce`.
     #[must_use]
-    pub fn new(axis: &str, runs: PathBuf, announce: Box<Announce>) -> Self {
+    pub fn new(axis: &str, runs: PathBuf, usual: UsualRig, announce: Box<Announce>) -> Self {
         let state = Mutex::default();
         let desk = Self {
             inner: Arc::new(Inner {
                 runs,
                 axis: axis.to_owned(),
+                usual,
                 announce: Mutex::new(announce),
                 state,
                 idle: Condvar::new(),
@@ -129,7 +146,7 @@ impl Desk {
         cancel: Arc<AtomicBool>,
         watcher: impl Watcher,
     ) -> Result<Started, Refusal> {
-        let mut options = request.options()?;
+        let mut options = request.options(&self.inner.usual.get())?;
         // Who asks for the nodes means those of this runner's axis.
         if let RigChoice::Nodes { namespace: namespace @ None } = &mut options.rig {
             *namespace = Some(self.inner.axis.clone());

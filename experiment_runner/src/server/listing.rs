@@ -4,6 +4,7 @@ use clap::{Arg, ValueEnum};
 use msgs::friction_msgs::{ExperimentDescription, ExperimentParameter};
 
 use super::request::{ExperimentRequest, NOT_OF_RUN, run_command};
+use crate::rig::RigChoice;
 use crate::run::Experiment;
 
 /// Every experiment, with what it can be told and how long it takes.
@@ -33,7 +34,7 @@ fn duration(experiment: Experiment, quick: bool) -> f64 {
         overrides: quick.into_iter().collect(),
         ..Default::default()
     };
-    request.options().map_or(f64::NAN, |options| options.rig_seconds())
+    request.options(&RigChoice::Simulated).map_or(f64::NAN, |options| options.rig_seconds())
 }
 
 fn parameters() -> Vec<ExperimentParameter> {

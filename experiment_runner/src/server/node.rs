@@ -1,6 +1,6 @@
 //! The node `/experiment_runner`: an action, three services and a status that stays for latecomers.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,12 +14,12 @@ use msgs::friction_msgs::{
 use msgs::std_srvs::{Trigger, TriggerResponse};
 use msgs::topics;
 use ros_node::lifecycle::{CallbackError, Lifecycle, Managed, Requested};
-use ros_node::parameters::{Declaration, Parameters};
+use ros_node::parameters::{Declaration, Parameters, Values};
 use ros_node::{
     ActionHandler, ActionServer, Goal, GoalEnd, GoalId, Participant, RosNode, RosNodeError, Stop,
 };
 
-use super::desk::{Desk, Ended, Watcher};
+use super::desk::{Desk, Ended, UsualRig, Watcher};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
 
@@ -28,6 +28,11 @@ use super::{Refusal, identification, listing, outcome};
 pub fn declarations() -> Vec<Declaration> {
     vec![
         Declaration::text("runs", "runs", "Folder in which each run gets a folder of its own").read_only(),
+        Declaration::text(
+            "rig",
+            "simulated",
+            "Rig of experiments whose request names none: `nodes` for the one that this axis's nodes drive, `simulated` for one of their own, or what `frictionlab run --rig` takes",
+        ),
         Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
     ]
 }
@@ -58,8 +63,14 @@ impl ManagedRunner {
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
     pub fn new(node: &RosNode) -> Result<Self, RosNodeError> {
-        let parameters = Parameters::declare(node, declarations(), |_, _| Ok(()))?.values();
-        let runner = Runner::new(node, PathBuf::from(parameters.text("runs")))?;
+        let usual = UsualRig::default();
+        let named = usual.clone();
+        let judge = move |values: &Values, _: &BTreeSet<String>| {
+            named.set(values.text("rig").parse()?);
+            Ok(())
+        };
+        let parameters = Parameters::declare(node, declarations(), judge)?.values();
+        let runner = Runner::new(node, PathBuf::from(parameters.text("runs")), usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
         if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
@@ -111,11 +122,11 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Offers everything on `node`; runs make their folders in `runs`.
+    /// Offers everything on `node`; runs make their folders in `runs`, and are on the `usual` rig unless their request names one.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses.
-    pub fn new(node: &RosNode, runs: PathBuf) -> Result<Self, RosNodeError> {
+    pub fn new(node: &RosNode, runs: PathBuf, usual: UsualRig) -> Result<Self, RosNodeError> {
         let status = node.publisher(&topics::EXPERIMENT_STATUS)?;
         let logger = node.logger().clone();
         let mut last = String::new();
@@ -128,7 +139,7 @@ impl Runner {
             // A status that does not get through is followed by the next.
             let _ = status.publish(message);
         };
-        let desk = Desk::new(&node.identity().namespace, runs, Box::new(announce));
+        let desk = Desk::new(&node.identity().namespace, runs, usual, Box::new(announce));
         let goals = Goals { desk: desk.clone(), cancels: Arc::default() };
         let (starts, aborts) = (desk.clone(), desk.clone());
         let cancel_identification = Arc::new(AtomicBool::new(false));

@@ -8,6 +8,7 @@ use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExpe
 
 use super::Refusal;
 use crate::cli::{identify::IdentifyArgs, run::RunArgs};
+use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
 /// Options of `frictionlab run` that a request has fields for, or that are about the terminal.
@@ -54,11 +55,11 @@ fn folder(text: &str) -> Option<PathBuf> {
 }
 
 impl ExperimentRequest {
-    /// What is to be run.
+    /// What is to be run, on the `usual` rig unless the request names one.
     ///
     /// # Errors
     /// [`Refusal::BadRequest`] names the experiment, model or option at fault and what was expected.
-    pub fn options(&self) -> Result<RunOptions, Refusal> {
+    pub fn options(&self, usual: &RigChoice) -> Result<RunOptions, Refusal> {
         let known = || {
             let names: Vec<&str> = Experiment::value_variants().iter().map(|e| e.as_str()).collect();
             names.join(", ")
@@ -77,6 +78,9 @@ impl ExperimentRequest {
         }
         if self.repetitions > 0 {
             line.push(format!("--repetitions={}", self.repetitions));
+        }
+        if !self.overrides.iter().any(|setting| option(&setting.name) == "rig") {
+            line.push(format!("--rig={usual}"));
         }
         line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides)?);
         let args: RunArgs = parse(&line)?;
@@ -137,12 +141,17 @@ pub(super) fn parse<A: Args>(line: &[String]) -> Result<A, Refusal> {
         .map_or_else(|error| Err(Refusal::BadRequest(sentence(&error))), |Line { args }| Ok(args))
 }
 
+/// An option's name, however it is written: `voltage_limit` and `--voltage-limit` are one.
+fn option(name: &str) -> String {
+    name.trim().trim_start_matches('-').replace('_', "-")
+}
+
 /// The settings as command line.
 fn settings(command: &Command, reserved: &[&str], given: &[Setting]) -> Result<Vec<String>, Refusal> {
     let named = |arg: &&Arg, name: &str| arg.get_long() == Some(name) && !reserved.contains(&name);
     let mut line = Vec::with_capacity(given.len());
     for Setting { name, value } in given {
-        let name = name.trim().trim_start_matches('-').replace('_', "-");
+        let name = option(name);
         let Some(arg) = command.get_arguments().find(|arg| named(arg, &name)) else {
             let known: Vec<&str> = command
                 .get_arguments()
@@ -205,14 +214,27 @@ mod tests {
             repetitions: 3,
             ..request("position-tracking", &[("seed", "7"), ("quick", ""), ("voltage_limit", "4.5")])
         };
-        let options = asked.options().unwrap();
+        let options = asked.options(&RigChoice::Simulated).unwrap();
         assert_eq!(options.experiment, Experiment::PositionTracking);
         assert_eq!(options.models, [ModelName::LuGre, ModelName::Dahl]);
         assert_eq!((options.seed, options.position_tracking.repetitions), (7, 3));
         assert_eq!(options.test_bed.simulation.voltage_limit, 4.5);
         assert_eq!(options.constant_velocity.duration, 6.0, "--quick");
-        let slow = request("all", &[("quick", "false")]).options().unwrap();
+        let slow = request("all", &[("quick", "false")]).options(&RigChoice::Simulated).unwrap();
         assert_eq!(slow.constant_velocity.duration, 15.0);
+    }
+
+    #[test]
+    fn the_rig_is_the_usual_one_unless_the_request_names_another() {
+        let nodes = RigChoice::Nodes { namespace: None };
+        let rig =
+            |overrides: &[(&str, &str)]| request("position-tracking", overrides).options(&nodes).unwrap().rig;
+        assert_eq!(rig(&[("quick", "true")]), nodes);
+        assert_eq!(rig(&[("rig", "simulated")]), RigChoice::Simulated);
+        assert_eq!(
+            rig(&[("--rig", "nodes:/axis_2")]),
+            RigChoice::Nodes { namespace: Some("/axis_2".into()) }
+        );
     }
 
     #[test]
@@ -234,7 +256,9 @@ mod tests {
                 ["newton", "coulomb"],
             ),
         ] {
-            let Err(Refusal::BadRequest(message)) = asked.options() else { panic!("{asked:?} was taken") };
+            let Err(Refusal::BadRequest(message)) = asked.options(&RigChoice::Simulated) else {
+                panic!("{asked:?} was taken")
+            };
             for said in said {
                 assert!(message.contains(said), "{asked:?}: {message}");
             }

@@ -28,8 +28,8 @@ fn bench() -> Bench {
     let root = tempfile::tempdir().unwrap();
     let told: Arc<Mutex<Vec<ExperimentStatus>>> = Arc::default();
     let hear = Arc::clone(&told);
-    let desk =
-        Desk::new("/", root.path().join("runs"), Box::new(move |status| hear.lock().unwrap().push(status)));
+    let announce = Box::new(move |status| hear.lock().unwrap().push(status));
+    let desk = Desk::new("/", root.path().join("runs"), UsualRig::default(), announce);
     Bench { root, desk, told }
 }
 
