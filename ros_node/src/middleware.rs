@@ -47,15 +47,18 @@ fn threads() -> BTreeMap<u32, String> {
         .collect()
 }
 
-/// Watches in a thread.
-pub(crate) struct Watch {
+/// Watches the middleware's threads from a thread of its own. For programs that join by themselves; [`run`](crate::run) does it for its body.
+pub struct Watch {
     stop: Stop,
     thread: Option<thread::JoinHandle<Option<String>>>,
 }
 
 impl Watch {
-    /// Begins.
-    pub(crate) fn start(wished: &Stop) -> Result<Self, std::io::Error> {
+    /// Begins, once the process has joined. `wished` is the wish to end that comes from elsewhere.
+    ///
+    /// # Errors
+    /// What the system says if it grants no thread.
+    pub fn start(wished: &Stop) -> Result<Self, std::io::Error> {
         let stop = Stop::default();
         let (wished, told) = (wished.clone(), stop.clone());
         let thread = thread::Builder::new().name("middleware".into()).spawn(move || watch(&wished, &told))?;
@@ -63,12 +66,14 @@ impl Watch {
     }
 
     /// Set when the node is to end, for whatever reason.
-    pub(crate) fn stop(&self) -> &Stop {
+    #[must_use]
+    pub fn stop(&self) -> &Stop {
         &self.stop
     }
 
     /// Ends it; the middleware's thread that was lost, if it was one.
-    pub(crate) fn end(mut self) -> Option<String> {
+    #[must_use]
+    pub fn end(mut self) -> Option<String> {
         self.stop.set();
         self.thread.take().and_then(|thread| thread.join().ok()).flatten()
     }

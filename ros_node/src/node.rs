@@ -6,7 +6,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use futures::{StreamExt, stream::FuturesUnordered};
+use futures::StreamExt;
 use msgs::{
     RosAction, RosMessage, RosService,
     topics::{Qos, Topic},
@@ -24,8 +24,8 @@ use crate::{
     ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
     ServiceClient, action,
     graph::{self, ParticipantNodes},
-    hearing, limits,
     participant::Shared,
+    service::Service,
 };
 
 /// How long a leaving node waits for its background work.
@@ -310,7 +310,7 @@ impl RosNode {
         name: &str,
         package: &str,
         kind: &str,
-        mut answer: impl FnMut(Q) -> A + Send + 'static,
+        answer: impl FnMut(Q) -> A + Send + 'static,
     ) -> Result<(), RosNodeError>
     where
         Q: Message + Clone + Send + Sync + 'static,
@@ -328,50 +328,9 @@ impl RosNode {
             )
             .map_err(|e| e.to_string())
         })?;
-        let logger = self.logger.clone();
         let hearers = Arc::clone(&self.shared.hearers);
-        let topic = hearing::answers_of(&absolute);
-        self.spawn(async move {
-            let send = async |id, response| {
-                if let Err(error) = server.async_send_response(id, response).await {
-                    logger.warn(&format!("an answer of {absolute} was not sent: {error:?}"));
-                }
-            };
-            let mut held = FuturesUnordered::new();
-            loop {
-                let next = tokio::select! {
-                    next = server.async_receive_request() => next,
-                    Some(()) = held.next() => continue,
-                };
-                match next {
-                    Ok((id, request)) => {
-                        let response = tokio::task::block_in_place(|| answer(request));
-                        if limits::is_too_long(&response) {
-                            logger.warn(&format!(
-                                "an answer of {absolute} would be longer than {} bytes and was not sent; ask for less at a time",
-                                limits::ANSWER
-                            ));
-                        } else if hearers.hear(&id, &topic) || held.len() >= hearing::MOST_HELD {
-                            send(id, response).await;
-                        } else {
-                            let (hearers, topic, send) = (&hearers, &topic, &send);
-                            logger.debug(&format!("an answer of {absolute} waits until its client is found"));
-                            held.push(async move {
-                                hearers.until_heard(&id, topic).await;
-                                send(id, response).await;
-                            });
-                        }
-                    }
-                    Err(error) => {
-                        logger.warn(&format!(
-                            "a request to {absolute} was not understood and has no answer: {error:?}"
-                        ));
-                        // A reader that only ever fails must not take the processor.
-                        tokio::time::sleep(Duration::from_millis(10)).await;
-                    }
-                }
-            }
-        });
+        let service = Service::new(absolute, server, hearers, self.logger.clone());
+        self.spawn(async move { service.run(answer).await });
         Ok(())
     }
 

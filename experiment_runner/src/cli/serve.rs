@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use ros_node::{Discovery, Participant, RosNodeError, Stop};
+use ros_node::{Discovery, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
 use crate::rig::RigChoice;
@@ -40,13 +40,26 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let discovery =
         Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;
-    let participant = Participant::join(&discovery)?;
+    if !args.quiet {
+        super::offer_recovery(&args.runs);
+    }
+    while let Some(thread) = serve(args, &discovery, &stop)? {
+        super::print(&format!(
+            "a thread of the ROS middleware ({thread}) has ended, as it does when a program was stopped and continued; experiment_runner starts anew\n"
+        ))?;
+    }
+    Ok(())
+}
+
+/// Joins, and answers until the wish to end or until the middleware dies; the middleware's thread that was lost then.
+fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<String>> {
+    let participant = Participant::join(discovery)?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
     usual.set(args.rig.clone());
     let runner = Runner::new(&node, args.runs.clone(), usual)?;
+    let middleware = Watch::start(stop).context("no thread can be started")?;
     if !args.quiet {
-        super::offer_recovery(&args.runs);
         super::print(&format!(
             "experiment_runner is ready on domain {}; experiments run on the rig `{}` unless their request names another; runs go to {}; ctrl-C ends it\n",
             discovery.domain,
@@ -54,10 +67,11 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
             args.runs.display()
         ))?;
     }
-    while !stop.wait(Duration::from_secs(1)) {}
+    while !middleware.stop().wait(Duration::from_secs(1)) {}
+    let lost = middleware.end().filter(|_| !stop.is_set());
     // In this order: the experiment ends and its result is sent, then the node leaves, then the participant.
     drop(runner);
     drop(node);
     drop(participant);
-    Ok(())
+    Ok(lost)
 }

@@ -55,6 +55,15 @@ pub enum LiveError {
     /// The rig refused a command while running.
     #[error("the rig stopped the run and is at zero volts: {0}")]
     Rig(RigError),
+    /// The middleware died under the nodes.
+    #[error(
+        "a thread of the ROS middleware ({thread}) has ended, as it does when a program was stopped and continued or the machine slept: the nodes would \
+         hear no emergency stop. The motor is at zero volts and the bag is whole as far as it goes; start again"
+    )]
+    Deaf {
+        /// Which thread.
+        thread: String,
+    },
     /// A thread does not start.
     #[error("a thread cannot be started: {source}; the system may be out of threads or memory")]
     Thread {

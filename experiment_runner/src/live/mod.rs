@@ -32,7 +32,7 @@ use friction_model::{AnyModel, ModelName};
 use friction_observer::node::FrictionObserver;
 use rig_driver::node::RigDriver;
 use rig_driver::{Calibration, safety::Supervised};
-use ros_node::{Discovery, Participant};
+use ros_node::{Discovery, Participant, Stop, Watch};
 use serde::Serialize;
 
 pub use error::LiveError;
@@ -154,6 +154,7 @@ pub fn run(
         spawned.map_err(|source| LiveError::Thread { source })?
     };
 
+    let middleware = Watch::start(&Stop::default()).map_err(|source| LiveError::Thread { source })?;
     nodes.observer.start();
     nodes.controller.start();
     let begun = nodes.rig.start();
@@ -161,7 +162,7 @@ pub fn run(
     if begun.is_ok() {
         started(&about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")));
         let over = || ending.over.load(Ordering::Acquire) || ending.gone.load(Ordering::Acquire);
-        while !over() && !stop.load(Ordering::Relaxed) {
+        while !over() && !stop.load(Ordering::Relaxed) && !middleware.stop().is_set() {
             nodes.tend(&recorded, ending.not_recorded.load(Ordering::Relaxed));
             thread::sleep(WATCH);
         }
@@ -169,6 +170,7 @@ pub fn run(
     let (over, lost) = (ending.over.load(Ordering::Acquire), ending.gone.load(Ordering::Acquire));
     // The motor is at zero volts before anything else ends.
     nodes.rig.halt();
+    let deaf = middleware.end();
     let overruns = nodes.rig.overruns();
     let published = nodes.leave();
     drop(participant);
@@ -183,6 +185,9 @@ pub fn run(
     }
     if lost && !over {
         return Err(LiveError::Panicked { thread: "control" });
+    }
+    if let Some(thread) = deaf {
+        return Err(LiveError::Deaf { thread });
     }
     if let (Some(path), Some(errors)) = (&options.timing, errors) {
         let summary = errors.summary(priority.clone());

@@ -29,8 +29,11 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
         ("controller", control(&controller)?),
     ];
     if let Some(runs) = &options.serve {
-        let runs = ParameterValue::String(runs.display().to_string());
-        nodes.push(("experiment_runner", Given::from([("runs".to_owned(), runs)])));
+        let text = |text: String| ParameterValue::String(text);
+        // On a real rig its experiments run too. A simulated one of their own needs no real time.
+        let rig = if options.rig == RigChoice::Simulated { "simulated" } else { "nodes" };
+        let given = [("runs", text(runs.display().to_string())), ("rig", text(rig.to_owned()))];
+        nodes.push(("experiment_runner", given.map(|(name, value)| (name.to_owned(), value)).into()));
     }
     let own = nodes
         .into_iter()

@@ -42,17 +42,25 @@ pub fn summary(outcome: &Outcome) -> String {
     text
 }
 
+/// The uncertainty, where there is one: a single repetition on a torque sensor has none to tell.
+fn plus_minus(figure: &Measured) -> String {
+    match figure.uncertainty() {
+        0.0 => String::new(),
+        uncertainty => format!(" ± {uncertainty:.0e}"),
+    }
+}
+
 /// Experiments 2 to 4 for the terminal.
 fn characterisation(found: &Characterisation) -> String {
     let mut text = String::new();
-    let value = |figure: &Measured| format!("{:.5} ± {:.0e}", figure.mean, figure.uncertainty());
+    let value = |figure: &Measured| format!("{:.5}{}", figure.mean, plus_minus(figure));
     for figures in &found.lag {
         let hint = if figures.visible() { "" } else { "   (not clear of its uncertainty)" };
         text += &format!(
-            "Lag at {:>4} rad/s     loop area {:.3e} ± {:.0e} N m rad/s{hint}\n",
+            "Lag at {:>4} rad/s     loop area {:.3e}{} N m rad/s{hint}\n",
             figures.frequency,
             figures.area.mean,
-            figures.area.uncertainty()
+            plus_minus(&figures.area)
         );
     }
     for figures in found.ramps.iter().chain(&found.rates) {

@@ -127,7 +127,7 @@ fn figure(task: &str, row: &str, name: &str, unit: &str, value: f64, deviation: 
 }
 
 fn measured(task: &str, row: &str, name: &str, unit: &str, found: &Measured) -> Figure {
-    figure(task, row, name, unit, found.mean, Some(found.uncertainty()))
+    figure(task, row, name, unit, found.mean, Some(found.uncertainty()).filter(|known| *known > 0.0))
 }
 
 fn characterised(found: &Characterisation) -> Vec<Figure> {
@@ -156,17 +156,19 @@ fn compared(task: &str, comparison: &Comparison) -> Vec<Figure> {
         ControlMode::Velocity => ("rad/s", "(rad/s)^2"),
         ControlMode::Position => ("rad", "rad^2"),
     };
+    // A single repetition has no scatter to tell.
+    let scattered = comparison.runs.iter().any(|run| run.repetition > 0);
     let mut table = Vec::new();
     for row in &comparison.rows {
         let arm = row.arm.to_string();
         let mut add = |name: &str, unit: &str, value: f64, deviation: Option<f64>| {
             table.push(figure(task, &arm, name, unit, value, deviation));
         };
-        add("mse", square, row.mse, Some(row.mse_deviation));
-        add("max_error", unit, row.max_error, Some(row.max_error_deviation));
+        add("mse", square, row.mse, scattered.then_some(row.mse_deviation));
+        add("max_error", unit, row.max_error, scattered.then_some(row.max_error_deviation));
         add("mse_improvement", "%", row.mse_improvement, None);
         add("max_error_improvement", "%", row.max_error_improvement, None);
-        add("effort", "V", row.effort, Some(row.effort_deviation));
+        add("effort", "V", row.effort, scattered.then_some(row.effort_deviation));
         add("torque_residual", "N m", row.torque_residual, None);
     }
     table

@@ -1,0 +1,82 @@
+//! `frictionlab live` and `serve` that were stopped and continued: the middleware's threads do not survive it.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::Duration;
+
+use tests::network::namespaced;
+
+/// Longest wait for a line or an end.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Time in which the program finds all threads of its middleware.
+const SETTLED: Duration = Duration::from_millis(1500);
+
+/// `frictionlab` in a namespace of its own, and the lines that it prints; `None` where no namespace can be had.
+fn start(arguments: &[&str], folder: &Path) -> Option<(Child, Receiver<String>)> {
+    let mut child = namespaced()?
+        .arg(tests::frictionlab().get_program())
+        .args(arguments)
+        .current_dir(folder)
+        .env("ROS_DOMAIN_ID", "76")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("unshare starts");
+    let (tell, lines) = channel();
+    let output = BufReader::new(child.stdout.take().expect("its output is ours"));
+    thread::spawn(move || output.lines().map_while(Result::ok).try_for_each(|line| tell.send(line)));
+    Some((child, lines))
+}
+
+fn wait_for(lines: &Receiver<String>, part: &str) {
+    loop {
+        let line = lines.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("nothing said `{part}`"));
+        if line.contains(part) {
+            return;
+        }
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill starts");
+    assert!(status.success());
+}
+
+fn pause(child: &Child) {
+    thread::sleep(SETTLED);
+    signal(child, "-STOP");
+    thread::sleep(Duration::from_millis(300));
+    signal(child, "-CONT");
+}
+
+#[test]
+fn live_ends_with_the_motor_at_rest_and_its_bag_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["live", "--duration", "300", "--out", "run"];
+    let Some((mut child, lines)) = start(&arguments, folder.path()) else { return };
+    wait_for(&lines, "live at");
+    pause(&child);
+    let mut said = String::new();
+    child.stderr.take().expect("its errors are ours").read_to_string(&mut said).expect("text");
+    assert_eq!(child.wait().expect("it ends").code(), Some(1), "{said}");
+    assert!(said.contains("middleware") && said.contains("zero volts"), "{said}");
+    let bag = folder.path().join("run/bag");
+    assert!(bag.join("metadata.yaml").is_file());
+    let info = tests::frictionlab().args(["bag", "info"]).arg(&bag).output().expect("frictionlab starts");
+    assert!(info.status.success(), "{}", String::from_utf8_lossy(&info.stderr));
+}
+
+#[test]
+fn serve_begins_anew() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some((mut child, lines)) = start(&["serve"], folder.path()) else { return };
+    wait_for(&lines, "experiment_runner is ready");
+    pause(&child);
+    wait_for(&lines, "starts anew");
+    wait_for(&lines, "experiment_runner is ready");
+    signal(&child, "-INT");
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
