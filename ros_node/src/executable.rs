@@ -1,15 +1,23 @@
 //! What every executable does first and last: read its arguments, join, and say why it ends.
 
-use std::{fmt::Display, io::Write, process::ExitCode, sync::Arc};
+use std::{
+    fmt::Display,
+    io::Write,
+    process::{self, ExitCode},
+    sync::Arc,
+};
 
-use crate::{Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, middleware::Watch};
+use crate::{
+    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop,
+    middleware::{Lost, Watch},
+};
 
 /// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
 const BAD_INPUT: u8 = 2;
 
 /// Runs a node's program: `about` is what `--help` says of it, `body` runs until the wish to end.
 ///
-/// Ends with code 0, with 1 if `body` fails, and with 2 if the command line, a parameter or the environment is wrong.
+/// Ends with code 0, with 1 if `body` fails or the middleware computes without end, and with 2 if the command line, a parameter or the environment is wrong.
 ///
 /// Where the middleware dies under the node, as it does when the process was stopped and continued or the machine was suspended, `body` is asked to
 /// end, and begins anew on a new participant with the parameters of the command line: a node that hears nothing is of no use, and one that
@@ -73,17 +81,21 @@ pub fn run(
         };
         let ended = body(&participant, watch.stop());
         let lost = watch.end();
+        if let Some(lost @ Lost::Stuck(_)) = &lost {
+            // Leaving would wait for the stuck thread.
+            let _ = writeln!(std::io::stderr(), "{name}: {lost}; the node ends: start it again");
+            process::exit(1);
+        }
         drop(participant);
         match (ended, lost) {
             (Err(error), _) if error.is_bad_input() => return fail(&error, BAD_INPUT),
             (Err(error), None) => return fail(&error, 1),
             (Ok(()), None) => return ExitCode::SUCCESS,
             (_, Some(_)) if wished.is_set() => return ExitCode::SUCCESS,
-            (_, Some(thread)) => {
+            (_, Some(lost)) => {
                 let _ = writeln!(
                     std::io::stderr(),
-                    "{name}: a thread of the middleware ({thread}) has ended, as it does when a program was stopped and continued; the node \
-                     starts anew, with the parameters it was started with"
+                    "{name}: {lost}; the node starts anew, with the parameters it was started with"
                 );
             }
         }

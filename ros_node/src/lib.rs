@@ -66,7 +66,7 @@ pub use graph::{Graph, ParticipantId, SeenNode};
 pub use limits::quoted;
 pub use log_level::LogLevel;
 pub use logger::Logger;
-pub use middleware::Watch;
+pub use middleware::{Lost, Watch};
 pub use names::NodeIdentity;
 pub use node::RosNode;
 pub use participant::Participant;

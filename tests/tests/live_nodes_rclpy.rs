@@ -17,13 +17,13 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
 }
 
-/// What the session in `folder` reports; `None` where rclpy or a namespace cannot be had.
-fn session(folder: &Path) -> Option<Value> {
+/// What the session `script` in `folder` reports; `None` where rclpy or a namespace cannot be had.
+fn session(script: &str, folder: &Path) -> Option<Value> {
     let python = python::interpreter("rclpy")?;
     let mut command = namespaced()?;
     let output = command
         .arg(&python)
-        .arg(python::script("live_nodes_session.py"))
+        .arg(python::script(script))
         .arg(tests::frictionlab().get_program())
         .arg(folder)
         .env("ROS_DOMAIN_ID", "75")
@@ -39,7 +39,7 @@ fn session(folder: &Path) -> Option<Value> {
 #[test]
 fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     let folder = tempfile::tempdir().expect("a folder");
-    let Some(report) = session(folder.path()) else { return };
+    let Some(report) = session("live_nodes_session.py", folder.path()) else { return };
     assert_eq!(report["active"], true, "{report}");
     for node in ["/rig_driver", "/friction_observer", "/controller", "/experiment_runner"] {
         assert!(report["nodes"].as_array().is_some_and(|nodes| nodes.contains(&json!(node))), "{report}");
@@ -89,6 +89,22 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
         assert!(report[exit][0] == 0 && number(&report[exit][1]) < 2.0, "{}", report[exit]);
     }
     check_bags(folder.path());
+}
+
+#[test]
+fn two_processes_are_two_axes_of_one_domain() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(report) = session("live_axes_session.py", folder.path()) else { return };
+    assert_eq!(report["follow"], true, "each its own reference: {}", report["velocities"]);
+    let names = ["controller", "experiment_runner", "friction_observer", "rig_driver"];
+    let nodes: Vec<String> =
+        ["/axis_1", "/axis_2"].iter().flat_map(|axis| names.map(|name| format!("{axis}/{name}"))).collect();
+    assert_eq!(report["nodes"], json!(nodes));
+    assert_eq!((&report["stop"][0], &report["stands"]), (&json!(true), &json!(true)), "{report}");
+    assert_eq!(report["other_goes_on"], true, "{report}");
+    for exit in report["exits"].as_array().expect("exits") {
+        assert!(exit[0] == 0 && number(&exit[1]) < 2.0, "{exit}");
+    }
 }
 
 /// The bags hold what was published, the parameter file beside it, and estimates only while the observer was active.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use ros_node::{Discovery, Participant, RosNodeError, Stop, Watch};
+use ros_node::{Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
 use crate::rig::RigChoice;
@@ -43,16 +43,14 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     if !args.quiet {
         super::offer_recovery(&args.runs);
     }
-    while let Some(thread) = serve(args, &discovery, &stop)? {
-        super::print(&format!(
-            "a thread of the ROS middleware ({thread}) has ended, as it does when a program was stopped and continued; experiment_runner starts anew\n"
-        ))?;
+    while let Some(lost) = serve(args, &discovery, &stop)? {
+        super::print(&format!("{lost}; experiment_runner starts anew\n"))?;
     }
     Ok(())
 }
 
-/// Joins, and answers until the wish to end or until the middleware dies; the middleware's thread that was lost then.
-fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<String>> {
+/// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
+fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<Lost>> {
     let participant = Participant::join(discovery)?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use ros_node::RosNodeError;
+use ros_node::{Lost, RosNodeError};
 
 use rig_driver::RigError;
 
@@ -57,13 +57,9 @@ pub enum LiveError {
     Rig(RigError),
     /// The middleware died under the nodes.
     #[error(
-        "a thread of the ROS middleware ({thread}) has ended, as it does when a program was stopped and continued or the machine slept: the nodes would \
-         hear no emergency stop. The motor is at zero volts and the bag is whole as far as it goes; start again"
+        "{0}: the nodes would hear no emergency stop. The motor is at zero volts and the bag is whole as far as it goes; start again"
     )]
-    Deaf {
-        /// Which thread.
-        thread: String,
-    },
+    Deaf(Lost),
     /// A thread does not start.
     #[error("a thread cannot be started: {source}; the system may be out of threads or memory")]
     Thread {

@@ -186,8 +186,8 @@ pub fn run(
     if lost && !over {
         return Err(LiveError::Panicked { thread: "control" });
     }
-    if let Some(thread) = deaf {
-        return Err(LiveError::Deaf { thread });
+    if let Some(lost) = deaf {
+        return Err(LiveError::Deaf(lost));
     }
     if let (Some(path), Some(errors)) = (&options.timing, errors) {
         let summary = errors.summary(priority.clone());
