@@ -15,8 +15,12 @@ const NAME: &str = "RustDDS";
 const LOOK: Duration = Duration::from_millis(100);
 /// Looks until the threads that are there count as all: they name themselves once they run.
 const SETTLED: u32 = 5;
-/// Processor time that a thread may take without once waiting for anything.
+/// Processor time that a thread may take without once waiting for anything, while the process grows by [`GROWTH`].
 const STUCK: Duration = Duration::from_secs(1);
+/// Growth of the process that no messages explain [bytes].
+const GROWTH: u64 = 256 << 20;
+/// The same time where the process does not grow: on a machine that has no time for it, or in a flood, a thread has no reason to wait for long.
+const STUCK_ANYHOW: Duration = Duration::from_secs(20);
 /// Time for the motor to come to rest, and for what is recorded, once a thread is stuck. Then the process ends: no thread can be made to.
 const LAST_WORDS: Duration = Duration::from_secs(3);
 
@@ -53,6 +57,8 @@ struct Seen {
     waits: u64,
     /// Processor time it had taken when `waits` last changed.
     busy_since: Duration,
+    /// Memory of the process then [bytes].
+    memory: u64,
 }
 
 /// What the system tells of a thread.
@@ -71,16 +77,16 @@ fn watch(wished: &Stop, stop: &Stop) -> Option<Lost> {
     let mut looks = 0;
     let mut lost = None;
     while lost.is_none() && !stop.is_set() && !wished.wait(LOOK) {
-        let now = threads();
+        let (now, memory) = (threads(), memory());
         if looks < SETTLED {
             looks += 1;
             for (id, told) in &now {
-                known.entry(*id).or_insert_with(|| Seen::first(told));
+                known.entry(*id).or_insert_with(|| Seen::first(told, memory));
             }
         }
         lost = known.iter_mut().find_map(|(id, seen)| match now.get(id) {
             None => Some(Lost::Ended(seen.name.clone())),
-            Some(told) => seen.again(told).then(|| Lost::Stuck(seen.name.clone())),
+            Some(told) => seen.again(told, memory).then(|| Lost::Stuck(seen.name.clone())),
         });
     }
     if let Some(lost @ Lost::Stuck(_)) = &lost {
@@ -91,16 +97,17 @@ fn watch(wished: &Stop, stop: &Stop) -> Option<Lost> {
 }
 
 impl Seen {
-    fn first(told: &Told) -> Self {
-        Self { name: told.name.clone(), waits: told.waits, busy_since: told.taken }
+    fn first(told: &Told, memory: u64) -> Self {
+        Self { name: told.name.clone(), waits: told.waits, busy_since: told.taken, memory }
     }
 
     /// Whether it is stuck.
-    fn again(&mut self, told: &Told) -> bool {
+    fn again(&mut self, told: &Told, memory: u64) -> bool {
         if told.waits != self.waits {
-            (self.waits, self.busy_since) = (told.waits, told.taken);
+            (self.waits, self.busy_since, self.memory) = (told.waits, told.taken, memory);
         }
-        told.taken.saturating_sub(self.busy_since) >= STUCK
+        let busy = told.taken.saturating_sub(self.busy_since);
+        busy >= STUCK_ANYHOW || (busy >= STUCK && memory.saturating_sub(self.memory) >= GROWTH)
     }
 }
 
@@ -131,6 +138,14 @@ fn threads() -> BTreeMap<u32, Told> {
             Some((id, Told { name, waits, taken }))
         })
         .collect()
+}
+
+/// Memory of this process that is resident [bytes]; nothing where the system does not tell.
+fn memory() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    kilobytes.and_then(|told| told.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()).unwrap_or_default()
+        << 10
 }
 
 /// How often a thread has waited, from its `status`.
@@ -213,11 +228,14 @@ mod tests {
     #[test]
     fn a_thread_is_stuck_that_computes_and_never_waits() {
         let told = |waits, taken_ms| Told { name: "x".into(), waits, taken: Duration::from_millis(taken_ms) };
-        let mut seen = Seen::first(&told(5, 100_000));
-        assert!(!seen.again(&told(5, 100_999)), "busy, not for long");
-        assert!(!seen.again(&told(6, 103_000)), "it has waited in between");
-        assert!(!seen.again(&told(6, 103_100)), "it waits still, however long");
-        assert!(seen.again(&told(6, 105_000)));
+        const SMALL: u64 = 1 << 20;
+        let mut seen = Seen::first(&told(5, 100_000), SMALL);
+        assert!(!seen.again(&told(5, 100_999), GROWTH + SMALL), "not for long");
+        assert!(!seen.again(&told(6, 103_000), GROWTH + SMALL), "it has waited in between");
+        assert!(!seen.again(&told(6, 103_100), 3 * GROWTH), "it waits still, however long");
+        assert!(!seen.again(&told(6, 105_000), GROWTH + 2 * SMALL), "busy with messages");
+        assert!(seen.again(&told(6, 105_000), 3 * GROWTH));
+        assert!(seen.again(&told(6, 123_000), SMALL));
     }
 
     #[test]
@@ -228,5 +246,6 @@ mod tests {
         });
         let told = here.unwrap().join().unwrap().unwrap();
         assert!(told.waits > 0 && told.taken > Duration::ZERO, "{told:?}");
+        assert!(memory() > 1 << 20);
     }
 }
