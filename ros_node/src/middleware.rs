@@ -5,7 +5,7 @@
 //! at all, and is told nothing. And a damaged HEARTBEAT that announces billions of messages keeps one of them busy with listing what is missing, two
 //! gigabytes a second. So the threads are looked after from outside.
 
-use std::{collections::BTreeMap, fmt, fs, process, thread, time::Duration};
+use std::{collections::BTreeMap, fmt, fs, io::Write, process, thread, time::Duration};
 
 use crate::Stop;
 
@@ -115,7 +115,9 @@ impl Seen {
 fn end_soon(lost: Lost) {
     let end = move || {
         thread::sleep(LAST_WORDS);
-        eprintln!("{lost}; the process ends, with the motor at zero volts: start it again");
+        // The terminal may be gone: that must not keep the process.
+        let text = format!("{lost}; the process ends, with the motor at zero volts: start it again");
+        let _ = writeln!(std::io::stderr(), "{text}");
         process::exit(1);
     };
     // Without a thread the process leaves as far as it can.
