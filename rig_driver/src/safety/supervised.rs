@@ -7,12 +7,14 @@ use crate::{Measurement, Rig, RigError, Truth};
 ///
 /// Its clock is the rig's own ([`Measurement::time`]) until [`tell_time`](Rig::tell_time) was called; then it is the
 /// caller's, and cycles that come late are seen. Dropped, by whatever way, it leaves zero volts.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Supervised<R: Rig> {
     rig: R,
     supervisor: SafetySupervisor,
     told: Option<f64>,
     asked: f64,
+    /// The back end was activated, and not told to rest since.
+    may_move: bool,
 }
 
 impl<R: Rig> Supervised<R> {
@@ -22,7 +24,7 @@ impl<R: Rig> Supervised<R> {
     /// [`RigError::OutOfRange`] names the limit that cannot be.
     pub fn new(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
         let supervisor = SafetySupervisor::new(limits, rig.period())?;
-        Ok(Self { rig, supervisor, told: None, asked: 0.0 })
+        Ok(Self { rig, supervisor, told: None, asked: 0.0, may_move: false })
     }
 
     /// The rig in state active, as simulated rigs start.
@@ -42,21 +44,42 @@ impl<R: Rig> Supervised<R> {
         &self.supervisor
     }
 
-    /// Does what is asked for; leaving active puts the motor at zero volts at once.
+    #[cfg(test)]
+    pub(crate) const fn inner(&self) -> &R {
+        &self.rig
+    }
+
+    #[cfg(test)]
+    pub(crate) const fn inner_mut(&mut self) -> &mut R {
+        &mut self.rig
+    }
+
+    #[cfg(test)]
+    pub(crate) const fn may_move(&self) -> bool {
+        self.may_move
+    }
+
+    /// Does what is asked for; leaving active puts the motor at zero volts at once and takes the back end's leave to move away. An emergency stop goes to the
+    /// back end whatever the state, each time that it is asked for.
     ///
     /// # Errors
-    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says to zero volts.
+    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says. After an error the supervisor
+    /// holds zero volts none the less.
     pub fn request(&mut self, request: Request) -> Result<State, RigError> {
-        let before = self.supervisor.state();
-        let state = self.supervisor.request(request)?;
-        if before.moves() && !state.moves() {
-            self.rig.halt()?;
+        let outcome = self.supervisor.request(request);
+        if request == Request::EmergencyStop {
+            self.may_move = false;
+            self.rig.emergency_stop()?;
         }
-        if request == Request::Activate
-            && let Err(error) = self.rig.activate()
-        {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            return Err(error);
+        let state = outcome?;
+        self.rest()?;
+        if request == Request::Activate {
+            // Whoever is told to move and answers with an error may move all the same.
+            self.may_move = true;
+            if let Err(error) = self.rig.activate() {
+                self.back_end_fault();
+                return Err(error);
+            }
         }
         if request == Request::Clear
             && let Err(error) = self.rig.clear()
@@ -65,6 +88,12 @@ impl<R: Rig> Supervised<R> {
             return Err(error);
         }
         Ok(state)
+    }
+
+    /// Latches a fault that somebody else found.
+    pub fn fault(&mut self, fault: Fault, value: f64, limit: f64) {
+        self.supervisor.fault(fault, value, limit);
+        self.settle();
     }
 
     /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it comes over a network: its age counts.
@@ -81,12 +110,35 @@ impl<R: Rig> Supervised<R> {
     pub fn drive(&mut self) -> Result<(), RigError> {
         let allowed = self.supervisor.output();
         if let Err(error) = self.rig.apply(allowed) {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            // The back end has just refused; that it refuses zero as well is no other error.
-            let _ = self.rig.halt();
+            self.back_end_fault();
             return Err(error);
         }
+        self.settle();
         Ok(())
+    }
+
+    /// Latches the back end's refusal and has it rest.
+    fn back_end_fault(&mut self) {
+        self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+        self.may_move = false;
+        // The back end has just refused; that it refuses to rest as well is no other error.
+        let _ = self.rig.deactivate();
+    }
+
+    /// Has the back end rest, once, where the supervisor does not let the motor move any more: a fault that latches here deactivates the device too.
+    fn rest(&mut self) -> Result<(), RigError> {
+        if self.may_move && !self.supervisor.state().moves() {
+            self.may_move = false;
+            self.rig.deactivate()?;
+        }
+        Ok(())
+    }
+
+    /// The same where nobody asked; what the back end refuses is a fault.
+    fn settle(&mut self) {
+        if self.rest().is_err() {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+        }
     }
 
     fn now(&self, seen: &Measurement) -> f64 {
@@ -119,6 +171,7 @@ impl<R: Rig> Rig for Supervised<R> {
     fn measure(&mut self) -> Measurement {
         let mut seen = self.rig.measure();
         self.supervisor.cycle(self.now(&seen), &seen);
+        self.settle();
         self.supervisor.mark(&mut seen);
         seen.voltage_asked = self.asked;
         seen
@@ -131,11 +184,10 @@ impl<R: Rig> Rig for Supervised<R> {
         self.supervisor.command(now, volts);
         let allowed = self.supervisor.output();
         if let Err(error) = self.rig.apply(allowed) {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            // The back end has just refused; that it refuses zero as well is no other error.
-            let _ = self.rig.halt();
+            self.back_end_fault();
             return Err(error);
         }
+        self.settle();
         match (self.supervisor.latched(), self.supervisor.state()) {
             (_, State::Active) => Ok(()),
             _ if volts == 0.0 => Ok(()),
@@ -148,6 +200,22 @@ impl<R: Rig> Rig for Supervised<R> {
         self.asked = 0.0;
         self.supervisor.halt();
         self.rig.halt()
+    }
+
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        if self.supervisor.state().moves() {
+            return Self::request(self, Request::Deactivate).map(drop);
+        }
+        self.halt()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.asked = 0.0;
+        Self::request(self, Request::EmergencyStop).map(drop)
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        self.rig.clear()
     }
 
     fn truth(&self) -> Option<Truth> {
