@@ -2,7 +2,10 @@
 
 use std::{
     collections::BTreeMap,
-    sync::{Arc, Mutex, atomic::AtomicU8},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicU8},
+    },
     thread,
     time::{Duration, Instant},
 };
@@ -14,7 +17,7 @@ use tokio::{
     task::JoinHandle,
 };
 
-use crate::{Arguments, Discovery, RosNode, RosNodeError, hearing::Hearers, turn::Turn};
+use crate::{Arguments, Discovery, Graph, RosNode, RosNodeError, hearing::Hearers, turn::Turn};
 
 /// Longest wait for what follows the participant's events to end.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -36,6 +39,9 @@ pub(crate) struct Shared {
     /// Who can hear the answers of the nodes' services.
     pub(crate) hearers: Arc<Hearers>,
     following: JoinHandle<()>,
+    /// Who else is there; it is filled once somebody wants to know.
+    pub(crate) graph: Graph,
+    pub(crate) graph_is_watched: AtomicBool,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
 }
@@ -91,8 +97,12 @@ impl Participant {
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
-        let following = runtime.spawn(async move { heard.follow(participant).await });
-        let shared = Shared { context, runtime, arguments, hearers, following, last_phases };
+        let graph = Graph::default();
+        let leavers = graph.clone();
+        let following = runtime.spawn(async move { heard.follow(participant, leavers).await });
+        let graph_is_watched = AtomicBool::new(false);
+        let shared =
+            Shared { context, runtime, arguments, hearers, following, graph, graph_is_watched, last_phases };
         Ok(Self { shared: Arc::new(shared) })
     }
 
