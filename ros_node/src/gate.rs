@@ -98,9 +98,16 @@ impl Gate {
     /// Obeys the first that speaks from now on.
     ///
     /// # Errors
-    /// A sentence that names two writers that spoke within the last half second: none may be preferred.
+    /// A sentence that names two writers that spoke within the last half second: none may be preferred, unless [`only`](Self::only) says which.
     pub fn open(&self) -> Result<(), String> {
-        let opened = self.state().one.open(now_ns());
+        let mut state = self.state();
+        if !state.only.is_empty() {
+            // The name says who is preferred.
+            state.one.open_first();
+            return Ok(());
+        }
+        let opened = state.one.open(now_ns());
+        drop(state);
         opened.map_err(|(one, other)| {
             format!(
                 "two publish on {} at the same time, {} and {}, and none may be preferred; end one of them",
@@ -142,6 +149,9 @@ impl Gate {
                 Verdict::Contested(rival) => Why::Contested(rival),
             }
         } else {
+            if !state.one.is_open() {
+                return Passes::No;
+            }
             Why::NotNamed
         };
         state.refused += 1;
@@ -260,9 +270,11 @@ mod tests {
     #[test]
     fn who_is_not_the_named_node_is_refused_and_does_not_stand_in_the_way() {
         let gate = gate(None);
-        gate.only("/controller");
         gate.hear(A);
         gate.hear(B);
+        gate.only("/controller");
+        assert_eq!(gate.hear(B), Passes::No);
+        assert_eq!(gate.report().error, None, "before activation everybody may speak");
         gate.open().unwrap();
         assert_eq!(gate.hear(A), Passes::No);
         assert!(gate.report().error.unwrap().contains("the node /controller only"));

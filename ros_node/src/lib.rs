@@ -12,6 +12,7 @@
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
 //! - [`Gate`]: a topic of which one writer counts ([`one_writer`], [`stamps`]);
+//! - [`hostile`]: what becomes of what strangers send;
 //! - [`Stop`]: SIGINT and SIGTERM;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
@@ -39,6 +40,7 @@ mod executable;
 mod gate;
 mod graph;
 mod hearing;
+pub mod hostile;
 pub mod lifecycle;
 mod limits;
 mod log_level;

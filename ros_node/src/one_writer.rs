@@ -90,9 +90,14 @@ impl OneWriter {
         if let (Some(one), Some(other)) = (there.next(), there.next()) {
             return Err((one.writer, other.writer));
         }
+        self.open_first();
+        Ok(())
+    }
+
+    /// Obeys the first that speaks from now on, whoever spoke before.
+    pub const fn open_first(&mut self) {
         self.recent = [None; REMEMBERED];
         self.open_contested();
-        Ok(())
     }
 
     /// Obeys the first that speaks from now on, once it is the only one that was heard for [`RECENT`].
@@ -113,6 +118,12 @@ impl OneWriter {
             let its = |heard: &Heard| heard.writer == owner.writer;
             self.recent.iter_mut().for_each(|heard| *heard = heard.filter(|heard| !its(heard)));
         }
+    }
+
+    /// Whether anybody may be obeyed.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.open
     }
 
     /// The one that is obeyed.

@@ -388,6 +388,9 @@ pub(super) fn fate(command: &VoltageCommand, given: &Given, oldest: u64) -> Fate
 }
 
 #[cfg(test)]
+mod hostile;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
