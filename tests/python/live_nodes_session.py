@@ -4,6 +4,7 @@ The first process has its own reference and serves experiments; the second takes
 """
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -106,11 +107,19 @@ def main() -> None:
         report["uncompensated"] = max((abs(s.friction) for s in fresh(states)), default=None)
         report["observer_on"] = ros.change(OBSERVER, "activate")
         report["reset"] = [ros.trigger(f"{node}/reset")[0] for node in (OBSERVER, CONTROLLER)]
-        # Voltages from elsewhere count while the controller is inactive.
-        report["controller_off"] = ros.change(CONTROLLER, "deactivate")
+        # Voltages from elsewhere do not count while the controller in the process commands, nor does one that is no number stop it.
+        volts = [math.nan]
         voltage = ros.node.create_publisher(MotorVoltage, "/motor_voltage", 100)
-        timer = ros.node.create_timer(0.005, lambda: voltage.publish(MotorVoltage(voltage=2.5)))
+        timer = ros.node.create_timer(0.005, lambda: voltage.publish(MotorVoltage(voltage=volts[0])))
         ros.spin(0.5)
+        report["nan_from_elsewhere"] = [*moved(), ros.state(RIG)]
+        # Nor when it ends, until the rig is activated without it.
+        volts[0] = 2.5
+        report["controller_off"] = ros.change(CONTROLLER, "deactivate")
+        report["nobody_inherits"] = [m.voltage_asked for m in fresh(measured)].count(2.5)
+        ros.until(lambda: ros.state(RIG) == "inactive", 5)
+        report["handed_over"] = [ros.trigger(f"{RIG}/clear_fault")[0], ros.change(RIG, "activate")]
+        ros.spin(0.3)
         report["open_loop"] = sorted({m.voltage_asked for m in fresh(measured)})
         timer.cancel()
         report["controller_on"] = ros.change(CONTROLLER, "activate")

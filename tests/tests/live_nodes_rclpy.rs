@@ -73,6 +73,12 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert_eq!((&report["observer_off"], &report["silent"]), (&json!([true, "inactive"]), &json!(0)));
     assert_eq!(report["uncompensated"], 0.0, "an estimate that does not come is not compensated");
     assert_eq!((&report["observer_on"], &report["reset"]), (&json!(true), &json!([true, true])));
+    assert!(moves("nan_from_elsewhere") && report["nan_from_elsewhere"][2] == "active", "{report}");
+    assert_eq!(
+        (&report["nobody_inherits"], &report["handed_over"]),
+        (&json!(0), &json!([true, true])),
+        "{report}"
+    );
     assert_eq!((&report["controller_off"], &report["open_loop"]), (&json!(true), &json!([2.5])), "{report}");
     assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &json!([0.0, 0.0])));
     assert_eq!((&report["activate_stopped"], &report["clear"][0]), (&json!(false), &json!(true)));

@@ -19,6 +19,7 @@ use ros_node::{
 
 use super::{
     axis::{Axis, UnconfiguredRig, locked},
+    commander::Commander,
     control::VoltageCommand,
     declarations,
     in_cycle::InCycle,
@@ -26,8 +27,6 @@ use super::{
 };
 use crate::safety::{Request, State};
 
-/// Age from which a command without a stamp no longer counts as made when it comes.
-const WAITED: Duration = Duration::from_millis(100);
 /// How often faults are looked for.
 const WATCH: Duration = Duration::from_millis(20);
 /// Time between two diagnostics.
@@ -53,6 +52,7 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
 /// The managed node `/rig_driver` with its parameters, services and threads.
 pub struct RigDriver {
     axis: Arc<Axis>,
+    commander: Commander,
     lifecycle: Lifecycle,
     autostart: bool,
     diagnostics: Publisher<DiagnosticArray>,
@@ -77,18 +77,21 @@ impl RigDriver {
             Some(ParameterValue::String(rig)) => rig,
             _ => "simulated".to_owned(),
         };
+        let commander = Commander::new(&node, in_cycle.is_some())?;
         let axis = Arc::new(Axis::new(&node, in_cycle, opened)?);
         let settings = Arc::new(Mutex::new(None));
-        let judged = Arc::clone(&settings);
+        let (judged, named) = (Arc::clone(&settings), commander.clone());
         let parameters = Parameters::declare(&node, declarations(&rig), move |values, _| {
-            *locked(&judged) = Some(RigSettings::read(values)?);
+            let read = RigSettings::read(values)?;
+            named.name(values.text("commander"))?;
+            *locked(&judged) = Some(read);
             Ok(())
         })?;
         let commands = Arc::clone(&axis.commands);
-        node.subscribe_with_age(&topics::MOTOR_VOLTAGE, move |message, age| {
+        let heard = commander.clone();
+        node.subscribe_from(&topics::MOTOR_VOLTAGE, move |message, sent| {
             let stamp = message.header.stamp;
-            // It waited somewhere: the one who sent it did not mean now.
-            if stamp == Time::default() && age > WAITED {
+            if !heard.hear(sent, stamp != Time::default()) {
                 return;
             }
             if let Some(queue) = &mut *locked(&commands) {
@@ -97,12 +100,13 @@ impl RigDriver {
                 queue.send(VoltageCommand { stamp_ns, volts: message.voltage });
             }
         })?;
-        let managed = Driver { axis: Arc::clone(&axis), settings };
+        let managed = Driver { axis: Arc::clone(&axis), commander: commander.clone(), settings };
         let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         serve(&node, &axis, &lifecycle)?;
         let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
         let autostart = lifecycle.starts_itself(parameters.values().boolean("autostart"));
-        Ok(Self { axis, lifecycle, autostart, diagnostics, next: Instant::now() + DIAGNOSTICS, node })
+        let next = Instant::now() + DIAGNOSTICS;
+        Ok(Self { axis, commander, lifecycle, autostart, diagnostics, next, node })
     }
 
     /// Configures and activates the node, if its parameter `autostart` says so.
@@ -122,7 +126,9 @@ impl RigDriver {
         self.axis.watch(&self.lifecycle);
         if Instant::now() >= self.next {
             self.next += DIAGNOSTICS;
-            let message = self.axis.diagnostics(self.node.clock(), self.lifecycle.phase());
+            let mut message = self.axis.diagnostics(self.node.clock(), self.lifecycle.phase());
+            let name = self.node.identity().qualified();
+            message.status.push(self.commander.status(&name, &self.axis.counters(), self.node.twin()));
             // The next one comes in a second.
             let _ = self.diagnostics.publish(message);
         }
@@ -181,6 +187,7 @@ fn serve(node: &RosNode, axis: &Arc<Axis>, lifecycle: &Lifecycle) -> Result<(), 
 /// What the managed node does on its way.
 struct Driver {
     axis: Arc<Axis>,
+    commander: Commander,
     settings: Arc<Mutex<Option<RigSettings>>>,
 }
 
@@ -192,11 +199,16 @@ impl Managed for Driver {
     }
 
     fn activate(&mut self) -> Result<(), CallbackError> {
-        self.axis.ask(Request::Activate)?;
+        self.commander.open()?;
+        if let Err(reason) = self.axis.ask(Request::Activate) {
+            self.commander.close();
+            return Err(reason.into());
+        }
         Ok(())
     }
 
     fn deactivate(&mut self) -> Result<(), CallbackError> {
+        self.commander.close();
         // A fault has deactivated the safety layer already; then there is nothing to do but to say so.
         match self.axis.ask(Request::Deactivate) {
             Ok(_) => Ok(()),
