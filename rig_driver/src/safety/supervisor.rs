@@ -215,7 +215,8 @@ impl SafetySupervisor {
             return;
         }
         if self.state.moves() {
-            let stamp = self.now.map_or(stamp, |now| stamp.min(now));
+            // Before the first cycle too: a stamp ahead would let a command count for as long as it is ahead.
+            let stamp = stamp.min(self.now());
             // An old command that comes late does not replace a newer one.
             if self.command.is_none_or(|before| stamp >= before.stamp) {
                 self.command = Some(Command { stamp, volts });
