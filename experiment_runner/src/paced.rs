@@ -73,6 +73,14 @@ impl Rig for Paced {
         self.rig.clear()
     }
 
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        self.rig.deactivate()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.rig.emergency_stop()
+    }
+
     fn truth(&self) -> Option<Truth> {
         self.rig.truth()
     }

@@ -183,6 +183,14 @@ impl<R: Rig> Rig for Calibrated<R> {
         self.rig.clear()
     }
 
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        self.rig.deactivate()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.rig.emergency_stop()
+    }
+
     fn truth(&self) -> Option<Truth> {
         self.rig.truth()
     }

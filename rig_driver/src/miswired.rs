@@ -139,6 +139,22 @@ impl<R: Rig> Rig for Miswired<R> {
         self.rig.apply(if self.wiring.motor_reversed { -volts } else { volts })
     }
 
+    fn halt(&mut self) -> Result<(), RigError> {
+        self.rig.halt()
+    }
+
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        self.rig.deactivate()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.rig.emergency_stop()
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        self.rig.clear()
+    }
+
     fn truth(&self) -> Option<Truth> {
         self.rig.truth()
     }

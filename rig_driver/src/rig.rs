@@ -52,6 +52,24 @@ pub trait Rig {
         self.apply(0.0)
     }
 
+    /// Takes the motor's leave to move away: the opposite of [`activate`](Self::activate). Done when the motor is to rest, whether somebody asked for it
+    /// or a fault latched. Zero volts are on the way before it returns; it does not wait for long, the control thread is in it.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses or is gone.
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        self.halt()
+    }
+
+    /// Stops the motor as strongly as the rig can: zero volts at once, and where the rig has a stop of its own that is latched too.
+    /// `Ok` says that the rig did it, not only that it was told. It may be asked again while it holds.
+    ///
+    /// # Errors
+    /// [`RigError`] if the rig refuses, is gone or does not say that it stopped.
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.halt()
+    }
+
     /// Clears a fault of the back end, whose cause is mended. The motor stays at zero volts.
     ///
     /// # Errors
@@ -114,6 +132,14 @@ impl<R: Rig + ?Sized> Rig for Box<R> {
 
     fn clear(&mut self) -> Result<(), RigError> {
         (**self).clear()
+    }
+
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        (**self).deactivate()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        (**self).emergency_stop()
     }
 
     fn truth(&self) -> Option<Truth> {

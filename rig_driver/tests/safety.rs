@@ -207,11 +207,12 @@ fn an_emergency_stop_holds_from_every_state_until_it_is_cleared_and_all_is_set_u
     }
 }
 
-/// A rig that keeps what its motor got, and can refuse.
+/// A rig that keeps what its motor got and what it was told, and can refuse.
 #[derive(Debug, Default)]
 struct Recording {
     cycle: u64,
     applied: std::rc::Rc<std::cell::RefCell<Vec<f64>>>,
+    told: std::rc::Rc<std::cell::RefCell<Vec<&'static str>>>,
     refuse_at: Option<u64>,
 }
 
@@ -232,6 +233,49 @@ impl Rig for Recording {
         self.applied.borrow_mut().push(volts);
         Ok(())
     }
+
+    fn activate(&mut self) -> Result<(), RigError> {
+        self.told.borrow_mut().push("activate");
+        Ok(())
+    }
+
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        self.told.borrow_mut().push("deactivate");
+        self.halt()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.told.borrow_mut().push("emergency stop");
+        self.halt()
+    }
+}
+
+#[test]
+fn a_back_end_is_told_to_rest_once_when_a_fault_latches_and_of_every_emergency_stop() {
+    let rig = Recording::default();
+    let told = rig.told.clone();
+    let mut rig = Supervised::new(rig, SafetyLimits::default()).unwrap();
+    let heard = || std::mem::take(&mut *told.borrow_mut());
+    rig.request(Request::Configure).unwrap();
+    rig.request(Request::Activate).unwrap();
+    rig.measure();
+    rig.apply(1.0).unwrap();
+    assert_eq!(heard(), ["activate"]);
+    assert!(rig.apply(f64::NAN).is_err());
+    for _ in 0..3 {
+        rig.measure();
+        let _ = rig.apply(0.0);
+    }
+    assert_eq!(heard(), ["deactivate"], "a fault that latches here deactivates the device, once");
+    rig.request(Request::Clear).unwrap();
+    rig.request(Request::Activate).unwrap();
+    rig.request(Request::Deactivate).unwrap();
+    assert_eq!(heard(), ["activate", "deactivate"]);
+    rig.request(Request::Activate).unwrap();
+    rig.request(Request::EmergencyStop).unwrap();
+    rig.request(Request::EmergencyStop).unwrap();
+    rig.measure();
+    assert_eq!(heard(), ["activate", "emergency stop", "emergency stop"]);
 }
 
 #[test]

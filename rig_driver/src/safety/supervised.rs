@@ -13,6 +13,8 @@ pub struct Supervised<R: Rig> {
     supervisor: SafetySupervisor,
     told: Option<f64>,
     asked: f64,
+    /// The back end was activated, and not told to rest since.
+    may_move: bool,
 }
 
 impl<R: Rig> Supervised<R> {
@@ -22,7 +24,7 @@ impl<R: Rig> Supervised<R> {
     /// [`RigError::OutOfRange`] names the limit that cannot be.
     pub fn new(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
         let supervisor = SafetySupervisor::new(limits, rig.period())?;
-        Ok(Self { rig, supervisor, told: None, asked: 0.0 })
+        Ok(Self { rig, supervisor, told: None, asked: 0.0, may_move: false })
     }
 
     /// The rig in state active, as simulated rigs start.
@@ -42,21 +44,27 @@ impl<R: Rig> Supervised<R> {
         &self.supervisor
     }
 
-    /// Does what is asked for; leaving active puts the motor at zero volts at once.
+    /// Does what is asked for; leaving active puts the motor at zero volts at once and takes the back end's leave to move away. An emergency stop goes to the
+    /// back end whatever the state, each time that it is asked for.
     ///
     /// # Errors
-    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says to zero volts.
+    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says. After an error the supervisor
+    /// holds zero volts none the less.
     pub fn request(&mut self, request: Request) -> Result<State, RigError> {
-        let before = self.supervisor.state();
-        let state = self.supervisor.request(request)?;
-        if before.moves() && !state.moves() {
-            self.rig.halt()?;
+        let outcome = self.supervisor.request(request);
+        if request == Request::EmergencyStop {
+            self.may_move = false;
+            self.rig.emergency_stop()?;
         }
-        if request == Request::Activate
-            && let Err(error) = self.rig.activate()
-        {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            return Err(error);
+        let state = outcome?;
+        self.rest()?;
+        if request == Request::Activate {
+            // Whoever is told to move and answers with an error may move all the same.
+            self.may_move = true;
+            if let Err(error) = self.rig.activate() {
+                self.back_end_fault();
+                return Err(error);
+            }
         }
         if request == Request::Clear
             && let Err(error) = self.rig.clear()
@@ -81,12 +89,35 @@ impl<R: Rig> Supervised<R> {
     pub fn drive(&mut self) -> Result<(), RigError> {
         let allowed = self.supervisor.output();
         if let Err(error) = self.rig.apply(allowed) {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            // The back end has just refused; that it refuses zero as well is no other error.
-            let _ = self.rig.halt();
+            self.back_end_fault();
             return Err(error);
         }
+        self.settle();
         Ok(())
+    }
+
+    /// Latches the back end's refusal and has it rest.
+    fn back_end_fault(&mut self) {
+        self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+        self.may_move = false;
+        // The back end has just refused; that it refuses to rest as well is no other error.
+        let _ = self.rig.deactivate();
+    }
+
+    /// Has the back end rest, once, where the supervisor does not let the motor move any more: a fault that latches here deactivates the device too.
+    fn rest(&mut self) -> Result<(), RigError> {
+        if self.may_move && !self.supervisor.state().moves() {
+            self.may_move = false;
+            self.rig.deactivate()?;
+        }
+        Ok(())
+    }
+
+    /// The same where nobody asked; what the back end refuses is a fault.
+    fn settle(&mut self) {
+        if self.rest().is_err() {
+            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
+        }
     }
 
     fn now(&self, seen: &Measurement) -> f64 {
@@ -119,6 +150,7 @@ impl<R: Rig> Rig for Supervised<R> {
     fn measure(&mut self) -> Measurement {
         let mut seen = self.rig.measure();
         self.supervisor.cycle(self.now(&seen), &seen);
+        self.settle();
         self.supervisor.mark(&mut seen);
         seen.voltage_asked = self.asked;
         seen
@@ -131,11 +163,10 @@ impl<R: Rig> Rig for Supervised<R> {
         self.supervisor.command(now, volts);
         let allowed = self.supervisor.output();
         if let Err(error) = self.rig.apply(allowed) {
-            self.supervisor.fault(Fault::BackEnd, 0.0, 0.0);
-            // The back end has just refused; that it refuses zero as well is no other error.
-            let _ = self.rig.halt();
+            self.back_end_fault();
             return Err(error);
         }
+        self.settle();
         match (self.supervisor.latched(), self.supervisor.state()) {
             (_, State::Active) => Ok(()),
             _ if volts == 0.0 => Ok(()),
@@ -148,6 +179,22 @@ impl<R: Rig> Rig for Supervised<R> {
         self.asked = 0.0;
         self.supervisor.halt();
         self.rig.halt()
+    }
+
+    fn deactivate(&mut self) -> Result<(), RigError> {
+        if self.supervisor.state().moves() {
+            return Self::request(self, Request::Deactivate).map(drop);
+        }
+        self.halt()
+    }
+
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.asked = 0.0;
+        Self::request(self, Request::EmergencyStop).map(drop)
+    }
+
+    fn clear(&mut self) -> Result<(), RigError> {
+        self.rig.clear()
     }
 
     fn truth(&self) -> Option<Truth> {
