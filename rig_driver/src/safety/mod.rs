@@ -12,13 +12,14 @@ mod lifecycle;
 mod limits;
 mod pages;
 mod sensors;
+mod standstill;
 mod supervised;
 mod supervisor;
 mod temperature;
 
 pub use fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
 pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
-pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Travel};
+pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Standstill, Travel};
 pub use pages::{fault_table, state_diagram, transition_table};
 pub use supervised::Supervised;
 pub use supervisor::SafetySupervisor;
