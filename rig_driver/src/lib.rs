@@ -23,6 +23,8 @@ mod sensors;
 #[cfg(feature = "serial")]
 pub mod serial;
 mod simulated;
+#[cfg(any(test, feature = "ros"))]
+mod station;
 
 pub use calibration::{Calibrated, Calibration, Sign};
 pub use drift::FrictionDrift;

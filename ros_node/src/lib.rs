@@ -11,7 +11,8 @@
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
-//! - [`Stop`]: SIGINT and SIGTERM;
+//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck;
+//! - [`terminal`]: lines that nobody waits for;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
@@ -28,11 +29,13 @@
 //! ```
 
 mod action;
+mod apart;
 mod arguments;
 mod client;
 mod clock;
 pub mod deadlines;
 mod discovery;
+mod ending;
 mod error;
 mod executable;
 mod graph;
@@ -44,14 +47,17 @@ mod logger;
 mod middleware;
 mod names;
 mod node;
+mod outbox;
 pub mod parameter_file;
 pub mod parameters;
 mod participant;
 mod publisher;
 pub mod queue;
 pub mod remap;
+mod repeated;
 mod service;
 mod signals;
+pub mod terminal;
 pub mod timing;
 mod turn;
 
@@ -60,6 +66,7 @@ pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
 pub use client::ServiceClient;
 pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
+pub use ending::before_forced_exit;
 pub use error::RosNodeError;
 pub use executable::run;
 pub use graph::{Graph, ParticipantId, SeenNode};
@@ -73,4 +80,4 @@ pub use participant::Participant;
 pub use publisher::Publisher;
 pub use remap::Named;
 pub use ros2_client::ParameterValue;
-pub use signals::Stop;
+pub use signals::{ENDS_WITHIN, ENDS_WITHIN_WRITING, FORCED, Stop, ends_within};

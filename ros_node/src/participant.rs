@@ -2,19 +2,18 @@
 
 use std::{
     collections::BTreeMap,
+    ops::Deref,
     sync::{Arc, Mutex, atomic::AtomicU8},
-    thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
-use tokio::{
-    runtime::{Builder, Runtime},
-    task::JoinHandle,
-};
+use tokio::runtime::{Builder, Runtime};
 
-use crate::{Arguments, Discovery, RosNode, RosNodeError, hearing::Hearers, turn::Turn};
+use crate::{
+    Arguments, Discovery, RosNode, RosNodeError, apart::Apart, hearing::Hearers, terminal, turn::Turn,
+};
 
 /// Longest wait for what follows the participant's events to end.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -31,23 +30,43 @@ pub(crate) type LastPhases = Mutex<BTreeMap<String, Arc<AtomicU8>>>;
 /// runs on a participant that is gone.
 pub(crate) struct Shared {
     pub(crate) context: Context,
-    pub(crate) runtime: Runtime,
+    pub(crate) runtime: Workers,
     pub(crate) arguments: Arguments,
     /// Who can hear the answers of the nodes' services.
     pub(crate) hearers: Arc<Hearers>,
-    following: JoinHandle<()>,
+    /// Hears of others, apart: answers wait for it. `None` only while this is being dropped.
+    following: Option<Apart>,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
+}
+
+/// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
+pub(crate) struct Workers(Option<Runtime>);
+
+impl Deref for Workers {
+    type Target = Runtime;
+
+    fn deref(&self) -> &Runtime {
+        self.0.as_ref().expect("there until it is dropped")
+    }
+}
+
+impl Drop for Workers {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.0.take() {
+            runtime.shutdown_timeout(LEAVING);
+        }
+    }
 }
 
 impl Drop for Shared {
     fn drop(&mut self) {
         // It holds a part of the participant, which leaves when nobody holds it any more.
-        self.following.abort();
-        let began = Instant::now();
-        while !self.following.is_finished() && began.elapsed() < LEAVING {
-            thread::sleep(Duration::from_millis(1));
+        if let Some(following) = self.following.take() {
+            following.join(LEAVING);
         }
+        // What the nodes said last.
+        terminal::flush();
     }
 }
 
@@ -80,6 +99,7 @@ impl Participant {
             .enable_time()
             .build()
             .map_err(RosNodeError::Runtime)?;
+        let runtime = Workers(Some(runtime));
         let join_error = |detail: String| RosNodeError::Join { domain: discovery.domain, detail };
         let mut builder = DomainParticipantBuilder::new(discovery.domain);
         if let Some(networks) = discovery.networks() {
@@ -91,7 +111,9 @@ impl Participant {
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
-        let following = runtime.spawn(async move { heard.follow(participant).await });
+        let following = Apart::start("hearing", async move { heard.follow(participant).await })
+            .map_err(RosNodeError::Runtime)?;
+        let following = Some(following);
         let shared = Shared { context, runtime, arguments, hearers, following, last_phases };
         Ok(Self { shared: Arc::new(shared) })
     }

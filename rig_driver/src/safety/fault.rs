@@ -42,6 +42,8 @@ pub enum Fault {
     TorqueFrozen,
     /// The rig's own clock stands still.
     RigClockStopped,
+    /// The safety layer is active, but the node is not.
+    PermissionWithdrawn,
     /// The back end reports a fault or refuses a voltage.
     BackEnd,
     /// The shaft turns though the motor has had zero volts for long.
@@ -89,7 +91,7 @@ const fn rule(fault: Fault, name: &'static str, when: &'static str, reaction: Re
 }
 
 /// Every fault with what it does. No fault ramps the voltage down: a ramp needs a driver that still works.
-pub const FAULTS: [FaultRule; 25] = {
+pub const FAULTS: [FaultRule; 26] = {
     use Fault as F;
     use Reaction::{Cut, ZeroUntilCleared, ZeroWhileItLasts};
     [
@@ -178,6 +180,12 @@ pub const FAULTS: [FaultRule; 25] = {
             F::RigClockStopped,
             "rig clock stopped",
             "the rig's time stands still for 20 cycles",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::PermissionWithdrawn,
+            "permission withdrawn",
+            "the safety layer is active, but the node is not: a request to it was given up, or the node leaves",
             ZeroUntilCleared,
         ),
         rule(F::BackEnd, "back end", "the back end reports a fault or refuses a voltage", ZeroUntilCleared),
@@ -306,6 +314,12 @@ impl fmt::Display for FaultReport {
                 write!(
                     f,
                     "the rig's time stands at {value:.3} s; check its connection, then clear and activate"
+                )
+            }
+            Fault::PermissionWithdrawn => {
+                write!(
+                    f,
+                    "the motor was active while the node was not; see in the log which request was given up, then clear and activate"
                 )
             }
             Fault::BackEnd => {

@@ -7,7 +7,7 @@ use crate::{Measurement, Rig, RigError, Truth};
 ///
 /// Its clock is the rig's own ([`Measurement::time`]) until [`tell_time`](Rig::tell_time) was called; then it is the
 /// caller's, and cycles that come late are seen. Dropped, by whatever way, it leaves zero volts.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Supervised<R: Rig> {
     rig: R,
     supervisor: SafetySupervisor,
@@ -44,6 +44,21 @@ impl<R: Rig> Supervised<R> {
         &self.supervisor
     }
 
+    #[cfg(test)]
+    pub(crate) const fn inner(&self) -> &R {
+        &self.rig
+    }
+
+    #[cfg(test)]
+    pub(crate) const fn inner_mut(&mut self) -> &mut R {
+        &mut self.rig
+    }
+
+    #[cfg(test)]
+    pub(crate) const fn may_move(&self) -> bool {
+        self.may_move
+    }
+
     /// Does what is asked for; leaving active puts the motor at zero volts at once and takes the back end's leave to move away. An emergency stop goes to the
     /// back end whatever the state, each time that it is asked for.
     ///
@@ -73,6 +88,12 @@ impl<R: Rig> Supervised<R> {
             return Err(error);
         }
         Ok(state)
+    }
+
+    /// Latches a fault that somebody else found.
+    pub fn fault(&mut self, fault: Fault, value: f64, limit: f64) {
+        self.supervisor.fault(fault, value, limit);
+        self.settle();
     }
 
     /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it comes over a network: its age counts.
