@@ -95,8 +95,9 @@ fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
             });
             bench.step(Some(1.0), at_rest)
         }
-        // Found by the back end itself, which watches its line; the tests of the serial rig have their ways.
-        Fault::UnknownEcho
+        // Found by the node, and by the back end itself, which watches its line: they have tests of their own.
+        Fault::PermissionWithdrawn
+        | Fault::UnknownEcho
         | Fault::ForeignFrames
         | Fault::CommandsRefused
         | Fault::VoltageDiffers
