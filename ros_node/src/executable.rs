@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop,
+    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, launched,
     middleware::{Lost, Watch},
 };
 
@@ -68,6 +68,9 @@ pub fn run(
         Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
     };
+    if let Err(error) = launched::end_with_launcher() {
+        return fail(&format_args!("the end of its launcher cannot be watched for: {error}"), 1);
+    }
     let last_phases = Arc::default();
     loop {
         let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));

@@ -11,7 +11,7 @@
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
-//! - [`Stop`]: SIGINT and SIGTERM;
+//! - [`Stop`]: SIGINT and SIGTERM; [`launched`]: the end of whoever launched the program;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
@@ -37,6 +37,7 @@ mod error;
 mod executable;
 mod graph;
 mod hearing;
+pub mod launched;
 pub mod lifecycle;
 mod limits;
 mod log_level;
