@@ -2,7 +2,7 @@
 
   friction-run --list                                         the experiments, what each does and takes
   friction-run position-tracking --model lugre --model proposed --repetitions 3
-  friction-run characterise --set quick --set seed=7 --out /data/monday --json monday.json
+  friction-run characterise --set quick --set seed=7 --out monday --json monday.json
 
 Ctrl-C, or SIGTERM, cancels the experiment, waits until the rig stands and tells what was kept; a second one leaves at once.
 Exit code 0: it succeeded; 1: it failed; 2: it was refused, or nobody answers; 130: it was cancelled, here or by somebody else.
@@ -278,7 +278,7 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="NAME=VALUE",
         help="option of the experiment; NAME alone is a switch; may come several times",
     )
-    parser.add_argument("--out", default="", metavar="DIR", help="folder of the results, on the experiment runner's machine")
+    parser.add_argument("--out", default="", metavar="DIR", help="folder of the results, in the experiment runner's folder of runs")
     parser.add_argument("--preempt", action="store_true", help="end the experiment that runs, if one does")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the result there as JSON")
     parser.add_argument("--namespace", default="", metavar="NS", help="namespace of the experiment runner (default: none)")

@@ -11,8 +11,10 @@ pub mod design;
 #[cfg(feature = "ros")]
 pub mod doctor;
 pub mod drive;
+mod durable;
 pub mod features;
 pub mod identify;
+mod input;
 #[cfg(feature = "ros")]
 pub mod launch;
 #[cfg(feature = "ros")]

@@ -58,6 +58,11 @@ fn negative_numbers_are_values(command: clap::Command) -> clap::Command {
 fn main() -> ExitCode {
     let given = negative_numbers_are_values(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
+    #[cfg(feature = "ros")]
+    if let Err(error) = ros_node::launched::end_with_launcher() {
+        eprintln!("error: the end of its launcher cannot be watched for: {error}");
+        return ExitCode::FAILURE;
+    }
     let result = match cli.command {
         Command::Run(args) => run::execute(&args),
         Command::Identify(args) => identify::execute(&args),

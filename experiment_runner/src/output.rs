@@ -1,7 +1,9 @@
-//! Files that appear all at once or not at all.
+//! Files that appear whole or not at all, and outlive a power cut.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
+
+use crate::durable::{self, Draft, System, sync_made};
 
 /// An output folder that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -15,8 +17,9 @@ pub struct OutputError {
 
 /// Writes the files (name, content) into `folder`, which is made if need be.
 ///
-/// Each goes to a temporary name first; only when all are on the disk are they renamed. On an error nothing of
-/// it stays behind, and files of an earlier run are as they were.
+/// Each goes to a temporary name first; only when all are on the disk are they renamed, and when this returns the names are on the disk too.
+/// On an error nothing of it stays behind, and files of an earlier run are as they were; a kill or a power cut leaves each file as it was or
+/// as it was to be.
 ///
 /// # Errors
 /// [`OutputError`] with the path that failed.
@@ -26,7 +29,7 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputEr
         move |source| OutputError { path, source }
     };
     let made = first_missing(folder);
-    let mut temporary = Vec::with_capacity(files.len());
+    let mut drafts = Vec::with_capacity(files.len());
     let written = fs::create_dir_all(folder).map_err(fail(folder)).and_then(|()| {
         for (name, content) in files {
             let target = folder.join(name);
@@ -34,13 +37,14 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputEr
                 return Err(fail(&target)(io::Error::from(io::ErrorKind::IsADirectory)));
             }
             let draft = folder.join(format!(".{name}.{}.tmp", std::process::id()));
-            temporary.push((draft.clone(), target));
-            fs::write(&draft, content).map_err(fail(&draft))?;
+            drafts.push(Draft { draft, target, content: content.as_bytes() });
         }
-        temporary.iter().try_for_each(|(draft, target)| fs::rename(draft, target).map_err(fail(target)))
+        durable::write(&mut System, folder, &drafts)
+            .map_err(|(path, source)| OutputError { path, source })?;
+        made.as_ref().map_or(Ok(()), |top| sync_made(folder, top)).map_err(fail(folder))
     });
     if written.is_err() {
-        for (draft, _) in &temporary {
+        for Draft { draft, .. } in &drafts {
             // A draft that was never made, or was renamed already, is no second error.
             let _ = fs::remove_file(draft);
         }

@@ -10,6 +10,8 @@ use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::finite::finite;
+
 /// A sum of squares to be made small.
 pub trait Residuals {
     /// Residuals.
@@ -263,7 +265,7 @@ fn damped_step(
         normal[(free[a], free[b])] / (root[a] * root[b]) + if a == b { mu } else { 0.0 }
     });
     let right = DVector::from_fn(free.len(), |a, _| -gradient[free[a]] / root[a]);
-    let mut step = matrix.cholesky()?.solve(&right);
+    let mut step = finite(matrix)?.cholesky()?.solve(&right);
     step.iter_mut().zip(&root).for_each(|(d, root)| *d /= root);
     step.iter().all(|d| d.is_finite()).then_some(step)
 }

@@ -7,9 +7,11 @@
 //! The unknowns live in the unit cube: a point outside is folded back at the faces (the distribution itself is not cut), which keeps
 //! bounds without any penalty.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
+
+use crate::finite::symmetric_eigen;
 
 /// A distribution that searches.
 #[derive(Debug, Clone)]
@@ -142,7 +144,7 @@ impl CmaEs {
         self.decomposed = self.generation;
         let symmetric = (&self.covariance + self.covariance.transpose()) * 0.5;
         self.covariance.copy_from(&symmetric);
-        let eigen = SymmetricEigen::new(symmetric);
+        let Some(eigen) = symmetric_eigen(symmetric) else { return };
         let largest = eigen.eigenvalues.max();
         if !(largest.is_finite() && largest > 0.0) {
             return;

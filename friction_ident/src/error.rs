@@ -21,9 +21,9 @@ pub enum IdentError {
         /// What may be lowered instead.
         lower: &'static str,
     },
-    /// A value is NaN or infinite.
+    /// A value is NaN, infinite or beyond anything that can be measured.
     #[error(
-        "sample {index} of {channel} is {value}, but every sample must be a finite number; repair or cut the recording there"
+        "sample {index} of {channel} is {value}, but every sample must be a finite number, at most 1e50; repair or cut the recording there"
     )]
     NotFinite {
         /// The channel.
@@ -153,6 +153,18 @@ pub enum IdentError {
         index: usize,
         /// What came.
         value: f64,
+    },
+    /// A standard deviation is so small beside the others that its point alone would count.
+    #[error(
+        "the standard deviation of steady point {index} is {value:e}, less than a billionth of the largest, {largest:e}; correct it, or leave the column out"
+    )]
+    DeviationRange {
+        /// The point, counted from zero.
+        index: usize,
+        /// What came.
+        value: f64,
+        /// The largest of all.
+        largest: f64,
     },
     /// Some points have a standard deviation and others have none.
     #[error(

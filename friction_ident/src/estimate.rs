@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::bounded::Minimum;
 use crate::confidence::student_95;
+use crate::finite::finite;
 
 /// How an interval was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -258,8 +259,8 @@ impl NormalEquations<'_> {
         let normal =
             DMatrix::from_fn(free.len(), free.len(), |a, b| self.at(free[a], free[b]) / (root[a] * root[b]));
         // Singular in floating point: nothing is known of the parameters concerned.
-        let inverse = normal
-            .try_inverse()
+        let inverse = finite(normal)
+            .and_then(|normal| normal.try_inverse())
             .filter(|inverse| (0..free.len()).all(|a| inverse[(a, a)].is_finite() && inverse[(a, a)] > 0.0));
         let mut covariance = vec![vec![0.0; n]; n];
         let mut correlation = vec![vec![0.0; n]; n];

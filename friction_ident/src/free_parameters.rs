@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::bounded::{Bound, Minimum};
 use crate::estimate::Unknown;
+use crate::finite::finite;
 
 /// One direction of motion, or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -246,7 +247,7 @@ impl FreeParameters {
                 inverse[(i, j)] = (a - b) / (moved[j] - minimum.x[j]);
             }
         }
-        minimum.jacobian *= inverse.try_inverse()?;
+        minimum.jacobian *= finite(inverse)?.try_inverse().and_then(finite)?;
         minimum.x = values;
         Some(minimum)
     }

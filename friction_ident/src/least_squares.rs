@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::finite::{finite, singular_values};
+
 /// The solution of `a x = y` in the least squares sense.
 pub(crate) struct Solution {
     /// The unknowns.
@@ -22,9 +24,11 @@ pub(crate) struct Degenerate {
 /// Below this ratio of singular values (of columns scaled to unit length) columns count as dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// Solves `a x = y`; `a` has at least as many rows as columns and only finite entries.
+/// Solves `a x = y`; `a` has at least as many rows as columns. Entries that are not finite, or so large that the solution is not, leave all columns
+/// untold.
 pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Degenerate> {
     let columns = a.ncols();
+    let all = || Degenerate { columns: (0..columns).collect() };
     let scale = DVector::from_iterator(columns, a.column_iter().map(|column| column.norm()));
     let empty: Vec<_> = (0..columns).filter(|&j| scale[j] == 0.0).collect();
     if !empty.is_empty() {
@@ -34,13 +38,11 @@ pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Dege
     for (mut column, factor) in scaled.column_iter_mut().zip(scale.iter()) {
         column /= *factor;
     }
-    let qr = scaled.qr();
+    let qr = finite(scaled).ok_or_else(all)?.qr();
     let mut rotated = y.clone();
     qr.q_tr_mul(&mut rotated);
-    let svd = qr.unpack_r().svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
-        return Err(Degenerate { columns: (0..columns).collect() });
-    };
+    let svd = singular_values(qr.unpack_r()).ok_or_else(all)?;
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(all()) };
     let largest = svd.singular_values.max();
     let (last, smallest) = svd.singular_values.argmin();
     if smallest <= DEPENDENT * largest || smallest.is_nan() {
@@ -62,7 +64,8 @@ pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Dege
             inverse_normal[(i, j)] /= scale[i] * scale[j];
         }
     }
-    let residual = y - a * &x;
+    let x = finite(x).ok_or_else(all)?;
+    let residual = finite(y - a * &x).ok_or_else(all)?;
     Ok(Solution { x, inverse_normal, residual })
 }
 
@@ -91,5 +94,26 @@ mod tests {
         assert_eq!(solve(&a, &y).err(), Some(Degenerate { columns: vec![1, 3] }));
         a.fill_column(0, 0.0);
         assert_eq!(solve(&a, &y).err(), Some(Degenerate { columns: vec![0] }));
+    }
+
+    #[test]
+    fn extreme_numbers_get_an_answer_or_none() {
+        let y = DVector::from_element(20, 1.0);
+        for wrong in [f64::NAN, f64::INFINITY, 1e308, -1e308, 1e-320, -0.0, 1e-160] {
+            let mut a = DMatrix::from_fn(20, 3, |i, j| ((i * (j + 2)) as f64).sin());
+            a[(4, 1)] = wrong;
+            if let Ok(solution) = solve(&a, &y) {
+                assert!(solution.x.iter().chain(solution.residual.iter()).all(|x| x.is_finite()), "{wrong}");
+            } else {
+                assert!(!wrong.is_finite() || wrong.abs() > 1e300, "{wrong}");
+            }
+            let mut high = y.clone();
+            high[3] = wrong;
+            let a = DMatrix::from_fn(20, 3, |i, j| ((i * (j + 2)) as f64).sin());
+            match solve(&a, &high) {
+                Ok(solution) => assert!(solution.x.iter().all(|x| x.is_finite()), "{wrong}"),
+                Err(_) => assert!(!wrong.is_finite() || wrong.abs() > 1e300, "{wrong}"),
+            }
+        }
     }
 }

@@ -47,6 +47,7 @@ pub mod derived;
 pub mod drive;
 mod error;
 pub mod estimate;
+mod finite;
 pub mod free_parameters;
 pub mod frictional_lag;
 pub mod information;

@@ -59,7 +59,7 @@ impl Hampel {
         if half_window < FEWEST || !(threshold > 0.0 && threshold.is_finite()) {
             return Err(IdentError::Hampel { half_window, threshold });
         }
-        if let Some(index) = signal.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = signal.iter().position(|value| !crate::finite::usable(*value)) {
             return Err(IdentError::NotFinite { channel: "the signal", index, value: signal[index] });
         }
         let n = signal.len();

@@ -148,7 +148,8 @@ impl Paths {
                 });
             }
             for (channel, values) in [("the displacement", path.displacement), ("the torque", path.torque)] {
-                if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite())
+                if let Some((index, &value)) =
+                    values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
                 {
                     return Err(IdentError::NotFinite { channel, index, value });
                 }

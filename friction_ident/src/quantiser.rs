@@ -82,7 +82,9 @@ pub fn between_counts(position: &[f64], resolution: f64, turn: Turn) -> Result<V
     if !(resolution > 0.0 && resolution.is_finite()) {
         return Err(IdentError::Resolution(resolution));
     }
-    if let Some((index, &value)) = position.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+    if let Some((index, &value)) =
+        position.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
+    {
         return Err(IdentError::NotFinite { channel: "the position", index, value });
     }
     let first = position.first().copied().unwrap_or(0.0);

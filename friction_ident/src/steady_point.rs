@@ -23,6 +23,11 @@ impl SteadyPoint {
     }
 }
 
+/// Smallest standard deviation, as a share of the largest: beside such a point the others would count for nothing.
+const SMALLEST_SHARE: f64 = 1e-9;
+/// Torques and speeds below this are rounding [SI units].
+const SMALLEST: f64 = 1e-50;
+
 /// What a curve through steady points needs.
 pub(crate) struct Needed {
     /// The curve.
@@ -47,7 +52,7 @@ pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f
     }
     for (index, point) in points.iter().enumerate() {
         for (channel, value) in [("the velocity", point.velocity), ("the torque", point.torque)] {
-            if !value.is_finite() {
+            if !crate::finite::usable(value) {
                 return Err(IdentError::NotFinite { channel, index, value });
             }
         }
@@ -61,7 +66,13 @@ pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f
             _ => {}
         }
     }
-    if points.iter().all(|point| point.torque == 0.0) {
+    let deviations =
+        || points.iter().enumerate().filter_map(|(index, point)| Some((index, point.deviation?)));
+    let largest = deviations().map(|(_, value)| value).fold(0.0, f64::max);
+    if let Some((index, value)) = deviations().find(|(_, value)| *value < SMALLEST_SHARE * largest) {
+        return Err(IdentError::DeviationRange { index, value, largest });
+    }
+    if points.iter().all(|point| point.torque.abs() < SMALLEST) {
         return Err(IdentError::ZeroForce);
     }
     let speeds = different_speeds(points);
@@ -72,10 +83,12 @@ pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f
 }
 
 /// The speeds above zero, slowest first. Repetitions at one speed differ by a rounding at most; closer than a millionth counts
-/// as the same.
+/// as the same, and below a billionth of the fastest is rest.
 pub(crate) fn different_speeds(points: &[SteadyPoint]) -> Vec<f64> {
+    let fastest = points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max);
+    let least = (SMALLEST_SHARE * fastest).max(SMALLEST);
     let mut speeds: Vec<_> =
-        points.iter().map(|point| point.velocity.abs()).filter(|&speed| speed > 0.0).collect();
+        points.iter().map(|point| point.velocity.abs()).filter(|&speed| speed > least).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup_by(|a, b| *a <= *b * (1.0 + 1e-6));
     speeds
@@ -83,7 +96,10 @@ pub(crate) fn different_speeds(points: &[SteadyPoint]) -> Vec<f64> {
 
 /// Square roots of the points' weights. Weights are relative: their mean square is one, so that the residual keeps its unit.
 pub(crate) fn relative_weights(points: &[SteadyPoint]) -> Vec<f64> {
-    let inverse = |point: &SteadyPoint| point.deviation.map_or(1.0, |deviation| 1.0 / deviation);
+    // Over a power of two of their size they are of a usual size, whatever the unit, and lose no bit.
+    let largest = points.iter().filter_map(|point| point.deviation).fold(0.0, f64::max);
+    let size = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
+    let inverse = |point: &SteadyPoint| point.deviation.map_or(1.0, |deviation| size / deviation);
     let mean: f64 = points.iter().map(|point| inverse(point).powi(2)).sum::<f64>() / points.len() as f64;
     points.iter().map(|point| inverse(point) / mean.sqrt()).collect()
 }

@@ -57,7 +57,9 @@ impl StictionRecording<'_> {
             if values.len() != expected {
                 return Err(IdentError::UnequalLengths { channel, found: values.len(), expected });
             }
-            if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            if let Some((index, &value)) =
+                values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
+            {
                 return Err(IdentError::NotFinite { channel, index, value });
             }
         }

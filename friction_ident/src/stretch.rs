@@ -111,7 +111,7 @@ impl Stretch {
             if values.len() != n {
                 return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
             }
-            if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            if let Some(index) = values.iter().position(|value| !crate::finite::usable(*value)) {
                 return Err(IdentError::NotFinite { channel, index, value: values[index] });
             }
         }

@@ -352,7 +352,7 @@ fn check(signals: &DriveSignals<'_>, driving: (&'static str, &[f64])) -> Result<
         return Err(IdentError::UnequalLengths { channel: driving.0, found: driving.1.len(), expected });
     }
     for (channel, values) in [("the velocity", signals.velocity), driving] {
-        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        if let Some(index) = values.iter().position(|value| !crate::finite::usable(*value)) {
             return Err(IdentError::NotFinite { channel, index, value: values[index] });
         }
     }

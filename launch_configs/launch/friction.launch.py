@@ -21,6 +21,9 @@ NODES = (RIG_DRIVER, OBSERVER, CONTROLLER, RUNNER)
 # Without one of these there is no loop: its end ends the others.
 LOOP = (RIG_DRIVER, OBSERVER, CONTROLLER)
 
+# `ros2 launch` keeps the other end of each process's standard input: when it is gone, by `kill -9` too, the nodes end with the motor at zero volts.
+UNTIL_LAUNCH_ENDS = {"FRICTION_LAUNCHED": "until-stdin-ends"}
+
 # Argument -> nodes whose parameter of that name it sets. An empty argument leaves the matter to the files.
 SETS = {"rig": (RIG_DRIVER,), "model": (OBSERVER,), "mode": (OBSERVER, CONTROLLER)}
 MODES = ("velocity", "position")
@@ -73,7 +76,7 @@ def node(name: str, given: dict[str, str]) -> ExecuteProcess:
     if name == RUNNER and given["rig"] not in ("", "simulated"):
         # On a real rig its experiments run too. A simulated one of their own needs no real time.
         sets["rig"] = "nodes"
-    rest = {"output": "screen", "sigterm_timeout": "10"}
+    rest = {"output": "screen", "sigterm_timeout": "10", "additional_env": UNTIL_LAUNCH_ENDS}
     if name in LOOP:
         rest["on_exit"] = Shutdown(reason=f"{name} has ended")
     log_level = ["--log-level", given["log_level"]]

@@ -16,6 +16,9 @@ from launch.substitutions import LaunchConfiguration
 
 CONFIG = Path(__file__).resolve().parent.parent / "config" / "live.yaml"
 
+# `ros2 launch` keeps the other end of the process's standard input: when it is gone, by `kill -9` too, the run ends with the motor at zero volts.
+UNTIL_LAUNCH_ENDS = {"FRICTION_LAUNCHED": "until-stdin-ends"}
+
 # Launch argument -> option of `frictionlab live`. An empty argument leaves the matter to the file.
 OPTIONS = {
     "rig": "--rig",
@@ -48,7 +51,7 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
             raise RuntimeError(f"{name}:={value[name]} is not known; expected true or false")
         if value[name].lower() == "true":
             command.append(switch)
-    return [ExecuteProcess(cmd=command, output="screen", sigterm_timeout="10")]
+    return [ExecuteProcess(cmd=command, output="screen", sigterm_timeout="10", additional_env=UNTIL_LAUNCH_ENDS)]
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -3,7 +3,7 @@
 use std::{fmt::Display, io::Write, process::ExitCode, sync::Arc};
 
 use crate::{
-    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, ending,
+    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, ending, launched,
     middleware::{Lost, Watch},
     terminal,
 };
@@ -65,6 +65,9 @@ pub fn run(
         Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
     };
+    if let Err(error) = launched::end_with_launcher() {
+        return fail(&format_args!("the end of its launcher cannot be watched for: {error}"), 1);
+    }
     let last_phases = Arc::default();
     loop {
         let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));

@@ -11,7 +11,7 @@
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
-//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck;
+//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck; [`launched`]: the end of whoever launched the program;
 //! - [`terminal`]: lines that nobody waits for;
 //! - [`Gate`]: a topic of which one writer counts ([`one_writer`], [`stamps`]);
 //! - [`hostile`]: what becomes of what strangers send;
@@ -44,6 +44,7 @@ mod gate;
 mod graph;
 mod hearing;
 pub mod hostile;
+pub mod launched;
 pub mod lifecycle;
 mod limits;
 mod log_level;

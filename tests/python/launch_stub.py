@@ -67,11 +67,13 @@ class ExecuteProcess:
     output: str = "log"
     sigterm_timeout: str = "5"
     on_exit: Any = None
+    additional_env: dict[str, str] = field(default_factory=dict)
 
     def execute(self, context: LaunchContext) -> None:
         self.cmd = [text(part, context) for part in self.cmd]
         assert self.cmd or isinstance(self, Node)
         assert isinstance(self.sigterm_timeout, str), "launch wants text"
+        assert all(isinstance(part, str) for pair in self.additional_env.items() for part in pair), "launch wants text"
         context.started.append(self)
 
 

@@ -154,11 +154,17 @@ def converse(session: Session, runs: Path) -> dict:
     report["bad"] = {
         "unknown": session.run(goal("positon-tracking")),
         "model": session.run(goal("velocity-tracking", models=("newton",))),
-        "folder": session.run(goal("velocity-tracking", folder=blocked / "run")),
+        "folder": session.run(goal("velocity-tracking", folder="a_file/run")),
+        "outside": session.run(goal("velocity-tracking", folder=runs.parent / "elsewhere")),
+        "above": session.run(goal("velocity-tracking", folder="../elsewhere")),
+        "file": session.run(goal("velocity-tracking", protocol="/etc/passwd")),
+        "endless": session.run(goal("velocity-tracking", parameters="/dev/zero")),
+        "rig": session.run(goal("velocity-tracking", rig="serial:/dev/ttyS0")),
+        "card": session.run(goal("velocity-tracking", rig="quanser")),
         "range": session.run(goal("velocity-tracking", voltage_limit=50)),
         "option": session.run(goal("velocity-tracking", velocity=3)),
         "start": plain(session.call("start_experiment", StartExperiment.Request(experiment="jump"))),
-        "identify": plain(session.call("identify", Identify.Request(bag_path="/nowhere/bag"))),
+        "identify": plain(session.call("identify", Identify.Request(bag_path="nowhere/bag"))),
     }
     report["after_bad"] = sorted(path.name for path in runs.iterdir())
 
@@ -172,7 +178,8 @@ def converse(session: Session, runs: Path) -> dict:
 
     # Identification from its bag.
     request = Identify.Request(
-        bag_path=report["complete"]["bag_path"],
+        # Relative to the folder of runs, as everything that a request names.
+        bag_path=report["complete"]["run_id"] + "/bag",
         models=["coulomb_viscous", "stribeck"],
         overrides=settings(no_joint=True),
     )

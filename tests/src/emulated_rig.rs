@@ -51,7 +51,13 @@ impl EmulatedRig {
     /// The option that chooses this rig.
     #[must_use]
     pub fn choice(&self) -> String {
-        format!("--rig=serial:{}", self.folder.path().join("port").display())
+        format!("--rig={}", self.name())
+    }
+
+    /// What names this rig, as in `serial:/dev/ttyACM0`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("serial:{}", self.folder.path().join("port").display())
     }
 
     /// Gives the emulator an order.
@@ -72,12 +78,33 @@ impl EmulatedRig {
         }
     }
 
-    fn book(&mut self, book: &str) -> u64 {
+    /// Everything that the device tells of itself.
+    ///
+    /// # Panics
+    /// If the emulator does not answer.
+    pub fn status(&mut self) -> Value {
         self.order("status");
         let mut line = String::new();
         self.answers.read_line(&mut line).expect("an answer");
-        let status: Value = serde_json::from_str(&line).expect("JSON");
-        status["books"][book].as_u64().expect("a number")
+        serde_json::from_str(&line).expect("JSON")
+    }
+
+    /// One of the device's books.
+    ///
+    /// # Panics
+    /// If the emulator does not answer, or has no such book.
+    pub fn book(&mut self, book: &str) -> u64 {
+        self.status()["books"][book].as_u64().expect("a number")
+    }
+
+    /// Waits until the device has gone through `cycles` more cycles of its own clock. Returns what it tells then.
+    ///
+    /// # Panics
+    /// If the emulator does not answer.
+    pub fn pass(&mut self, cycles: u64) -> Value {
+        let end = self.book("cycles") + cycles;
+        self.wait_for("cycles", end);
+        self.status()
     }
 
     /// Ends the emulator. Returns its books, in which nothing was driven that should not have been.
@@ -86,8 +113,7 @@ impl EmulatedRig {
     /// If something was.
     pub fn finish(mut self) -> Value {
         // The driver's last words are on the line; the device reads them in its next cycle.
-        let cycles = self.book("cycles");
-        self.wait_for("cycles", cycles + 5);
+        self.pass(5);
         drop(self.orders.take());
         assert!(self.process.wait().expect("it ends").success());
         let text = std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");

@@ -15,6 +15,10 @@ use experiment_runner::protocol::Protocol;
 use experiment_runner::recording::{driven, table, trajectory};
 use experiment_runner::rig::read_calibration;
 use experiment_runner::run::{read_controller, read_parameter_file};
+use friction_ident::{
+    AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues, condition,
+    fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
+};
 use friction_model::ModelName;
 use msgs::friction_msgs::{ControllerState, ExperimentStatus, FrictionEstimate, RigMeasurement};
 use msgs::sensor_msgs::JointState;
@@ -25,12 +29,19 @@ use rand_pcg::Pcg64Mcg;
 use rig_protocol::{Decoder, DeviceMessage, HostMessage, Message, Origin, Session, VoltageCommand};
 
 /// Numbers and words that parsers stumble over.
-const EXTREME: [&str; 12] = [
+const EXTREME: [&str; 19] = [
     "nan",
     ".inf",
     "-0",
+    "-0.0",
     "1e309",
+    "1e308",
+    "-1e308",
+    "1e160",
+    "1e-160",
+    "1e-320",
     "-1e-320",
+    "5e-324",
     "99999999999999999999",
     "0x10",
     "~",
@@ -163,6 +174,108 @@ fn tables() {
             assert!(read.time.windows(2).all(|pair| pair[0] < pair[1]) && finite(&read.velocity));
         }
     });
+}
+
+/// Numbers that arithmetic stumbles over: beyond squares, below them, and without a sign to trust.
+const NUMBERS: [f64; 12] =
+    [0.0, -0.0, 5e-324, 1e-320, -1e-320, 1e-308, 1e-160, -1e-60, 1e60, -1e160, 1e308, f64::NAN];
+
+/// `valid` with a few extreme numbers, or a column on quite another scale.
+fn stretched(valid: &[[f64; 3]], random: &mut Pcg64Mcg) -> Vec<[f64; 3]> {
+    let mut rows = valid.to_vec();
+    for _ in 0..random.random_range(1..=4) {
+        let (column, extreme) = (random.random_range(0..3), NUMBERS[random.random_range(0..NUMBERS.len())]);
+        match random.random_range(0..3) {
+            0 => rows.iter_mut().for_each(|row| row[column] *= extreme),
+            1 => rows.iter_mut().for_each(|row| row[column] = extreme),
+            _ => {
+                let row = random.random_range(0..rows.len());
+                rows[row][column] = extreme;
+            }
+        }
+    }
+    rows
+}
+
+/// Whatever a recording says, a fit is an answer of numbers or a refusal.
+#[test]
+fn identifications() {
+    let points: Vec<[f64; 3]> = (1..=24)
+        .map(|k| {
+            let v = 0.05 * f64::from(k);
+            let wobble = 1e-4 * (7.0 * v).sin();
+            [v, 0.0925 + 0.0069 * (-(v / 0.1407_f64).powi(2)).exp() + 0.0403 * v + wobble, 1e-3 * (1.0 + v)]
+        })
+        .collect();
+    // Position, velocity and force of an axis with inertia and friction.
+    let motion: Vec<[f64; 3]> = (0..400)
+        .map(|k| {
+            let t = 0.02 * f64::from(k);
+            let (x, v, a) = (
+                -t.cos() - 0.1 * (3.0 * t).cos(),
+                t.sin() + 0.3 * (3.0 * t).sin(),
+                t.cos() + 0.9 * (3.0 * t).cos(),
+            );
+            [x, v, 2.0 * a + 0.5 * v + v.signum()]
+        })
+        .collect();
+    with_points(&points, true);
+    with_motion(&motion, 0);
+    let seeds = if std::env::var_os("FRICTION_FULL").is_some() { 100_000 } else { 600 };
+    for seed in 1..seeds {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let (points, motion) = (stretched(&points, &mut random), stretched(&motion, &mut random));
+        let fits = || {
+            with_points(&points, seed % 2 == 0);
+            with_motion(&motion, seed);
+        };
+        if catch_unwind(AssertUnwindSafe(fits)).is_err() {
+            panic!("seed {seed}: {points:?} {motion:?}");
+        }
+    }
+}
+
+fn with_points(rows: &[[f64; 3]], weighted: bool) {
+    let points: Vec<SteadyPoint> = rows
+        .iter()
+        .map(|&[velocity, torque, deviation]| SteadyPoint {
+            velocity,
+            torque,
+            deviation: weighted.then_some(deviation),
+        })
+        .collect();
+    if let Ok(fit) = fit_stribeck(&points, &StribeckOptions::default()) {
+        let StribeckValues { f_s, f_c, v_s, f_v, .. } = fit.parameters;
+        assert!([f_s, f_c, v_s, f_v].iter().all(|value| value.is_finite()), "{fit:?}");
+    }
+    if let Ok(fit) = fit_two_line(&points) {
+        assert!(fit.mse.is_finite(), "{fit:?}");
+    }
+    if let Ok(fit) = train_rbf_network(&points, &RbfOptions::default()) {
+        assert!(fit.mse.is_finite(), "{fit:?}");
+    }
+}
+
+fn with_motion(rows: &[[f64; 3]], seed: u64) {
+    let [position, velocity, force] =
+        [0, 1, 2].map(|column| rows.iter().map(|row| row[column]).collect::<Vec<_>>());
+    let by_velocity = seed % 2 == 1;
+    let signals = Signals {
+        time_step: if seed % 7 == 6 { NUMBERS[seed as usize % NUMBERS.len()] } else { 0.02 },
+        position: (!by_velocity).then_some(&position),
+        velocity: by_velocity.then_some(&velocity),
+        force: &force,
+    };
+    let how = Conditioning { trim: 20, ..Conditioning::for_time_step(0.02) };
+    let Ok(recording) = condition(&signals, &how) else {
+        assert_ne!(seed, 0, "the recording itself is sound");
+        return;
+    };
+    for model in [AxisModel::SYMMETRIC, AxisModel::ASYMMETRIC] {
+        if let Ok(fit) = fit_axis(&recording, model) {
+            assert!(fit.terms.iter().all(|term| term.value.is_finite()), "{fit:?}");
+        }
+    }
 }
 
 fn bag(folder: &Path) -> Vec<u8> {

@@ -73,6 +73,12 @@ fn bad_requests_are_answered(report: &Value) {
         ("unknown", "velocity-tracking"),
         ("model", "newton"),
         ("folder", "a_file"),
+        ("outside", "an absolute path is not taken"),
+        ("above", "`..` is not taken"),
+        ("file", "an absolute path is not taken"),
+        ("endless", "--inputs"),
+        ("rig", "--allow-rigs"),
+        ("card", "--allow-rigs"),
         ("range", "voltage_limit"),
         ("option", "voltage-limit"),
     ] {
@@ -82,7 +88,7 @@ fn bad_requests_are_answered(report: &Value) {
         assert_eq!(answer["status"], report["codes"]["ABORTED"], "{which}");
         assert!(text(answer, "message").contains(said), "{which}: {answer}");
     }
-    for (which, said) in [("start", "jump"), ("identify", "/nowhere/bag")] {
+    for (which, said) in [("start", "jump"), ("identify", "nowhere/bag")] {
         assert_eq!(report["bad"][which]["success"], false);
         assert!(text(&report["bad"][which], "message").contains(said), "{which}");
     }

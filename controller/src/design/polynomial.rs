@@ -112,6 +112,10 @@ impl Polynomial {
         }
         let scaled: Vec<f64> =
             rest.iter().enumerate().map(|(k, c)| c / rest[n] * size.powi(k as i32 - n as i32)).collect();
+        // Coefficients of very different size leave the range of numbers; a decomposition of what is none would not end.
+        if !scaled.iter().all(|c| c.is_finite()) {
+            return None;
+        }
         let companion = DMatrix::from_fn(n, n, |i, j| {
             if j == n - 1 {
                 -scaled[i]

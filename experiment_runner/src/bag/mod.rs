@@ -30,6 +30,7 @@ mod recover;
 #[cfg(test)]
 mod recover_tests;
 mod salvage;
+mod schema;
 mod table;
 #[cfg(test)]
 mod tests;

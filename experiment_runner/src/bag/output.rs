@@ -1,7 +1,7 @@
 //! The MCAP file of a bag while it is written, whatever is written into it.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +10,7 @@ use mcap::records::{MessageHeader, Metadata};
 
 use super::metadata::{Span, TopicEntry, metadata_yaml};
 use super::{BagError, BagOptions, BagSummary, Compression};
+use crate::durable::write_one;
 
 /// An MCAP file as rosbag2 writes it. As long as it is open, its lock tells others that somebody writes.
 pub(super) struct Output {
@@ -28,6 +29,20 @@ pub(super) struct Close<'a> {
     pub(super) file_name: &'a str,
     /// The topics.
     pub(super) entries: Vec<TopicEntry>,
+}
+
+/// What `metadata.yaml` is to say.
+pub(super) struct Description {
+    path: PathBuf,
+    yaml: String,
+}
+
+impl Description {
+    /// Writes it, whole or not at all.
+    pub(super) fn write(self) -> Result<(), BagError> {
+        let Self { path, yaml } = self;
+        write_one(&path, yaml.as_bytes()).map_err(|source| BagError::Write { path, source })
+    }
 }
 
 impl Output {
@@ -104,8 +119,8 @@ impl Output {
         self.mcap.flush().map_err(|source| self.error(source))
     }
 
-    /// Closes the file and describes the bag in `metadata.yaml`.
-    pub(super) fn finish(self, close: Close<'_>) -> Result<BagSummary, BagError> {
+    /// Closes the file and brings it to the disk. The description belongs beside it, once it has its name.
+    pub(super) fn finish(self, close: Close<'_>) -> Result<(BagSummary, Description), BagError> {
         let Self { path, mut mcap, span } = self;
         let Close { dir, file, file_name, entries } = close;
         let mcap_error = |source| BagError::WriteMcap { path: path.clone(), source: Box::new(source) };
@@ -119,16 +134,18 @@ impl Output {
         let write_error = |source: io::Error| BagError::Write { path: path.clone(), source };
         let handle = mcap.into_inner().into_inner().map_err(|e| write_error(e.into_error()))?;
         let bytes = handle.metadata().map_err(write_error)?.len();
+        // Whoever sees a description finds the messages on the disk, after a power cut too.
+        handle.sync_all().map_err(write_error)?;
         drop(handle);
-        fs::write(&description, yaml).map_err(|source| BagError::Write { path: description, source })?;
-        Ok(BagSummary {
+        let summary = BagSummary {
             messages: entries.iter().map(|entry| entry.count).sum(),
             duration: span.map_or(0.0, |(start, end)| (end - start) as f64 * 1e-9),
             topics: entries.into_iter().map(|entry| (entry.name, entry.type_name, entry.count)).collect(),
             dir: dir.into(),
             file: file.into(),
             bytes,
-        })
+        };
+        Ok((summary, Description { path: description, yaml }))
     }
 
     fn error(&self, source: mcap::McapError) -> BagError {

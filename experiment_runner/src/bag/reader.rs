@@ -3,18 +3,24 @@
 use std::{
     collections::BTreeMap,
     fs::{self, File},
-    io::{self, BufReader, Read, Seek, SeekFrom},
+    io::{self, BufReader, Read, Seek, SeekFrom, Take},
     path::{Path, PathBuf},
 };
 
 use mcap::{
     McapError, McapResult, Summary,
     io::MessageReader,
+    records::{Channel, SchemaHeader},
     sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions},
 };
 use msgs::{RosMessage, cdr};
 
-use super::{BagError, guard::guarded};
+use super::{
+    BagError,
+    guard::guarded,
+    salvage::{Found, Losses, Salvage},
+    schema::{Judgement, judge},
+};
 
 /// No record or chunk of a sane bag is larger; a file that claims one is damaged.
 pub(super) const LARGEST_RECORD: usize = 1 << 28;
@@ -134,7 +140,7 @@ impl BagReader {
         topic: &str,
         messages: &mut Vec<(u64, M)>,
     ) -> Result<(), BagError> {
-        for message in message_reader(file)? {
+        for message in message_reader(file, options())? {
             let message = message.map_err(|error| damaged(file, error))?;
             if message.channel.topic != topic {
                 continue;
@@ -234,19 +240,36 @@ pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
     if known { Ok((file, size)) } else { Err(BagError::NotMcap { path: path.into() }) }
 }
 
-/// Whether every message of a file can be read, and its index says how many there are.
+/// Whether every message of a file can be read, every checksum is right, every definition is one, and its index says how many messages there are.
 pub(super) fn is_whole(path: &Path) -> bool {
     let read = || -> Result<bool, BagError> {
         let (summary, _) = inspect(path)?;
         let Some(stats) = summary.stats else { return Ok(false) };
         let mut count = 0;
-        for message in message_reader(path)? {
+        let every = options().with_validate_data_section_crc(true).with_validate_summary_section_crc(true);
+        for message in message_reader(path, every)? {
             message.map_err(|error| damaged(path, error))?;
             count += 1;
         }
-        Ok(count == stats.message_count)
+        let mut sound = count == stats.message_count;
+        // Checksums may be right and what they vouch for may not be; and those of the sections may be missing.
+        let salvage = File::open(path).and_then(Salvage::new).map_err(read_error(path))?;
+        let take = |found: Found<'_>| -> Result<(), io::Error> {
+            if let Found::Message { channel, schema: Some((header, text)), .. } = found {
+                sound &= definition(channel, header, text) == Judgement::Sound;
+            }
+            Ok(())
+        };
+        let losses = salvage.run(take).map_err(read_error(path))?;
+        Ok(sound && losses == Losses { closed: true, ..Losses::default() })
     };
     guarded(path, read).unwrap_or(false)
+}
+
+/// What the definition of a channel's type is worth.
+pub(super) fn definition(channel: &Channel, header: &SchemaHeader, text: &[u8]) -> Judgement {
+    let hash = channel.metadata.get("topic_type_hash").map(String::as_str);
+    judge(&header.name, &header.encoding, text, hash)
 }
 
 /// Summary of a file and number of messages a channel; read from the end of the file, or counted where it has none.
@@ -259,7 +282,7 @@ fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
     }
     let mut found = Summary::default();
     let mut counts = BTreeMap::new();
-    for message in message_reader(path)? {
+    for message in message_reader(path, options())? {
         let message = message.map_err(|error| damaged(path, error))?;
         *counts.entry(message.channel.id).or_default() += 1;
         found.channels.entry(message.channel.id).or_insert(message.channel);
@@ -286,9 +309,19 @@ fn summary(file: &mut (impl Read + Seek), size: u64) -> McapResult<Option<Summar
     Ok(reader.finish())
 }
 
-fn message_reader(path: &Path) -> Result<MessageReader<BufReader<File>>, BagError> {
+/// A chunk whose checksum is wrong is damaged: what it says is not believed.
+fn options() -> LinearReaderOptions {
+    LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD).with_validate_chunk_crcs(true)
+}
+
+/// The messages of a file as long as it was when it was opened: one that grows comes to an end.
+fn message_reader(
+    path: &Path,
+    options: LinearReaderOptions,
+) -> Result<MessageReader<BufReader<Take<File>>>, BagError> {
     let file = File::open(path).map_err(read_error(path))?;
-    let options = LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD);
+    let length = file.metadata().map_err(read_error(path))?.len();
+    let file = file.take(length);
     Ok(MessageReader::new_with_options(BufReader::with_capacity(1 << 18, file), options))
 }
 

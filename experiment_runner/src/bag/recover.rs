@@ -9,10 +9,12 @@ use mcap::records::Channel;
 
 use super::guard::guarded;
 use super::metadata::{TopicEntry, entry_of};
-use super::output::{Close, Output};
-use super::reader::{check_magic, files_of, is_whole};
+use super::output::{Close, Description, Output};
+use super::reader::{check_magic, definition, files_of, is_whole};
 use super::salvage::{Found, Losses, Salvage};
+use super::schema::Judgement;
 use super::{BagError, BagOptions, BagSummary};
+use crate::durable::{Disk, System};
 
 /// Behind the name of a damaged file once a whole one has taken its place.
 const ORIGINAL: &str = "damaged";
@@ -37,6 +39,10 @@ pub enum Recovery {
         lost_chunks: u64,
         /// Messages of it whose channel was not found.
         lost_messages: u64,
+        /// Topics whose definition was damaged, and is now the one that its hash names.
+        mended_definitions: Vec<String>,
+        /// Topics whose definition was damaged and is not known here: their messages are kept, without a type.
+        lost_definitions: Vec<String>,
     },
 }
 
@@ -86,23 +92,31 @@ pub fn recover(dir: &Path) -> Result<Recovery, BagError> {
         move |source: io::Error| BagError::Write { path, source }
     };
     let draft = beside(file, DRAFT, false);
-    let (bag, losses) = match guarded(file, || rewrite(file, &draft, &folder)) {
-        Ok(done) => done,
-        Err(error) => {
-            // A draft that was never made is no second error.
-            let _ = fs::remove_file(&draft);
-            return Err(error);
-        }
-    };
+    let Rewritten { bag, description, losses, definitions } =
+        match guarded(file, || rewrite(file, &draft, &folder)) {
+            Ok(done) => done,
+            Err(error) => {
+                // A draft that was never made is no second error.
+                let _ = fs::remove_file(&draft);
+                return Err(error);
+            }
+        };
     let original = beside(file, ORIGINAL, true);
-    fs::rename(file, &original).map_err(write_error(&original))?;
-    fs::rename(&draft, file).map_err(write_error(file))?;
+    // A second name for the damaged file where that can be had: so there is a file of the bag's name at any moment.
+    fs::hard_link(file, &original)
+        .or_else(|_| fs::rename(file, &original))
+        .map_err(write_error(&original))?;
+    System.rename(&draft, file).and_then(|()| System.sync_folder(&folder)).map_err(write_error(file))?;
+    // Last: a bag that is described is taken for whole.
+    description.write()?;
     Ok(Recovery::Recovered {
         bag,
         original,
         lost_bytes: losses.bytes,
         lost_chunks: losses.chunks,
         lost_messages: losses.messages,
+        mended_definitions: definitions.mended,
+        lost_definitions: definitions.lost,
     })
 }
 
@@ -127,8 +141,8 @@ fn is_being_written(file: &Path) -> bool {
     matches!(handle.try_lock_shared(), Err(fs::TryLockError::WouldBlock))
 }
 
-/// Copies everything whole into the draft and describes it.
-fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<(BagSummary, Losses), BagError> {
+/// Copies everything whole into the draft.
+fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagError> {
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let read_error = |source| BagError::Read { path: file.into(), source };
     let salvage = File::open(file).and_then(Salvage::new).map_err(read_error)?;
@@ -138,6 +152,7 @@ fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<(BagSummary, Loss
     let mut output = Output::create(draft, &BagOptions::default())?;
     let mut entries: Vec<TopicEntry> = Vec::new();
     let mut channels: BTreeMap<u16, (u16, usize)> = BTreeMap::new();
+    let mut definitions = Definitions::default();
     let losses = salvage
         .run(|found| -> Result<(), Stop> {
             match found {
@@ -145,9 +160,25 @@ fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<(BagSummary, Loss
                     let (id, entry) = match channels.get(&channel.id) {
                         Some(known) => *known,
                         None => {
-                            let of_type = schema.map_or(("", "", &[][..]), |(header, text)| {
-                                (header.name.as_str(), header.encoding.as_str(), &text[..])
-                            });
+                            let mended;
+                            let of_type = match schema {
+                                None => ("", "", &[][..]),
+                                Some((header, text)) => {
+                                    let (name, encoding) = (header.name.as_str(), header.encoding.as_str());
+                                    match definition(channel, header, text) {
+                                        Judgement::Sound => (name, encoding, &text[..]),
+                                        Judgement::Mended(text) => {
+                                            definitions.mended.push(channel.topic.clone());
+                                            mended = text;
+                                            (name, encoding, mended.as_bytes())
+                                        }
+                                        Judgement::Damaged => {
+                                            definitions.lost.push(channel.topic.clone());
+                                            ("", "", &[][..])
+                                        }
+                                    }
+                                }
+                            };
                             let Channel { topic, message_encoding, metadata, .. } = channel;
                             let id = output.channel(topic, of_type, message_encoding, metadata)?;
                             let entry = entries.iter().position(|entry| entry.name == *topic);
@@ -174,7 +205,23 @@ fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<(BagSummary, Loss
             Stop::Bag(error) => error,
         })?;
     let close = Close { dir: folder, file, file_name: &name, entries };
-    Ok((output.finish(close)?, losses))
+    let (bag, description) = output.finish(close)?;
+    Ok(Rewritten { bag, description, losses, definitions })
+}
+
+/// A draft that is whole.
+struct Rewritten {
+    bag: BagSummary,
+    description: Description,
+    losses: Losses,
+    definitions: Definitions,
+}
+
+/// Topics whose definitions were damaged.
+#[derive(Default)]
+struct Definitions {
+    mended: Vec<String>,
+    lost: Vec<String>,
 }
 
 /// What ends the copying.

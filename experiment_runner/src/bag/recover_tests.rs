@@ -205,3 +205,79 @@ proptest! {
         prop_assert_eq!(recovered(folder.path(), &bytes), Some(BTreeSet::new()));
     }
 }
+
+/// Puts `new` in the place of `old` in every chunk that holds it, which is not packed; with the checksum of what it says now if `sealed`.
+fn exchange(bytes: &mut [u8], old: &[u8], new: &[u8], sealed: bool) -> usize {
+    assert_eq!(old.len(), new.len());
+    let mut exchanged = 0;
+    for (place, _) in chunks(bytes) {
+        let chunk = &mut bytes[place];
+        let Some(at) = chunk.windows(old.len()).position(|window| window == old) else { continue };
+        chunk[at..at + old.len()].copy_from_slice(new);
+        exchanged += 1;
+        if sealed {
+            // Opcode, length, two times and the length unpacked; then the checksum, the packing's name and what is packed.
+            let name = u32::from_le_bytes(chunk[37..41].try_into().unwrap()) as usize;
+            let checksum = crc32(&chunk[41 + name + 8..]);
+            chunk[33..37].copy_from_slice(&checksum.to_le_bytes());
+        }
+    }
+    exchanged
+}
+
+/// The checksum of MCAP: CRC-32 as in Ethernet.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0u32, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
+    })
+}
+
+#[test]
+fn a_wrong_checksum_is_told_although_the_bag_is_described() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("bag");
+    let file = write(&dir, Compression::None);
+    assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
+    let mut bytes = fs::read(&file).unwrap();
+    let (place, lost) = chunks(&bytes)[2].clone();
+    // In the last message of the chunk, so that every record can still be read.
+    bytes[place.end - 2] ^= 1;
+    fs::write(&file, &bytes).unwrap();
+    let read = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage");
+    assert!(matches!(read, Err(BagError::Damaged { .. })), "what a wrong checksum vouches for is not read");
+    let Recovery::Recovered { bag, lost_chunks, lost_bytes, .. } = recover(&dir).unwrap() else {
+        panic!("a chunk is damaged")
+    };
+    assert_eq!(lost_chunks, 1);
+    assert!(lost_bytes >= place.len() as u64);
+    assert_eq!(bag.messages, MESSAGES + 1 - lost.len() as u64);
+    assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
+}
+
+#[test]
+fn a_damaged_definition_is_told_and_mended_by_its_hash() {
+    let (old, new) = (b"float64 voltage", b"float64 vo\x01tage");
+    for sealed in [true, false] {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        let file = write(&dir, Compression::None);
+        let mut bytes = fs::read(&file).unwrap();
+        assert!(exchange(&mut bytes, old, new, sealed) > 0);
+        fs::write(&file, &bytes).unwrap();
+        let Recovery::Recovered { bag, mended_definitions, lost_definitions, lost_chunks, .. } =
+            recover(&dir).unwrap()
+        else {
+            panic!("a definition is damaged")
+        };
+        assert!(lost_definitions.is_empty());
+        if sealed {
+            assert_eq!((mended_definitions, lost_chunks), (vec!["/motor_voltage".to_owned()], 0));
+            assert_eq!(bag.messages, MESSAGES + 1);
+        } else {
+            assert!(lost_chunks > 0);
+        }
+        let read = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
+        assert!(!read.is_empty());
+        assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
+    }
+}

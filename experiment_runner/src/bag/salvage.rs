@@ -42,6 +42,8 @@ pub(super) struct Losses {
     pub(super) chunks: u64,
     /// Messages whose channel was not found.
     pub(super) messages: u64,
+    /// Definitions that stand in the file more than once, and differ.
+    pub(super) definitions: u64,
     /// The file ends as a closed file does.
     pub(super) closed: bool,
 }
@@ -113,10 +115,13 @@ impl Salvage {
     fn define(&mut self, record: &[u8]) {
         match parse(record) {
             Some(Record::Schema { header, data }) => {
-                self.schemas.insert(header.id, (header, data.into_owned()));
+                let new = (header, data.into_owned());
+                let old = self.schemas.insert(new.0.id, new.clone());
+                self.losses.definitions += u64::from(old.is_some_and(|old| old != new));
             }
             Some(Record::Channel(channel)) => {
-                self.channels.insert(channel.id, channel);
+                let old = self.channels.insert(channel.id, channel.clone());
+                self.losses.definitions += u64::from(old.is_some_and(|old| old != channel));
             }
             _ => {}
         }

@@ -217,8 +217,8 @@ impl BagWriter {
         self.output.metadata(&mcap::records::Metadata { name: name.into(), metadata: entries })
     }
 
-    /// Closes the present chunk and hands everything to the system, so that it outlives the program. Two times a
-    /// second is often enough; each time costs some packing.
+    /// Closes the present chunk and hands everything to the system, so that it outlives the program, but not a power cut: that only
+    /// [`finish`](Self::finish) waits for. Two times a second is often enough; each time costs some packing.
     ///
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
@@ -226,13 +226,16 @@ impl BagWriter {
         self.output.flush()
     }
 
-    /// Closes the bag and describes it in `metadata.yaml`.
+    /// Closes the bag, brings it to the disk and describes it in `metadata.yaml`.
     ///
     /// # Errors
     /// [`BagError::WriteMcap`] or [`BagError::Write`] if the disk refuses.
     pub fn finish(self) -> Result<BagSummary, BagError> {
         let Self { dir, file, file_name, output, topics, .. } = self;
         let entries = topics.into_iter().map(|channel| channel.entry).collect();
-        output.finish(Close { dir: &dir, file: &file, file_name: &file_name, entries })
+        let (summary, description) =
+            output.finish(Close { dir: &dir, file: &file, file_name: &file_name, entries })?;
+        description.write()?;
+        Ok(summary)
     }
 }

@@ -138,7 +138,15 @@ fn info(path: &Path) -> Result<String, BadInput> {
 fn recovered(path: &Path) -> Result<String, BadInput> {
     Ok(match recover(path).map_err(|error| bad(&error))? {
         Recovery::Whole => format!("{} is whole; nothing was done\n", path.display()),
-        Recovery::Recovered { bag, original, lost_bytes, lost_chunks, lost_messages } => {
+        Recovery::Recovered {
+            bag,
+            original,
+            lost_bytes,
+            lost_chunks,
+            lost_messages,
+            mended_definitions,
+            lost_definitions,
+        } => {
             let mut text = format!(
                 "{}: {} messages over {:.3} s are whole; the original is kept as {}\n",
                 bag.file.display(),
@@ -151,6 +159,18 @@ fn recovered(path: &Path) -> Result<String, BadInput> {
             }
             if lost_messages > 0 {
                 text += &format!("lost: {lost_messages} messages whose topic is not known any more\n");
+            }
+            if !mended_definitions.is_empty() {
+                text += &format!(
+                    "mended: the damaged definition of the type of {}, by the one that its hash names\n",
+                    mended_definitions.join(", ")
+                );
+            }
+            if !lost_definitions.is_empty() {
+                text += &format!(
+                    "lost: the damaged definition of the type of {}; the messages are kept without one\n",
+                    lost_definitions.join(", ")
+                );
             }
             text
         }

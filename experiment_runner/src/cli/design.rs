@@ -1,6 +1,5 @@
 //! `frictionlab design`: gains from specifications, or what gains are worth.
 
-use std::fs;
 use std::path::PathBuf;
 
 use controller::design::response::StepDefinition;
@@ -166,7 +165,7 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
 fn drive(args: &SharedArgs) -> Result<(LinearDrive, f64), BadInput> {
     if let Some(file) = &args.drive {
         let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
-        let text = fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
+        let text = crate::input::text(file).map_err(|error| blame(error.to_string()))?;
         let found = DriveConstants::read(&text).map_err(blame)?;
         let drive = Drive::try_from(found.parameters).map_err(|error| blame(error.to_string()))?;
         let linear = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };

@@ -57,7 +57,7 @@ pub struct IdentifyArgs {
 
     /// Folder for the results [default: identification-NAME, after FILE].
     #[arg(long, value_name = "DIR")]
-    pub(super) out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -256,7 +256,7 @@ fn with_structure(document: &str, found: &Structured) -> anyhow::Result<String> 
 pub(super) fn drive_file(args: &IdentifyArgs) -> Result<Option<DriveParameters>, BadInput> {
     let Some(file) = &args.drive else { return Ok(None) };
     let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|error| blame(error.to_string()))?;
+    let text = crate::input::text(file).map_err(|error| blame(error.to_string()))?;
     Ok(Some(DriveConstants::read(&text).map_err(blame)?.parameters))
 }
 

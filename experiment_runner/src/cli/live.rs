@@ -17,7 +17,7 @@ use rig_driver::SimulationOptions;
 use super::{BadInput, Interrupted, model_name};
 use crate::compensation::Means;
 use crate::{
-    live::{self, LiveError, LiveOptions},
+    live::{self, LiveError, LiveOptions, Serving},
     protocol::TrackingProtocol,
     rig::RigChoice,
     test_bed::TestBed,
@@ -82,6 +82,15 @@ pub struct LiveArgs {
     /// Meanwhile run experiments for whoever asks over ROS 2, as `frictionlab serve` does; their folders go to `runs`
     #[arg(long)]
     pub serve: bool,
+    /// With --serve: rigs that requests may use, separated by commas; `nodes` are those of this run
+    #[arg(
+        long,
+        value_name = "RIGS",
+        value_delimiter = ',',
+        requires = "serve",
+        default_value = "simulated,nodes"
+    )]
+    pub allow_rigs: Vec<RigChoice>,
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
@@ -192,7 +201,9 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
-        serve: args.serve.then(|| PathBuf::from("runs")),
+        serve: args
+            .serve
+            .then(|| Serving { runs: PathBuf::from("runs"), allow_rigs: args.allow_rigs.clone() }),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))

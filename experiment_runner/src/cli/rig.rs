@@ -249,7 +249,7 @@ fn drive<T>(
         None => None,
         Some(file) => {
             let bad = |said: String| BadInput(format!("{}: {said}", file.display()));
-            let text = std::fs::read_to_string(file).map_err(|error| bad(error.to_string()))?;
+            let text = crate::input::text(file).map_err(|error| bad(error.to_string()))?;
             Some(read_calibration(&text).map_err(bad)?)
         }
     };

@@ -1,6 +1,5 @@
 //! `frictionlab run`: experiments on the test bed.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -302,7 +301,7 @@ fn drive(args: &RunArgs) -> Result<Drive, BadInput> {
         }));
     };
     let say = |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
-    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     let DriveConstants { parameters } = DriveConstants::read(&text).map_err(say)?;
     Drive::try_from(parameters).map_err(|e| say(e.to_string()))
 }
@@ -319,7 +318,7 @@ pub(super) fn calibration(rig: &RigChoice, file: Option<&Path>) -> Result<Option
         return Err(BadInput(why.to_owned()));
     }
     let say = |what: String| BadInput(format!("the calibration {} cannot be used: {what}", file.display()));
-    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
 }
 
@@ -329,7 +328,7 @@ fn protocols(files: &[PathBuf]) -> Result<Vec<Protocol>, BadInput> {
     for path in files {
         let say =
             |what: String| BadInput(format!("the protocol {} cannot be driven: {what}", path.display()));
-        let text = fs::read_to_string(path).map_err(|e| say(e.to_string()))?;
+        let text = crate::input::text(path).map_err(|e| say(e.to_string()))?;
         let protocol = Protocol::read(&text).map_err(|e| say(e.to_string()))?;
         if protocols.iter().any(|other| other.kind() == protocol.kind()) {
             return Err(say(format!("there is another for {}; give one of a kind", protocol.kind().name())));
@@ -373,7 +372,7 @@ fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
     let Some(path) = &args.plant_parameters else { return Ok(AnyModel::test_bed(args.plant)) };
     let say =
         |what: String| BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()));
-    let text = fs::read_to_string(path).map_err(|e| say(e.to_string()))?;
+    let text = crate::input::text(path).map_err(|e| say(e.to_string()))?;
     file::read(&text, Some(args.plant)).map_err(say)
 }
 
@@ -396,7 +395,7 @@ fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>)
             file.display()
         ))
     };
-    let text = fs::read_to_string(file).map_err(|e| say(e.to_string()))?;
+    let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     read(&text).map_err(say)
 }
 

@@ -10,12 +10,14 @@ use super::BadInput;
 use crate::rig::RigChoice;
 use crate::server::desk::UsualRig;
 use crate::server::node::Runner;
+use crate::server::permissions::Permissions;
 
 /// Run experiments for whoever asks over ROS 2
 ///
 /// Offers the action /experiment_runner/run_experiment and the services start_experiment, list_experiments, identify and abort
 /// beside it, and says on /experiment_status what goes on. Experiments are those of `frictionlab run`, with its options, and leave
-/// the same folder. One runs at a time. ROS_DOMAIN_ID is honoured; only this machine sees it unless
+/// the same folder. One runs at a time. Requests use no other rigs than those given here, read files only in the folder of runs and in
+/// --inputs, and write only in the folder of runs. ROS_DOMAIN_ID is honoured; only this machine sees it unless
 /// ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps its bag, and leaves.
 ///
 /// The executable `experiment_runner` is the same with the arguments of ROS.
@@ -27,6 +29,12 @@ pub struct ServeArgs {
     /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
     #[arg(long, value_name = "RIG", default_value = "simulated")]
     pub rig: RigChoice,
+    /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those of this axis
+    #[arg(long, value_name = "RIGS", value_delimiter = ',', default_value = "simulated,nodes")]
+    pub allow_rigs: Vec<RigChoice>,
+    /// One more folder whose files requests may name: protocols, parameters, recordings. Those in the folder of runs they may name always
+    #[arg(long, value_name = "DIR")]
+    pub inputs: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long, short)]
     pub quiet: bool,
@@ -55,7 +63,10 @@ fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
     usual.set(args.rig.clone());
-    let runner = Runner::new(&node, args.runs.clone(), usual)?;
+    let rigs = args.allow_rigs.iter().chain([&args.rig]).cloned().collect();
+    let axis = &node.identity().namespace;
+    let permissions = Permissions::new(axis, rigs, args.runs.clone(), args.inputs.clone());
+    let runner = Runner::new(&node, permissions, usual)?;
     let middleware = Watch::start(stop).context("no thread can be started")?;
     if !args.quiet {
         super::print(&format!(

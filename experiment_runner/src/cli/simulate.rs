@@ -1,6 +1,5 @@
 //! `frictionlab simulate`: any model along any motion.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use friction_model::{AnyModel, ModelName};
@@ -108,7 +107,7 @@ fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {
             let refused = |what: String| {
                 BadInput(format!("the parameter file {} cannot be used: {what}", path.display()))
             };
-            let text = fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+            let text = crate::input::text(path).map_err(|error| refused(error.to_string()))?;
             file::read(&text, wanted).map_err(refused)
         }
         (None, Some(name)) => Ok(AnyModel::test_bed(name)),

@@ -8,7 +8,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use ros_node::Stop;
+use ros_node::{
+    Stop,
+    launched::{LAUNCHED, WITH_INPUT},
+};
 use rustix::process::{Pid, Signal, kill_process};
 
 use super::{
@@ -74,7 +77,9 @@ pub fn supervise(processes: &[Process], stop: &Stop, mut say: impl FnMut(&str)) 
 fn start(process: &Process, program: &std::path::Path, width: usize) -> Result<Running, LaunchError> {
     let mut child = Command::new(program)
         .args(&process.arguments)
-        .stdin(Stdio::null())
+        // This program keeps the other end: when it is gone, whatever way it went, they end.
+        .stdin(Stdio::piped())
+        .env(LAUNCHED, WITH_INPUT)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         // Out of the terminal's group: ctrl-C comes to this program, which ends the others in order.

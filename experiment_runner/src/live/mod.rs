@@ -60,6 +60,15 @@ const RECORDER_QUEUE: usize = 8192;
 /// How often faults and the end are looked for.
 const WATCH: Duration = Duration::from_millis(20);
 
+/// Experiments for whoever asks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Serving {
+    /// Folder for their results.
+    pub runs: PathBuf,
+    /// Rigs that they may use.
+    pub allow_rigs: Vec<RigChoice>,
+}
+
 /// What a live run does.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LiveOptions {
@@ -87,8 +96,8 @@ pub struct LiveOptions {
     pub seed: u64,
     /// Length of the run [s]; `None` until it is stopped.
     pub duration: Option<f64>,
-    /// Folder for the experiments that others ask for meanwhile; none for taking no requests.
-    pub serve: Option<PathBuf>,
+    /// What others may ask for meanwhile; none for taking no requests.
+    pub serve: Option<Serving>,
     /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above the other options.
     pub ros_arguments: Vec<String>,
     /// File for the exact percentiles of the periods' errors.

@@ -9,7 +9,7 @@ use rig_driver::{Sign, SimulationOptions};
 use ros_node::parameter_file::NodeParameters;
 use ros_node::{Arguments, ParameterValue};
 
-use super::{LiveError, LiveOptions};
+use super::{LiveError, LiveOptions, Serving};
 use crate::rig::RigChoice;
 
 type Given = BTreeMap<String, ParameterValue>;
@@ -28,11 +28,16 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
         ("friction_observer", observer(options, &estimator, period)?),
         ("controller", control(&controller)?),
     ];
-    if let Some(runs) = &options.serve {
+    if let Some(Serving { runs, allow_rigs }) = &options.serve {
         let text = |text: String| ParameterValue::String(text);
         // On a real rig its experiments run too. A simulated one of their own needs no real time.
         let rig = if options.rig == RigChoice::Simulated { "simulated" } else { "nodes" };
-        let given = [("runs", text(runs.display().to_string())), ("rig", text(rig.to_owned()))];
+        let allowed: Vec<String> = allow_rigs.iter().map(ToString::to_string).collect();
+        let given = [
+            ("runs", text(runs.display().to_string())),
+            ("rig", text(rig.to_owned())),
+            ("allow_rigs", text(allowed.join(","))),
+        ];
         nodes.push(("experiment_runner", given.map(|(name, value)| (name.to_owned(), value)).into()));
     }
     let own = nodes

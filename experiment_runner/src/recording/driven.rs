@@ -55,7 +55,8 @@ pub fn read(path: &Path, columns: &DrivenColumns, tolerance: f64) -> Result<Driv
     if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
         return from_bag(path, tolerance);
     }
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     from_table(path, &bytes, columns, tolerance)
 }
 

@@ -65,7 +65,8 @@ fn driven() -> bool {
 /// # Errors
 /// [`RecordingError`] with the file, and the line and column where its text is no such log.
 pub fn read(path: &Path) -> Result<NamedServoLog, RecordingError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes)
 }
 

@@ -45,7 +45,8 @@ const TOLERANCE: f64 = 0.05;
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path, columns: &StictionColumns) -> Result<StictionTable, RecordingError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns)
 }
 

@@ -149,7 +149,8 @@ pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<Frictio
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
         return cut(path, &samples, Some(AxisKind::Rotary), how, place);
     }
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns, how)
 }
 
@@ -174,7 +175,7 @@ fn parse(
 
 /// Whether the file is a table of steady points: a velocity and a torque, and no time.
 pub fn holds_points(path: &Path, columns: &Columns) -> bool {
-    std::fs::read(path).is_ok_and(|bytes| is_points(path, &bytes, columns))
+    crate::input::table(path).is_ok_and(|bytes| is_points(path, &bytes, columns))
 }
 
 fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {

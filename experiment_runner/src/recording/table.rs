@@ -29,7 +29,8 @@ pub struct Columns {
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path, columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns, tolerance)
 }
 

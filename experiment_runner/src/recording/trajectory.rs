@@ -44,7 +44,8 @@ impl Trajectory {
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path) -> Result<Trajectory, RecordingError> {
-    let bytes = std::fs::read(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes =
+        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes)
 }
 

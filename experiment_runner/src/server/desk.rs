@@ -11,6 +11,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use msgs::friction_msgs::{ExperimentStatus, RunExperimentFeedback};
 use msgs::std_msgs::Header;
 
+use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
 use crate::output::OutputError;
@@ -85,9 +86,7 @@ pub struct Desk {
 }
 
 struct Inner {
-    runs: PathBuf,
-    /// Namespace of the axis.
-    axis: String,
+    permissions: Permissions,
     usual: UsualRig,
     announce: Mutex<Box<Announce>>,
     state: Mutex<State>,
@@ -110,14 +109,13 @@ struct Running {
 }
 
 impl Desk {
-    /// A desk of the axis with that namespace, that makes the folders of its runs in `runs` and tells everything to `announce`.
+    /// A desk whose requests have these permissions, and that tells everything to `announce`.
     #[must_use]
-    pub fn new(axis: &str, runs: PathBuf, usual: UsualRig, announce: Box<Announce>) -> Self {
+    pub fn new(permissions: Permissions, usual: UsualRig, announce: Box<Announce>) -> Self {
         let state = Mutex::default();
         let desk = Self {
             inner: Arc::new(Inner {
-                runs,
-                axis: axis.to_owned(),
+                permissions,
                 usual,
                 announce: Mutex::new(announce),
                 state,
@@ -146,21 +144,16 @@ impl Desk {
         cancel: Arc<AtomicBool>,
         watcher: impl Watcher,
     ) -> Result<Started, Refusal> {
-        let mut options = request.options(&self.inner.usual.get())?;
-        // Who asks for the nodes means those of this runner's axis.
-        if let RigChoice::Nodes { namespace: namespace @ None } = &mut options.rig {
-            *namespace = Some(self.inner.axis.clone());
-        }
-        if let Some(folder) = &request.folder {
+        let permissions = &self.inner.permissions;
+        let options = request.options(&self.inner.usual.get(), permissions)?;
+        let asked = request.folder.as_ref().map(|name| permissions.output(name)).transpose()?;
+        if let Some(folder) = &asked {
             run::check(&options, folder).map_err(bad_folder)?;
         }
         let mut state = self.inner.free(request.preempt)?;
-        let folder = match &request.folder {
-            Some(folder) => folder.clone(),
-            None => first_free(&self.inner.runs, options.experiment.as_str()),
-        };
+        let folder = asked.unwrap_or_else(|| first_free(permissions.runs(), options.experiment.as_str()));
         run::check(&options, &folder).map_err(bad_folder)?;
-        let folder = make(&folder)?;
+        let folder = make(&folder, permissions)?;
         let run_id = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let started = Started { run_id, experiment: options.experiment.as_str(), folder };
         let progress = Progress::new(options.rig_seconds(), true);
@@ -359,8 +352,8 @@ fn repetition(stage: &str) -> u32 {
     digits.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)
 }
 
-/// The folder, made, with its absolute path.
-fn make(folder: &Path) -> Result<PathBuf, Refusal> {
+/// The folder, made, with its absolute path without links, which lies in the folder of runs.
+fn make(folder: &Path, permissions: &Permissions) -> Result<PathBuf, Refusal> {
     let say = |error: std::io::Error| {
         Refusal::BadRequest(format!(
             "the results cannot be written to {}: {error}; name another output_folder",
@@ -368,10 +361,14 @@ fn make(folder: &Path) -> Result<PathBuf, Refusal> {
         ))
     };
     fs::create_dir_all(folder).map_err(say)?;
+    let folder = &fs::canonicalize(folder).map_err(say)?;
+    if !permissions.is_in_runs(folder) {
+        return Err(say(std::io::Error::other("a link leads outside the folder of runs")));
+    }
     // A folder can be there and still take no file.
     let probe = folder.join(".frictionlab-probe");
     fs::write(&probe, "").and_then(|()| fs::remove_file(&probe)).map_err(say)?;
-    fs::canonicalize(folder).map_err(say)
+    Ok(folder.clone())
 }
 
 fn bad_folder(error: RunError) -> Refusal {

@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use friction_ident::{Estimate, Verdict};
 use msgs::friction_msgs::{EstimatedParameter, IdentifyRequest, IdentifyResponse, ModelFit};
 
+use super::permissions::Permissions;
 use super::{Refusal, request};
 use crate::cli::identify_friction::{self, Written};
 use crate::identify::friction::ModelResult;
@@ -14,13 +15,21 @@ use crate::progress::Progress;
 /// Identifies what is asked for and writes it down; an answer that says what was wrong if nothing could be. Ends early once `cancel` is
 /// set.
 #[must_use]
-pub fn identify(asked: &IdentifyRequest, cancel: &Arc<AtomicBool>) -> IdentifyResponse {
-    attempt(asked, cancel)
+pub fn identify(
+    asked: &IdentifyRequest,
+    permissions: &Permissions,
+    cancel: &Arc<AtomicBool>,
+) -> IdentifyResponse {
+    attempt(asked, permissions, cancel)
         .unwrap_or_else(|error| IdentifyResponse { message: error.to_string(), ..Default::default() })
 }
 
-fn attempt(asked: &IdentifyRequest, cancel: &Arc<AtomicBool>) -> Result<IdentifyResponse, Refusal> {
-    let args = request::identify_args(asked)?;
+fn attempt(
+    asked: &IdentifyRequest,
+    permissions: &Permissions,
+    cancel: &Arc<AtomicBool>,
+) -> Result<IdentifyResponse, Refusal> {
+    let args = request::identify_args(asked, permissions)?;
     let progress = Progress::counting(1, "models", true);
     let Written { found, folder } = identify_friction::identify(&args, &progress, cancel)
         .map_err(|error| Refusal::BadRequest(format!("{error:#}")))?;

@@ -1,8 +1,11 @@
 //! Which experiments there are.
 
+use std::path::PathBuf;
+
 use clap::{Arg, ValueEnum};
 use msgs::friction_msgs::{ExperimentDescription, ExperimentParameter};
 
+use super::permissions::Permissions;
 use super::request::{ExperimentRequest, NOT_OF_RUN, run_command};
 use crate::rig::RigChoice;
 use crate::run::Experiment;
@@ -34,7 +37,8 @@ fn duration(experiment: Experiment, quick: bool) -> f64 {
         overrides: quick.into_iter().collect(),
         ..Default::default()
     };
-    request.options(&RigChoice::Simulated).map_or(f64::NAN, |options| options.rig_seconds())
+    let permissions = Permissions::new("/", vec![RigChoice::Simulated], PathBuf::new(), None);
+    request.options(&RigChoice::Simulated, &permissions).map_or(f64::NAN, |options| options.rig_seconds())
 }
 
 fn parameters() -> Vec<ExperimentParameter> {

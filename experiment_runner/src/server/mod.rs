@@ -2,7 +2,7 @@
 //!
 //! [`request`] turns a request into the options that `frictionlab run` and `frictionlab identify` would have, so that both ways know the
 //! same experiments, options, ranges and complaints; [`listing`] tells which there are. [`desk`] runs one experiment at a time, and
-//! [`outcome`] words what came of it. [`identification`] identifies models from a bag. [`node`] ties all of it to ROS 2.
+//! [`outcome`] words what came of it. [`permissions`] says which rigs and files a request may use. [`identification`] identifies models from a bag. [`node`] ties all of it to ROS 2.
 
 pub mod desk;
 pub mod identification;
@@ -10,6 +10,7 @@ pub mod listing;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod outcome;
+pub mod permissions;
 pub mod request;
 
 /// A request that is not carried out; the text says why and how to mend it.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -20,14 +20,33 @@ use ros_node::{
 };
 
 use super::desk::{Desk, Ended, UsualRig, Watcher};
+use super::permissions::{self, Permissions};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
+use crate::rig::RigChoice;
 
 /// The parameters of the node.
 #[must_use]
 pub fn declarations() -> Vec<Declaration> {
     vec![
-        Declaration::text("runs", "runs", "Folder in which each run gets a folder of its own").read_only(),
+        Declaration::text(
+            "runs",
+            "runs",
+            "Folder in which each run gets a folder of its own; files that requests name are read there",
+        )
+        .read_only(),
+        Declaration::text(
+            "inputs",
+            "",
+            "One more folder whose files requests may name: protocols, parameters, recordings; none if empty",
+        )
+        .read_only(),
+        Declaration::text(
+            "allow_rigs",
+            "simulated,nodes",
+            "Rigs that requests may use, separated by commas, beside the one that `rig` names at the start; `nodes` are those of this axis",
+        )
+        .read_only(),
         Declaration::text(
             "rig",
             "simulated",
@@ -65,12 +84,26 @@ impl ManagedRunner {
     pub fn new(node: &RosNode) -> Result<Self, RosNodeError> {
         let usual = UsualRig::default();
         let named = usual.clone();
+        let axis = node.identity().namespace.clone();
+        let first = OnceLock::new();
         let judge = move |values: &Values, _: &BTreeSet<String>| {
-            named.set(values.text("rig").parse()?);
+            let rig: RigChoice = values.text("rig").parse()?;
+            // What is allowed is what the program was started with.
+            let allowed = match first.get() {
+                Some(allowed) => allowed,
+                None => {
+                    let allowed = permissions(&axis, values)?;
+                    first.get_or_init(|| allowed)
+                }
+            };
+            allowed.rig(rig.clone()).map_err(|refusal| refusal.to_string())?;
+            named.set(rig);
             Ok(())
         };
         let parameters = Parameters::declare(node, declarations(), judge)?.values();
-        let runner = Runner::new(node, PathBuf::from(parameters.text("runs")), usual)?;
+        let permissions = permissions(&node.identity().namespace, &parameters)
+            .map_err(|reason| RosNodeError::Parameters { node: node.identity().qualified(), reason })?;
+        let runner = Runner::new(node, permissions, usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
         if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
@@ -79,6 +112,14 @@ impl ManagedRunner {
         }
         Ok(Self { _lifecycle: lifecycle, _runner: runner })
     }
+}
+
+/// What requests may use, as the parameters say it when the node starts.
+fn permissions(axis: &str, values: &Values) -> Result<Permissions, String> {
+    let mut rigs = permissions::rigs(values.text("allow_rigs"))?;
+    rigs.push(values.text("rig").parse()?);
+    let inputs = Some(values.text("inputs")).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    Ok(Permissions::new(axis, rigs, PathBuf::from(values.text("runs")), inputs))
 }
 
 /// Requests are taken while the node is active.
@@ -122,11 +163,11 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Offers everything on `node`; runs make their folders in `runs`, and are on the `usual` rig unless their request names one.
+    /// Offers everything on `node`; requests may use what `permissions` say, and are on the `usual` rig unless they name one.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses.
-    pub fn new(node: &RosNode, runs: PathBuf, usual: UsualRig) -> Result<Self, RosNodeError> {
+    pub fn new(node: &RosNode, permissions: Permissions, usual: UsualRig) -> Result<Self, RosNodeError> {
         let status = node.publisher(&topics::EXPERIMENT_STATUS)?;
         let logger = node.logger().clone();
         let mut last = String::new();
@@ -139,7 +180,8 @@ impl Runner {
             // A status that does not get through is followed by the next.
             let _ = status.publish(message);
         };
-        let desk = Desk::new(&node.identity().namespace, runs, usual, Box::new(announce));
+        let for_recordings = permissions.clone();
+        let desk = Desk::new(permissions, usual, Box::new(announce));
         let goals = Goals { desk: desk.clone(), cancels: Arc::default() };
         let (starts, aborts) = (desk.clone(), desk.clone());
         let cancel_identification = Arc::new(AtomicBool::new(false));
@@ -148,7 +190,9 @@ impl Runner {
         node.serve::<ListExperiments>("~/list_experiments", |_| ListExperimentsResponse {
             experiments: listing::experiments(),
         })?;
-        node.serve::<Identify>("~/identify", move |asked| identification::identify(&asked, &cancel))?;
+        node.serve::<Identify>("~/identify", move |asked| {
+            identification::identify(&asked, &for_recordings, &cancel)
+        })?;
         node.serve::<Trigger>("~/abort", move |_| stop(&aborts))?;
         let action = node.serve_action::<RunExperiment>("~/run_experiment", goals)?;
         Ok(Self { desk, cancel_identification, _action: action })

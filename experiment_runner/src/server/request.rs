@@ -1,12 +1,13 @@
 //! Requests as the command line would have them.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use clap::builder::ValueParser;
 use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
 
 use super::Refusal;
+use super::permissions::Permissions;
 use crate::cli::{identify::IdentifyArgs, run::RunArgs};
 use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
@@ -27,8 +28,8 @@ pub struct ExperimentRequest {
     pub repetitions: u32,
     /// Options by name.
     pub overrides: Vec<Setting>,
-    /// Folder for the results; none for one of the runner's own.
-    pub folder: Option<PathBuf>,
+    /// Name of the folder for the results, in the folder of runs; none for one that the runner makes.
+    pub folder: Option<String>,
     /// End what runs.
     pub preempt: bool,
 }
@@ -50,16 +51,16 @@ impl From<StartExperimentRequest> for ExperimentRequest {
     }
 }
 
-fn folder(text: &str) -> Option<PathBuf> {
-    (!text.trim().is_empty()).then(|| PathBuf::from(text))
+fn folder(text: &str) -> Option<String> {
+    (!text.trim().is_empty()).then(|| text.to_owned())
 }
 
 impl ExperimentRequest {
-    /// What is to be run, on the `usual` rig unless the request names one.
+    /// What is to be run, on the `usual` rig unless the request names one. No file outside of what is permitted was read then.
     ///
     /// # Errors
-    /// [`Refusal::BadRequest`] names the experiment, model or option at fault and what was expected.
-    pub fn options(&self, usual: &RigChoice) -> Result<RunOptions, Refusal> {
+    /// [`Refusal::BadRequest`] names the experiment, model, option, rig or file at fault and what was expected.
+    pub fn options(&self, usual: &RigChoice, permissions: &Permissions) -> Result<RunOptions, Refusal> {
         let known = || {
             let names: Vec<&str> = Experiment::value_variants().iter().map(|e| e.as_str()).collect();
             names.join(", ")
@@ -82,42 +83,54 @@ impl ExperimentRequest {
         if !self.overrides.iter().any(|setting| option(&setting.name) == "rig") {
             line.push(format!("--rig={usual}"));
         }
-        line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides)?);
-        let args: RunArgs = parse(&line)?;
+        line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides, permissions)?);
+        let mut args: RunArgs = parse(&line)?;
+        args.rig = permissions.rig(args.rig)?;
         crate::cli::run::options(&args).map_err(|error| Refusal::BadRequest(format!("{error:#}")))
     }
 }
 
-/// The options of `frictionlab identify` that a request stands for. The bags must be there.
+/// The options of `frictionlab identify` that a request stands for. The recordings are there, and no file outside of what is permitted was read.
 ///
 /// # Errors
-/// [`Refusal::BadRequest`] names the option or bag at fault and what was expected.
-pub fn identify_args(request: &IdentifyRequest) -> Result<IdentifyArgs, Refusal> {
-    for bag in std::iter::once(&request.bag_path).chain(&request.validation_bags) {
-        if bag.is_empty() || !Path::new(bag).exists() {
-            return Err(Refusal::BadRequest(format!(
-                "there is no bag `{bag}`; expected the folder of a bag or an .mcap file, as in {}",
-                "runs/all-1/bag"
-            )));
-        }
-    }
+/// [`Refusal::BadRequest`] names the option, file or folder at fault and what was expected.
+pub fn identify_args(request: &IdentifyRequest, permissions: &Permissions) -> Result<IdentifyArgs, Refusal> {
+    let bag = permissions.recording(&request.bag_path)?;
     let command = IdentifyArgs::augment_args(Command::new("identify"));
-    let mut line = settings(&command, &NOT_OF_IDENTIFY, &request.overrides)?;
+    let mut line = settings(&command, &NOT_OF_IDENTIFY, &request.overrides, permissions)?;
     if !request.models.is_empty() {
         line.push(format!("--model={}", request.models.join(",")));
     }
-    line.extend(request.validation_bags.iter().map(|bag| format!("--validate={bag}")));
-    let folder = folder(&request.output_folder).unwrap_or_else(|| beside(Path::new(&request.bag_path)));
-    line.push(format!("--out={}", folder.display()));
-    line.extend(["--quiet".to_owned(), "--".to_owned(), request.bag_path.clone()]);
+    for name in &request.validation_bags {
+        line.push(format!("--validate={}", text(&permissions.recording(name)?)?));
+    }
+    let folder = match folder(&request.output_folder) {
+        Some(name) => permissions.output(&name)?,
+        None => permissions.beside(&bag)?,
+    };
+    only_identifications(&folder)?;
+    line.push(format!("--out={}", text(&folder)?));
+    line.extend(["--quiet".to_owned(), "--".to_owned(), text(&bag)?.to_owned()]);
     parse(&line)
 }
 
-/// The folder beside a bag where its identification goes.
-fn beside(bag: &Path) -> PathBuf {
-    let bag = fs::canonicalize(bag).unwrap_or_else(|_| bag.to_owned());
-    let stem = bag.file_stem().map_or_else(|| "bag".into(), |stem| stem.to_string_lossy());
-    bag.with_file_name(format!("identification-{stem}"))
+/// Refuses a folder that holds something else than an earlier identification: its `parameters.yaml` would be replaced.
+fn only_identifications(folder: &Path) -> Result<(), Refusal> {
+    let empty = folder.read_dir().map_or(!folder.exists(), |mut entries| entries.next().is_none());
+    if empty || folder.join("identification.json").is_file() {
+        return Ok(());
+    }
+    Err(Refusal::BadRequest(format!(
+        "the output_folder {} holds something else than an identification: name a new one",
+        folder.display()
+    )))
+}
+
+/// A path on a command line.
+fn text(path: &Path) -> Result<&str, Refusal> {
+    path.to_str().ok_or_else(|| {
+        Refusal::BadRequest(format!("the name {} is no text in UTF-8; rename it", path.display()))
+    })
 }
 
 /// The options of `frictionlab run` as the command line knows them.
@@ -146,8 +159,18 @@ fn option(name: &str) -> String {
     name.trim().trim_start_matches('-').replace('_', "-")
 }
 
-/// The settings as command line.
-fn settings(command: &Command, reserved: &[&str], given: &[Setting]) -> Result<Vec<String>, Refusal> {
+/// Whether an option names a file.
+fn is_path(arg: &Arg) -> bool {
+    arg.get_value_parser().type_id() == ValueParser::path_buf().type_id()
+}
+
+/// The settings as command line. Every file that one of them names is one that requests may use, by its path without links.
+fn settings(
+    command: &Command,
+    reserved: &[&str],
+    given: &[Setting],
+    permissions: &Permissions,
+) -> Result<Vec<String>, Refusal> {
     let named = |arg: &&Arg, name: &str| arg.get_long() == Some(name) && !reserved.contains(&name);
     let mut line = Vec::with_capacity(given.len());
     for Setting { name, value } in given {
@@ -164,6 +187,9 @@ fn settings(command: &Command, reserved: &[&str], given: &[Setting]) -> Result<V
             )));
         };
         match (arg.get_action().takes_values(), value.trim()) {
+            (true, value) if is_path(arg) => {
+                line.push(format!("--{name}={}", text(&permissions.text(value)?)?));
+            }
             (true, value) => line.push(format!("--{name}={value}")),
             // As Python writes them.
             (false, "True") => line.push(format!("--{name}")),
@@ -195,6 +221,12 @@ mod tests {
 
     use super::*;
 
+    /// Both axes, and no file.
+    fn permitted() -> Permissions {
+        let rigs = ["simulated", "nodes", "nodes:/axis_2"].map(|name| name.parse().unwrap());
+        Permissions::new("/axis_1", rigs.into(), "no-such-folder".into(), None)
+    }
+
     fn setting(name: &str, value: &str) -> Setting {
         Setting { name: name.into(), value: value.into() }
     }
@@ -214,22 +246,24 @@ mod tests {
             repetitions: 3,
             ..request("position-tracking", &[("seed", "7"), ("quick", ""), ("voltage_limit", "4.5")])
         };
-        let options = asked.options(&RigChoice::Simulated).unwrap();
+        let options = asked.options(&RigChoice::Simulated, &permitted()).unwrap();
         assert_eq!(options.experiment, Experiment::PositionTracking);
         assert_eq!(options.models, [ModelName::LuGre, ModelName::Dahl]);
         assert_eq!((options.seed, options.position_tracking.repetitions), (7, 3));
         assert_eq!(options.test_bed.simulation.voltage_limit, 4.5);
         assert_eq!(options.constant_velocity.duration, 6.0, "--quick");
-        let slow = request("all", &[("quick", "false")]).options(&RigChoice::Simulated).unwrap();
+        let slow =
+            request("all", &[("quick", "false")]).options(&RigChoice::Simulated, &permitted()).unwrap();
         assert_eq!(slow.constant_velocity.duration, 15.0);
     }
 
     #[test]
     fn the_rig_is_the_usual_one_unless_the_request_names_another() {
         let nodes = RigChoice::Nodes { namespace: None };
-        let rig =
-            |overrides: &[(&str, &str)]| request("position-tracking", overrides).options(&nodes).unwrap().rig;
-        assert_eq!(rig(&[("quick", "true")]), nodes);
+        let rig = |overrides: &[(&str, &str)]| {
+            request("position-tracking", overrides).options(&nodes, &permitted()).unwrap().rig
+        };
+        assert_eq!(rig(&[("quick", "true")]), RigChoice::Nodes { namespace: Some("/axis_1".into()) });
         assert_eq!(rig(&[("rig", "simulated")]), RigChoice::Simulated);
         assert_eq!(
             rig(&[("--rig", "nodes:/axis_2")]),
@@ -249,14 +283,14 @@ mod tests {
             (request("all", &[("quick", "perhaps")]), ["switch", "perhaps"]),
             (request("all", &[("plant", "lugri")]), ["lugri", "lugre"]),
             (request("sequence", &[]), ["protocol", "sequence"]),
-            (request("all", &[("protocol", "/nowhere.yaml")]), ["/nowhere.yaml", "cannot be driven"]),
+            (request("all", &[("protocol", "nowhere.yaml")]), ["nowhere.yaml", "none of that name"]),
             (ExperimentRequest { repetitions: 100_000, ..request("all", &[]) }, ["100000", "1000"]),
             (
                 ExperimentRequest { models: vec!["newton".into()], ..request("all", &[]) },
                 ["newton", "coulomb"],
             ),
         ] {
-            let Err(Refusal::BadRequest(message)) = asked.options(&RigChoice::Simulated) else {
+            let Err(Refusal::BadRequest(message)) = asked.options(&RigChoice::Simulated, &permitted()) else {
                 panic!("{asked:?} was taken")
             };
             for said in said {
@@ -268,18 +302,24 @@ mod tests {
 
     #[test]
     fn an_identification_needs_its_bag_and_known_options() {
-        let folder = tempfile::tempdir().unwrap();
-        let bag_path = folder.path().display().to_string();
+        let root = tempfile::tempdir().unwrap();
+        let runs = root.path().canonicalize().unwrap();
+        std::fs::create_dir_all(runs.join("all-1/bag")).unwrap();
+        std::fs::write(runs.join("all-1/parameters.yaml"), "precious").unwrap();
+        let permitted = Permissions::new("/", vec![], runs.clone(), None);
         let asked = IdentifyRequest {
-            bag_path,
+            bag_path: "all-1/bag".into(),
             models: vec!["lugre".into()],
             overrides: vec![setting("no-joint", "true"), setting("damping-ratio", "0.5")],
             ..Default::default()
         };
-        identify_args(&asked).unwrap();
-        let refused = |asked: IdentifyRequest| identify_args(&asked).unwrap_err().to_string();
-        let nowhere = IdentifyRequest { bag_path: "/nowhere/bag".into(), ..asked.clone() };
-        assert!(refused(nowhere).contains("/nowhere/bag"));
+        let args = identify_args(&asked, &permitted).unwrap();
+        assert_eq!(args.out.unwrap(), runs.join("all-1/identification-bag"));
+        let refused = |asked: IdentifyRequest| identify_args(&asked, &permitted).unwrap_err().to_string();
+        let nowhere = IdentifyRequest { bag_path: "nowhere/bag".into(), ..asked.clone() };
+        assert!(refused(nowhere).contains("nowhere/bag"));
+        let over = IdentifyRequest { output_folder: "all-1".into(), ..asked.clone() };
+        assert!(refused(over).contains("something else than an identification"));
         let wrong = IdentifyRequest { overrides: vec![setting("dampingratio", "1")], ..asked };
         assert!(refused(wrong).contains("damping-ratio"));
     }

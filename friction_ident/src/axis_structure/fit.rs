@@ -13,6 +13,7 @@ use super::{AxisStructure, doubts};
 use crate::bounded::{Minimum, Patience, Residuals, minimise};
 use crate::conditioning::Conditioned;
 use crate::estimate::Estimates;
+use crate::finite::finite;
 use crate::least_squares::{self, Solution};
 use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
@@ -352,7 +353,7 @@ impl Projection {
             return None;
         }
         matrix.column_iter_mut().zip(scale.iter()).for_each(|(mut column, norm)| column /= *norm);
-        let factor = matrix.tr_mul(&matrix).cholesky()?;
+        let factor = finite(matrix.tr_mul(&matrix))?.cholesky()?;
         Some(Self { scaled: matrix, scale, factor })
     }
 

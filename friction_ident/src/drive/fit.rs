@@ -122,7 +122,7 @@ fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, Iden
         found: friction.len(),
         expected: force.len() + 2 * first,
     })?;
-    if let Some(index) = friction.iter().position(|value| !value.is_finite()) {
+    if let Some(index) = friction.iter().position(|value| !crate::finite::usable(*value)) {
         let value = friction[index];
         return Err(IdentError::NotFinite { channel: "the friction torque", index: first + index, value });
     }

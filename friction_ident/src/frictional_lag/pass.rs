@@ -281,7 +281,9 @@ fn checked(recording: &LagRecording, options: &LagOptions) -> Result<Ready, Iden
         return Err(too_few(found));
     }
     for (channel, values) in [("the velocity", velocity), ("the torque", torque)] {
-        if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+        if let Some((index, &value)) =
+            values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
+        {
             return Err(IdentError::NotFinite { channel, index, value });
         }
     }

@@ -9,6 +9,7 @@ use super::{LagFit, LagValues};
 use crate::IdentError;
 use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
+use crate::finite::finite;
 use crate::residual_whiteness::effective_share;
 
 /// Passes at most.
@@ -40,7 +41,7 @@ impl Point {
         // Scaled to a unit diagonal.
         let root = matrix.diagonal().map(f64::sqrt);
         let scaled = Matrix3::from_fn(|i, j| matrix[(i, j)] / (root[i] * root[j]));
-        let factor = scaled.cholesky()?;
+        let factor = finite(scaled)?.cholesky()?;
         let solve = |right: Vector3<f64>| factor.solve(&right.component_div(&root)).component_div(&root);
         let torque = Vector3::from(sums.torque);
         let linear = solve(torque);
@@ -102,7 +103,8 @@ fn walk(
             }
             normal[(i, i)] = normal[(i, i)] * (1.0 + mu) + f64::MIN_POSITIVE;
         }
-        let step = normal.try_inverse().map_or(Vector2::zeros(), |inverse| inverse * gradient);
+        let step =
+            normal.try_inverse().and_then(finite).map_or(Vector2::zeros(), |inverse| inverse * gradient);
         let longest = step.amax();
         let step = if longest > LONGEST { step * (LONGEST / longest) } else { step };
         let next = within(x + step);

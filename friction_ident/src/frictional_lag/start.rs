@@ -2,6 +2,8 @@
 
 use nalgebra::{Matrix4, Vector4};
 
+use crate::finite::finite;
+
 use super::pass::Prepared;
 
 /// Stribeck velocities tried.
@@ -40,7 +42,11 @@ pub(super) fn start(data: &Prepared) -> [f64; 2] {
             normal.ger(1.0, &column, &column, 1.0);
             right.axpy(y, &column, 1.0);
         }
-        let Some(solution) = normal.cholesky().map(|factor| factor.solve(&right)) else { continue };
+        let Some(solution) =
+            finite(normal).and_then(|normal| normal.cholesky()).map(|factor| factor.solve(&right))
+        else {
+            continue;
+        };
         // The fall of the sum of squares.
         let fall = solution.dot(&right);
         if fall > best.0 && solution[2] > 0.0 {

@@ -6,6 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::finite::finite;
+
 use super::{Paths, maxwell_slip::stops};
 
 /// Stops side by side.
@@ -70,7 +72,9 @@ fn non_negative(a: &DMatrix<f64>, b: &DVector<f64>) -> Vec<f64> {
             let indices: Vec<usize> = (0..n).filter(|&j| free[j]).collect();
             let part = DMatrix::from_fn(indices.len(), indices.len(), |i, j| a[(indices[i], indices[j])]);
             let right = DVector::from_iterator(indices.len(), indices.iter().map(|&j| b[j]));
-            let Some(solution) = part.cholesky().map(|factor| factor.solve(&right)) else {
+            let Some(solution) =
+                finite(part).and_then(|part| part.cholesky()).map(|factor| factor.solve(&right))
+            else {
                 // Dependent on the others in floating point: it adds nothing.
                 free[next] = false;
                 x[next] = 0.0;

@@ -80,7 +80,9 @@ impl ServoLog {
             if values.len() != n {
                 return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
             }
-            if let Some((index, &value)) = values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            if let Some((index, &value)) =
+                values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
+            {
                 return Err(IdentError::NotFinite { channel, index, value });
             }
         }

@@ -248,3 +248,20 @@ proptest! {
         }
     }
 }
+
+/// A deviation of 1e-320 gave a singular value decomposition of what is no number, and a panic.
+#[test]
+fn a_deviation_that_drowns_the_others_is_refused_and_named() {
+    let mut points = exact(&TRUTH);
+    points.iter_mut().for_each(|point| point.deviation = Some(1e-3));
+    for tiny in [1e-320, 5e-324, 1e-20] {
+        points[7].deviation = Some(tiny);
+        let refused = fit_stribeck(&points, &StribeckOptions::default());
+        assert!(matches!(refused, Err(IdentError::DeviationRange { index: 7, .. })), "{tiny:e}: {refused:?}");
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains("point 7") && message.contains("leave the column out"), "{message}");
+    }
+    // All of them alike: only the ratios count.
+    points.iter_mut().for_each(|point| point.deviation = Some(1e-200));
+    assert_recovers(&fit(&points), &TRUTH, 1e-6);
+}

@@ -29,18 +29,19 @@ fn bench() -> Bench {
     let told: Arc<Mutex<Vec<ExperimentStatus>>> = Arc::default();
     let hear = Arc::clone(&told);
     let announce = Box::new(move |status| hear.lock().unwrap().push(status));
-    let desk = Desk::new("/", root.path().join("runs"), UsualRig::default(), announce);
+    let permissions = Permissions::new("/", vec![RigChoice::Simulated], root.path().join("runs"), None);
+    let desk = Desk::new(permissions, UsualRig::default(), announce);
     Bench { root, desk, told }
 }
 
-fn request(experiment: &str, folder: Option<PathBuf>, preempt: bool) -> ExperimentRequest {
+fn request(experiment: &str, folder: Option<&str>, preempt: bool) -> ExperimentRequest {
     let quick = msgs::friction_msgs::Setting { name: "quick".into(), value: String::new() };
     ExperimentRequest {
         experiment: experiment.into(),
         models: vec!["lugre".into()],
         repetitions: 1,
         overrides: vec![quick],
-        folder,
+        folder: folder.map(str::to_owned),
         preempt,
     }
 }
@@ -102,15 +103,14 @@ fn a_bad_request_leaves_nothing_behind() {
     let Bench { root, desk, .. } = bench();
     let refused = |asked: ExperimentRequest| desk.start(&asked, Arc::default(), ()).unwrap_err().to_string();
     assert!(refused(request("jump", None, false)).contains("jump"));
-    let full = root.path().join("full");
-    fs::create_dir(&full).unwrap();
+    let full = root.path().join("runs/full");
+    fs::create_dir_all(&full).unwrap();
     fs::write(full.join("precious.txt"), "mine").unwrap();
-    assert!(refused(request("all", Some(full.clone()), false)).contains("not empty"));
-    let beneath = full.join("precious.txt/run");
-    assert!(refused(request("all", Some(beneath), false)).contains("precious.txt"));
+    assert!(refused(request("all", Some("full"), false)).contains("not empty"));
+    assert!(refused(request("all", Some("full/precious.txt/run"), false)).contains("precious.txt"));
     let mut wild = request("all", None, false);
     wild.overrides.push(msgs::friction_msgs::Setting { name: "voltage-limit".into(), value: "50".into() });
     assert!(refused(wild).contains("voltage_limit"));
-    assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
+    assert_eq!(fs::read_dir(root.path().join("runs")).unwrap().count(), 1);
     assert_eq!(desk.abort(), None);
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use crate::finite::finite;
+
 use super::simulation::{Normal, Trial, UNKNOWNS};
 
 /// Passes at most.
@@ -100,6 +102,6 @@ fn damped(here: &Normal, held: &[bool; UNKNOWNS], mu: f64) -> Option<Vector> {
         }
     });
     let right = Vector::from_fn(|i, _| if held[i] { 0.0 } else { here.gradient[i] / root[i] });
-    let step = matrix.cholesky()?.solve(&right).component_div(&root);
+    let step = finite(matrix)?.cholesky()?.solve(&right).component_div(&root);
     step.iter().all(|d| d.is_finite()).then_some(step)
 }

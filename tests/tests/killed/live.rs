@@ -1,0 +1,45 @@
+//! `frictionlab live` on the device.
+
+use std::process::{Child, Stdio};
+
+use rand_pcg::Pcg64Mcg;
+
+use super::{Counts, Device, round_of_one};
+
+/// A run that drives.
+pub struct Live(Child);
+
+impl Live {
+    /// Starts it and waits until it drives; `None` where no network namespace can be had.
+    pub fn start(device: &mut Device) -> Option<Self> {
+        let out = device.new_folder("live");
+        let mut child = tests::network::namespaced()?
+            .arg(tests::frictionlab().get_program())
+            .args([
+                "live",
+                "--quiet",
+                "--mode",
+                "position",
+                "--frequency",
+                "2",
+                "--rig",
+                &device.name(),
+                "--out",
+            ])
+            .arg(out)
+            .current_dir(device.folder())
+            .env("ROS_DOMAIN_ID", "78")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .spawn()
+            .expect("unshare starts");
+        assert!(device.drives(|| matches!(child.try_wait(), Ok(None))), "the run does not drive");
+        Some(Self(child))
+    }
+
+    /// Kills it at the latest at the end.
+    pub fn round(mut self, round: u32, device: &mut Device, random: &mut Pcg64Mcg, counts: &mut Counts) {
+        round_of_one(self.0.id(), &format!("live, round {round}"), device, random, counts);
+        self.0.wait().expect("it ends");
+    }
+}
