@@ -43,6 +43,8 @@ enum Command {
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
     #[cfg(feature = "ros")]
+    Security(experiment_runner::cli::security::SecurityArgs),
+    #[cfg(feature = "ros")]
     Serve(experiment_runner::cli::serve::ServeArgs),
 }
 
@@ -79,6 +81,8 @@ fn main() -> ExitCode {
         Command::Launch(args) => experiment_runner::cli::launch::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Security(args) => experiment_runner::cli::security::execute(&args),
         #[cfg(feature = "ros")]
         Command::Serve(args) => experiment_runner::cli::serve::execute(&args),
     };

@@ -14,6 +14,8 @@ use ros2_client::RmwRequestId;
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent as Event, GUID, StatusEvented};
 use tokio::sync::watch;
 
+use crate::security::Others;
+
 /// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
 /// Answers of one service that are held back at most; what comes then is sent at once.
@@ -35,12 +37,13 @@ struct Readers {
 
 impl Hearers {
     /// Takes what the participant tells of others, until it ends.
-    pub(crate) async fn follow(&self, participant: DomainParticipant) {
+    pub(crate) async fn follow(&self, participant: DomainParticipant, others: &Others) {
         let listener = participant.status_listener();
         // The listener keeps what it needs; the participant itself may leave.
         drop(participant);
         let mut events = listener.as_async_status_stream();
         while let Some(event) = events.next().await {
+            others.take(&event);
             match event {
                 Event::ReaderDetected { reader } if reader.topic_name.starts_with(ANSWERS) => {
                     self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));

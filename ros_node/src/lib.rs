@@ -11,6 +11,7 @@
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
+//! - [`security`]: who may join and who may do what, as SROS 2 has it;
 //! - [`Stop`]: SIGINT and SIGTERM;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
@@ -50,6 +51,7 @@ mod participant;
 mod publisher;
 pub mod queue;
 pub mod remap;
+pub mod security;
 mod service;
 mod signals;
 pub mod timing;

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    io::Write,
     sync::{Arc, Mutex, atomic::AtomicU8},
     thread,
     time::{Duration, Instant},
@@ -14,7 +15,12 @@ use tokio::{
     task::JoinHandle,
 };
 
-use crate::{Arguments, Discovery, RosNode, RosNodeError, hearing::Hearers, turn::Turn};
+use crate::{
+    Arguments, Discovery, RosNode, RosNodeError,
+    hearing::Hearers,
+    security::{self, Enclave, Others, Prefix, Protection},
+    turn::Turn,
+};
 
 /// Longest wait for what follows the participant's events to end.
 const LEAVING: Duration = Duration::from_secs(1);
@@ -38,6 +44,8 @@ pub(crate) struct Shared {
     following: JoinHandle<()>,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
+    protection: Protection,
+    others: Arc<Others>,
 }
 
 impl Drop for Shared {
@@ -55,7 +63,8 @@ impl Participant {
     /// Joins the network.
     ///
     /// # Errors
-    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`].
+    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`]; [`RosNodeError::Security`] or [`RosNodeError::Environment`] where security is asked for and
+    /// cannot be had.
     pub fn join(discovery: &Discovery) -> Result<Self, RosNodeError> {
         Self::join_with(discovery, Arguments::default())
     }
@@ -85,14 +94,21 @@ impl Participant {
         if let Some(networks) = discovery.networks() {
             builder = builder.with_only_networks(networks);
         }
+        let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
+        if let Some(warning) = protection.warning() {
+            let _ = writeln!(std::io::stderr(), "this process {warning}");
+        }
         let _turn = Turn::wait(discovery.domain);
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
-        let following = runtime.spawn(async move { heard.follow(participant).await });
-        let shared = Shared { context, runtime, arguments, hearers, following, last_phases };
+        let others = Arc::<Others>::default();
+        let told = Arc::clone(&others);
+        let following = runtime.spawn(async move { heard.follow(participant, &told).await });
+        let shared =
+            Shared { context, runtime, arguments, hearers, following, last_phases, protection, others };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -102,6 +118,24 @@ impl Participant {
     /// [`RosNodeError::Name`] or [`RosNodeError::Create`] if the name is none or the middleware refuses.
     pub fn node(&self, name: &str) -> Result<RosNode, RosNodeError> {
         RosNode::start(Arc::clone(&self.shared), name)
+    }
+
+    /// The enclave as which it is secured; `None` in the clear.
+    #[must_use]
+    pub fn enclave(&self) -> Option<&Enclave> {
+        self.shared.protection.enclave()
+    }
+
+    /// First bytes of its identifier.
+    #[must_use]
+    pub fn prefix(&self) -> Prefix {
+        security::prefix(rustdds::RTPSEntity::guid(&self.shared.context.domain_participant()).prefix)
+    }
+
+    /// How the others stand with it.
+    #[must_use]
+    pub fn others(&self) -> &Others {
+        &self.shared.others
     }
 
     /// What the command line says.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use ros_node::{Discovery, Lost, Participant, RosNodeError, Stop, Watch};
+use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
 use crate::rig::RigChoice;
@@ -51,7 +51,8 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
 
 /// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
 fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<Lost>> {
-    let participant = Participant::join(discovery)?;
+    let arguments = Arguments::default().or_enclave("/experiment_runner");
+    let participant = Participant::join_with(discovery, arguments)?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
     usual.set(args.rig.clone());
