@@ -35,7 +35,7 @@ pub struct ServeArgs {
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an environment variable that is none of ROS's; an error if the network cannot be joined.
+/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for and cannot be had; an error if the network cannot be joined.
 pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let discovery =
@@ -52,7 +52,10 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
 /// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
 fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<Lost>> {
     let arguments = Arguments::default().or_enclave("/experiment_runner");
-    let participant = Participant::join_with(discovery, arguments)?;
+    let participant = Participant::join_with(discovery, arguments).map_err(|error| match error {
+        mendable if mendable.is_bad_input() => anyhow::Error::new(BadInput(mendable.to_string())),
+        other => anyhow::Error::new(other),
+    })?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
     usual.set(args.rig.clone());

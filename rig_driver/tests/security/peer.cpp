@@ -1,9 +1,10 @@
 // A peer of another vendor, for the tests of DDS Security: listens to /joint_states and publishes /motor_voltage, as a controller would.
 //
-//   peer DOMAIN ENCLAVE SECONDS [VOLTAGE_TOPIC STATE_TOPIC]
+//   peer DOMAIN ENCLAVE SECONDS [DAYS]
 //
-// ENCLAVE is a folder of an SROS 2 keystore, or "clear" for no security at all. What happens is told one line an event:
-// "refused", "matched states N", "matched voltage N", "state ...", and at the end "states N sent N".
+// ENCLAVE is a folder of an SROS 2 keystore, or "clear" for no security at all; the peer believes that it is DAYS earlier than it is.
+// What happens is told one line an event: "ready", "refused ...", "authorised ...", "matched states N", "matched voltage N",
+// "state ...", and at the end "states N sent N".
 
 #include <atomic>
 #include <chrono>
@@ -13,6 +14,10 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -27,6 +32,26 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+
+// A clock that is late, for a peer that does not see that its own certificate is over. Defined here, these count for every library.
+static time_t seconds_late = 0;
+
+extern "C" int clock_gettime(clockid_t clock, struct timespec *now) noexcept {
+    const auto result = static_cast<int>(syscall(SYS_clock_gettime, clock, now));
+    if (clock == CLOCK_REALTIME) {
+        now->tv_sec -= seconds_late;
+    }
+    return result;
+}
+
+extern "C" time_t time(time_t *into) noexcept {
+    struct timespec now {};
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (into != nullptr) {
+        *into = now.tv_sec;
+    }
+    return now.tv_sec;
+}
 
 using namespace eprosima::fastdds::dds;
 using eprosima::fastrtps::rtps::InstanceHandle_t;
@@ -131,14 +156,13 @@ class Authenticated : public DomainParticipantListener {
 
 int main(int count, char **arguments) {
     if (count < 4) {
-        std::cerr << "peer DOMAIN ENCLAVE SECONDS [VOLTAGE_TOPIC STATE_TOPIC]" << std::endl;
+        std::cerr << "peer DOMAIN ENCLAVE SECONDS [DAYS]" << std::endl;
         return 2;
     }
     const auto domain = static_cast<uint32_t>(std::stoul(arguments[1]));
     const std::string enclave = arguments[2];
     const double seconds = std::stod(arguments[3]);
-    const std::string voltage_topic = count > 4 ? arguments[4] : "rt/motor_voltage";
-    const std::string state_topic = count > 5 ? arguments[5] : "rt/joint_states";
+    seconds_late = count > 4 ? 86400 * std::stol(arguments[4]) : 0;
 
     DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
     qos.name("peer");
@@ -173,8 +197,8 @@ int main(int count, char **arguments) {
     TypeSupport voltage_type(new BytesType("friction_msgs::msg::dds_::MotorVoltage_"));
     state_type.register_type(participant);
     voltage_type.register_type(participant);
-    auto *state = participant->create_topic(state_topic, state_type.get_type_name(), TOPIC_QOS_DEFAULT);
-    auto *voltage = participant->create_topic(voltage_topic, voltage_type.get_type_name(), TOPIC_QOS_DEFAULT);
+    auto *state = participant->create_topic("rt/joint_states", state_type.get_type_name(), TOPIC_QOS_DEFAULT);
+    auto *voltage = participant->create_topic("rt/motor_voltage", voltage_type.get_type_name(), TOPIC_QOS_DEFAULT);
 
     Heard heard;
     Matched matched;
@@ -193,6 +217,7 @@ int main(int count, char **arguments) {
         std::cout << "refused voltage" << std::endl;
     }
 
+    std::cout << "ready" << std::endl;
     uint64_t sent = 0;
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (std::chrono::steady_clock::now() < end) {
