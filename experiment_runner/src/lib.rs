@@ -34,6 +34,8 @@ pub mod recording;
 pub mod report;
 pub mod rig;
 pub mod run;
+#[cfg(feature = "ros")]
+pub mod security;
 pub mod sequencer;
 pub mod server;
 pub mod servo;

@@ -43,6 +43,8 @@ enum Command {
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
     #[cfg(feature = "ros")]
+    Security(experiment_runner::cli::security::SecurityArgs),
+    #[cfg(feature = "ros")]
     Serve(experiment_runner::cli::serve::ServeArgs),
 }
 
@@ -84,6 +86,8 @@ fn main() -> ExitCode {
         Command::Launch(args) => experiment_runner::cli::launch::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Security(args) => experiment_runner::cli::security::execute(&args),
         #[cfg(feature = "ros")]
         Command::Serve(args) => experiment_runner::cli::serve::execute(&args),
     };

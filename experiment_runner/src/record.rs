@@ -65,7 +65,8 @@ type Waiting = Box<dyn FnOnce(&mut BagWriter) -> Result<(), BagError> + Send>;
 /// [`RecordError`]; what was written before stays readable.
 pub fn record(options: &RecordOptions, stop: &Stop, ready: impl FnOnce()) -> Result<Recorded, RecordError> {
     let discovery = Discovery::from_environment()?;
-    let arguments = Arguments { namespace: options.namespace.clone(), ..Arguments::default() };
+    let arguments =
+        Arguments { namespace: options.namespace.clone(), ..Arguments::default() }.or_enclave("/viewer");
     let participant = Participant::join_with(&discovery, arguments)?;
     let node = participant.node("recorder")?;
     let mut bag = BagWriter::create(&options.dir, BagOptions::default())?;

@@ -22,8 +22,9 @@ ROS arguments, behind --ros-args and up to -- or the end:
       --params-file FILE            parameters from a YAML file
       --log-level [LOGGER:=]LEVEL   debug, info, warn, error or fatal
       --enable-rosout-logs, --disable-rosout-logs, --enable-stdout-logs, --disable-stdout-logs
-  -e, --enclave PATH                taken for the tools' sake; there is no security to configure
-Environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (LOCALHOST unless set), ROS_NAMESPACE
+  -e, --enclave PATH                the enclave in the keystore, where security is on; /NAME of the program unless given
+Environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (LOCALHOST unless set), ROS_NAMESPACE,
+  ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE, ROS_SECURITY_ENCLAVE_OVERRIDE (docs/security.md)
 ";
 
 /// The command line was not understood, or a file that it names cannot be read.
@@ -46,8 +47,10 @@ pub struct Arguments {
     pub rosout_disabled: bool,
     /// Whether log lines are written to the terminal.
     pub terminal_disabled: bool,
-    /// The enclave.
+    /// The enclave: who the process is, where security is on.
     pub enclave: Option<String>,
+    /// The process only looks who is there: it joins in the clear, whatever the environment says of security. No argument sets this.
+    pub in_the_clear: bool,
     /// Namespace of nodes that the command line does not put into another.
     pub namespace: Option<String>,
     /// Every argument that is not for ROS, in its order, without the program's name.
@@ -64,6 +67,13 @@ impl Arguments {
         let mut arguments = Self::parse(given)?;
         arguments.namespace = std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
         Ok(arguments)
+    }
+
+    /// The same, with that enclave if the command line names none.
+    #[must_use]
+    pub fn or_enclave(mut self, enclave: &str) -> Self {
+        self.enclave.get_or_insert_with(|| enclave.to_owned());
+        self
     }
 
     /// Reads arguments, without the program's name. Parameter files are read from disk.

@@ -44,6 +44,9 @@ pub enum RosNodeError {
         /// Why not, and how to mend it.
         reason: String,
     },
+    /// Security is asked for and cannot be had.
+    #[error("security is asked for (ROS_SECURITY_ENABLE=true), but {0}")]
+    Security(String),
     /// Signals cannot be watched.
     #[error("SIGINT and SIGTERM cannot be watched: {0}")]
     Signals(String),
@@ -108,7 +111,11 @@ impl RosNodeError {
     pub const fn is_bad_input(&self) -> bool {
         matches!(
             self,
-            Self::Environment { .. } | Self::Name { .. } | Self::Parameter { .. } | Self::Parameters { .. }
+            Self::Environment { .. }
+                | Self::Name { .. }
+                | Self::Parameter { .. }
+                | Self::Parameters { .. }
+                | Self::Security(_)
         )
     }
 }

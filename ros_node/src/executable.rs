@@ -30,7 +30,7 @@ pub fn run(
         ExitCode::from(code)
     };
     let arguments = match Arguments::from_process() {
-        Ok(arguments) => arguments,
+        Ok(arguments) => arguments.or_enclave(&format!("/{name}")),
         Err(error) => return fail(&error, BAD_INPUT),
     };
     match arguments.user.first().map(String::as_str) {
@@ -73,6 +73,7 @@ pub fn run(
         let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));
         let participant = match joined {
             Ok(participant) => participant,
+            Err(error) if error.is_bad_input() => return fail(&error, BAD_INPUT),
             Err(error) => return fail(&error, 1),
         };
         let watch = match Watch::start(&wished) {

@@ -15,6 +15,7 @@
 //! - [`terminal`]: lines that nobody waits for;
 //! - [`Gate`]: a topic of which one writer counts ([`one_writer`], [`stamps`]);
 //! - [`hostile`]: what becomes of what strangers send;
+//! - [`security`]: who may join and who may do what, as SROS 2 has it;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
@@ -61,6 +62,7 @@ mod publisher;
 pub mod queue;
 pub mod remap;
 mod repeated;
+pub mod security;
 mod service;
 mod signals;
 pub mod stamps;

@@ -15,7 +15,12 @@ use rustdds::DomainParticipantBuilder;
 use tokio::runtime::{Builder, Runtime};
 
 use crate::{
-    Arguments, Discovery, Graph, RosNode, RosNodeError, apart::Apart, hearing::Hearers, terminal, turn::Turn,
+    Arguments, Discovery, Graph, RosNode, RosNodeError,
+    apart::Apart,
+    hearing::Hearers,
+    security::{self, Enclave, Others, Prefix, Protection},
+    terminal,
+    turn::Turn,
 };
 
 /// Longest wait for what follows the participant's events to end.
@@ -44,6 +49,8 @@ pub(crate) struct Shared {
     pub(crate) graph_is_watched: AtomicBool,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
+    protection: Protection,
+    others: Arc<Others>,
 }
 
 /// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
@@ -80,7 +87,8 @@ impl Participant {
     /// Joins the network.
     ///
     /// # Errors
-    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`].
+    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`]; [`RosNodeError::Security`] or [`RosNodeError::Environment`] where security is asked for and
+    /// cannot be had.
     pub fn join(discovery: &Discovery) -> Result<Self, RosNodeError> {
         Self::join_with(discovery, Arguments::default())
     }
@@ -111,6 +119,10 @@ impl Participant {
         if let Some(networks) = discovery.networks() {
             builder = builder.with_only_networks(networks);
         }
+        let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
+        if let Some(warning) = protection.warning() {
+            terminal::tell(format!("this process {warning}"));
+        }
         let _turn = Turn::wait(discovery.domain);
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
         let context =
@@ -118,13 +130,22 @@ impl Participant {
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
         let graph = Graph::default();
-        let leavers = graph.clone();
-        let following = Apart::start("hearing", async move { heard.follow(participant, leavers).await })
+        let others = Arc::<Others>::default();
+        let (leavers, told) = (graph.clone(), Arc::clone(&others));
+        let following = Apart::start("hearing", async move { heard.follow(participant, leavers, &told).await })
             .map_err(RosNodeError::Runtime)?;
-        let following = Some(following);
-        let graph_is_watched = AtomicBool::new(false);
-        let shared =
-            Shared { context, runtime, arguments, hearers, following, graph, graph_is_watched, last_phases };
+        let shared = Shared {
+            context,
+            runtime,
+            arguments,
+            hearers,
+            following: Some(following),
+            graph,
+            graph_is_watched: AtomicBool::new(false),
+            last_phases,
+            protection,
+            others,
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -134,6 +155,24 @@ impl Participant {
     /// [`RosNodeError::Name`] or [`RosNodeError::Create`] if the name is none or the middleware refuses.
     pub fn node(&self, name: &str) -> Result<RosNode, RosNodeError> {
         RosNode::start(Arc::clone(&self.shared), name)
+    }
+
+    /// The enclave as which it is secured; `None` in the clear.
+    #[must_use]
+    pub fn enclave(&self) -> Option<&Enclave> {
+        self.shared.protection.enclave()
+    }
+
+    /// First bytes of its identifier.
+    #[must_use]
+    pub fn prefix(&self) -> Prefix {
+        security::prefix(rustdds::RTPSEntity::guid(&self.shared.context.domain_participant()).prefix)
+    }
+
+    /// How the others stand with it.
+    #[must_use]
+    pub fn others(&self) -> &Others {
+        &self.shared.others
     }
 
     /// What the command line says.

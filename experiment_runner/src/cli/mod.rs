@@ -21,6 +21,8 @@ pub mod protocols;
 pub mod rig;
 pub mod run;
 #[cfg(feature = "ros")]
+pub mod security;
+#[cfg(feature = "ros")]
 pub mod serve;
 pub mod simulate;
 pub mod truth_matrix;

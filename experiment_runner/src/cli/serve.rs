@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use ros_node::{Discovery, Lost, Participant, RosNodeError, Stop, Watch};
+use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
 use crate::rig::RigChoice;
@@ -43,7 +43,7 @@ pub struct ServeArgs {
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an environment variable that is none of ROS's; an error if the network cannot be joined.
+/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for and cannot be had; an error if the network cannot be joined.
 pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let discovery =
@@ -59,7 +59,11 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
 
 /// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
 fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<Lost>> {
-    let participant = Participant::join(discovery)?;
+    let arguments = Arguments::default().or_enclave("/experiment_runner");
+    let participant = Participant::join_with(discovery, arguments).map_err(|error| match error {
+        mendable if mendable.is_bad_input() => anyhow::Error::new(BadInput(mendable.to_string())),
+        other => anyhow::Error::new(other),
+    })?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
     usual.set(args.rig.clone());

@@ -7,7 +7,11 @@ use std::{
 };
 
 use msgs::{diagnostic_msgs::DiagnosticStatus, topics};
-use ros_node::{Discovery, Participant, RosNodeError, SeenNode, Stop, lifecycle::RemoteLifecycle};
+use ros_node::{
+    Arguments, Discovery, Participant, RosNodeError, SeenNode, Stop,
+    lifecycle::RemoteLifecycle,
+    security::{Other, Prefix},
+};
 
 /// Time in which everybody is found: a participant of Fast DDS that was there first takes 1.2 s.
 const DISCOVERY: Duration = Duration::from_secs(3);
@@ -23,6 +27,10 @@ pub(super) struct Heard {
     pub(super) nodes: Vec<SeenNode>,
     /// Lifecycle states of the laboratory's nodes that say nothing of their health, by full name.
     pub(super) states: BTreeMap<String, &'static str>,
+    /// Whether the doctor itself is secured.
+    pub(super) secured: bool,
+    /// The other participants, if it is.
+    pub(super) participants: BTreeMap<Prefix, Other>,
     /// What each component said of itself, in order; by its name in `/diagnostics`.
     pub(super) health: BTreeMap<String, Vec<DiagnosticStatus>>,
 }
@@ -52,7 +60,15 @@ impl Heard {
 /// # Errors
 /// [`RosNodeError`] if the network cannot be joined.
 pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNodeError> {
-    let participant = Participant::join(discovery)?;
+    let participant =
+        Participant::join_with(discovery, Arguments::default().or_enclave(super::security::ENCLAVE))?;
+    // In the clear everybody is seen, also those that a secured participant is not told of.
+    let secured = participant.enclave().is_some();
+    let scout = if secured {
+        Some(Participant::join_with(discovery, Arguments { in_the_clear: true, ..Arguments::default() })?)
+    } else {
+        None
+    };
     let node = participant.node(&format!("frictionlab_doctor_{}", std::process::id()))?;
     let own = node.identity().qualified();
     let graph = node.watch_graph()?;
@@ -76,7 +92,14 @@ pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNod
     }
     let nodes = others();
     let health = std::mem::take(&mut *health.lock().unwrap_or_else(PoisonError::into_inner));
-    let mut heard = Heard { nodes, health, states: BTreeMap::new() };
+    let mut participants = scout.as_ref().map(|scout| scout.others().known()).unwrap_or_default();
+    for (who, other) in participant.others().known() {
+        participants.entry(who).or_insert_with(|| other.clone()).standing = other.standing;
+    }
+    for own in [Some(&participant), scout.as_ref()].into_iter().flatten() {
+        participants.remove(&own.prefix());
+    }
+    let mut heard = Heard { nodes, health, states: BTreeMap::new(), secured, participants };
     for name in heard.silent().into_iter().filter(|_| !interrupted) {
         // Whoever does not answer has no state that could be told.
         let state = RemoteLifecycle::new(&node, &name).and_then(|lifecycle| lifecycle.phase(ANSWER));

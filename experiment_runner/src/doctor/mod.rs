@@ -4,6 +4,7 @@
 //! - [`clock`]: resolution, jumps, synchronisation, the processor's frequency;
 //! - [`network`]: environment variables of ROS, loopback, multicast;
 //! - [`domain`]: listens to the domain, from which [`participants`] and [`loop_timing`] judge who is there and how old the commands are;
+//! - [`security`]: whether nodes are secured, and who on the domain is authenticated;
 //! - [`rigs`]: rigs, ports and disk.
 //!
 //! Nothing here moves a motor, opens a rig or changes a node.
@@ -16,6 +17,7 @@ mod network;
 mod participants;
 mod rigs;
 mod scheduling;
+mod security;
 mod terminal;
 
 use std::path::Path;
@@ -28,7 +30,7 @@ pub use terminal::render;
 use crate::progress::Progress;
 
 /// Stages of the examination.
-pub const STAGES: u64 = 6;
+pub const STAGES: u64 = 7;
 
 /// Looks at everything, about nine seconds; ends early, with what there is, when `stop` is set. Runs would go to the folder `runs`.
 #[must_use]
@@ -50,7 +52,9 @@ pub fn examine(runs: &Path, progress: &Progress, stop: &Stop) -> Report {
     }
     if !stop.is_set() {
         progress.stage("who is on the domain");
-        let (participants, loops) = others(discovery.as_ref(), stop);
+        let asked_for = security::environment(discovery.as_ref());
+        let (participants, secured, loops) = others(discovery.as_ref(), stop);
+        add("Security", [vec![asked_for], secured].concat());
         add("Other nodes", participants);
         add("Control loops", loops);
     }
@@ -59,20 +63,28 @@ pub fn examine(runs: &Path, progress: &Progress, stop: &Stop) -> Report {
     Report::new(sections)
 }
 
-fn others(discovery: Option<&Discovery>, stop: &Stop) -> (Vec<Finding>, Vec<Finding>) {
+fn others(discovery: Option<&Discovery>, stop: &Stop) -> (Vec<Finding>, Vec<Finding>, Vec<Finding>) {
     let Some(discovery) = discovery else {
         let said = "not looked at, since the environment names no domain (see network)";
-        return (vec![Finding::fine("other nodes", said)], vec![Finding::fine("control loop", said)]);
+        return (
+            vec![Finding::fine("other nodes", said)],
+            Vec::new(),
+            vec![Finding::fine("control loop", said)],
+        );
     };
     match domain::listen(discovery, stop) {
-        Ok(heard) => (participants::check(&heard), loop_timing::check(&heard)),
+        Ok(heard) => (participants::check(&heard), security::others(&heard), loop_timing::check(&heard)),
         Err(error) => {
             let broken = Finding::broken(
                 "other nodes",
                 format!("the domain cannot be joined: {error}"),
                 "see network; another domain may have free ports: `export ROS_DOMAIN_ID=42`",
             );
-            (vec![broken], vec![Finding::fine("control loop", "not looked at: the domain cannot be joined")])
+            (
+                vec![broken],
+                Vec::new(),
+                vec![Finding::fine("control loop", "not looked at: the domain cannot be joined")],
+            )
         }
     }
 }

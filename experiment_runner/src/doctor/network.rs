@@ -47,13 +47,6 @@ pub(super) fn environment() -> (Vec<Finding>, Option<Discovery>) {
     };
     findings.push(peers(read("ROS_STATIC_PEERS").as_deref()));
     findings.push(middleware(read("RMW_IMPLEMENTATION").as_deref()));
-    if read("ROS_SECURITY_ENABLE").is_some_and(|value| value.eq_ignore_ascii_case("true")) {
-        findings.push(Finding::look(
-            "ROS_SECURITY_ENABLE",
-            "is true, but the laboratory's nodes speak without DDS security: nodes that enforce it do not hear them",
-            "`export ROS_SECURITY_ENABLE=false` on this domain",
-        ));
-    }
     (findings, discovery)
 }
 

@@ -124,7 +124,7 @@ pub fn run(
     let about_line = real.as_ref().and_then(|opened| opened.about.clone());
     let arguments = settings::arguments(options, period)?;
 
-    let participant = Participant::join_with(&discovery, arguments)?;
+    let participant = Participant::join_with(&discovery, arguments.or_enclave("/live"))?;
     let (runner, to_reference) =
         RunnerSide::new(&participant, options.reference.is_some(), options.serve.is_some())?;
     let (observer, estimating) = FrictionObserver::new(&participant)?;

@@ -68,7 +68,7 @@ impl NodesBench {
         let namespace = namespace.or_else(given);
         let axis = namespace.as_deref().unwrap_or("").trim_matches('/');
         let axis = if axis.is_empty() { String::new() } else { format!("/{axis}") };
-        let arguments = Arguments { namespace, ..Arguments::default() };
+        let arguments = Arguments { namespace, ..Arguments::default() }.or_enclave("/experiment_runner");
         let participant = Participant::join_with(&discovery, arguments).map_err(said)?;
         let link = Link::new(participant).map_err(said)?;
         let missing = |name: &str, error: RosNodeError| {

@@ -1,0 +1,77 @@
+//! DDS Security as ROS 2 has it (SROS 2): who may join a domain, and who may write and read what there.
+//!
+//! [`Wish`] is what the environment asks for. [`Wish::protection`] turns it into a [`Protection`], or into an error: a program that was asked to be secured
+//! and cannot be does not start. It never runs in the clear without having been told to.
+//!
+//! With the feature `security`:
+//! - `credentials` looks at an enclave's files before the middleware does, and says what is wrong with them in sentences;
+//! - `keystore` makes a keystore with its certificates, and `permissions` what each enclave may do, from a policy.
+//!
+//! [`policy`] is the policy for the laboratory's own graph; it is made from the table of interfaces.
+
+#[cfg(feature = "security")]
+mod calendar;
+#[cfg(feature = "security")]
+pub mod credentials;
+mod enclave;
+#[cfg(feature = "security")]
+pub mod keystore;
+mod others;
+#[cfg(feature = "security")]
+pub mod permissions;
+pub mod policy;
+mod wish;
+
+pub use enclave::{Enclave, FILES};
+pub(crate) use others::prefix;
+pub use others::{Other, Others, Prefix, Standing};
+pub use wish::{Protection, Strategy, Wish};
+
+use rustdds::DomainParticipantBuilder;
+
+use crate::{Arguments, RosNodeError};
+
+/// Whether this program was built with DDS Security.
+pub const BUILT: bool = cfg!(feature = "security");
+
+/// The participant as the environment and the command line's enclave ask for it, and what is to be said of it.
+pub(crate) fn protect(
+    builder: DomainParticipantBuilder,
+    domain: u16,
+    arguments: &Arguments,
+) -> Result<(DomainParticipantBuilder, Protection), RosNodeError> {
+    if arguments.in_the_clear {
+        return Ok((builder, Protection::Off(None)));
+    }
+    let protection = Wish::from_environment()?.protection(arguments.enclave.as_deref())?;
+    let builder = match &protection {
+        Protection::Off(_) => builder,
+        Protection::On(enclave) => secured(builder, domain, enclave)?,
+    };
+    Ok((builder, protection))
+}
+
+#[cfg(feature = "security")]
+fn secured(
+    builder: DomainParticipantBuilder,
+    domain: u16,
+    enclave: &Enclave,
+) -> Result<DomainParticipantBuilder, RosNodeError> {
+    credentials::examine(&enclave.folder, std::time::SystemTime::now())
+        .and_then(|credentials| credentials.for_domain(domain))
+        .map_err(|error| RosNodeError::Security(format!("the enclave {}: {error}", enclave.name)))?;
+    // The key is stored without a password, as ROS 2 does it: the folder's rights protect it.
+    let files =
+        rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(&enclave.folder, String::new());
+    Ok(builder.builtin_security(files))
+}
+
+/// Never reached: [`Wish::protection`] refuses where the feature is missing.
+#[cfg(not(feature = "security"))]
+fn secured(
+    _: DomainParticipantBuilder,
+    _: u16,
+    _: &Enclave,
+) -> Result<DomainParticipantBuilder, RosNodeError> {
+    Err(RosNodeError::Security(wish::NOT_BUILT.to_owned()))
+}
