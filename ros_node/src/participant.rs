@@ -132,8 +132,9 @@ impl Participant {
         let graph = Graph::default();
         let others = Arc::<Others>::default();
         let (leavers, told) = (graph.clone(), Arc::clone(&others));
-        let following = Apart::start("hearing", async move { heard.follow(participant, leavers, &told).await })
-            .map_err(RosNodeError::Runtime)?;
+        let following =
+            Apart::start("hearing", async move { heard.follow(participant, leavers, &told).await })
+                .map_err(RosNodeError::Runtime)?;
         let shared = Shared {
             context,
             runtime,
