@@ -87,6 +87,10 @@ fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
         Fault::TachometerFrozen => bench.run(201, Some(1.0), |seen, _| seen.tachometer_velocity = 0.0),
         Fault::TorqueFrozen => bench.run(201, Some(1.0), |seen, _| seen.torque = 0.01),
         Fault::RigClockStopped => bench.run(21, Some(1.0), |seen, _| seen.time = 7.0),
+        Fault::PermissionWithdrawn => {
+            bench.supervisor.fault(Fault::PermissionWithdrawn, 0.0, 0.0);
+            bench.step(Some(1.0), at_rest)
+        }
         Fault::BackEnd => bench.step(Some(1.0), |seen, _| seen.fault = true),
     }
 }

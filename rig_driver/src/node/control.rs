@@ -7,7 +7,6 @@ use std::{
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
-    time::{Duration, Instant},
 };
 
 use ros_node::{
@@ -23,21 +22,20 @@ use super::{
 use crate::{
     Measurement, Rig, RigError,
     safety::{FaultReport, Request, State, Supervised},
+    station::{Presence, Station},
 };
 
 /// Commands that wait for their cycle.
 const COMMANDS: usize = 64;
 /// Requests that wait for their cycle.
 const REQUESTS: usize = 8;
-/// Longest time in which the thread answers a request.
-const ANSWER: Duration = Duration::from_millis(1000);
 
 /// What comes of a request.
 type Answer = Result<State, RigError>;
 
 /// What the thread is asked for between two cycles.
 #[derive(Debug, Clone, Copy)]
-enum Asked {
+pub(super) enum Asked {
     /// A transition of the safety layer.
     Safety(Request),
     /// Zeros found anew.
@@ -64,6 +62,8 @@ pub(super) struct Cycle {
     pub(super) zero: Zero,
     pub(super) state: State,
     pub(super) fault: Option<FaultReport>,
+    /// The winding above ambient by its model [K].
+    pub(super) rise: Option<f64>,
     /// Age of the measurement behind the voltage of this cycle [ns]; zero without a command.
     pub(super) age_ns: u64,
     pub(super) period_ns: u64,
@@ -80,7 +80,8 @@ pub(super) struct Counters {
 
 /// The running thread, from outside. Dropped, the motor is at zero volts and the thread has ended.
 pub(super) struct RunningRig {
-    requests: Mutex<(Sender<Asked>, Receiver<Answer>)>,
+    /// By number: see [`Desk`](crate::station::Desk).
+    requests: Mutex<(Sender<(u64, Asked)>, Receiver<(u64, Answer)>)>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<Option<Box<dyn InCycle>>>>,
     pub(super) counters: Arc<Counters>,
@@ -102,6 +103,17 @@ pub(super) struct Work {
     pub(super) torque: TorqueEstimate,
     /// Answers within the cycle, where it does not go over the network.
     pub(super) in_cycle: Option<Box<dyn InCycle>>,
+    /// What people ask for, and the emergency stop.
+    pub(super) station: Arc<Station>,
+}
+
+/// Notes, when the thread is gone and its rig with it, that nothing drives a motor any more.
+struct Gone(Arc<Station>);
+
+impl Drop for Gone {
+    fn drop(&mut self) {
+        self.0.enter(Presence::Absent);
+    }
 }
 
 /// Starts the thread. Cycles go to `cycles`; `clock` says what time the first one is [ns since the epoch].
@@ -127,7 +139,10 @@ pub(super) fn start(
         counters: Arc::clone(&counters),
     };
     let (tell, told) = std::sync::mpsc::channel();
+    let gone = Gone(Arc::clone(&task.work.station));
     let thread = std::thread::Builder::new().name("control".into()).spawn(move || {
+        // Dropped last, after the rig, whether the task ends or panics.
+        let _gone = gone;
         // Nobody listens any more if the start was given up.
         let _ = tell.send(request_realtime());
         task.run(clock())
@@ -142,20 +157,26 @@ pub(super) fn start(
 }
 
 impl RunningRig {
-    /// Asks the safety layer for a transition and waits for the answer, which comes within a cycle.
-    ///
-    /// # Errors
-    /// A sentence about why not.
-    pub(super) fn ask(&self, request: Request) -> Result<State, String> {
-        self.send(Asked::Safety(request))
+    /// Sends the thread a request; [`answer`](Self::answer) has what comes of it, within a cycle.
+    pub(super) fn send(&self, number: u64, asked: Asked) {
+        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
+        // A queue that is full is that of a thread that hangs: whoever waits for the answer gives it up.
+        ends.0.send((number, asked));
     }
 
-    /// Has zeros found anew.
-    ///
-    /// # Errors
-    /// A sentence about why not.
-    pub(super) fn find_zero(&self) -> Result<State, String> {
-        self.send(Asked::Zero)
+    /// The answer to a request, once it is there.
+    pub(super) fn answer(&self, number: u64) -> Option<Result<State, String>> {
+        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some((of, answer)) = ends.1.take() {
+            // Others came too late for the one who asked.
+            if of == number {
+                return Some(answer.map_err(|error| error.to_string()));
+            }
+        }
+        (self.is_over() && ends.1.is_over()).then(|| {
+            Err("the control thread has ended, the motor at zero volts; clean the node up and configure it again"
+                .to_owned())
+        })
     }
 
     /// Whether the thread has come to its end by itself.
@@ -167,25 +188,6 @@ impl RunningRig {
     pub(super) fn end(mut self) -> Option<Box<dyn InCycle>> {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().and_then(|thread| thread.join().ok().flatten())
-    }
-
-    fn send(&self, request: Asked) -> Result<State, String> {
-        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-        let (requests, answers) = &mut *ends;
-        // An answer that came too late for the one who asked.
-        while answers.take().is_some() {}
-        requests.send(request);
-        let asked = Instant::now();
-        while asked.elapsed() < ANSWER {
-            if let Some(answer) = answers.take() {
-                return answer.map_err(|error| error.to_string());
-            }
-            if self.is_over() && answers.is_over() {
-                return Err("the control thread has ended, the motor at zero volts; clean the node up and configure it again".to_owned());
-            }
-            std::thread::sleep(Duration::from_micros(200));
-        }
-        Err("the control thread does not answer: the rig hangs; take its power away if it moves".to_owned())
     }
 }
 
@@ -202,8 +204,8 @@ impl Drop for RunningRig {
 struct Task {
     work: Work,
     commands: Receiver<VoltageCommand>,
-    requests: Receiver<Asked>,
-    answers: Sender<Answer>,
+    requests: Receiver<(u64, Asked)>,
+    answers: Sender<(u64, Answer)>,
     cycles: Sender<Cycle>,
     stop: Arc<AtomicBool>,
     counters: Arc<Counters>,
@@ -217,6 +219,7 @@ impl Task {
         let mut before: Option<u64> = None;
         let mut newest = VoltageCommand { stamp_ns: 0, volts: 0.0 };
         let mut zero = Zero::default();
+        let mut heard = 0;
         while !self.stop.load(Ordering::Relaxed) {
             let mut refused = None;
             let (start, late) = if self.work.rig.keeps_time() {
@@ -249,8 +252,15 @@ impl Task {
                 self.work.rig.command(now, volts);
                 newest = VoltageCommand { stamp_ns, volts };
             }
+            // Stop and permission come last before the voltage, and count above everything before.
+            let mut checked = self.work.station.check(&mut self.work.rig, &mut heard);
+            if let Some(error) = checked.refused.take() {
+                refused.get_or_insert(error);
+            }
             // The supervisor holds what the back end refuses as a fault.
-            if let Err(error) = self.work.rig.drive() {
+            let driven = self.work.rig.drive();
+            self.work.station.note(&checked, driven.is_ok());
+            if let Err(error) = driven {
                 refused.get_or_insert(error);
             }
             let supervisor = self.work.rig.supervisor();
@@ -263,6 +273,7 @@ impl Task {
                 zero,
                 state,
                 fault,
+                rise: supervisor.rise(),
                 age_ns: if moves { stamp_ns.saturating_sub(newest.stamp_ns) } else { 0 },
                 period_ns: before.map_or(0, |before| start - before),
                 execution_ns: now_ns() - start,
@@ -282,15 +293,19 @@ impl Task {
     }
 
     fn take_requests(&mut self, zero: &mut Zero) {
-        while let Some(asked) = self.requests.take() {
+        while let Some((number, asked)) = self.requests.take() {
+            // Whoever asked may have given it up: then it is not done any more.
+            if !self.work.station.desk.begin(number) {
+                continue;
+            }
             let answer = match asked {
-                Asked::Safety(request) => self.work.rig.request(request),
+                Asked::Safety(request) => self.work.station.carry_out(&mut self.work.rig, request),
                 Asked::Zero => {
                     zero.find();
                     Ok(self.work.rig.supervisor().state())
                 }
             };
-            self.answers.send(answer);
+            self.answers.send((number, answer));
         }
     }
 
