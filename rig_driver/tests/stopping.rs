@@ -73,7 +73,8 @@ impl Rig for Slow {
             thread::sleep(Duration::from_millis(1));
         }
         self.0.waits.store(false, SeqCst);
-        Measurement { cycle: self.0.cycles.fetch_add(1, SeqCst), ..Measurement::default() }
+        let cycle = self.0.cycles.fetch_add(1, SeqCst);
+        Measurement { cycle, time: cycle as f64 * 1e-3, ..Measurement::default() }
     }
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
@@ -134,7 +135,7 @@ fn session() -> Session {
 }
 
 fn trigger(client: &ServiceClient<TriggerRequest, TriggerResponse>) -> TriggerResponse {
-    client.call_until_answered(&TriggerRequest::default(), PATIENCE).unwrap()
+    client.call(TriggerRequest::default(), PATIENCE).unwrap()
 }
 
 fn until(what: &str, mut done: impl FnMut() -> bool) {

@@ -1,4 +1,7 @@
 //! The control thread: measures and drives the rig at its period. Between start and end it locks, allocates and publishes nothing.
+//!
+//! It needs no priority inheritance, because it never waits for another thread of this process: requests, commands and cycles go through queues of one writer and
+//! one reader, which never wait, and stop, permission and counters are atomic. What it waits for is a deadline, or the rig's next cycle from the serial reader.
 
 use std::{
     ops::ControlFlow,

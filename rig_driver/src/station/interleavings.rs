@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     Measurement, Rig, RigError,
-    safety::{Request, SafetyLimits, SensorChecks, State, Supervised},
+    safety::{Fault, Request, SafetyLimits, SensorChecks, State, Supervised},
 };
 
 const PERIOD: f64 = 1e-3;
@@ -495,6 +495,7 @@ struct Found {
     moved: bool,
     moved_after_clearing: bool,
     stopped_while_opening: bool,
+    permission_withdrawn: bool,
 }
 
 fn search(budget: Budget) -> Found {
@@ -510,6 +511,9 @@ fn search(budget: Budget) -> Found {
             found.moved_after_clearing |= next.cleared && !moved && next.moved;
             found.stopped_while_opening |=
                 world.station.presence() == Presence::Opening && !world.held && next.held;
+            let latched = next.bench.thread.as_ref().and_then(|thread| thread.rig.supervisor().latched());
+            found.permission_withdrawn |=
+                latched.is_some_and(|report| report.fault == Fault::PermissionWithdrawn);
             if seen.insert(next.key()) {
                 open.push(next);
             }
@@ -528,6 +532,7 @@ fn no_order_of_stop_transitions_and_clearing_moves_the_motor_after_the_stops_ans
     let found = search(Budget { transitions: 4, stops: 2, clears: 1, ..NONE });
     println!("{found:?}");
     assert!(found.moved && found.moved_after_clearing && found.stopped_while_opening, "{found:?}");
+    assert!(!found.permission_withdrawn, "orderly transitions are no fault: {found:?}");
 }
 
 #[test]
@@ -539,7 +544,7 @@ fn nor_with_a_fault_a_deaf_device_and_a_request_that_is_given_up() {
     ] {
         let found = search(budget);
         println!("{budget:?}: {found:?}");
-        assert!(found.moved, "{budget:?}: {found:?}");
+        assert!(found.moved && found.permission_withdrawn, "{budget:?}: {found:?}");
     }
 }
 

@@ -12,8 +12,8 @@ use crate::{
 
 /// Longest time in which the control thread puts the motor at zero volts on an emergency stop. A rig that takes longer hangs, and people are told so.
 const STOPS: Duration = Duration::from_millis(500);
-/// Longest time for which clearing waits for a transition that is under way.
-const CLEARS: Duration = Duration::from_secs(2);
+/// Longest time for which clearing waits for a transition that is under way: less than the time after which callers ask again.
+const CLEARS: Duration = Duration::from_millis(800);
 
 impl Axis {
     /// Stops the motor. It takes no lock, so that nothing that is under way can keep it: the press is the first thing, the answer the last.
