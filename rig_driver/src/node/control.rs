@@ -81,10 +81,13 @@ pub(super) struct Counters {
     pub(super) stale: AtomicU64,
 }
 
+/// The ends of the queues by which the thread is asked, by number.
+type Requests = (Sender<(u64, Asked)>, Receiver<(u64, Answer)>);
+
 /// The running thread, from outside. Dropped, the motor is at zero volts and the thread has ended.
 pub(super) struct RunningRig {
     /// By number: see [`Desk`](crate::station::Desk).
-    requests: Mutex<(Sender<(u64, Asked)>, Receiver<(u64, Answer)>)>,
+    requests: Mutex<Requests>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<Option<Box<dyn InCycle>>>>,
     pub(super) counters: Arc<Counters>,

@@ -165,6 +165,8 @@ struct World {
     /// Voltages while the node was neither active nor on its way there or back.
     at_rest: u8,
     given_up: bool,
+    /// `held` when the transition took its last step.
+    held_at_step: bool,
     withdrawn: u64,
     moved: bool,
     cleared: bool,
@@ -220,6 +222,7 @@ impl World {
             since_press: None,
             at_rest: 0,
             given_up: false,
+            held_at_step: false,
             withdrawn: 0,
             moved: false,
             cleared: false,
@@ -251,7 +254,7 @@ impl World {
             (self.station.latch.counts(), self.station.permission.word(), self.station.desk.numbers()),
             (self.station.presence(), self.phase, self.before, &self.walk, thread),
             (self.bench.opened, self.bench.mail, &self.bench.answer, &self.asked, self.clearing, self.budget),
-            (self.held, self.since_press, self.at_rest, self.given_up, self.withdrawn),
+            (self.held, self.since_press, self.at_rest, self.given_up, self.held_at_step, self.withdrawn),
             (self.moved, self.cleared),
         )
             .hash(&mut hasher);
@@ -368,7 +371,13 @@ impl World {
 
     fn walk(&mut self) {
         let Some((_, walk)) = &mut self.walk else { return };
-        let Progress::Done(outcome) = walk.step(&self.station, &mut self.bench) else { return };
+        let progress = walk.step(&self.station, &mut self.bench);
+        let held = std::mem::replace(&mut self.held_at_step, self.held);
+        let Progress::Done(outcome) = progress else { return };
+        if outcome.is_ok() && matches!(self.phase, Phase::On(Kind::Configure | Kind::Activate)) {
+            assert!(!held, "a transition succeeds although a stop was answered before its last look");
+        }
+
         if let (Err(Reason::NoAnswer { begun: false }), [last, _]) = (&outcome, self.station.desk.numbers()) {
             self.withdrawn = last;
         }
@@ -395,7 +404,11 @@ impl World {
             Phase::On(_) if matches!(self.walk, Some((For::Clearing, _))) => return,
             Phase::On(_) => NodePhase::Between,
         };
-        let kind = match clearing.step(&self.station, phase) {
+        let unseen =
+            self.station.presence() == Presence::Running && !self.station.latch.was_seen(clearing.press());
+        let step = clearing.step(&self.station, phase);
+        assert!(!unseen || matches!(step, ClearStep::Done(Err(_))));
+        let kind = match step {
             ClearStep::Deactivate => Kind::Deactivate,
             ClearStep::CleanUp => Kind::CleanUp,
             ClearStep::Done(outcome) => {
