@@ -87,11 +87,25 @@ fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
         Fault::TachometerFrozen => bench.run(201, Some(1.0), |seen, _| seen.tachometer_velocity = 0.0),
         Fault::TorqueFrozen => bench.run(201, Some(1.0), |seen, _| seen.torque = 0.01),
         Fault::RigClockStopped => bench.run(21, Some(1.0), |seen, _| seen.time = 7.0),
-        Fault::PermissionWithdrawn => {
-            bench.supervisor.fault(Fault::PermissionWithdrawn, 0.0, 0.0);
+        Fault::BackEnd => bench.step(Some(1.0), |seen, _| seen.fault = true),
+        Fault::MotionAtZero => {
+            bench.run(800, Some(0.0), |seen, cycle| {
+                seen.tachometer_velocity += 1.5;
+                seen.encoder_position = 1.5e-3 * cycle as f64;
+            });
             bench.step(Some(1.0), at_rest)
         }
-        Fault::BackEnd => bench.step(Some(1.0), |seen, _| seen.fault = true),
+        // Found by the node, and by the back end itself, which watches its line: they have tests of their own.
+        Fault::PermissionWithdrawn
+        | Fault::UnknownEcho
+        | Fault::ForeignFrames
+        | Fault::CommandsRefused
+        | Fault::VoltageDiffers
+        | Fault::CycleJump
+        | Fault::StopNotAcknowledged => {
+            bench.supervisor.fault(fault, 1.0, 0.5);
+            bench.step(Some(1.0), at_rest)
+        }
     }
 }
 

@@ -9,9 +9,11 @@ use crate::line::Fates;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub(crate) struct Refusals {
     other_session: u64,
+    held: u64,
     latched: u64,
     not_active: u64,
     not_newer: u64,
+    too_far_ahead: u64,
     stale: u64,
     from_the_future: u64,
 }
@@ -77,9 +79,11 @@ impl Books {
     pub(crate) const fn refusal(&mut self, refusal: Refusal) {
         let counter = match refusal {
             Refusal::OtherSession => &mut self.refusals.other_session,
+            Refusal::Held => &mut self.refusals.held,
             Refusal::Latched => &mut self.refusals.latched,
             Refusal::NotActive => &mut self.refusals.not_active,
             Refusal::NotNewer => &mut self.refusals.not_newer,
+            Refusal::TooFarAhead => &mut self.refusals.too_far_ahead,
             Refusal::Stale => &mut self.refusals.stale,
             Refusal::FromTheFuture => &mut self.refusals.from_the_future,
         };

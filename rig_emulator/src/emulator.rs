@@ -1,6 +1,7 @@
 //! The device's cycle: orders, the line, the state machine, the motor.
 
 use std::{
+    hash::{BuildHasher, RandomState},
     path::{Path, PathBuf},
     sync::{
         atomic::{AtomicBool, Ordering},
@@ -65,7 +66,7 @@ impl Emulator {
         Ok(Self {
             path: terminal.path().to_owned(),
             terminal: Some(terminal),
-            device: Device::new(options.hello()).context("the device's description")?,
+            device: Device::new(options.hello(), unforeseen()).context("the device's description")?,
             decoder: Decoder::new(),
             from_host: Line::new(options.odds(), random(1)),
             from_device: Line::new(options.odds(), random(2)),
@@ -196,7 +197,7 @@ impl Emulator {
         (self.voltage, self.permitted, self.answers) = (0, false, None);
         self.inputs.fault = None;
         // Checked when the first one was made.
-        if let Ok(device) = Device::new(self.options.hello()) {
+        if let Ok(device) = Device::new(self.options.hello(), unforeseen()) {
             self.device = device;
         }
         self.apply();
@@ -206,7 +207,15 @@ impl Emulator {
     /// The messages that have come.
     fn listen(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            let Ok(Some(message)) = self.decoder.push(*byte) else { continue };
+            let message = match self.decoder.push(*byte) {
+                // A device of another version throws away what this version's hosts say.
+                Ok(Some(message)) if self.version == VERSION => message,
+                Ok(_) => continue,
+                Err(rejection) => {
+                    self.device.reject(&rejection);
+                    continue;
+                }
+            };
             let before = self.device.state();
             match self.device.receive(&message) {
                 Ok(answer) => {
@@ -235,8 +244,10 @@ impl Emulator {
                 self.answers = Some(command.answers);
             }
             HostMessage::Activate { .. } => self.permitted = true,
-            HostMessage::Deactivate | HostMessage::EmergencyStop => self.permitted = false,
-            HostMessage::Heartbeat { .. } | HostMessage::Clear { .. } => {}
+            HostMessage::Deactivate | HostMessage::EmergencyStop | HostMessage::Close(_) => {
+                self.permitted = false
+            }
+            HostMessage::Heartbeat(_) | HostMessage::Clear(_) => {}
         }
     }
 
@@ -296,4 +307,10 @@ impl Emulator {
         let frame = if self.version == VERSION { frame } else { frame.of_version(self.version) };
         self.from_device.put(frame.as_bytes(), self.cycle);
     }
+}
+
+/// A seed for the sessions of a device that starts: another one each time, as a microcontroller has it from its converters' noise.
+fn unforeseen() -> u64 {
+    // The standard library seeds its hashers from the system's randomness.
+    RandomState::new().hash_one("device")
 }

@@ -118,9 +118,10 @@ impl Options {
         let has = |sensor| !self.without.contains(&sensor);
         let scale = |sensor, step: f64| if has(sensor) { step as f32 } else { 0.0 };
         Hello {
+            answers: None,
             session: None,
             name: Name::new("rig_emulator").unwrap_or_default(),
-            firmware: [0, 1, 0],
+            firmware: [0, 2, 0],
             channels: Channels {
                 tachometer: has(Sensor::Tachometer),
                 potentiometer: has(Sensor::Potentiometer),

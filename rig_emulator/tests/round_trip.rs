@@ -8,6 +8,7 @@ use bench::{Bench, cycle, drive_until_trouble, patient};
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{
     Rig, RigError, SimulationOptions,
+    safety::{Request, Supervised},
     serial::{Cause, SerialError, SerialOptions, SerialRig, State},
 };
 
@@ -87,11 +88,29 @@ fn a_rig_without_sensors_says_so_and_takes_its_velocity_from_the_encoder() {
 
 #[test]
 fn a_device_of_another_version_is_refused_with_a_sentence() {
-    let bench = Bench::start(&["--speak-version", "2"]);
-    let error = SerialRig::open(bench.path(), patient()).unwrap_err();
-    assert!(matches!(error, SerialError::WrongVersion { theirs: 2, .. }), "{error}");
-    let said = error.to_string();
-    assert!(said.contains("version 2") && said.contains("version 1") && said.contains("update"), "{said}");
+    for (theirs, remedy) in [("1", "build its firmware anew"), ("3", "update this program")] {
+        let bench = Bench::start(&["--speak-version", theirs]);
+        let error = SerialRig::open(bench.path(), patient()).unwrap_err();
+        assert!(matches!(error, SerialError::WrongVersion { .. }), "{error}");
+        let said = error.to_string();
+        assert!(said.contains(&format!("speaks version {theirs}")) && said.contains("version 2"), "{said}");
+        assert!(said.contains(remedy), "{said}");
+        let status = bench.finish();
+        assert_eq!(status["books"]["sessions"], 0, "{status}");
+    }
+}
+
+/// The shortest period that a device may have: 100 us, which once was 99.99999999999999 us.
+#[test]
+fn a_device_with_a_period_of_100_us_is_driven() {
+    let bench = Bench::start(&["--period", "100"]);
+    let rig = bench.open();
+    assert_eq!(rig.period(), 1e-4);
+    let limits = rig_driver::serial::limits(rig.hello());
+    let mut rig = Supervised::new(rig, limits).expect("limits that fit");
+    rig.request(Request::Configure).unwrap();
+    rig.request(Request::Activate).unwrap();
+    drop(rig);
     bench.finish();
 }
 

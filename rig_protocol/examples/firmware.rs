@@ -7,11 +7,13 @@
 
 use rig_protocol::{
     Cause, Channels, Decoder, Device, DeviceMessage, Hello, HelloError, HostMessage, Inputs, Message, Name,
-    Output, Readings,
+    Origin, Output, Readings, Session, VoltageCommand,
 };
 
 /// What the firmware needs of a board.
 pub trait Board {
+    /// A number that differs after each start: noise of a converter, a generator of random numbers, a counter in non-volatile memory.
+    fn seed(&mut self) -> u64;
     /// The clock [us]; it never runs backwards.
     fn time_us(&mut self) -> u64;
     /// Encoder and converters [count].
@@ -32,6 +34,7 @@ pub trait Board {
 #[must_use]
 pub fn hello() -> Hello {
     Hello {
+        answers: None,
         session: None,
         name: Name::new("rig firmware").unwrap_or_default(),
         firmware: [0, 1, 0],
@@ -64,8 +67,8 @@ impl Firmware {
     ///
     /// # Errors
     /// [`HelloError`] if the description breaks a rule.
-    pub fn new(hello: Hello) -> Result<Self, HelloError> {
-        Ok(Self { device: Device::new(hello)?, decoder: Decoder::new(), before_us: None })
+    pub fn new(hello: Hello, board: &mut impl Board) -> Result<Self, HelloError> {
+        Ok(Self { device: Device::new(hello, board.seed())?, decoder: Decoder::new(), before_us: None })
     }
 
     /// One cycle, begun by the board's timer.
@@ -77,10 +80,14 @@ impl Firmware {
         for _ in 0..256 {
             let Some(byte) = board.receive() else { break };
             // What is no frame is counted in the decoder, what may not be is counted in the device.
-            if let Ok(Some(message)) = self.decoder.push(byte)
-                && let Ok(Some(answer)) = self.device.receive(&message)
-            {
-                board.send(answer.frame().as_bytes());
+            match self.decoder.push(byte) {
+                Ok(None) => {}
+                Ok(Some(message)) => {
+                    if let Ok(Some(answer)) = self.device.receive(&message) {
+                        board.send(answer.frame().as_bytes());
+                    }
+                }
+                Err(rejection) => self.device.reject(&rejection),
             }
         }
         let late = self.before_us.is_some_and(|before| {
@@ -122,6 +129,10 @@ struct Imagined {
 }
 
 impl Board for Imagined {
+    fn seed(&mut self) -> u64 {
+        2017
+    }
+
     fn time_us(&mut self) -> u64 {
         self.time_us += 1000;
         self.time_us
@@ -163,18 +174,31 @@ impl Imagined {
     }
 }
 
+impl Imagined {
+    /// Says hello for a host. Returns the session that the device grants.
+    fn open(&mut self, firmware: &mut Firmware) -> Option<Session> {
+        // A host draws it at random.
+        self.say(&HostMessage::Hello { number: Session::MIN });
+        firmware.cycle(self);
+        let heard = self.heard();
+        println!("to a host: {heard:?}");
+        heard.iter().find_map(|message| match message {
+            DeviceMessage::Hello(hello) => hello.session,
+            _ => None,
+        })
+    }
+}
+
 /// A conversation: hello, activation, one command, silence.
 fn main() -> Result<(), HelloError> {
     let mut board = Imagined::default();
-    let mut firmware = Firmware::new(hello())?;
-    let session = rig_protocol::Session::MIN;
+    let mut firmware = Firmware::new(hello(), &mut board)?;
     firmware.cycle(&mut board);
     println!("by itself: {:?}", board.heard());
-    board.say(&HostMessage::Hello { session });
-    board.say(&HostMessage::Activate { session });
-    firmware.cycle(&mut board);
-    println!("to a host: {:?}", board.heard());
-    let command = rig_protocol::VoltageCommand { sequence: 1, answers: 2, voltage: 250, validity_us: 20_000 };
+    let Some(session) = board.open(&mut firmware) else { return Ok(()) };
+    let origin = |sequence| Origin { session, sequence };
+    board.say(&HostMessage::Activate(origin(1)));
+    let command = VoltageCommand { origin: origin(2), answers: 2, voltage: 250, validity_us: 20_000 };
     board.say(&HostMessage::Voltage(command));
     let driven = (0..100).take_while(|_| {
         firmware.cycle(&mut board);
@@ -186,24 +210,37 @@ fn main() -> Result<(), HelloError> {
 
 #[cfg(test)]
 mod tests {
-    use rig_protocol::{Session, State, VoltageCommand};
+    use rig_protocol::State;
 
     use super::*;
 
     fn active() -> (Firmware, Imagined) {
-        let (mut firmware, mut board) = (Firmware::new(hello()).unwrap(), Imagined::default());
-        board.say(&HostMessage::Hello { session: Session::MIN });
-        board.say(&HostMessage::Activate { session: Session::MIN });
+        let mut board = Imagined::default();
+        let mut firmware = Firmware::new(hello(), &mut board).unwrap();
+        let session = board.open(&mut firmware).unwrap();
+        board.say(&HostMessage::Activate(Origin { session, sequence: 1 }));
         firmware.cycle(&mut board);
         board.say(&HostMessage::Voltage(VoltageCommand {
-            sequence: 1,
-            answers: 1,
+            origin: Origin { session, sequence: 2 },
+            answers: 2,
             voltage: 250,
             validity_us: 20_000,
         }));
         firmware.cycle(&mut board);
         assert_eq!(board.voltage, 250);
         (firmware, board)
+    }
+
+    /// What a version 1 host would send: it moves nothing, and the host that is there sees in the next measurement that somebody spoke.
+    #[test]
+    fn a_frame_of_version_1_moves_nothing_and_is_counted() {
+        let (mut firmware, mut board) = active();
+        board.heard();
+        let old = HostMessage::EmergencyStop.frame().of_version(1);
+        board.to_device.extend(old.as_bytes());
+        firmware.cycle(&mut board);
+        let Some(DeviceMessage::Measurement(last)) = board.heard().pop() else { panic!("no measurement") };
+        assert_eq!((last.state, last.foreign, board.voltage), (State::Active, 1, 250));
     }
 
     #[test]

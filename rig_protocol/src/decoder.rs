@@ -230,8 +230,8 @@ mod tests {
         wrong.copy_from_slice(good.as_bytes());
         wrong[2] ^= 0x40;
         assert_eq!(fed(&mut decoder, wrong), Some(Rejection::Crc));
-        let foreign = Frame::versioned(2, 0x01, session);
-        assert_eq!(fed(&mut decoder, foreign.as_bytes()), Some(Rejection::Version(2)));
+        let foreign = Frame::versioned(1, 0x01, session);
+        assert_eq!(fed(&mut decoder, foreign.as_bytes()), Some(Rejection::Version(1)));
         assert_eq!(fed(&mut decoder, Frame::new(0x33, session).as_bytes()), Some(Rejection::Kind(0x33)));
         let long = Frame::new(0x01, |body| _ = body.put([1; 5]));
         assert_eq!(fed(&mut decoder, long.as_bytes()), Some(Rejection::Length { kind: 1, came: 5 }));

@@ -1,8 +1,8 @@
 //! The device's side: what voltage the motor gets, decided once a cycle, trusting no host.
 
 use crate::{
-    Cause, DeviceMessage, Event, FaultReport, Hello, HelloError, HostMessage, Measurement, Readings, Session,
-    State, VoltageCommand,
+    Cause, DeviceMessage, Event, FaultReport, Hello, HelloError, HostMessage, Measurement, Origin, Readings,
+    Rejection, Session, State, VoltageCommand, WINDOW,
 };
 
 /// Cycles between two announcements of a device that has no host.
@@ -13,12 +13,16 @@ const ANNOUNCE: u32 = 100;
 pub enum Refusal {
     /// The message names another session than the present one.
     OtherSession,
+    /// A hello came while another session's host is alive.
+    Held,
     /// A fault or an emergency stop is latched.
     Latched,
     /// A voltage came while the motor may not move.
     NotActive,
-    /// The command's number is not newer than the last one's: a duplicate, or out of order.
+    /// The message's number is not newer than the last one's: a duplicate, a replay, or out of order.
     NotNewer,
+    /// The message's number is further ahead of the last one's than [`WINDOW`].
+    TooFarAhead,
     /// The command answers a measurement that is older than the command's validity.
     Stale,
     /// The command answers a measurement that was not made yet.
@@ -69,15 +73,23 @@ pub struct Device {
     hello: Hello,
     state: State,
     cause: Cause,
+    /// The present session.
     session: Option<Session>,
+    /// Number of the hello that opened it.
+    asked: Option<Session>,
+    /// From which the next session's number is made.
+    seed: u64,
+    /// Number of the session's last message.
+    sequence: u32,
     cycle: u32,
-    /// The last accepted command of this session; it may have expired.
+    /// The last accepted command since the activation; it may have expired.
     held: Option<Held>,
     applied: i16,
     /// Voltage of the cycle before.
     before: i16,
     expired: bool,
     refused: u16,
+    foreign: u16,
     /// Cycles since the session's host was heard.
     silent: u32,
     report: Option<FaultReport>,
@@ -86,21 +98,28 @@ pub struct Device {
 impl Device {
     /// A device that has just started: inactive, without a host.
     ///
+    /// From `seed` come the numbers of its sessions. It is to be another one after each start, from noise of a converter, a generator of random
+    /// numbers or a counter in non-volatile memory: then nothing that was recorded before the start counts after it.
+    ///
     /// # Errors
     /// [`HelloError`] if the description breaks a rule.
-    pub fn new(hello: Hello) -> Result<Self, HelloError> {
+    pub fn new(hello: Hello, seed: u64) -> Result<Self, HelloError> {
         hello.check()?;
         Ok(Self {
-            hello: Hello { session: None, ..hello },
+            hello: Hello { answers: None, session: None, ..hello },
             state: State::default(),
             cause: Cause::None,
             session: None,
+            asked: None,
+            seed,
+            sequence: 0,
             cycle: 0,
             held: None,
             applied: 0,
             before: 0,
             expired: false,
             refused: 0,
+            foreign: 0,
             silent: 0,
             report: None,
         })
@@ -118,65 +137,137 @@ impl Device {
         self.cycle
     }
 
-    /// Commands refused since the start, with wrap-around.
+    /// Messages of the session refused since the start, with wrap-around.
     #[must_use]
     pub const fn refused(&self) -> u16 {
         self.refused
     }
 
+    /// Whole frames that were not the session's, since the start, with wrap-around.
+    #[must_use]
+    pub const fn foreign(&self) -> u16 {
+        self.foreign
+    }
+
+    /// Counts a frame that the decoder threw away, if it was whole: then it was not noise, but somebody who speaks another version.
+    pub const fn reject(&mut self, rejection: &Rejection) {
+        match rejection {
+            Rejection::TooLong | Rejection::Framing | Rejection::Crc => {}
+            Rejection::Version(_) | Rejection::Kind(_) | Rejection::Length { .. } | Rejection::Value(_) => {
+                self.foreign = self.foreign.wrapping_add(1);
+            }
+        }
+    }
+
     /// What the device says of itself, to the present session.
     #[must_use]
     pub const fn hello(&self) -> Hello {
-        Hello { session: self.session, ..self.hello }
+        Hello { answers: self.asked, session: self.session, ..self.hello }
+    }
+
+    /// The present session.
+    #[must_use]
+    pub const fn session(&self) -> Option<Session> {
+        self.session
     }
 
     /// Takes a message. Returns what is to be sent back at once.
     ///
     /// # Errors
-    /// [`Refusal`], which changes nothing but the count of refused commands.
+    /// [`Refusal`], which changes nothing but the counts, and that the message's number is used up.
     pub fn receive(&mut self, message: &HostMessage) -> Result<Option<DeviceMessage>, Refusal> {
+        let answer = self.obey(message);
+        let count = match answer {
+            Ok(_) => return answer,
+            Err(Refusal::OtherSession | Refusal::Held) => &mut self.foreign,
+            Err(_) => &mut self.refused,
+        };
+        *count = count.wrapping_add(1);
+        answer
+    }
+
+    fn obey(&mut self, message: &HostMessage) -> Result<Option<DeviceMessage>, Refusal> {
         match *message {
-            HostMessage::Hello { session } => {
-                self.session = Some(session);
-                self.silent = 0;
+            HostMessage::Hello { number } => {
+                self.open(number)?;
                 self.happen(Event::Hello, Cause::Deactivated);
                 return Ok(Some(DeviceMessage::Hello(self.hello())));
             }
+            // To stop is everybody's right.
+            HostMessage::Deactivate => {
+                self.happen(Event::Deactivate, Cause::Deactivated);
+                return Ok(None);
+            }
+            HostMessage::EmergencyStop => {
+                self.happen(Event::EmergencyStop, Cause::EmergencyStop);
+                return Ok(None);
+            }
             HostMessage::Voltage(command) => {
-                if let Err(refusal) = self.hold(&command) {
-                    self.refused = self.refused.wrapping_add(1);
-                    return Err(refusal);
-                }
-                self.silent = 0;
+                self.admit(command.origin)?;
+                self.hold(&command)?;
             }
-            HostMessage::Heartbeat { session } => {
-                self.require(session)?;
-                self.silent = 0;
-            }
-            HostMessage::Activate { session } => {
-                self.require(session)?;
+            HostMessage::Heartbeat(origin) => self.admit(origin)?,
+            HostMessage::Activate(origin) => {
+                self.admit(origin)?;
                 if matches!(self.state, State::Fault | State::EmergencyStopped) {
                     return Err(Refusal::Latched);
                 }
-                self.silent = 0;
                 self.happen(Event::Activate, Cause::None);
             }
-            HostMessage::Deactivate => self.happen(Event::Deactivate, Cause::Deactivated),
-            HostMessage::EmergencyStop => self.happen(Event::EmergencyStop, Cause::EmergencyStop),
-            HostMessage::Clear { session } => {
-                self.require(session)?;
-                self.silent = 0;
+            HostMessage::Clear(origin) => {
+                self.admit(origin)?;
                 self.happen(Event::Clear, Cause::None);
             }
+            HostMessage::Close(origin) => {
+                self.admit(origin)?;
+                self.happen(Event::Deactivate, Cause::Deactivated);
+                (self.session, self.asked) = (None, None);
+            }
         }
+        // Whose message was obeyed is alive.
+        self.silent = 0;
         Ok(None)
+    }
+
+    /// Opens a session, unless another host is alive.
+    fn open(&mut self, number: Session) -> Result<(), Refusal> {
+        let alive = self.session.is_some() && !self.is_forsaken();
+        if alive && self.asked != Some(number) {
+            return Err(Refusal::Held);
+        }
+        self.silent = 0;
+        // The same hello again: its answer was lost. Session and numbers stay, so that nothing old becomes new.
+        if !alive {
+            (self.session, self.asked, self.sequence) = (Some(self.draw()), Some(number), 0);
+        }
+        Ok(())
+    }
+
+    /// A session's number that no host knows in advance: SplitMix64 (Steele, Lea and Flood 2014), stirred by when hosts come.
+    fn draw(&mut self) -> Session {
+        loop {
+            self.seed = self.seed.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_add(self.cycle as u64);
+            let mut mixed = self.seed;
+            mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            if let Some(session) = Session::new((mixed ^ (mixed >> 31)) as u32)
+                && self.session != Some(session)
+            {
+                return session;
+            }
+        }
+    }
+
+    /// Nothing was heard from the session's host for too long.
+    fn is_forsaken(&self) -> bool {
+        self.silent > self.hello.cycles(self.hello.host_timeout_us)
     }
 
     /// Begins the next cycle: the voltage for it, and what is to be sent.
     pub fn tick(&mut self, inputs: Inputs) -> Output {
         self.cycle = self.cycle.wrapping_add(1);
         self.silent = self.silent.saturating_add(1);
-        if self.state == State::Active && self.silent > self.hello.cycles(self.hello.host_timeout_us) {
+        if self.state == State::Active && self.is_forsaken() {
             self.happen(Event::HostLost, Cause::HostLost);
         }
         if let Some(cause) = inputs.fault {
@@ -213,8 +304,10 @@ impl Device {
             readings,
             voltage_asked: self.held.map_or(0, |held| held.voltage),
             voltage_applied: self.before,
+            session: self.session,
             command_sequence: self.held.map_or(0, |held| held.sequence),
-            commands_refused: self.refused,
+            refused: self.refused,
+            foreign: self.foreign,
             state: self.state,
             cause: self.cause,
             saturated: self.held.is_some_and(|held| held.saturated),
@@ -227,9 +320,6 @@ impl Device {
         if self.state != State::Active {
             return Err(Refusal::NotActive);
         }
-        if self.held.is_some_and(|held| !newer(command.sequence, held.sequence)) {
-            return Err(Refusal::NotNewer);
-        }
         if newer(command.answers, self.cycle) {
             return Err(Refusal::FromTheFuture);
         }
@@ -241,7 +331,7 @@ impl Device {
         let limit = self.hello.voltage_limit;
         let voltage = command.voltage.clamp(-limit, limit);
         self.held = Some(Held {
-            sequence: command.sequence,
+            sequence: command.origin.sequence,
             voltage,
             answers: command.answers,
             cycles,
@@ -250,8 +340,19 @@ impl Device {
         Ok(())
     }
 
-    fn require(&self, session: Session) -> Result<(), Refusal> {
-        if self.session == Some(session) { Ok(()) } else { Err(Refusal::OtherSession) }
+    /// Whether a message is the session's next. Its number is used up then, whatever becomes of the message.
+    fn admit(&mut self, Origin { session, sequence }: Origin) -> Result<(), Refusal> {
+        if self.session != Some(session) {
+            return Err(Refusal::OtherSession);
+        }
+        match sequence.wrapping_sub(self.sequence) {
+            1..=WINDOW => {
+                self.sequence = sequence;
+                Ok(())
+            }
+            0 | 0x8000_0000.. => Err(Refusal::NotNewer),
+            _ => Err(Refusal::TooFarAhead),
+        }
     }
 
     /// Follows the table. Whatever leads out of motion, or into it, forgets the command that was held.

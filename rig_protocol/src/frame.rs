@@ -5,7 +5,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, Table};
 use crate::{VERSION, wire::Writer};
 
 /// Length of the longest payload [byte]: that of the device's hello.
-pub(crate) const MAX_PAYLOAD: usize = 62;
+pub(crate) const MAX_PAYLOAD: usize = 66;
 /// Version and kind in front of a payload [byte].
 pub(crate) const HEADER: usize = 2;
 /// CRC behind a payload [byte].

@@ -3,7 +3,7 @@
 use crate::{Session, wire::Reader, wire::Writer};
 
 /// Length on the line before framing [byte].
-pub(crate) const LENGTH: usize = 62;
+pub(crate) const LENGTH: usize = 66;
 
 /// A device's name: up to 16 bytes of printable ASCII.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
@@ -72,7 +72,9 @@ impl Channels {
 /// What a device is and what its counts mean. Load side of the gear, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hello {
-    /// The session that this answers; none when the device speaks up by itself, after it started.
+    /// The number of the hello that this answers; none when the device speaks up by itself, after it started.
+    pub answers: Option<Session>,
+    /// The session that the device grants: every further message of this host carries it. None when the device speaks up by itself.
     pub session: Option<Session>,
     /// The device's name.
     pub name: Name,
@@ -121,6 +123,11 @@ impl Hello {
         let require = |good: bool, field, expected| {
             if good { Ok(()) } else { Err(HelloError { field, expected }) }
         };
+        require(
+            self.answers.is_some() == self.session.is_some(),
+            "session",
+            "there where a hello is answered",
+        )?;
         require((100..=10_000).contains(&self.period_us), "period_us", "from 100 to 10000")?;
         require(self.counts_per_turn > 0, "counts_per_turn", "above 0")?;
         require(self.voltage_limit > 0, "voltage_limit", "above 0")?;
@@ -156,7 +163,8 @@ impl Hello {
     }
 
     pub(crate) fn write(&self, body: &mut Writer) {
-        body.put(self.session.map_or(0, Session::get).to_le_bytes())
+        body.put(self.answers.map_or(0, Session::get).to_le_bytes())
+            .put(self.session.map_or(0, Session::get).to_le_bytes())
             .put(self.name.0)
             .put(self.firmware)
             .put([self.channels.byte()])
@@ -175,6 +183,7 @@ impl Hello {
     /// Reads a payload; none if it breaks a rule.
     pub(crate) fn read(payload: &mut Reader<'_>) -> Option<Self> {
         let hello = Self {
+            answers: Session::new(payload.u32()),
             session: Session::new(payload.u32()),
             name: Name::from_bytes(payload.take())?,
             firmware: payload.take(),

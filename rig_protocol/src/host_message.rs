@@ -3,7 +3,7 @@
 use crate::{
     Frame, Session,
     decoder::{Message, Rejection, sealed::Sealed},
-    wire::Reader,
+    wire::{Reader, Writer},
 };
 
 const HELLO: u8 = 0x01;
@@ -13,12 +13,35 @@ const ACTIVATE: u8 = 0x04;
 const DEACTIVATE: u8 = 0x05;
 const EMERGENCY_STOP: u8 = 0x06;
 const CLEAR: u8 = 0x07;
+const CLOSE: u8 = 0x08;
+
+/// Of which session a message is, and its number in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Origin {
+    /// The session that the device granted.
+    pub session: Session,
+    /// Number of the message in its session, from 1, one more each time; after 2^32 - 1 comes 1. The device takes only numbers that are newer
+    /// than the last, by at most [`WINDOW`](crate::WINDOW).
+    pub sequence: u32,
+}
+
+impl Origin {
+    fn write(self, body: &mut Writer) -> &mut Writer {
+        body.put(self.session.get().to_le_bytes()).put(self.sequence.to_le_bytes())
+    }
+
+    fn read(payload: &mut Reader<'_>) -> Option<Self> {
+        let session = Session::new(payload.u32());
+        let sequence = payload.u32();
+        Some(Self { session: session?, sequence })
+    }
+}
 
 /// The voltage for the motor, and for how long it may be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VoltageCommand {
-    /// Number of the command, one more each time, with wrap-around. A number that is not newer is refused.
-    pub sequence: u32,
+    /// Session and number.
+    pub origin: Origin,
     /// Cycle of the measurement that this command answers. The validity counts from there, on the device's own clock: what lay in
     /// a buffer for too long is old when it arrives.
     pub answers: u32,
@@ -31,56 +54,48 @@ pub struct VoltageCommand {
 /// A message from the host to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HostMessage {
-    /// Opens a session: the motor goes to zero volts, the device says [`Hello`](crate::Hello) and sends measurements from now on.
+    /// Asks for a session: the motor goes to zero volts, the device says [`Hello`](crate::Hello) with the session that it grants, and sends
+    /// measurements from now on. Refused while another host is alive.
     Hello {
-        /// The session to be.
-        session: Session,
+        /// A number that the host draws at random: the device repeats it in its answer.
+        number: Session,
     },
     /// A voltage for the motor.
     Voltage(VoltageCommand),
     /// The host is there, though it has no voltage to command.
-    Heartbeat {
-        /// The session.
-        session: Session,
-    },
+    Heartbeat(Origin),
     /// The motor may move. Refused while a fault or an emergency stop is latched.
-    Activate {
-        /// The session.
-        session: Session,
-    },
+    Activate(Origin),
     /// The motor goes to zero volts and stays there. From anybody.
     Deactivate,
     /// The motor goes to zero volts and stays there until cleared. From anybody.
     EmergencyStop,
     /// Clears a latched fault or emergency stop. The motor stays at zero volts until activated.
-    Clear {
-        /// The session.
-        session: Session,
-    },
+    Clear(Origin),
+    /// Ends the session: the motor goes to zero volts, and another host may say hello at once.
+    Close(Origin),
 }
 
 impl Message for HostMessage {
     fn frame(&self) -> Frame {
-        let with_session = |kind, session: Session| {
-            Frame::new(kind, |body| {
-                body.put(session.get().to_le_bytes());
-            })
-        };
+        let with_origin = |kind, origin: Origin| Frame::new(kind, |body| _ = origin.write(body));
         match *self {
-            Self::Hello { session } => with_session(HELLO, session),
-            Self::Voltage(VoltageCommand { sequence, answers, voltage, validity_us }) => {
+            Self::Hello { number } => Frame::new(HELLO, |body| _ = body.put(number.get().to_le_bytes())),
+            Self::Voltage(VoltageCommand { origin, answers, voltage, validity_us }) => {
                 Frame::new(VOLTAGE, |body| {
-                    body.put(sequence.to_le_bytes())
+                    origin
+                        .write(body)
                         .put(answers.to_le_bytes())
                         .put(voltage.to_le_bytes())
                         .put(validity_us.to_le_bytes());
                 })
             }
-            Self::Heartbeat { session } => with_session(HEARTBEAT, session),
-            Self::Activate { session } => with_session(ACTIVATE, session),
+            Self::Heartbeat(origin) => with_origin(HEARTBEAT, origin),
+            Self::Activate(origin) => with_origin(ACTIVATE, origin),
             Self::Deactivate => Frame::new(DEACTIVATE, |_| ()),
             Self::EmergencyStop => Frame::new(EMERGENCY_STOP, |_| ()),
-            Self::Clear { session } => with_session(CLEAR, session),
+            Self::Clear(origin) => with_origin(CLEAR, origin),
+            Self::Close(origin) => with_origin(CLOSE, origin),
         }
     }
 }
@@ -88,8 +103,9 @@ impl Message for HostMessage {
 impl Sealed for HostMessage {
     fn length(kind: u8) -> Option<usize> {
         match kind {
-            HELLO | HEARTBEAT | ACTIVATE | CLEAR => Some(4),
-            VOLTAGE => Some(14),
+            HELLO => Some(4),
+            HEARTBEAT | ACTIVATE | CLEAR | CLOSE => Some(8),
+            VOLTAGE => Some(18),
             DEACTIVATE | EMERGENCY_STOP => Some(0),
             _ => None,
         }
@@ -97,20 +113,24 @@ impl Sealed for HostMessage {
 
     #[expect(private_interfaces, reason = "only this crate reads payloads")]
     fn read(kind: u8, payload: &mut Reader<'_>) -> Result<Self, Rejection> {
-        let session = |payload: &mut Reader<'_>| Session::new(payload.u32()).ok_or(Rejection::Value(kind));
+        let origin = |payload: &mut Reader<'_>| Origin::read(payload).ok_or(Rejection::Value(kind));
         match kind {
-            HELLO => Ok(Self::Hello { session: session(payload)? }),
+            HELLO => {
+                let number = Session::new(payload.u32()).ok_or(Rejection::Value(kind))?;
+                Ok(Self::Hello { number })
+            }
             VOLTAGE => Ok(Self::Voltage(VoltageCommand {
-                sequence: payload.u32(),
+                origin: origin(payload)?,
                 answers: payload.u32(),
                 voltage: payload.i16(),
                 validity_us: payload.u32(),
             })),
-            HEARTBEAT => Ok(Self::Heartbeat { session: session(payload)? }),
-            ACTIVATE => Ok(Self::Activate { session: session(payload)? }),
+            HEARTBEAT => Ok(Self::Heartbeat(origin(payload)?)),
+            ACTIVATE => Ok(Self::Activate(origin(payload)?)),
             DEACTIVATE => Ok(Self::Deactivate),
             EMERGENCY_STOP => Ok(Self::EmergencyStop),
-            CLEAR => Ok(Self::Clear { session: session(payload)? }),
+            CLEAR => Ok(Self::Clear(origin(payload)?)),
+            CLOSE => Ok(Self::Close(origin(payload)?)),
             other => Err(Rejection::Kind(other)),
         }
     }

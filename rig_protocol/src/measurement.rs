@@ -1,9 +1,9 @@
 //! One cycle's readings as they go over the line.
 
-use crate::{Cause, State, wire::Reader, wire::Writer};
+use crate::{Cause, Session, State, wire::Reader, wire::Writer};
 
 /// Length on the line before framing [byte].
-pub(crate) const LENGTH: usize = 45;
+pub(crate) const LENGTH: usize = 51;
 
 const SATURATED: u8 = 1;
 const EXPIRED: u8 = 2;
@@ -36,10 +36,15 @@ pub struct Measurement {
     pub voltage_asked: i16,
     /// Voltage on the motor until these readings [count].
     pub voltage_applied: i16,
-    /// Number of the last command that was accepted; 0 before the first.
+    /// The session whose commands the device takes.
+    pub session: Option<Session>,
+    /// Number of the last command that was accepted since the activation; 0 before the first.
     pub command_sequence: u32,
-    /// Commands refused since the device started, with wrap-around.
-    pub commands_refused: u16,
+    /// Messages of the session refused since the device started, with wrap-around.
+    pub refused: u16,
+    /// Whole frames that were not the session's, since the device started, with wrap-around: of another session, of another version, or
+    /// without meaning. Noise makes none of them; somebody else writes to the line.
+    pub foreign: u16,
     /// The device's state.
     pub state: State,
     /// Why the motor stands still; [`Cause::None`] while active.
@@ -59,8 +64,10 @@ impl Measurement {
         }
         body.put(self.voltage_asked.to_le_bytes())
             .put(self.voltage_applied.to_le_bytes())
+            .put(self.session.map_or(0, Session::get).to_le_bytes())
             .put(self.command_sequence.to_le_bytes())
-            .put(self.commands_refused.to_le_bytes())
+            .put(self.refused.to_le_bytes())
+            .put(self.foreign.to_le_bytes())
             .put([self.state as u8, self.cause as u8])
             .put([(u8::from(self.saturated) * SATURATED) | (u8::from(self.expired) * EXPIRED)]);
     }
@@ -75,7 +82,8 @@ impl Measurement {
             current: payload.i32(),
         };
         let (voltage_asked, voltage_applied) = (payload.i16(), payload.i16());
-        let (command_sequence, commands_refused) = (payload.u32(), payload.u16());
+        let (session, command_sequence) = (Session::new(payload.u32()), payload.u32());
+        let (refused, foreign) = (payload.u16(), payload.u16());
         let state = State::from_byte(payload.u8())?;
         let cause = Cause::from_byte(payload.u8())?;
         let flags = payload.u8();
@@ -88,8 +96,10 @@ impl Measurement {
             readings,
             voltage_asked,
             voltage_applied,
+            session,
             command_sequence,
-            commands_refused,
+            refused,
+            foreign,
             state,
             cause,
             saturated: flags & SATURATED != 0,

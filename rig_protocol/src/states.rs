@@ -23,7 +23,7 @@ pub enum Event {
     Hello = 0,
     /// The host of the session activates.
     Activate = 1,
-    /// Anybody deactivates.
+    /// Anybody deactivates, or the host of the session closes it.
     Deactivate = 2,
     /// Nothing came from the host for too long.
     HostLost = 3,
@@ -88,7 +88,7 @@ pub enum Cause {
     /// It does not, or nothing happened: active, or not activated since the start or since a clear.
     #[default]
     None = 0,
-    /// The host deactivated, or a host said hello.
+    /// The host deactivated or closed its session, or a host said hello.
     Deactivated = 1,
     /// Nothing came from the host for too long.
     HostLost = 2,

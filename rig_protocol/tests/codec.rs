@@ -3,31 +3,36 @@
 use proptest::prelude::*;
 use rig_protocol::{
     Cause, Channels, Decoder, DeviceMessage, FaultReport, Hello, HostMessage, MAX_FRAME, Measurement,
-    Message, Name, Readings, Rejection, Session, State, VoltageCommand,
+    Message, Name, Origin, Readings, Rejection, Session, State, VoltageCommand,
 };
 
 fn session() -> impl Strategy<Value = Session> {
     (1..=u32::MAX).prop_map(|number| Session::new(number).unwrap())
 }
 
+fn origin() -> impl Strategy<Value = Origin> {
+    (session(), any::<u32>()).prop_map(|(session, sequence)| Origin { session, sequence })
+}
+
 fn host_message() -> impl Strategy<Value = HostMessage> {
     prop_oneof![
-        session().prop_map(|session| HostMessage::Hello { session }),
-        any::<(u32, u32, i16, u32)>().prop_map(|(sequence, answers, voltage, validity_us)| {
-            HostMessage::Voltage(VoltageCommand { sequence, answers, voltage, validity_us })
+        session().prop_map(|number| HostMessage::Hello { number }),
+        (origin(), any::<(u32, i16, u32)>()).prop_map(|(origin, (answers, voltage, validity_us))| {
+            HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us })
         }),
-        session().prop_map(|session| HostMessage::Heartbeat { session }),
-        session().prop_map(|session| HostMessage::Activate { session }),
+        origin().prop_map(HostMessage::Heartbeat),
+        origin().prop_map(HostMessage::Activate),
         Just(HostMessage::Deactivate),
         Just(HostMessage::EmergencyStop),
-        session().prop_map(|session| HostMessage::Clear { session }),
+        origin().prop_map(HostMessage::Clear),
+        origin().prop_map(HostMessage::Close),
     ]
 }
 
 fn hello() -> impl Strategy<Value = Hello> {
     let scale = || prop_oneof![1e-6..1.0f32, -1.0..-1e-6f32];
     (
-        (proptest::option::of(session()), "[ -~]{0,16}", any::<[u8; 3]>(), any::<[bool; 4]>()),
+        (proptest::option::of((session(), session())), "[ -~]{0,16}", any::<[u8; 3]>(), any::<[bool; 4]>()),
         (100..=10_000u32, 1..=u32::MAX, scale(), 1..=i16::MAX),
         (scale(), scale(), scale(), scale()),
         (10_000..=1_000_000u32, 1_000_000..=10_000_000u32),
@@ -36,7 +41,8 @@ fn hello() -> impl Strategy<Value = Hello> {
             let [tachometer, potentiometer, torque, current] = who.3;
             let of = |present, scale| if present { scale } else { 0.0 };
             Hello {
-                session: who.0,
+                answers: who.0.map(|(number, _)| number),
+                session: who.0.map(|(_, session)| session),
                 name: Name::new(&who.1).unwrap(),
                 firmware: who.2,
                 channels: Channels { tachometer, potentiometer, torque, current },
@@ -65,26 +71,30 @@ fn cause() -> impl Strategy<Value = Cause> {
 fn measurement() -> impl Strategy<Value = Measurement> {
     (
         any::<(u32, u64, [i32; 5])>(),
-        any::<(i16, i16, u32, u16)>(),
+        (any::<(i16, i16, u32, u16, u16)>(), proptest::option::of(session())),
         (state(), cause(), any::<bool>(), any::<bool>()),
     )
-        .prop_map(|((cycle, time_us, readings), command, (state, cause, saturated, expired))| {
-            let [encoder, tachometer, potentiometer, torque, current] = readings;
-            let (voltage_asked, voltage_applied, command_sequence, commands_refused) = command;
-            Measurement {
-                cycle,
-                time_us,
-                readings: Readings { encoder, tachometer, potentiometer, torque, current },
-                voltage_asked,
-                voltage_applied,
-                command_sequence,
-                commands_refused,
-                state,
-                cause,
-                saturated,
-                expired,
-            }
-        })
+        .prop_map(
+            |((cycle, time_us, readings), (command, session), (state, cause, saturated, expired))| {
+                let [encoder, tachometer, potentiometer, torque, current] = readings;
+                let (voltage_asked, voltage_applied, command_sequence, refused, foreign) = command;
+                Measurement {
+                    cycle,
+                    time_us,
+                    readings: Readings { encoder, tachometer, potentiometer, torque, current },
+                    voltage_asked,
+                    voltage_applied,
+                    session,
+                    command_sequence,
+                    refused,
+                    foreign,
+                    state,
+                    cause,
+                    saturated,
+                    expired,
+                }
+            },
+        )
 }
 
 fn device_message() -> impl Strategy<Value = DeviceMessage> {
@@ -174,12 +184,12 @@ proptest! {
     /// Bytes that pass framing and CRC, with any version, kind, length and content.
     #[test]
     fn well_framed_nonsense_never_panics(
-        kind in prop_oneof![any::<u8>(), 0x01..=0x07u8, 0x81..=0x83u8],
+        kind in prop_oneof![any::<u8>(), 0x01..=0x08u8, 0x81..=0x83u8],
         version in prop_oneof![3 => Just(rig_protocol::VERSION), 1 => any::<u8>()],
         payload in prop_oneof![
             proptest::collection::vec(any::<u8>(), 0..110),
-            proptest::collection::vec(any::<u8>(), 45..=45),
-            proptest::collection::vec(any::<u8>(), 62..=62),
+            proptest::collection::vec(any::<u8>(), 51..=51),
+            proptest::collection::vec(any::<u8>(), 66..=66),
         ],
     ) {
         let mut body = vec![version, kind];
@@ -209,13 +219,13 @@ proptest! {
 fn a_cycle_takes_at_most_100_bytes_each_way() {
     let session = Session::MAX;
     let longest = |messages: &[usize]| messages.iter().sum::<usize>();
-    let command =
-        VoltageCommand { sequence: u32::MAX, answers: u32::MAX, voltage: -1, validity_us: u32::MAX };
+    let origin = Origin { session, sequence: u32::MAX };
+    let command = VoltageCommand { origin, answers: u32::MAX, voltage: -1, validity_us: u32::MAX };
     let from_host = longest(&[
         HostMessage::Voltage(command).frame().as_bytes().len(),
-        HostMessage::Heartbeat { session }.frame().as_bytes().len(),
+        HostMessage::Heartbeat(origin).frame().as_bytes().len(),
         HostMessage::EmergencyStop.frame().as_bytes().len(),
-        HostMessage::Activate { session }.frame().as_bytes().len(),
+        HostMessage::Activate(origin).frame().as_bytes().len(),
     ]);
     let measurement = Measurement {
         cycle: u32::MAX,
@@ -223,8 +233,10 @@ fn a_cycle_takes_at_most_100_bytes_each_way() {
         readings: Readings { encoder: -1, tachometer: -1, potentiometer: -1, torque: -1, current: -1 },
         voltage_asked: -1,
         voltage_applied: -1,
+        session: Some(session),
         command_sequence: u32::MAX,
-        commands_refused: u16::MAX,
+        refused: u16::MAX,
+        foreign: u16::MAX,
         state: State::Active,
         cause: Cause::Other,
         saturated: true,
@@ -240,9 +252,9 @@ fn a_cycle_takes_at_most_100_bytes_each_way() {
         assert!(bytes <= 100 && 2 * bytes <= bytes_a_cycle, "{bytes}");
     }
     // What PROTOCOL.md says: lengths do not depend on the content.
-    assert_eq!(HostMessage::Voltage(command).frame().as_bytes().len(), 22);
-    assert_eq!(DeviceMessage::Measurement(measurement).frame().as_bytes().len(), 53);
-    assert_eq!(MAX_FRAME, 70);
+    assert_eq!(HostMessage::Voltage(command).frame().as_bytes().len(), 26);
+    assert_eq!(DeviceMessage::Measurement(measurement).frame().as_bytes().len(), 59);
+    assert_eq!(MAX_FRAME, 74);
 }
 
 #[test]

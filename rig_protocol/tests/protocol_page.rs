@@ -41,7 +41,7 @@ fn hold<M: Message + Debug>(examples: &[(Vec<u8>, String)]) -> BTreeSet<u8> {
 #[test]
 fn every_message_has_an_example_and_every_example_decodes_to_what_stands_under_it() {
     let page = page();
-    assert_eq!(hold::<HostMessage>(&examples(&page, "from host")), (0x01..=0x07).collect());
+    assert_eq!(hold::<HostMessage>(&examples(&page, "from host")), (0x01..=0x08).collect());
     assert_eq!(hold::<DeviceMessage>(&examples(&page, "from device")), (0x81..=0x83).collect());
 }
 

@@ -22,7 +22,7 @@ use msgs::std_msgs::Header;
 use msgs::{RosMessage, cdr};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rig_protocol::{Decoder, DeviceMessage, HostMessage, Message, Session};
+use rig_protocol::{Decoder, DeviceMessage, HostMessage, Message, Origin, Session, VoltageCommand};
 
 /// Numbers and words that parsers stumble over.
 const EXTREME: [&str; 12] = [
@@ -219,11 +219,14 @@ fn messages_of_strangers() {
 #[test]
 fn frames_of_a_line() {
     let session = Session::new(7).expect("a session");
+    let origin = Origin { session, sequence: 1 };
     let valid: Vec<Vec<u8>> = [
-        HostMessage::Hello { session },
-        HostMessage::Activate { session },
+        HostMessage::Hello { number: session },
+        HostMessage::Activate(origin),
         HostMessage::EmergencyStop,
-        HostMessage::Heartbeat { session },
+        HostMessage::Heartbeat(origin),
+        HostMessage::Voltage(VoltageCommand { origin, answers: 1, voltage: 500, validity_us: 20_000 }),
+        HostMessage::Close(origin),
     ]
     .iter()
     .map(|message| message.frame().as_bytes().repeat(3))

@@ -7,7 +7,7 @@ mod stopping;
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
     time::{Duration, Instant},
@@ -81,6 +81,8 @@ pub(super) struct Axis {
     station: Arc<Station>,
     /// Who has it asks the control thread: one request at a time. The emergency stop never takes it.
     asking: Mutex<()>,
+    /// A stop was cleared; what it latched in the back end is cleared with the next configuration.
+    clears_back_end: AtomicBool,
     /// The press of the emergency stop that was told last.
     told_press: AtomicU64,
     /// The fault that was told last.
@@ -136,6 +138,7 @@ impl Axis {
             counters: Mutex::default(),
             station: Arc::new(Station::under(stop)),
             asking: Mutex::default(),
+            clears_back_end: AtomicBool::new(false),
             told_press: AtomicU64::new(0),
             told: Mutex::default(),
             opened: Mutex::new(opened),

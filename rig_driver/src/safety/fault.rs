@@ -46,6 +46,20 @@ pub enum Fault {
     PermissionWithdrawn,
     /// The back end reports a fault or refuses a voltage.
     BackEnd,
+    /// The shaft turns though the motor has had zero volts for long.
+    MotionAtZero,
+    /// The device obeys a command that this driver did not send.
+    UnknownEcho,
+    /// Somebody else writes to the device's line.
+    ForeignFrames,
+    /// The device refuses most of what it is sent.
+    CommandsRefused,
+    /// The motor has another voltage than the one asked for.
+    VoltageDiffers,
+    /// The device's cycles, its clock and the time here contradict each other.
+    CycleJump,
+    /// The device does not say that it stopped.
+    StopNotAcknowledged,
 }
 
 /// What the driver does about a fault.
@@ -77,7 +91,7 @@ const fn rule(fault: Fault, name: &'static str, when: &'static str, reaction: Re
 }
 
 /// Every fault with what it does. No fault ramps the voltage down: a ramp needs a driver that still works.
-pub const FAULTS: [FaultRule; 19] = {
+pub const FAULTS: [FaultRule; 26] = {
     use Fault as F;
     use Reaction::{Cut, ZeroUntilCleared, ZeroWhileItLasts};
     [
@@ -175,6 +189,48 @@ pub const FAULTS: [FaultRule; 19] = {
             ZeroUntilCleared,
         ),
         rule(F::BackEnd, "back end", "the back end reports a fault or refuses a voltage", ZeroUntilCleared),
+        rule(
+            F::MotionAtZero,
+            "motion at zero volts",
+            "zero volts for `standstill.after`, and from then on two windows of 0.1 s running with a mean speed above `standstill.velocity` that does not fall by a tenth",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::UnknownEcho,
+            "unknown echo",
+            "a serial device obeys a command whose number or voltage was not sent",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::ForeignFrames,
+            "foreign frames",
+            "a serial device heard more than two frames of another session or version within a second",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::CommandsRefused,
+            "commands refused",
+            "a serial device refused messages in more than half of the cycles of a second",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::VoltageDiffers,
+            "voltage differs",
+            "a serial device's motor had another voltage than the one asked for, by more than 5 % of its limit, in three cycles running",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::CycleJump,
+            "cycle jump",
+            "a serial device's cycles and clock differ by more than two periods and an eighth, or run ahead of the time here by more than 0.25 s at once",
+            ZeroUntilCleared,
+        ),
+        rule(
+            F::StopNotAcknowledged,
+            "stop not acknowledged",
+            "a serial device was told to stop or to rest, every 10 ms, and its measurements did not say so within 0.1 s",
+            ZeroUntilCleared,
+        ),
     ]
 };
 
@@ -269,6 +325,34 @@ impl fmt::Display for FaultReport {
             Fault::BackEnd => {
                 write!(f, "the back end holds the motor at zero volts; its own message says why")
             }
+            Fault::MotionAtZero => write!(
+                f,
+                "the shaft turns at {value:.3} rad/s with zero volts, {limit} rad/s are allowed; see what drives it (a load, a hand, a broken driver stage), take the motor's power away if nothing does, then clear and activate"
+            ),
+            Fault::UnknownEcho => write!(
+                f,
+                "the device obeyed command {value:.0}, which this driver did not send so (its last is {limit:.0}); somebody else writes to the line: end that (`fuser` names programs), then clear and activate"
+            ),
+            Fault::ForeignFrames => write!(
+                f,
+                "{value:.0} frames of another session or version within a second, {limit:.0} are allowed; somebody else writes to the line: end that (`fuser` names programs), then clear and activate"
+            ),
+            Fault::CommandsRefused => write!(
+                f,
+                "the device refused {value:.0} messages within a second, {limit:.0} are allowed; see whether the loop is late or the line loses frames, then clear and activate"
+            ),
+            Fault::VoltageDiffers => write!(
+                f,
+                "the voltage on the motor differs by {value:.3} V from the one asked for, {limit:.3} V are allowed; check the device's driver stage and supply, then clear and activate"
+            ),
+            Fault::CycleJump => write!(
+                f,
+                "the device's cycles and time contradict each other by {value:.4} s, {limit:.4} s are allowed; check the device's clock and firmware, then clear and activate"
+            ),
+            Fault::StopNotAcknowledged => write!(
+                f,
+                "the device did not say within {limit} s that it stopped; take the motor's power away if it moves, check the line, then clear and activate"
+            ),
         }
     }
 }
@@ -283,7 +367,7 @@ mod tests {
             assert_eq!(rule.fault as usize, place, "{}", rule.name);
             assert_eq!(rule.fault.rule().name, rule.name);
         }
-        assert_eq!(Fault::BackEnd as usize + 1, FAULTS.len());
+        assert_eq!(Fault::StopNotAcknowledged as usize + 1, FAULTS.len());
     }
 
     #[test]

@@ -27,6 +27,8 @@ pub struct SafetyLimits {
     pub cycle_lost: f64,
     /// Temperature model of the winding; none to go without.
     pub motor: Option<MotorThermal>,
+    /// Whether the shaft has to stand still where the motor has zero volts; none where a load or a hand may turn it.
+    pub standstill: Option<Standstill>,
     /// What the sensors are held to.
     pub sensors: SensorChecks,
 }
@@ -41,6 +43,16 @@ pub struct Travel {
     pub max: f64,
     /// How far beyond an end the shaft may coast [rad], zero or more.
     pub margin: f64,
+}
+
+/// When a shaft that turns at zero volts is a fault. What still loses a tenth of its speed in 0.1 s coasts and is none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Standstill {
+    /// Time at zero volts in which the shaft may coast [s], above zero and at most 10 s.
+    pub after: f64,
+    /// Speed above which it turns [rad/s], above zero.
+    pub velocity: f64,
 }
 
 /// The winding as one thermal mass: `C dT/dt = i^2 R_a - (T - T_ambient) / R_th`, with the time constant `R_th C`.
@@ -110,6 +122,7 @@ impl Default for SafetyLimits {
                 ambient: 25.0,
                 limit: 100.0,
             }),
+            standstill: Some(Standstill { after: 0.5, velocity: 0.5 }),
             sensors: SensorChecks {
                 agreement: Some(Agreement { window: 0.05, absolute: 0.3, relative: 0.2 }),
                 torque_range: Some(22.9),
@@ -129,7 +142,7 @@ impl SafetyLimits {
     /// of only those sensors that have ranges and noise.
     #[must_use]
     pub fn for_simulation(options: &SimulationOptions) -> Self {
-        let Self { motor, sensors, .. } = Self::default();
+        let Self { motor, sensors, standstill, .. } = Self::default();
         let drive = &options.drive;
         Self {
             voltage: options.voltage_limit,
@@ -138,6 +151,11 @@ impl SafetyLimits {
                 armature_resistance: drive.parameters().armature_resistance,
                 back_emf: drive.back_emf(),
                 ..motor
+            }),
+            // Four time constants bring the fastest shaft below a fiftieth of its speed.
+            standstill: standstill.map(|limits| Standstill {
+                after: limits.after.max(4.0 * drive.time_constant()).min(10.0),
+                ..limits
             }),
             sensors: SensorChecks {
                 torque_range: Some(options.sensors.torque.range)
@@ -213,6 +231,14 @@ impl SafetyLimits {
                 return error("motor.limit", motor.limit, "above motor.ambient by more than 10 K");
             }
         }
+        if let Some(Standstill { after, velocity }) = self.standstill {
+            if !(after > 0.0 && after <= 10.0) {
+                return error("standstill.after", after, "above 0 and at most 10 s");
+            }
+            if !above_zero(velocity) {
+                return error("standstill.velocity", velocity, "a finite number above zero");
+            }
+        }
         if let Some(Agreement { window, absolute, relative }) = self.sensors.agreement {
             if !(window >= period && window <= 10.0) {
                 return error("sensors.agreement.window", window, "at least the period and at most 10 s");
@@ -265,6 +291,14 @@ mod tests {
             (
                 SafetyLimits { travel: Some(Travel { min: 1.0, max: 1.0, margin: 0.0 }), ..limits },
                 "travel.max",
+            ),
+            (
+                SafetyLimits { standstill: Some(Standstill { after: 0.0, velocity: 1.0 }), ..limits },
+                "standstill.after",
+            ),
+            (
+                SafetyLimits { standstill: Some(Standstill { after: 1.0, velocity: f64::NAN }), ..limits },
+                "standstill.velocity",
             ),
             (motor(|motor| motor.limit = 30.0), "motor.limit"),
             (motor(|motor| motor.time_constant = -1.0), "motor.time_constant"),

@@ -12,6 +12,7 @@ mod lifecycle;
 mod limits;
 mod pages;
 mod sensors;
+mod standstill;
 mod stop_latch;
 mod supervised;
 mod supervisor;
@@ -19,7 +20,7 @@ mod temperature;
 
 pub use fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
 pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
-pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Travel};
+pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Standstill, Travel};
 pub use pages::{fault_table, state_diagram, transition_table};
 pub use stop_latch::StopLatch;
 pub use supervised::Supervised;

@@ -177,6 +177,10 @@ impl<R: Rig> Rig for Supervised<R> {
 
     fn measure(&mut self) -> Measurement {
         let mut seen = self.rig.measure();
+        // What the back end found out by itself says more than that it has a fault.
+        if let Some(FaultReport { fault, value, limit, .. }) = self.rig.latched_fault() {
+            self.supervisor.fault(fault, value, limit);
+        }
         self.supervisor.cycle(self.now(&seen), &seen);
         self.settle();
         self.supervisor.mark(&mut seen);

@@ -1,6 +1,7 @@
 //! The supervisor: readings and commands in, a voltage that can do no harm out.
 
 use super::sensors::SensorMonitor;
+use super::standstill::StandstillMonitor;
 use super::temperature::Winding;
 use super::{Event, Fault, FaultReport, Reaction, Refused, Request, SafetyLimits, State, next};
 use crate::{Measurement, RigError};
@@ -21,6 +22,7 @@ pub struct SafetySupervisor {
     latched: Option<FaultReport>,
     sensors: SensorMonitor,
     winding: Option<Winding>,
+    standstill: StandstillMonitor,
     overspeed_cycles: u32,
     /// Time of the cycle before and of this one [s].
     now: Option<f64>,
@@ -52,6 +54,7 @@ impl SafetySupervisor {
             latched: None,
             sensors: SensorMonitor::new(limits.sensors, period),
             winding: limits.motor.map(|motor| Winding::new(motor, limits.voltage)),
+            standstill: StandstillMonitor::new(limits.standstill),
             overspeed_cycles: 0,
             now: None,
             cycle_late: None,
@@ -186,6 +189,10 @@ impl SafetySupervisor {
         if let Some((fault, value, limit)) = self.sensors.check(seen, self.cycle_late.is_some()) {
             self.fault(fault, value, limit);
         }
+        let (applied, moves, late) = (self.applied, self.state.moves(), self.cycle_late.is_some());
+        if let Some((fault, value, limit)) = self.standstill.check(gap.max(0.0), applied, seen, moves, late) {
+            self.fault(fault, value, limit);
+        }
         self.check_motion(seen);
     }
 
@@ -228,7 +235,8 @@ impl SafetySupervisor {
             return;
         }
         if self.state.moves() {
-            let stamp = self.now.map_or(stamp, |now| stamp.min(now));
+            // Before the first cycle too: a stamp ahead would let a command count for as long as it is ahead.
+            let stamp = stamp.min(self.now());
             // An old command that comes late does not replace a newer one.
             if self.command.is_none_or(|before| stamp >= before.stamp) {
                 self.command = Some(Command { stamp, volts });

@@ -65,12 +65,32 @@ pub enum SerialError {
         rejections: Rejections,
     },
     /// The device speaks another version of the protocol.
-    #[error("the device on {} speaks version {theirs} of the protocol, and this program version {VERSION}; update whichever is older", path.display())]
+    #[error("the device on {} speaks version {theirs} of the protocol, and this program version {VERSION}; {}", path.display(), update(*theirs))]
     WrongVersion {
         /// The port.
         path: PathBuf,
         /// The device's version.
         theirs: u8,
+    },
+    /// The device obeys another host, and goes on doing so.
+    #[error("the device on {} has another host, which is alive: it grants one session at a time; end that program first (`fuser {}` names it), or wait for the device's host timeout if it has just been killed", path.display(), path.display())]
+    Held {
+        /// The port.
+        path: PathBuf,
+    },
+    /// The device has granted its session to another host, while this one was silent for too long.
+    #[error("the device on {} has another host now, which came while this program was silent for longer than the device's host timeout; end that one (`fuser {}` names it), then clear and activate", path.display(), path.display())]
+    TakenOver {
+        /// The port.
+        path: PathBuf,
+    },
+    /// The device does not say that it stopped.
+    #[error("the device on {} did not say within {milliseconds} ms that it stopped; it is told again every 10 ms. Take the motor's power away if it moves", path.display())]
+    StopNotAcknowledged {
+        /// The port.
+        path: PathBuf,
+        /// How long [ms].
+        milliseconds: u64,
     },
     /// The line is gone: unplugged, or the device lost power.
     #[error("the device on {} is gone ({reason}); it comes back by itself when plugged in, with the motor at zero volts until activated again", path.display())]
@@ -116,6 +136,15 @@ const fn name(state: State) -> &'static str {
         State::Active => "active",
         State::Fault => "in a latched fault",
         State::EmergencyStopped => "in a latched emergency stop",
+    }
+}
+
+/// Which side is older, and how it is brought up to date.
+const fn update(theirs: u8) -> &'static str {
+    if theirs < VERSION {
+        "update the device: build its firmware anew with this program's rig_protocol (its example `firmware` shows what changed, docs/firmware.md how)"
+    } else {
+        "update this program"
     }
 }
 

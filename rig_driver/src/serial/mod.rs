@@ -6,17 +6,27 @@
 //!
 //! A thread of its own ([`reader`]) reads the line into a bounded queue and brings the line back after it was gone. The motor moves
 //! only after [`Rig::activate`](crate::Rig::activate), and again only after another one when the line was lost or the device restarted.
+//!
+//! Nothing that the device says is taken on trust ([`monitor`], [`clock`]): an echo of a command that was not sent, a voltage that was not
+//! asked for, frames of somebody else, a clock that jumps are faults with reasons, and the device is told to rest. What stops is
+//! said again until a measurement shows it ([`stopping`]).
 
+mod clock;
 mod error;
 mod handshake;
 mod latency;
+mod monitor;
 mod options;
 mod port;
 mod reader;
 mod rig;
 mod scaling;
+mod scheduling;
 mod statistics;
+mod stopping;
 mod supervision;
+#[cfg(test)]
+mod test_messages;
 
 pub use error::SerialError;
 pub use latency::Latency;

@@ -1,9 +1,10 @@
 //! The thread that reads the line, finds the frames, and brings the line back when it was gone.
 
 use std::{
+    cell::Cell,
     path::PathBuf,
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex,
         atomic::{AtomicBool, Ordering},
         mpsc::{SyncSender, TrySendError},
     },
@@ -23,6 +24,8 @@ use super::{
 const WAIT: Duration = Duration::from_millis(20);
 /// Pause between two attempts to open a port that is gone.
 const RETRY: Duration = Duration::from_millis(100);
+/// Measurements of another session in a row that say that the device has another host: one may come late from before.
+const OTHERS: u32 = 3;
 
 /// What the thread tells.
 #[derive(Debug)]
@@ -43,12 +46,21 @@ pub(super) struct Counts {
     pub(super) measurements: u64,
     pub(super) gaps: u64,
     pub(super) repeated: u64,
+    pub(super) others: u64,
     pub(super) dropped: u64,
     pub(super) reconnects: u64,
     pub(super) restarts: u64,
     /// Of all sessions before the present one's decoder.
     pub(super) rejected_before: u64,
     pub(super) rejections: Rejections,
+}
+
+/// What was heard last in a session.
+struct Last {
+    session: Session,
+    cycle: Option<u32>,
+    /// Measurements of another session in a row.
+    others: u32,
 }
 
 /// What ends the reading of one session.
@@ -65,6 +77,8 @@ pub(super) struct Reader {
     pub(super) patience: Duration,
     pub(super) events: SyncSender<Event>,
     pub(super) counts: Arc<Mutex<Counts>>,
+    /// The counts as they are; `counts` shows them whenever nobody looks at it, so that the thread never waits for who does.
+    pub(super) present: Cell<Counts>,
     pub(super) stop: Arc<AtomicBool>,
 }
 
@@ -111,8 +125,8 @@ impl Reader {
 
     /// Reads one session.
     fn read(&self, port: &Port, agreed: Agreed) -> End {
-        let Agreed { mut decoder, rest, .. } = agreed;
-        let mut last = None;
+        let Agreed { session, mut decoder, rest, .. } = agreed;
+        let mut last = Last { session, cycle: None, others: 0 };
         for byte in rest {
             if let Some(end) = self.push(byte, &mut decoder, &mut last) {
                 return end;
@@ -138,16 +152,25 @@ impl Reader {
         }
     }
 
-    fn push(&self, byte: u8, decoder: &mut Decoder<DeviceMessage>, last: &mut Option<u32>) -> Option<End> {
+    fn push(&self, byte: u8, decoder: &mut Decoder<DeviceMessage>, last: &mut Last) -> Option<End> {
         let event = match decoder.push(byte) {
             Ok(None) => return None,
+            Ok(Some(DeviceMessage::Measurement(measurement)))
+                if measurement.session != Some(last.session) =>
+            {
+                self.count(|counts| counts.others += 1);
+                last.others += 1;
+                let path = self.path.clone();
+                return (last.others >= OTHERS).then_some(End::Gone(SerialError::TakenOver { path }));
+            }
             Ok(Some(DeviceMessage::Measurement(measurement))) => {
-                let ahead = last.map_or(1, |last| measurement.cycle.wrapping_sub(last));
+                last.others = 0;
+                let ahead = last.cycle.map_or(1, |last| measurement.cycle.wrapping_sub(last));
                 if ahead == 0 || ahead > u32::MAX / 2 {
                     self.count(|counts| counts.repeated += 1);
                     return None;
                 }
-                *last = Some(measurement.cycle);
+                last.cycle = Some(measurement.cycle);
                 self.count(|counts| {
                     counts.measurements += 1;
                     counts.gaps += u64::from(ahead - 1);
@@ -192,6 +215,11 @@ impl Reader {
     }
 
     fn count(&self, change: impl FnOnce(&mut Counts)) {
-        change(&mut self.counts.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut present = self.present.get();
+        change(&mut present);
+        self.present.set(present);
+        if let Ok(mut shown) = self.counts.try_lock() {
+            *shown = present;
+        }
     }
 }

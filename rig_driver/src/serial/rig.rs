@@ -11,21 +11,29 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rig_protocol::{FaultReport, Hello, HostMessage, Message, Session, State, VoltageCommand};
+use rig_protocol::{FaultReport, Hello, HostMessage, Message, Origin, Session, State, VoltageCommand};
 
 use super::{
     Latency, LinkStatistics, SerialError, SerialOptions,
     handshake::handshake,
+    monitor::{Finding, LineMonitor},
     port::{Port, Sent},
     reader::{Counts, Event, Reader},
     scaling::Scaling,
+    scheduling,
+    stopping::{AGAIN, Next, PATIENCE, Stopping},
 };
-use crate::{Measurement, Rig, RigError};
+use crate::{
+    Measurement, Rig, RigError,
+    safety::{self, Fault},
+};
 
 /// Measurements that wait to be used: an eighth of a second at 1 kHz. What is older is of no use to a loop.
 const QUEUE: usize = 128;
-/// Time between two requests for a change of state.
-const REQUEST: Duration = Duration::from_millis(10);
+/// Longest time between two frames to a device that is not driven: it is to know that its host is alive.
+const SIGN_OF_LIFE: Duration = Duration::from_millis(20);
+/// Longest wait for the acknowledgement of an emergency stop. The thread that drives is in it, with the motor at zero volts.
+const STOPS_WITHIN: Duration = Duration::from_millis(20);
 
 /// The line to the device, as far as the loop knows.
 #[derive(Debug)]
@@ -53,13 +61,22 @@ pub struct SerialRig {
     active: bool,
     /// A voltage that was not a number is latched.
     fault: bool,
+    /// The device is being activated: it may be active before this side knows.
+    activating: bool,
+    stopping: Option<Stopping>,
+    monitor: LineMonitor,
+    /// What the monitor found out, until it is cleared.
+    finding: Option<safety::FaultReport>,
+    /// When the rig was opened, and when something was last sent.
+    opened: Instant,
+    last_sent: Instant,
     last_fault: Option<FaultReport>,
     asked: f64,
     cut: bool,
     sequence: u32,
     statistics: LinkStatistics,
     counts: Arc<Mutex<Counts>>,
-    stop: Arc<AtomicBool>,
+    end_reader: Arc<AtomicBool>,
     reader: Option<JoinHandle<()>>,
 }
 
@@ -84,6 +101,7 @@ impl SerialRig {
             patience,
             events: sender,
             counts: Arc::clone(&counts),
+            present: Default::default(),
             stop: Arc::clone(&stop),
         };
         let its_port = Arc::clone(&port);
@@ -96,6 +114,12 @@ impl SerialRig {
             options,
             link: Link::Up(port, session),
             scaling: Scaling::new(hello),
+            monitor: LineMonitor::new(&hello),
+            activating: false,
+            stopping: None,
+            finding: None,
+            opened: Instant::now(),
+            last_sent: Instant::now(),
             events,
             latency,
             newest: None,
@@ -109,7 +133,7 @@ impl SerialRig {
             sequence: 0,
             statistics: LinkStatistics::default(),
             counts,
-            stop,
+            end_reader: stop,
             reader: Some(reader),
         })
     }
@@ -152,6 +176,7 @@ impl SerialRig {
             measurements: counts.measurements,
             gaps: counts.gaps,
             repeated: counts.repeated,
+            others: counts.others,
             dropped: counts.dropped,
             rejections: counts.rejections,
             rejected_before: counts.rejected_before,
@@ -161,13 +186,13 @@ impl SerialRig {
         }
     }
 
-    /// Latches an emergency stop in the device.
-    ///
-    /// # Errors
-    /// [`SerialError::Disconnected`] if the line is gone; the device stops by itself then.
-    pub fn emergency_stop(&mut self) -> Result<(), SerialError> {
-        self.active = false;
-        self.send(|_| HostMessage::EmergencyStop)
+    /// The session that the device has granted; none while the line is down. It is no secret, and no proof of anything: see `PROTOCOL.md`.
+    #[must_use]
+    pub const fn session(&self) -> Option<Session> {
+        match &self.link {
+            Link::Up(_, session) => Some(*session),
+            Link::Down(_) => None,
+        }
     }
 
     /// Keeps the device active while there is no voltage to command. Its host's silence would make it inactive.
@@ -175,16 +200,73 @@ impl SerialRig {
     /// # Errors
     /// [`SerialError::Disconnected`] if the line is gone.
     pub fn heartbeat(&mut self) -> Result<(), SerialError> {
-        self.send(|session| HostMessage::Heartbeat { session })
+        self.send(HostMessage::Heartbeat)
     }
 
-    /// Sends what `message` makes of the session.
-    fn send(&mut self, message: impl FnOnce(Session) -> HostMessage) -> Result<(), SerialError> {
+    /// Tells the device to stop, and to say that it did. Does not wait for that.
+    fn stop(&mut self, emergency: bool) -> Result<(), SerialError> {
+        (self.active, self.asked, self.cut) = (false, 0.0, false);
+        // An emergency stop that is on its way is not made less of.
+        let emergency = emergency || self.stopping.is_some_and(|stopping| stopping.emergency);
+        self.stopping = Some(Stopping::new(emergency, Instant::now()));
+        self.tell_to_stop(emergency)
+    }
+
+    fn tell_to_stop(&mut self, emergency: bool) -> Result<(), SerialError> {
+        if emergency {
+            self.send(|_| HostMessage::EmergencyStop)?;
+        }
+        self.send(|_| HostMessage::Deactivate)
+    }
+
+    /// Sees to it that what was told to stop says so. `state` is what a new measurement shows.
+    fn see_to_the_stop(&mut self, state: Option<State>) {
+        let now = Instant::now();
+        if self.stopping.is_none() && state == Some(State::Active) && !self.active && !self.activating {
+            // Nobody here let the motor move.
+            self.stopping = Some(Stopping::new(false, now - AGAIN));
+        }
+        let Some(mut stopping) = self.stopping.take() else { return };
+        let next = stopping.next(now, state);
+        if next == Next::Done {
+            return;
+        }
+        let overdue = stopping.overdue(now);
+        self.stopping = Some(stopping);
+        if next == Next::Again {
+            // A line that is gone says so by itself.
+            let _ = self.tell_to_stop(stopping.emergency);
+        }
+        if overdue {
+            let seconds = PATIENCE.as_secs_f64();
+            self.latch((Fault::StopNotAcknowledged, seconds, seconds));
+        }
+    }
+
+    /// Latches what was found out, and has the device rest.
+    fn latch(&mut self, (fault, value, limit): Finding) {
+        let time = self.newest.map_or(0.0, |(_, seen, _)| seen.time);
+        self.finding.get_or_insert(safety::FaultReport { fault, time, value, limit });
+        if self.stopping.is_none() {
+            // A line that is gone says so by itself.
+            let _ = self.stop(false);
+        }
+    }
+
+    /// Sends what `message` makes of the session and the next number in it.
+    fn send(&mut self, message: impl FnOnce(Origin) -> HostMessage) -> Result<(), SerialError> {
         let (port, session) = match &self.link {
             Link::Up(port, session) => (port, *session),
             Link::Down(error) => return Err(error.clone()),
         };
-        match port.send(message(session).frame().as_bytes()) {
+        // Zero is the number of no message.
+        self.sequence = self.sequence.checked_add(1).unwrap_or(1);
+        let message = message(Origin { session, sequence: self.sequence });
+        if let HostMessage::Voltage(command) = &message {
+            self.monitor.sent(self.sequence, command.voltage);
+        }
+        self.last_sent = Instant::now();
+        match port.send(message.frame().as_bytes()) {
             Ok(Sent::All) => Ok(()),
             Ok(Sent::Full) => {
                 self.statistics.not_sent += 1;
@@ -200,7 +282,7 @@ impl SerialRig {
     /// Sends a message until a measurement shows the state that it asks for, or one in which it cannot be had.
     fn request(
         &mut self,
-        message: impl Fn(Session) -> HostMessage,
+        message: impl Fn(Origin) -> HostMessage,
         reached: impl Fn(State) -> bool,
         hopeless: impl Fn(State) -> bool,
     ) -> Result<(), SerialError> {
@@ -213,7 +295,7 @@ impl SerialRig {
         loop {
             if Instant::now() >= again {
                 self.send(&message)?;
-                again = Instant::now() + REQUEST;
+                again = Instant::now() + AGAIN;
             }
             let measured = self.next(again)?;
             let state = self.state().filter(|_| measured);
@@ -251,13 +333,21 @@ impl SerialRig {
     fn take(&mut self, event: Event) -> Result<bool, SerialError> {
         match event {
             Event::Measurement(device, came) => {
-                let scaled = self.scaling.scaled(&device, self.asked, self.cut);
-                let before =
-                    self.newest.map_or(device.commands_refused, |(before, ..)| before.commands_refused);
-                let refused = device.commands_refused.wrapping_sub(before);
+                let (scaled, jump) = self.scaling.scaled(&device, self.asked, self.cut);
+                let before = self.newest.map_or(device, |(before, ..)| before);
+                let (refused, foreign) = (
+                    device.refused.wrapping_sub(before.refused),
+                    device.foreign.wrapping_sub(before.foreign),
+                );
                 self.statistics.commands_refused += u64::from(refused);
+                self.statistics.foreign += u64::from(foreign);
                 self.active &= device.state == State::Active;
                 self.newest = Some((device, scaled, came));
+                let now = came.saturating_duration_since(self.opened).as_secs_f64();
+                if let Some(finding) = self.monitor.heard(&device, now, jump) {
+                    self.latch(finding);
+                }
+                self.see_to_the_stop(Some(device.state));
                 Ok(true)
             }
             Event::Fault(report) => {
@@ -271,8 +361,10 @@ impl SerialRig {
             Event::Connected { port, session, hello, restarted } => {
                 self.link = Link::Up(port, session);
                 self.scaling.rejoin(hello);
-                self.newest = None;
-                self.active = false;
+                self.monitor = LineMonitor::new(&hello);
+                // The numbers of a session begin anew; a new session is at zero volts.
+                (self.sequence, self.newest, self.active) = (0, None, false);
+                self.stopping = self.stopping.filter(|stopping| stopping.emergency);
                 if restarted { Err(SerialError::Restarted { path: self.path.clone() }) } else { Ok(false) }
             }
         }
@@ -281,6 +373,19 @@ impl SerialRig {
     fn lose(&mut self, error: &SerialError) {
         self.active = false;
         self.link = Link::Down(error.clone());
+    }
+
+    /// Time without a frame after which the device is told that its host is alive.
+    fn sign_of_life(&self) -> Duration {
+        SIGN_OF_LIFE.min(Duration::from_micros(self.hello().host_timeout_us.into()) / 4)
+    }
+
+    /// The reader has the class of the thread that waits for it.
+    fn follow(&self) {
+        if let Some(reader) = &self.reader {
+            // Refused, it stays as it is: late, which the supervisor sees.
+            let _ = scheduling::follow(reader);
+        }
     }
 
     fn silent(&self) -> SerialError {
@@ -299,6 +404,17 @@ impl Rig for SerialRig {
     }
 
     fn wait(&mut self) -> Result<(), RigError> {
+        if !self.seen {
+            self.follow();
+        }
+        self.see_to_the_stop(None);
+        if !self.active
+            && self.last_sent.elapsed() >= self.sign_of_life()
+            && matches!(self.link, Link::Up(..))
+        {
+            // A line that is gone says so by itself.
+            let _ = self.heartbeat();
+        }
         let end = Instant::now() + Duration::from_secs_f64(self.options.silence);
         // Measurements that lie there already: the newest counts. If none does, wait for the next.
         let mut fresh = false;
@@ -330,7 +446,7 @@ impl Rig for SerialRig {
         let failed = !self.waited && self.wait().is_err();
         (self.waited, self.seen) = (false, true);
         let seen = self.newest.map(|(_, seen, _)| seen).unwrap_or_default();
-        Measurement { fault: seen.fault || self.fault || failed, ..seen }
+        Measurement { fault: seen.fault || self.fault || self.finding.is_some() || failed, ..seen }
     }
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
@@ -351,19 +467,29 @@ impl Rig for SerialRig {
             }
             (Link::Up(..), None) => return Err(self.silent().into()),
         };
-        self.sequence = self.sequence.wrapping_add(1);
-        let (sequence, validity_us) = (self.sequence, (self.options.validity * 1e6).round() as u32);
+        let validity_us = (self.options.validity * 1e6).round() as u32;
         self.statistics.commands += 1;
-        self.send(|_| HostMessage::Voltage(VoltageCommand { sequence, answers, voltage, validity_us }))?;
+        self.send(|origin| HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us }))?;
         if volts.is_finite() { Ok(()) } else { Err(RigError::VoltageNotFinite(volts)) }
     }
 
     fn activate(&mut self) -> Result<(), RigError> {
-        self.request(
-            |session| HostMessage::Activate { session },
+        self.follow();
+        if let Some(report) = self.finding {
+            return Err(RigError::Safety(report));
+        }
+        (self.stopping, self.activating) = (None, true);
+        let outcome = self.request(
+            HostMessage::Activate,
             |state| state == State::Active,
             |state| matches!(state, State::Fault | State::EmergencyStopped),
-        )?;
+        );
+        self.activating = false;
+        if let Err(error) = outcome {
+            // It may have gone active all the same.
+            let _ = self.stop(false);
+            return Err(error.into());
+        }
         (self.active, self.asked, self.cut) = (true, 0.0, false);
         if !self.seen {
             // Time begins with the cycle that follows.
@@ -372,21 +498,41 @@ impl Rig for SerialRig {
         Ok(())
     }
 
-    /// Tells the device to deactivate, without waiting for it to say so.
+    /// Tells the device to rest, without waiting for it to say so; if it does not within 0.1 s, that is a fault.
     fn halt(&mut self) -> Result<(), RigError> {
-        (self.active, self.asked, self.cut) = (false, 0.0, false);
-        Ok(self.send(|_| HostMessage::Deactivate)?)
+        Ok(self.stop(false)?)
     }
 
-    /// Clears what is latched in the device, and a voltage here that was not a number. The motor stays at zero volts until activated.
+    /// Latches an emergency stop in the device. Waits up to 20 ms for a measurement that shows it; the device is told again every 10 ms
+    /// until one does, and if none does within 0.1 s, that is a fault.
+    fn emergency_stop(&mut self) -> Result<(), RigError> {
+        self.stop(true)?;
+        let end = Instant::now() + STOPS_WITHIN;
+        while self.stopping.is_some() && Instant::now() < end {
+            self.next(end)?;
+        }
+        if self.stopping.is_none() {
+            return Ok(());
+        }
+        let milliseconds = STOPS_WITHIN.as_millis() as u64;
+        Err(SerialError::StopNotAcknowledged { path: self.path.clone(), milliseconds }.into())
+    }
+
+    /// Clears what is latched in the device, a voltage here that was not a number, and what was found out about the line. The motor stays at zero
+    /// volts until activated.
     fn clear(&mut self) -> Result<(), RigError> {
-        self.fault = false;
+        (self.fault, self.finding, self.stopping) = (false, None, None);
+        self.monitor.restart();
         self.request(
-            |session| HostMessage::Clear { session },
+            HostMessage::Clear,
             |state| matches!(state, State::Inactive | State::Active),
             |_| false,
         )?;
         Ok(())
+    }
+
+    fn latched_fault(&self) -> Option<safety::FaultReport> {
+        self.finding
     }
 }
 
@@ -395,7 +541,8 @@ impl Drop for SerialRig {
     fn drop(&mut self) {
         // The line may be gone; the device knows what to do then.
         let _ = self.send(|_| HostMessage::Deactivate);
-        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.send(HostMessage::Close);
+        self.end_reader.store(true, Ordering::Relaxed);
         // A reader that waits to tell something is told that nobody listens.
         let (_, nobody) = sync_channel(1);
         drop(std::mem::replace(&mut self.events, nobody));

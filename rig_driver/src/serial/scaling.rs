@@ -2,6 +2,7 @@
 
 use rig_protocol::{Hello, Measurement as Counts, State};
 
+use super::clock::{DeviceClock, Jump};
 use crate::Measurement;
 
 /// Cycles over which the encoder gives the velocity of a rig without a tachometer.
@@ -11,12 +12,9 @@ const DIFFERENCE: usize = 10;
 #[derive(Debug, Clone)]
 pub(super) struct Scaling {
     hello: Hello,
-    /// The device's measurement before, of the same session.
-    before: Option<Counts>,
-    /// Nothing was scaled since the clock began.
-    fresh: bool,
-    cycle: u64,
-    elapsed_us: u64,
+    clock: DeviceClock,
+    /// The encoder's count of the measurement before, of the same session.
+    before: Option<i32>,
     encoder: i64,
     /// Time [us] and encoder count of the last measurements, the present one at `cycle % DIFFERENCE` of this session.
     earlier: [Option<(u64, i64)>; DIFFERENCE],
@@ -24,13 +22,11 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    pub(super) const fn new(hello: Hello) -> Self {
+    pub(super) fn new(hello: Hello) -> Self {
         Self {
             hello,
+            clock: DeviceClock::new(hello.period_us),
             before: None,
-            fresh: true,
-            cycle: 0,
-            elapsed_us: 0,
             encoder: 0,
             earlier: [None; DIFFERENCE],
             place: 0,
@@ -43,19 +39,21 @@ impl Scaling {
 
     /// Period of the device's cycle [s].
     pub(super) fn period(&self) -> f64 {
-        f64::from(self.hello.period_us) * 1e-6
+        // Divided, so that 100 us are the same number as 1e-4 s in a limit: 100 * 1e-6 is below it by a bit.
+        f64::from(self.hello.period_us) / 1e6
     }
 
     /// A new session: cycles and time go on one period after the last measurement, since nobody knows how long the line
     /// was gone; the encoder counts as the device says.
-    pub(super) const fn rejoin(&mut self, hello: Hello) {
+    pub(super) fn rejoin(&mut self, hello: Hello) {
         self.hello = hello;
+        self.clock.rejoin(hello.period_us);
         self.before = None;
         self.earlier = [None; DIFFERENCE];
     }
 
     /// The next measurement is cycle 0 at time 0.
-    pub(super) const fn restart_clock(&mut self) {
+    pub(super) fn restart_clock(&mut self) {
         *self = Self::new(self.hello);
     }
 
@@ -67,32 +65,21 @@ impl Scaling {
         (counts.clamp(-limit, limit) as i16, counts.abs() > limit)
     }
 
-    /// The device's measurement in SI units; `asked` is the voltage that the controller asked for [V].
-    pub(super) fn scaled(&mut self, now: &Counts, asked: f64, cut: bool) -> Measurement {
-        let period_us = u64::from(self.hello.period_us);
-        match (&self.before, self.fresh) {
-            (Some(before), _) => {
-                self.cycle += u64::from(now.cycle.wrapping_sub(before.cycle));
-                self.elapsed_us += now.time_us.saturating_sub(before.time_us);
-                self.encoder += i64::from(now.readings.encoder.wrapping_sub(before.readings.encoder));
-            }
-            (None, true) => self.encoder = now.readings.encoder.into(),
-            (None, false) => {
-                self.cycle += 1;
-                self.elapsed_us += period_us;
-                self.encoder = now.readings.encoder.into();
-            }
-        }
-        self.before = Some(*now);
-        self.fresh = false;
+    /// The device's measurement in SI units, and whether its clock contradicts its cycles; `asked` is the voltage that the controller asked for [V].
+    pub(super) fn scaled(&mut self, now: &Counts, asked: f64, cut: bool) -> (Measurement, Option<Jump>) {
+        let jump = self.clock.advance(now);
+        self.encoder = match self.before.replace(now.readings.encoder) {
+            Some(before) => self.encoder + i64::from(now.readings.encoder.wrapping_sub(before)),
+            None => now.readings.encoder.into(),
+        };
         let channels = self.hello.channels;
         let step = std::f64::consts::TAU / f64::from(self.hello.counts_per_turn);
         let difference = self.difference() * step;
         let of = |reading: i32, scale: f32| f64::from(reading) * f64::from(scale);
         let readings = &now.readings;
-        Measurement {
-            cycle: self.cycle,
-            time: self.elapsed_us as f64 / 1e6,
+        let measurement = Measurement {
+            cycle: self.clock.cycle(),
+            time: self.clock.elapsed_us() as f64 / 1e6,
             encoder_counts: self.encoder,
             encoder_position: self.encoder as f64 * step,
             tachometer_velocity: if channels.tachometer {
@@ -108,12 +95,13 @@ impl Scaling {
             saturated: now.saturated || cut,
             watchdog_expired: now.expired,
             fault: matches!(now.state, State::Fault | State::EmergencyStopped),
-        }
+        };
+        (measurement, jump)
     }
 
     /// Velocity from the encoder over the last ten cycles [count/s].
     fn difference(&mut self) -> f64 {
-        let now = (self.elapsed_us, self.encoder);
+        let now = (self.clock.elapsed_us(), self.encoder);
         self.place = (self.place + 1) % DIFFERENCE;
         let oldest = self.earlier.get_mut(self.place).and_then(|place| place.replace(now));
         // Until the ring has gone round, its first entry serves.
@@ -126,43 +114,19 @@ impl Scaling {
 
 #[cfg(test)]
 mod tests {
-    use rig_protocol::{Cause, Channels, Name, Readings};
+    use rig_protocol::{Channels, Readings};
 
     use super::*;
+    use crate::serial::test_messages::{self, measured};
 
     fn hello(channels: Channels) -> Hello {
-        Hello {
-            session: None,
-            name: Name::default(),
-            firmware: [0; 3],
-            channels,
-            period_us: 1000,
-            counts_per_turn: 4000,
-            volts_per_count: 0.01,
-            voltage_limit: 600,
-            tachometer_per_count: -0.5,
-            potentiometer_per_count: 0.25,
-            torque_per_count: 0.125,
-            current_per_count: 2.0,
-            validity_limit_us: 20_000,
-            host_timeout_us: 250_000,
-        }
+        Hello { channels, ..test_messages::hello() }
     }
 
     fn counts(cycle: u32, encoder: i32) -> Counts {
-        Counts {
-            cycle,
-            time_us: u64::from(cycle) * 1000 + 77,
-            readings: Readings { encoder, tachometer: 3, potentiometer: 4, torque: -8, current: 5 },
-            voltage_asked: 0,
-            voltage_applied: -250,
-            command_sequence: 0,
-            commands_refused: 0,
-            state: State::Active,
-            cause: Cause::None,
-            saturated: false,
-            expired: false,
-        }
+        let time_us = u64::from(cycle) * 1000 + 77;
+        let readings = Readings { encoder, ..measured().readings };
+        Counts { cycle, time_us, readings, voltage_applied: -250, ..measured() }
     }
 
     const ALL: Channels = Channels { tachometer: true, potentiometer: true, torque: true, current: true };
@@ -170,13 +134,13 @@ mod tests {
     #[test]
     fn counts_become_si_units_and_time_begins_at_zero() {
         let mut scaling = Scaling::new(hello(ALL));
-        let first = scaling.scaled(&counts(500, 1000), 1.0, false);
+        let first = scaling.scaled(&counts(500, 1000), 1.0, false).0;
         assert_eq!((first.cycle, first.time, first.encoder_counts), (0, 0.0, 1000));
         assert!((first.encoder_position - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
         assert_eq!((first.tachometer_velocity, first.torque), (-1.5, -1.0));
         assert_eq!((first.potentiometer_position, first.motor_current), (1.0, Some(10.0)));
         assert!((first.voltage_applied + 2.5).abs() < 1e-6);
-        let later = scaling.scaled(&counts(503, 1000), 1.0, false);
+        let later = scaling.scaled(&counts(503, 1000), 1.0, false).0;
         assert_eq!((later.cycle, later.time), (3, 0.003));
     }
 
@@ -188,7 +152,7 @@ mod tests {
         scaling.scaled(&last, 0.0, false);
         let mut wrapped = counts(0, i32::MIN);
         wrapped.time_us = 1000;
-        let after = scaling.scaled(&wrapped, 0.0, false);
+        let after = scaling.scaled(&wrapped, 0.0, false).0;
         assert_eq!((after.cycle, after.encoder_counts), (1, i64::from(i32::MAX) + 1));
     }
 
@@ -198,10 +162,10 @@ mod tests {
         scaling.scaled(&counts(500, 1000), 0.0, false);
         scaling.scaled(&counts(600, 1500), 0.0, false);
         scaling.rejoin(hello(ALL));
-        let after = scaling.scaled(&counts(3, 7), 0.0, false);
+        let after = scaling.scaled(&counts(3, 7), 0.0, false).0;
         assert_eq!((after.cycle, after.time, after.encoder_counts), (101, 0.101, 7));
         scaling.restart_clock();
-        let after = scaling.scaled(&counts(9, 7), 0.0, false);
+        let after = scaling.scaled(&counts(9, 7), 0.0, false).0;
         assert_eq!((after.cycle, after.time), (0, 0.0));
     }
 
@@ -209,11 +173,23 @@ mod tests {
     #[test]
     fn without_a_tachometer_the_encoder_gives_the_velocity() {
         let mut scaling = Scaling::new(Hello { tachometer_per_count: 0.0, ..hello(Channels::default()) });
-        let first = scaling.scaled(&counts(0, 0), 0.0, false);
+        let first = scaling.scaled(&counts(0, 0), 0.0, false).0;
         assert_eq!((first.tachometer_velocity, first.motor_current), (0.0, None));
         for cycle in 1..40u16 {
-            let seen = scaling.scaled(&counts(cycle.into(), 2 * i32::from(cycle)), 0.0, false);
+            let seen = scaling.scaled(&counts(cycle.into(), 2 * i32::from(cycle)), 0.0, false).0;
             assert!((seen.tachometer_velocity - std::f64::consts::PI).abs() < 1e-9, "cycle {cycle}");
+        }
+    }
+
+    /// Every period that a device may have lies within the ranges that others hold it to, the ends included.
+    #[test]
+    fn a_period_of_100_us_is_100_us() {
+        for (period_us, seconds) in [(100, 1e-4), (300, 3e-4), (1000, 1e-3), (10_000, 0.01)] {
+            assert_eq!(Scaling::new(Hello { period_us, ..hello(ALL) }).period(), seconds);
+        }
+        for period_us in 100..=10_000 {
+            let period = Scaling::new(Hello { period_us, ..hello(ALL) }).period();
+            assert!((1e-4..=0.01).contains(&period), "{period_us} us are {period} s");
         }
     }
 

@@ -23,8 +23,12 @@ pub struct LinkStatistics {
     pub commands: u64,
     /// Commands that the system's buffer had no room for.
     pub not_sent: u64,
-    /// Commands that the device refused: stale, repeated, or while it was not active.
+    /// Messages that the device refused: stale, repeated, or while it was not active.
     pub commands_refused: u64,
+    /// Frames of somebody else that the device heard: of another session, or of another version.
+    pub foreign: u64,
+    /// Measurements of another session than ours.
+    pub others: u64,
     /// Times that the port was opened again after it was gone.
     pub reconnects: u64,
     /// Restarts of the device that were seen.

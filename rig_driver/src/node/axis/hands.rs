@@ -1,10 +1,12 @@
 //! What transitions do with the axis.
 
+use std::sync::atomic::Ordering;
+
 use super::{
     super::{control::Asked, parameters::RigSettings},
     Axis, UnconfiguredRig, locked,
 };
-use crate::{safety::Request, station::Hands};
+use crate::{Rig, safety::Request, station::Hands};
 
 /// What a transition does with the axis.
 pub(super) struct AxisHands<'a> {
@@ -28,10 +30,15 @@ impl Hands for AxisHands<'_> {
             );
         }
         let given = locked(&self.axis.opened).take();
-        let rig = match given {
+        let mut rig = match given {
             Some(rig) => rig,
             None => self.settings()?.open().map_err(|error| error.to_string())?,
         };
+        if self.axis.clears_back_end.load(Ordering::Relaxed) {
+            // People cleared the stop; a device that holds one of its own, as a button, says so here.
+            Rig::clear(&mut rig).map_err(|error| error.to_string())?;
+            self.axis.clears_back_end.store(false, Ordering::Relaxed);
+        }
         self.opened = Some(rig);
         Ok(())
     }

@@ -1,6 +1,9 @@
 //! The emergency stop, and its clearing.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 use ros_node::lifecycle::{Lifecycle, Phase, Requested};
 
@@ -78,6 +81,7 @@ impl Axis {
                 ClearStep::Deactivate => Requested::Deactivate,
                 ClearStep::CleanUp => Requested::CleanUp,
                 ClearStep::Done(Ok(())) => {
+                    self.clears_back_end.store(true, Ordering::Relaxed);
                     self.logger.info("the emergency stop is cleared");
                     return Ok("the emergency stop is cleared; configure and activate to go on".to_owned());
                 }
