@@ -55,6 +55,7 @@ mod publisher;
 pub mod queue;
 pub mod remap;
 mod repeated;
+mod scope;
 mod service;
 mod signals;
 pub mod terminal;

@@ -2,7 +2,10 @@
 
 use std::{
     future::Future,
-    sync::{Arc, Mutex, PoisonError, atomic::AtomicU8},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU8, Ordering},
+    },
     thread,
     time::{Duration, Instant, SystemTime},
 };
@@ -68,6 +71,11 @@ impl RosNode {
             clock.clone(),
             (!arguments.rosout_disabled).then(|| node.logging_handle()),
         );
+        if shared.open.swap(false, Ordering::Relaxed) {
+            logger.warn(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET: anybody on the network can command this process's nodes; LOCALHOST keeps them to this machine",
+            );
+        }
         let (node, tasks, apart) = (Mutex::new(Some(node)), Mutex::default(), Mutex::default());
         Ok(Self { identity, clock, logger, node, tasks, apart, shared })
     }

@@ -3,7 +3,10 @@
 use std::{
     collections::BTreeMap,
     ops::Deref,
-    sync::{Arc, Mutex, atomic::AtomicU8},
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, AtomicU8},
+    },
     time::Duration,
 };
 
@@ -12,7 +15,13 @@ use rustdds::DomainParticipantBuilder;
 use tokio::runtime::{Builder, Runtime};
 
 use crate::{
-    Arguments, Discovery, RosNode, RosNodeError, apart::Apart, hearing::Hearers, terminal, turn::Turn,
+    Arguments, Discovery, RosNode, RosNodeError,
+    apart::Apart,
+    hearing::Hearers,
+    middleware::{self, Leave},
+    scope::Scope,
+    terminal,
+    turn::Turn,
 };
 
 /// Longest wait for what follows the participant's events to end.
@@ -38,6 +47,10 @@ pub(crate) struct Shared {
     following: Option<Apart>,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
+    /// Anybody on the network can command the nodes, and nobody has been told.
+    pub(crate) open: AtomicBool,
+    /// Ends when all else is gone.
+    leave: Leave,
 }
 
 /// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
@@ -61,6 +74,7 @@ impl Drop for Workers {
 
 impl Drop for Shared {
     fn drop(&mut self) {
+        self.leave.begin();
         // It holds a part of the participant, which leaves when nobody holds it any more.
         if let Some(following) = self.following.take() {
             following.join(LEAVING);
@@ -93,6 +107,7 @@ impl Participant {
         arguments: Arguments,
         last_phases: Arc<LastPhases>,
     ) -> Result<Self, RosNodeError> {
+        middleware::guard();
         let runtime = Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("ros")
@@ -102,11 +117,17 @@ impl Participant {
         let runtime = Workers(Some(runtime));
         let join_error = |detail: String| RosNodeError::Join { domain: discovery.domain, detail };
         let mut builder = DomainParticipantBuilder::new(discovery.domain);
-        if let Some(networks) = discovery.networks() {
+        let networks = discovery.networks();
+        let only_here = networks.is_some();
+        if let Some(networks) = networks {
             builder = builder.with_only_networks(networks);
         }
         let _turn = Turn::wait(discovery.domain);
+        let scope = Scope::new();
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
+        if only_here {
+            scope.close()?;
+        }
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
@@ -114,7 +135,17 @@ impl Participant {
         let following = Apart::start("hearing", async move { heard.follow(participant).await })
             .map_err(RosNodeError::Runtime)?;
         let following = Some(following);
-        let shared = Shared { context, runtime, arguments, hearers, following, last_phases };
+        let open = AtomicBool::new(!only_here);
+        let shared = Shared {
+            context,
+            runtime,
+            arguments,
+            hearers,
+            following,
+            last_phases,
+            open,
+            leave: Leave::new(),
+        };
         Ok(Self { shared: Arc::new(shared) })
     }
 
