@@ -30,7 +30,7 @@ fn no_model_raises_an_alarm_when_it_coasts() {
                 drive(1200, &|_| 0.0);
             }
             drive(3000, &|time| 0.3 * (time - 1.5));
-            drive(1500, &|time| if (time * 20.0) as u32 % 2 == 0 { 3.0 } else { 0.0 });
+            drive(1500, &|time| if ((time * 20.0) as u32).is_multiple_of(2) { 3.0 } else { 0.0 });
             drive(400, &|_| 4.5);
             rig.request(Request::Deactivate).expect("it rests");
             for _ in 0..1500 {

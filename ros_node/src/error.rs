@@ -53,6 +53,13 @@ pub enum RosNodeError {
     /// The runtime for the nodes' background work does not start.
     #[error("the threads for ROS 2 cannot be started: {0}; the system may be out of threads or memory")]
     Runtime(std::io::Error),
+    /// Packets of other machines cannot be kept out.
+    #[error(
+        "ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST cannot be kept: {0}, so that any machine on the network could command this one; let the \
+         program filter its sockets (Linux with /proc, and setsockopt SO_ATTACH_FILTER and SCM_RIGHTS not forbidden by the container's seccomp \
+         profile), or set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET if everybody on the network may command this machine"
+    )]
+    Scope(String),
     /// The participant cannot join the network.
     #[error(
         "cannot join ROS domain {domain}: {detail}; check that the network interface is up, or use another ROS_DOMAIN_ID"

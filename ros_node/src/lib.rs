@@ -62,6 +62,7 @@ mod publisher;
 pub mod queue;
 pub mod remap;
 mod repeated;
+mod scope;
 pub mod security;
 mod service;
 mod signals;

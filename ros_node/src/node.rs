@@ -76,6 +76,11 @@ impl RosNode {
             (!arguments.rosout_disabled).then(|| node.logging_handle()),
         );
         let began = u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX);
+        if shared.open.swap(false, Ordering::Relaxed) {
+            logger.warn(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET: anybody on the network can command this process's nodes; LOCALHOST keeps them to this machine",
+            );
+        }
         let (node, tasks, apart) = (Mutex::new(Some(node)), Mutex::default(), Mutex::default());
         Ok(Self { identity, clock, logger, node, tasks, apart, began, shared })
     }

@@ -18,6 +18,8 @@ use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
     hearing::Hearers,
+    middleware::{self, Leave},
+    scope::Scope,
     security::{self, Enclave, Others, Prefix, Protection},
     terminal,
     turn::Turn,
@@ -51,6 +53,10 @@ pub(crate) struct Shared {
     pub(crate) last_phases: Arc<LastPhases>,
     protection: Protection,
     others: Arc<Others>,
+    /// Anybody on the network can command the nodes, and nobody has been told.
+    pub(crate) open: AtomicBool,
+    /// Ends when all else is gone.
+    leave: Leave,
 }
 
 /// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
@@ -74,6 +80,7 @@ impl Drop for Workers {
 
 impl Drop for Shared {
     fn drop(&mut self) {
+        self.leave.begin();
         // It holds a part of the participant, which leaves when nobody holds it any more.
         if let Some(following) = self.following.take() {
             following.join(LEAVING);
@@ -107,6 +114,7 @@ impl Participant {
         arguments: Arguments,
         last_phases: Arc<LastPhases>,
     ) -> Result<Self, RosNodeError> {
+        middleware::guard();
         let runtime = Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("ros")
@@ -116,7 +124,9 @@ impl Participant {
         let runtime = Workers(Some(runtime));
         let join_error = |detail: String| RosNodeError::Join { domain: discovery.domain, detail };
         let mut builder = DomainParticipantBuilder::new(discovery.domain);
-        if let Some(networks) = discovery.networks() {
+        let networks = discovery.networks();
+        let only_here = networks.is_some();
+        if let Some(networks) = networks {
             builder = builder.with_only_networks(networks);
         }
         let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
@@ -124,7 +134,11 @@ impl Participant {
             terminal::tell(format!("this process {warning}"));
         }
         let _turn = Turn::wait(discovery.domain);
+        let scope = Scope::new();
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
+        if only_here {
+            scope.close()?;
+        }
         let context =
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
@@ -135,6 +149,7 @@ impl Participant {
         let following =
             Apart::start("hearing", async move { heard.follow(participant, leavers, &told).await })
                 .map_err(RosNodeError::Runtime)?;
+        let open = AtomicBool::new(!only_here);
         let shared = Shared {
             context,
             runtime,
@@ -146,6 +161,8 @@ impl Participant {
             last_phases,
             protection,
             others,
+            open,
+            leave: Leave::new(),
         };
         Ok(Self { shared: Arc::new(shared) })
     }

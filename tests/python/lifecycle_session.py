@@ -30,7 +30,7 @@ def main() -> None:
             voltage.publish(MotorVoltage(voltage=volts[0]))
 
         commands = ros.node.create_timer(0.002, command)
-        rig = programs.start("rig_driver", "-p", "autostart:=false", "-p", "safety.command_age:=0.2")
+        rig = programs.start("rig_driver", "-p", "autostart:=false", "-p", "safety.command_age:=0.1")
 
         def moved(seconds=0.6):
             """The largest voltage, the travel and the fault flag in the next moments, by the measurements' own stamps."""

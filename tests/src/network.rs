@@ -90,3 +90,52 @@ pub fn peer(script: &str, cases: &Value) -> Option<Value> {
     assert!(output.status.success(), "{script}: {told}");
     Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
 }
+
+/// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network namespace of the process `$OTHER_MACHINE`. The loopback
+/// has no multicast, which is routed to the network card.
+const TWO_MACHINES: &str = r#"
+ip link set lo up || exit 125
+unshare -n sleep infinity & other=$!
+trap 'kill $other' EXIT
+until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/self/ns/net)" ]; do sleep 0.01; done
+ip link add card type veth peer name wire && ip link set wire netns $other || exit 125
+ip addr add 192.0.2.1/24 dev card && ip link set card up && ip route add 224.0.0.0/4 dev card || exit 125
+nsenter -t $other -n bash -c 'ip link set lo up && ip addr add 192.0.2.2/24 dev wire && ip link set wire up && ip route add 224.0.0.0/4 dev wire' || exit 125
+export OTHER_MACHINE=$other
+"$@"
+"#;
+
+/// A command on a machine with another one on its network: `$OTHER_MACHINE` is a process there, for `nsenter -t $OTHER_MACHINE -n`. `None` where the system
+/// grants no such thing.
+pub fn two_machines() -> Option<Command> {
+    for flags in [&["-n"][..], &["-r", "-n"]] {
+        let command = || {
+            let mut command = Command::new("unshare");
+            command.args(flags).args(["bash", "-c", TWO_MACHINES, "--"]);
+            command
+        };
+        let probe = command().arg("true").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        if probe.is_ok_and(|status| status.success()) {
+            return Some(command());
+        }
+    }
+    crate::skip("no two network namespaces (`unshare -n`, `ip link add type veth`, `nsenter`); run as root");
+    None
+}
+
+/// Runs a test of the running test program that is ignored elsewhere, by `command`, with variables of the environment. Returns what it printed.
+///
+/// # Panics
+/// When it fails; the message carries what it said.
+pub fn run_ignored(mut command: Command, test: &str, variables: &[(&str, &std::ffi::OsStr)]) -> String {
+    let this = std::env::current_exe().expect("a running test knows its own file");
+    let output = command
+        .arg(this)
+        .args(["--ignored", "--exact", test, "--nocapture"])
+        .envs(variables.iter().copied())
+        .output()
+        .expect("it starts");
+    let told = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && told.contains("1 passed"), "{told}");
+    told.into_owned()
+}

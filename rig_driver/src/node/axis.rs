@@ -1,5 +1,9 @@
 //! The axis behind the node: the rig's threads, what they said last, and what people ask of them.
 
+mod diagnostics;
+mod hands;
+mod stopping;
+
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -9,10 +13,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use msgs::{
-    diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
-    std_msgs::Header,
-};
 use ros_node::{
     Logger, NodeClock, RosNode, RosNodeError,
     lifecycle::{Lifecycle, Phase, Requested},
@@ -20,23 +20,32 @@ use ros_node::{
     timing::Stopwatch,
 };
 
+use hands::AxisHands;
+
 use super::{
     RigNode,
-    control::{self, Counters, Cycle, RunningRig, VoltageCommand, Work},
+    control::{self, Asked, Counters, Cycle, RunningRig, VoltageCommand, Work},
     in_cycle::InCycle,
+    memory,
     parameters::RigSettings,
     torque_source::TorqueEstimate,
+    warmth::{Record, Warmth},
     zero::Zero,
 };
 use crate::{
     Rig,
-    safety::{FaultReport, Request, State, Supervised},
+    safety::{FaultReport, SafetyLimits, State, StopLatch, Supervised},
+    station::{Kind, Presence, Progress, Station, Walk},
 };
 
 /// Cycles that wait for the publisher: half a second at 1 kHz.
 const PUBLISHER_QUEUE: usize = 512;
 /// Longest time for finding zeros.
 const ZERO_TIME: Duration = Duration::from_secs(5);
+/// Longest time in which the control thread answers a request; then it is given up, and not done any more.
+const ANSWER: Duration = Duration::from_millis(1000);
+/// Time between two looks at what is awaited.
+const LOOK: Duration = Duration::from_micros(200);
 
 /// A rig under its safety layer, unconfigured.
 pub type UnconfiguredRig = Supervised<Box<dyn Rig + Send>>;
@@ -49,6 +58,8 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 struct Seen {
     state: State,
     fault: Option<FaultReport>,
+    /// The winding above ambient [K].
+    rise: Option<f64>,
     stopwatch: Stopwatch,
     ages: Stopwatch,
     zero: Zero,
@@ -66,12 +77,24 @@ pub(super) struct Axis {
     pub(super) commands: Arc<Mutex<Option<Sender<VoltageCommand>>>>,
     seen: Arc<Mutex<Seen>>,
     counters: Mutex<Arc<Counters>>,
-    /// Somebody stopped the motor while there was no rig to tell.
-    stopped: AtomicBool,
+    /// The emergency stop, and what people and control thread share.
+    station: Arc<Station>,
+    /// Who has it asks the control thread: one request at a time. The emergency stop never takes it.
+    asking: Mutex<()>,
+    /// A stop was cleared; what it latched in the back end is cleared with the next configuration.
+    clears_back_end: AtomicBool,
+    /// The press of the emergency stop that was told last.
+    told_press: AtomicU64,
     /// The fault that was told last.
     told: Mutex<Option<FaultReport>>,
     /// A rig that is open already: the one of the first configuration.
     opened: Mutex<Option<UnconfiguredRig>>,
+    /// Settings and limits of the rig that is open, or was last.
+    in_force: Mutex<Option<(RigSettings, SafetyLimits)>>,
+    /// How warm the motors are.
+    warmth: Arc<Warmth>,
+    /// The rig's file with the temperature, if it has one; none after it could not be written.
+    record: Mutex<Option<Record>>,
     /// What answers within the cycle, while no thread has it; and whether there is such a thing.
     in_cycle: Mutex<Option<Box<dyn InCycle>>>,
     answered_within: bool,
@@ -93,10 +116,12 @@ impl Axis {
         node: &RosNode,
         in_cycle: Option<Box<dyn InCycle>>,
         opened: Option<UnconfiguredRig>,
+        (stop, warmth): (StopLatch, Arc<Warmth>),
     ) -> Result<Self, RosNodeError> {
         let seen = Seen {
             state: State::Unconfigured,
             fault: None,
+            rise: None,
             stopwatch: Stopwatch::new(),
             ages: Stopwatch::new(),
             zero: Zero::default(),
@@ -111,46 +136,53 @@ impl Axis {
             commands: Arc::default(),
             seen: Arc::new(Mutex::new(seen)),
             counters: Mutex::default(),
-            stopped: AtomicBool::new(false),
+            station: Arc::new(Station::under(stop)),
+            asking: Mutex::default(),
+            clears_back_end: AtomicBool::new(false),
+            told_press: AtomicU64::new(0),
             told: Mutex::default(),
             opened: Mutex::new(opened),
+            in_force: Mutex::default(),
+            warmth,
+            record: Mutex::default(),
             answered_within: in_cycle.is_some(),
             in_cycle: Mutex::new(in_cycle),
             priority: Mutex::default(),
         })
     }
 
-    /// Opens the rig and starts its threads.
-    pub(super) fn open(&self, settings: &RigSettings) -> Result<(), String> {
-        if self.stopped.load(Ordering::Relaxed) {
-            return Err("the emergency stop is set; clear it first with ~/clear_fault".to_owned());
+    /// Carries a transition out, whatever holds it up; `settings` are those of the rig that is to be opened.
+    pub(super) fn carry_out(&self, kind: Kind, settings: Option<&RigSettings>) -> Result<(), String> {
+        let _asking = locked(&self.asking);
+        let mut hands = AxisHands { axis: self, settings, opened: None };
+        let mut walk = Walk::new(kind);
+        let mut waits: Option<Instant> = None;
+        loop {
+            match walk.step(&self.station, &mut hands) {
+                Progress::Goes => {}
+                Progress::Waits if waits.get_or_insert_with(Instant::now).elapsed() > ANSWER => {
+                    walk.give_up()
+                }
+                Progress::Waits => std::thread::sleep(LOOK),
+                Progress::Done(outcome) => return outcome.map_err(|why| why.to_string()),
+            }
         }
-        let in_cycle = locked(&self.in_cycle).take();
-        if self.answered_within && in_cycle.is_none() {
-            return Err(
-                "observer and controller are lost with the thread that had them; start the program again"
-                    .to_owned(),
-            );
-        }
-        let started = self.start(settings, in_cycle).and_then(|()| self.ask(Request::Configure));
-        if started.is_err() {
-            self.close();
-        }
-        started.map(drop)
     }
 
-    fn start(&self, settings: &RigSettings, in_cycle: Option<Box<dyn InCycle>>) -> Result<(), String> {
-        let opened = match locked(&self.opened).take() {
-            Some(rig) => Ok(rig),
-            None => settings.open(),
-        };
-        let rig = match opened {
-            Ok(rig) => rig,
-            Err(error) => {
-                *locked(&self.in_cycle) = in_cycle;
-                return Err(error.to_string());
-            }
-        };
+    /// Starts the threads of an opened rig.
+    fn start(&self, settings: &RigSettings, mut rig: UnconfiguredRig) -> Result<(), String> {
+        let limits = *rig.supervisor().limits();
+        let simulated = settings.is_simulated();
+        let record = if simulated { None } else { Record::of(&settings.name, &settings.state_folder) };
+        let (rise, assumed) = self.warmth.rise(&settings.name, &limits, record.as_ref(), simulated);
+        if let Some(assumed) = assumed {
+            self.logger.info(&assumed);
+        }
+        rig.warm(rise);
+        locked(&self.seen).rise = limits.motor.map(|_| rise);
+        *locked(&self.in_force) = Some((settings.clone(), limits));
+        *locked(&self.record) = record;
+        let in_cycle = locked(&self.in_cycle).take();
         let torque = TorqueEstimate::new(
             settings.torque_source,
             settings.drive(),
@@ -169,10 +201,11 @@ impl Axis {
             std::thread::Builder::new().name("publisher".into()).spawn(publish).map_err(|e| e.to_string())?
         };
         let clock = self.clock.clone();
-        let work = Work { rig, torque, in_cycle };
+        let work = Work { rig, torque, in_cycle, station: Arc::clone(&self.station) };
         let ends = control::start(work, to_publisher, move || clock.now_ns()).map_err(|e| e.to_string())?;
-        self.logger.info(&ends.priority);
-        *locked(&self.priority) = ends.priority;
+        let priority = format!("{}; {}", ends.priority, memory::lock());
+        self.logger.info(&priority);
+        *locked(&self.priority) = priority;
         *locked(&self.counters) = Arc::clone(&ends.rig.counters);
         *locked(&self.commands) = Some(ends.commands);
         *locked(&self.running) = Some((ends.rig, publisher));
@@ -180,9 +213,11 @@ impl Axis {
     }
 
     /// Ends the threads and lets go of the rig.
-    pub(super) fn close(&self) {
+    fn close(&self) {
         locked(&self.commands).take();
-        if let Some((rig, publisher)) = locked(&self.running).take() {
+        // Nobody waits for this lock while the threads end.
+        let running = locked(&self.running).take();
+        if let Some((rig, publisher)) = running {
             let dropped = Arc::clone(&rig.not_published);
             if let Some(in_cycle) = rig.end() {
                 *locked(&self.in_cycle) = Some(in_cycle);
@@ -190,9 +225,27 @@ impl Axis {
             // It ends with the queue.
             let _ = publisher.join();
             self.published.dropped.fetch_add(dropped.load(Ordering::Relaxed), Ordering::Relaxed);
+            self.keep_temperature(true);
         }
         let mut seen = locked(&self.seen);
         (seen.state, seen.fault) = (State::Unconfigured, None);
+    }
+
+    /// Notes how warm the motor is, for the next configuration and for the next start. Never on the control thread: it writes a file.
+    pub(super) fn keep_temperature(&self, at_rest: bool) {
+        if !at_rest && self.station.presence() != Presence::Running {
+            return;
+        }
+        let name = locked(&self.in_force).as_ref().map(|(settings, _)| settings.name.clone());
+        let (Some(name), Some(rise)) = (name, locked(&self.seen).rise) else { return };
+        self.warmth.note(&name, rise);
+        let mut record = locked(&self.record);
+        if let Some(Err(error)) = record.as_ref().map(|record| record.write(rise, at_rest)) {
+            let path = record.take().map(|record| record.path().display().to_string()).unwrap_or_default();
+            self.logger.warn(&format!(
+                "the motor's temperature cannot be kept in {path}: {error}; after a restart it counts as warm"
+            ));
+        }
     }
 
     /// What the system said about the control thread's priority; empty before there was one.
@@ -224,44 +277,35 @@ impl Axis {
         locked(&self.seen).state
     }
 
-    pub(super) fn ask(&self, request: Request) -> Result<State, String> {
-        match &*locked(&self.running) {
-            Some((rig, _)) => rig.ask(request),
-            None => Err("there is no rig; configure the node first".to_owned()),
+    /// Asks the control thread, outside of a transition. A request that is not answered in time is withdrawn.
+    fn ask(&self, asked: Asked) -> Result<State, String> {
+        let none = || "there is no rig; configure the node first".to_owned();
+        let _asking = locked(&self.asking);
+        let number = self.station.desk.number();
+        locked(&self.running).as_ref().ok_or_else(none)?.0.send(number, asked);
+        let begun = Instant::now();
+        while begun.elapsed() < ANSWER {
+            if let Some(answer) = locked(&self.running).as_ref().ok_or_else(none)?.0.answer(number) {
+                return answer;
+            }
+            std::thread::sleep(LOOK);
         }
+        self.station.desk.give_up(number);
+        Err("the control thread does not answer: the rig hangs; take its power away if it moves".to_owned())
     }
 
-    /// Puts the motor at zero volts for good.
+    /// Whether the node lets the motor move.
+    pub(super) fn may_move(&self) -> bool {
+        self.station.permission.is_given()
+    }
+
+    /// Puts the motor at zero volts for good: whatever is under way does not lead to motion any more.
     pub(super) fn halt(&self) {
-        let _ = self.ask(Request::Deactivate);
+        self.station.permission.leave();
+        if self.station.presence() == Presence::Running {
+            let _ = self.carry_out(Kind::Deactivate, None);
+        }
         self.close();
-    }
-
-    pub(super) fn emergency_stop(&self) -> Result<String, String> {
-        self.stopped.store(true, Ordering::Relaxed);
-        if locked(&self.running).is_some() {
-            self.ask(Request::EmergencyStop)?;
-        }
-        self.logger
-            .error("emergency stop: the motor is at zero volts until ~/clear_fault, configure and activate");
-        Ok("the motor is at zero volts; clear_fault, configure and activate to go on".to_owned())
-    }
-
-    pub(super) fn clear(&self, lifecycle: &Lifecycle) -> Result<String, String> {
-        if self.stopped.swap(false, Ordering::Relaxed) {
-            // Whoever stopped the machine may have changed it: it is configured anew.
-            if lifecycle.phase() == Phase::Active {
-                let _ = lifecycle.request(Requested::Deactivate);
-            }
-            if lifecycle.phase() == Phase::Inactive {
-                lifecycle.request(Requested::CleanUp)?;
-            }
-            return Ok("the emergency stop is cleared; configure and activate to go on".to_owned());
-        }
-        let state = self.ask(Request::Clear)?;
-        locked(&self.told).take();
-        self.logger.info("the fault is cleared");
-        Ok(format!("the driver is {state}; activate to go on"))
     }
 
     pub(super) fn zero(&self) -> Result<String, String> {
@@ -273,9 +317,7 @@ impl Axis {
             _ => {}
         }
         let before = locked(&self.seen).zero.found;
-        if let Some((rig, _)) = &*locked(&self.running) {
-            rig.find_zero()?;
-        }
+        self.ask(Asked::Zero)?;
         let asked = Instant::now();
         while asked.elapsed() < ZERO_TIME {
             std::thread::sleep(Duration::from_millis(5));
@@ -292,6 +334,12 @@ impl Axis {
 
     /// Brings a fault, or a stop, to the log and to the node's state.
     pub(super) fn watch(&self, lifecycle: &Lifecycle) {
+        let press = self.station.latch.newest();
+        if self.told_press.swap(press, Ordering::Relaxed) < press {
+            self.logger.error(
+                "emergency stop: the motor is at zero volts until ~/clear_fault, configure and activate",
+            );
+        }
         let (state, fault) = {
             let seen = locked(&self.seen);
             (seen.state, seen.fault)
@@ -307,52 +355,6 @@ impl Axis {
         if matches!(state, State::Faulted | State::EmergencyStopped) && lifecycle.phase() == Phase::Active {
             // Whoever asked for a change at the same time had it first.
             let _ = lifecycle.request(Requested::Deactivate);
-        }
-    }
-
-    pub(super) fn diagnostics(&self, clock: &NodeClock, phase: Phase) -> DiagnosticArray {
-        let counters = Arc::clone(&locked(&self.counters));
-        let (_, not_published) = self.published();
-        let overruns = counters.overruns.load(Ordering::Relaxed);
-        let stale = counters.stale.load(Ordering::Relaxed);
-        let (timing, ages, state, fault) = {
-            let mut seen = locked(&self.seen);
-            let told = (seen.stopwatch.timing(overruns), seen.ages.timing(0), seen.state, seen.fault);
-            seen.stopwatch.clear();
-            seen.ages.clear();
-            told
-        };
-        let (level, message) = match (fault, not_published + overruns) {
-            (Some(report), _) => (DiagnosticStatus::ERROR, report.to_string()),
-            (None, 0) => (DiagnosticStatus::OK, format!("{state}, in time")),
-            (None, _) => (
-                DiagnosticStatus::WARN,
-                format!("{state}; {overruns} cycles were late, {not_published} not published"),
-            ),
-        };
-        let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
-        let microseconds = |key: &str, number: f64| value(key, format!("{number:.1}"));
-        DiagnosticArray {
-            header: Header::at(clock.now_ns()),
-            status: vec![DiagnosticStatus {
-                level,
-                name: format!("{}: control loop", self.name),
-                message,
-                hardware_id: "rig".to_owned(),
-                values: vec![
-                    value("node", phase.label().to_owned()),
-                    value("state", state.to_string()),
-                    value("cycles", timing.cycles.to_string()),
-                    microseconds("period p50 [us]", timing.period.p50),
-                    microseconds("period p99 [us]", timing.period.p99),
-                    microseconds("execution p99 [us]", timing.execution.p99),
-                    microseconds("command age p50 [us]", ages.period.p50),
-                    microseconds("command age p99 [us]", ages.period.p99),
-                    value("overruns", overruns.to_string()),
-                    value("stale commands", stale.to_string()),
-                    value("not published", not_published.to_string()),
-                ],
-            }],
         }
     }
 }
@@ -375,7 +377,8 @@ fn publish(
         };
         {
             let mut seen = locked(seen);
-            (seen.state, seen.fault, seen.zero) = (cycle.state, cycle.fault, cycle.zero);
+            (seen.state, seen.fault, seen.zero, seen.rise) =
+                (cycle.state, cycle.fault, cycle.zero, cycle.rise);
             seen.stopwatch.note(cycle.period_ns, cycle.execution_ns);
             if cycle.age_ns > 0 {
                 seen.ages.note(cycle.age_ns, 0);

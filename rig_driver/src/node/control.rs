@@ -1,4 +1,7 @@
 //! The control thread: measures and drives the rig at its period. Between start and end it locks, allocates and publishes nothing.
+//!
+//! It needs no priority inheritance, because it never waits for another thread of this process: requests, commands and cycles go through queues of one writer and
+//! one reader, which never wait, and stop, permission and counters are atomic. What it waits for is a deadline, or the rig's next cycle from the serial reader.
 
 use std::{
     ops::ControlFlow,
@@ -7,7 +10,6 @@ use std::{
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
-    time::{Duration, Instant},
 };
 
 use ros_node::{
@@ -24,21 +26,20 @@ use super::{
 use crate::{
     Measurement, Rig, RigError,
     safety::{FaultReport, Request, State, Supervised},
+    station::{Presence, Station},
 };
 
 /// Commands that wait for their cycle.
 const COMMANDS: usize = 64;
 /// Requests that wait for their cycle.
 const REQUESTS: usize = 8;
-/// Longest time in which the thread answers a request.
-const ANSWER: Duration = Duration::from_millis(1000);
 
 /// What comes of a request.
 type Answer = Result<State, RigError>;
 
 /// What the thread is asked for between two cycles.
 #[derive(Debug, Clone, Copy)]
-enum Asked {
+pub(super) enum Asked {
     /// A transition of the safety layer.
     Safety(Request),
     /// Zeros found anew.
@@ -65,6 +66,8 @@ pub(super) struct Cycle {
     pub(super) zero: Zero,
     pub(super) state: State,
     pub(super) fault: Option<FaultReport>,
+    /// The winding above ambient by its model [K].
+    pub(super) rise: Option<f64>,
     /// Age of the measurement behind the voltage of this cycle [ns]; zero without a command.
     pub(super) age_ns: u64,
     pub(super) period_ns: u64,
@@ -85,9 +88,13 @@ pub(super) struct Counters {
     pub(super) outside: AtomicU64,
 }
 
+/// The ends of the queues by which the thread is asked, by number.
+type Requests = (Sender<(u64, Asked)>, Receiver<(u64, Answer)>);
+
 /// The running thread, from outside. Dropped, the motor is at zero volts and the thread has ended.
 pub(super) struct RunningRig {
-    requests: Mutex<(Sender<Asked>, Receiver<Answer>)>,
+    /// By number: see [`Desk`](crate::station::Desk).
+    requests: Mutex<Requests>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<Option<Box<dyn InCycle>>>>,
     pub(super) counters: Arc<Counters>,
@@ -109,6 +116,17 @@ pub(super) struct Work {
     pub(super) torque: TorqueEstimate,
     /// Answers within the cycle, where it does not go over the network.
     pub(super) in_cycle: Option<Box<dyn InCycle>>,
+    /// What people ask for, and the emergency stop.
+    pub(super) station: Arc<Station>,
+}
+
+/// Notes, when the thread is gone and its rig with it, that nothing drives a motor any more.
+struct Gone(Arc<Station>);
+
+impl Drop for Gone {
+    fn drop(&mut self) {
+        self.0.enter(Presence::Absent);
+    }
 }
 
 /// Starts the thread. Cycles go to `cycles`; `clock` says what time the first one is [ns since the epoch].
@@ -137,7 +155,10 @@ pub(super) fn start(
         counters: Arc::clone(&counters),
     };
     let (tell, told) = std::sync::mpsc::channel();
+    let gone = Gone(Arc::clone(&task.work.station));
     let thread = std::thread::Builder::new().name("control".into()).spawn(move || {
+        // Dropped last, after the rig, whether the task ends or panics.
+        let _gone = gone;
         // Nobody listens any more if the start was given up.
         let _ = tell.send(request_realtime());
         task.run(clock())
@@ -152,20 +173,26 @@ pub(super) fn start(
 }
 
 impl RunningRig {
-    /// Asks the safety layer for a transition and waits for the answer, which comes within a cycle.
-    ///
-    /// # Errors
-    /// A sentence about why not.
-    pub(super) fn ask(&self, request: Request) -> Result<State, String> {
-        self.send(Asked::Safety(request))
+    /// Sends the thread a request; [`answer`](Self::answer) has what comes of it, within a cycle.
+    pub(super) fn send(&self, number: u64, asked: Asked) {
+        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
+        // A queue that is full is that of a thread that hangs: whoever waits for the answer gives it up.
+        ends.0.send((number, asked));
     }
 
-    /// Has zeros found anew.
-    ///
-    /// # Errors
-    /// A sentence about why not.
-    pub(super) fn find_zero(&self) -> Result<State, String> {
-        self.send(Asked::Zero)
+    /// The answer to a request, once it is there.
+    pub(super) fn answer(&self, number: u64) -> Option<Result<State, String>> {
+        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some((of, answer)) = ends.1.take() {
+            // Others came too late for the one who asked.
+            if of == number {
+                return Some(answer.map_err(|error| error.to_string()));
+            }
+        }
+        (self.is_over() && ends.1.is_over()).then(|| {
+            Err("the control thread has ended, the motor at zero volts; clean the node up and configure it again"
+                .to_owned())
+        })
     }
 
     /// Whether the thread has come to its end by itself.
@@ -177,25 +204,6 @@ impl RunningRig {
     pub(super) fn end(mut self) -> Option<Box<dyn InCycle>> {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().and_then(|thread| thread.join().ok().flatten())
-    }
-
-    fn send(&self, request: Asked) -> Result<State, String> {
-        let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-        let (requests, answers) = &mut *ends;
-        // An answer that came too late for the one who asked.
-        while answers.take().is_some() {}
-        requests.send(request);
-        let asked = Instant::now();
-        while asked.elapsed() < ANSWER {
-            if let Some(answer) = answers.take() {
-                return answer.map_err(|error| error.to_string());
-            }
-            if self.is_over() && answers.is_over() {
-                return Err("the control thread has ended, the motor at zero volts; clean the node up and configure it again".to_owned());
-            }
-            std::thread::sleep(Duration::from_micros(200));
-        }
-        Err("the control thread does not answer: the rig hangs; take its power away if it moves".to_owned())
     }
 }
 
@@ -216,8 +224,8 @@ struct Task {
     /// Since the last activation the commands came within the cycle: what comes over the network does not count until the next.
     in_memory: bool,
     commands: Receiver<VoltageCommand>,
-    requests: Receiver<Asked>,
-    answers: Sender<Answer>,
+    requests: Receiver<(u64, Asked)>,
+    answers: Sender<(u64, Answer)>,
     cycles: Sender<Cycle>,
     stop: Arc<AtomicBool>,
     counters: Arc<Counters>,
@@ -231,6 +239,7 @@ impl Task {
         let mut before: Option<u64> = None;
         let mut newest = VoltageCommand { stamp_ns: 0, volts: 0.0 };
         let mut zero = Zero::default();
+        let mut heard = 0;
         while !self.stop.load(Ordering::Relaxed) {
             let mut refused = None;
             let (start, late) = if self.work.rig.keeps_time() {
@@ -265,8 +274,15 @@ impl Task {
                 self.in_memory = true;
             }
             self.take_commands(&mut newest, (stamp_ns, epoch_ns, now));
+            // Stop and permission come last before the voltage, and count above everything before.
+            let mut checked = self.work.station.check(&mut self.work.rig, &mut heard);
+            if let Some(error) = checked.refused.take() {
+                refused.get_or_insert(error);
+            }
             // The supervisor holds what the back end refuses as a fault.
-            if let Err(error) = self.work.rig.drive() {
+            let driven = self.work.rig.drive();
+            self.work.station.note(&checked, driven.is_ok());
+            if let Err(error) = driven {
                 refused.get_or_insert(error);
             }
             let supervisor = self.work.rig.supervisor();
@@ -279,6 +295,7 @@ impl Task {
                 zero,
                 state,
                 fault,
+                rise: supervisor.rise(),
                 age_ns: if moves { stamp_ns.saturating_sub(newest.stamp_ns) } else { 0 },
                 period_ns: before.map_or(0, |before| start - before),
                 execution_ns: now_ns() - start,
@@ -298,19 +315,23 @@ impl Task {
     }
 
     fn take_requests(&mut self, zero: &mut Zero) {
-        while let Some(asked) = self.requests.take() {
+        while let Some((number, asked)) = self.requests.take() {
+            // Whoever asked may have given it up: then it is not done any more.
+            if !self.work.station.desk.begin(number) {
+                continue;
+            }
             let answer = match asked {
                 Asked::Safety(request) => {
                     // Who commands is found anew with each activation.
                     self.in_memory &= request != Request::Activate;
-                    self.work.rig.request(request)
+                    self.work.station.carry_out(&mut self.work.rig, request)
                 }
                 Asked::Zero => {
                     zero.find();
                     Ok(self.work.rig.supervisor().state())
                 }
             };
-            self.answers.send(answer);
+            self.answers.send((number, answer));
         }
     }
 

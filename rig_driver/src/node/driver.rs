@@ -23,21 +23,36 @@ use super::{
     control::VoltageCommand,
     declarations,
     in_cycle::InCycle,
+    limits_guard::LimitsGuard,
     parameters::RigSettings,
+    warmth::Warmth,
 };
-use crate::safety::{Request, State};
+use crate::{
+    safety::{State, StopLatch},
+    station::Kind,
+};
 
 /// How often faults are looked for.
 const WATCH: Duration = Duration::from_millis(20);
 /// Time between two diagnostics.
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
 
+/// Time for zero volts where the process is ended by force.
+const LAST_MOMENT: Duration = Duration::from_millis(100);
+
+/// What outlives a life of the node: where the middleware dies the node starts anew in the same process, and a motor that was stopped stays so.
+#[derive(Debug, Clone, Default)]
+pub struct Lasting {
+    stop: StopLatch,
+    warmth: Arc<Warmth>,
+}
+
 /// Runs the node until `stop`.
 ///
 /// # Errors
 /// [`RosNodeError`] if it cannot start; everything later is told in the log.
-pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
-    let mut driver = RigDriver::new(participant, None, None)?;
+pub fn run(participant: &Participant, stop: &Stop, lasting: &Lasting) -> Result<(), RosNodeError> {
+    let mut driver = RigDriver::lasting(participant, None, None, lasting)?;
     // The log says why it is not active, if it is not.
     let _ = driver.start();
     while !stop.wait(WATCH) {
@@ -53,6 +68,8 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
 pub struct RigDriver {
     axis: Arc<Axis>,
     commander: Commander,
+    /// What the parameters say.
+    settings: Arc<Mutex<Option<RigSettings>>>,
     lifecycle: Lifecycle,
     autostart: bool,
     diagnostics: Publisher<DiagnosticArray>,
@@ -72,19 +89,38 @@ impl RigDriver {
         in_cycle: Option<Box<dyn InCycle>>,
         opened: Option<UnconfiguredRig>,
     ) -> Result<Self, RosNodeError> {
+        Self::lasting(participant, in_cycle, opened, &Lasting::default())
+    }
+
+    /// The same, with what is left of the node's lives before.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn lasting(
+        participant: &Participant,
+        in_cycle: Option<Box<dyn InCycle>>,
+        opened: Option<UnconfiguredRig>,
+        lasting: &Lasting,
+    ) -> Result<Self, RosNodeError> {
         let node = participant.node("rig_driver")?;
         let rig = match node.given("rig") {
             Some(ParameterValue::String(rig)) => rig,
             _ => "simulated".to_owned(),
         };
         let commander = Commander::new(&node, in_cycle.is_some())?;
-        let axis = Arc::new(Axis::new(&node, in_cycle, opened)?);
+        let axis = Arc::new({
+            let Lasting { stop, warmth } = lasting.clone();
+            Axis::new(&node, in_cycle, opened, (stop, warmth))?
+        });
         let settings = Arc::new(Mutex::new(None));
-        let (judged, named) = (Arc::clone(&settings), commander.clone());
-        let parameters = Parameters::declare(&node, declarations(&rig), move |values, _| {
+        let (judged, driven, named) = (Arc::clone(&settings), Arc::clone(&axis), commander.clone());
+        let mut guard = LimitsGuard::default();
+        let parameters = Parameters::declare(&node, declarations(&rig), move |values, changed| {
+            guard.judge(values, changed, driven.may_move())?;
             let read = RigSettings::read(values)?;
             named.name(values.text("commander"))?;
             *locked(&judged) = Some(read);
+            guard.take(values);
             Ok(())
         })?;
         let commands = Arc::clone(&axis.commands);
@@ -100,13 +136,23 @@ impl RigDriver {
                 queue.send(VoltageCommand { stamp_ns, volts: message.voltage });
             }
         })?;
-        let managed = Driver { axis: Arc::clone(&axis), commander: commander.clone(), settings };
+        let last = Arc::downgrade(&axis);
+        ros_node::before_forced_exit(move || {
+            if let Some(axis) = last.upgrade() {
+                axis.stop_before_exit(LAST_MOMENT);
+            }
+        });
+        let managed = Driver {
+            axis: Arc::clone(&axis),
+            commander: commander.clone(),
+            settings: Arc::clone(&settings),
+        };
         let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         serve(&node, &axis, &lifecycle)?;
         let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
         let autostart = lifecycle.starts_itself(parameters.values().boolean("autostart"));
         let next = Instant::now() + DIAGNOSTICS;
-        Ok(Self { axis, commander, lifecycle, autostart, diagnostics, next, node })
+        Ok(Self { axis, commander, settings, lifecycle, autostart, diagnostics, next, node })
     }
 
     /// Configures and activates the node, if its parameter `autostart` says so.
@@ -126,7 +172,10 @@ impl RigDriver {
         self.axis.watch(&self.lifecycle);
         if Instant::now() >= self.next {
             self.next += DIAGNOSTICS;
-            let mut message = self.axis.diagnostics(self.node.clock(), self.lifecycle.phase());
+            self.axis.keep_temperature(false);
+            let wanted = locked(&self.settings).clone();
+            let (clock, phase) = (self.node.clock(), self.lifecycle.phase());
+            let mut message = self.axis.diagnostics(clock, phase, wanted.as_ref());
             let name = self.node.identity().qualified();
             message.status.push(self.commander.status(&name, &self.axis.counters(), self.node.twin()));
             // The next one comes in a second.
@@ -177,7 +226,7 @@ fn serve(node: &RosNode, axis: &Arc<Axis>, lifecycle: &Lifecycle) -> Result<(), 
         Err(message) => TriggerResponse { success: false, message },
     };
     let this = Arc::clone(axis);
-    node.serve::<Trigger>("~/emergency_stop", move |_| answer(this.emergency_stop()))?;
+    node.serve_apart::<Trigger>("~/emergency_stop", move |_| answer(this.emergency_stop()))?;
     let (this, states) = (Arc::clone(axis), lifecycle.clone());
     node.serve::<Trigger>("~/clear_fault", move |_| answer(this.clear(&states)))?;
     let this = Arc::clone(axis);
@@ -194,13 +243,12 @@ struct Driver {
 impl Managed for Driver {
     fn configure(&mut self) -> Result<(), CallbackError> {
         let settings = locked(&self.settings).clone();
-        let settings = settings.ok_or_else(|| "the parameters were not read".to_owned())?;
-        Ok(self.axis.open(&settings)?)
+        Ok(self.axis.carry_out(Kind::Configure, settings.as_ref())?)
     }
 
     fn activate(&mut self) -> Result<(), CallbackError> {
         self.commander.open()?;
-        if let Err(reason) = self.axis.ask(Request::Activate) {
+        if let Err(reason) = self.axis.carry_out(Kind::Activate, None) {
             self.commander.close();
             return Err(reason.into());
         }
@@ -209,21 +257,24 @@ impl Managed for Driver {
 
     fn deactivate(&mut self) -> Result<(), CallbackError> {
         self.commander.close();
-        // A fault has deactivated the safety layer already; then there is nothing to do but to say so.
-        match self.axis.ask(Request::Deactivate) {
-            Ok(_) => Ok(()),
+        match self.axis.carry_out(Kind::Deactivate, None) {
+            Ok(()) => Ok(()),
+            // A fault has deactivated the safety layer already; then there is nothing to do but to say so.
             Err(_) if self.axis.state() != State::Active => Ok(()),
             Err(reason) => Err(CallbackError::Error(reason)),
         }
     }
 
     fn clean_up(&mut self) -> Result<(), CallbackError> {
-        self.axis.close();
-        Ok(())
+        Ok(self.axis.carry_out(Kind::CleanUp, None)?)
     }
 
     fn shut_down(&mut self) -> Result<(), CallbackError> {
         self.axis.halt();
         Ok(())
+    }
+
+    fn recover(&mut self) -> Result<(), CallbackError> {
+        self.clean_up()
     }
 }

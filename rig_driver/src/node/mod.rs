@@ -10,12 +10,15 @@ mod commander;
 mod control;
 mod driver;
 mod in_cycle;
+mod limits_guard;
+mod memory;
 mod parameters;
 mod publishers;
 mod torque_source;
+mod warmth;
 mod zero;
 
-pub use driver::{RigDriver, run};
+pub use driver::{Lasting, RigDriver, run};
 pub use in_cycle::{BegunCycle, EndedCycle, InCycle};
 pub use parameters::declarations;
 pub use publishers::RigNode;

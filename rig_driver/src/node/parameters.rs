@@ -3,7 +3,10 @@
 use friction_model::{AnyModel, ModelName};
 use ros_node::parameters::{Declaration, ValueRange, Values};
 
-use super::torque_source::TorqueSource;
+use super::{
+    limits_guard::{ALLOW_LIMITS, is_limit},
+    torque_source::TorqueSource,
+};
 use crate::{
     Calibrated, Calibration, Drive, DriveParameters, Rig, RigError, Sign, SimulationOptions,
     quanser::{QuanserOptions, QuanserRig},
@@ -14,6 +17,7 @@ use crate::{
 const POSITIVE: ValueRange = ValueRange::Double(f64::MIN_POSITIVE, f64::MAX);
 const NON_NEGATIVE: ValueRange = ValueRange::Double(0.0, f64::MAX);
 const CONFIGURED: &str = "taken when the node is configured";
+const LIMIT: &str = "taken when the node is configured; on a real rig at the start only, see allow_limits";
 
 /// Every parameter of the node. `rig` is the rig that is given when the program starts: only a simulated one activates itself.
 #[must_use]
@@ -22,8 +26,9 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
     let limits = SafetyLimits::default();
     let drive = simulation.drive.parameters();
     let unit = Calibration::default();
+    let taken = |name: &str| if is_limit(name) { LIMIT } else { CONFIGURED };
     let double = |name: &str, default, range, description: &str| {
-        Declaration::double(name, default, description).range(range).constraint(CONFIGURED)
+        Declaration::double(name, default, description).range(range).constraint(taken(name))
     };
     vec![
         Declaration::text(
@@ -31,7 +36,19 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
             "simulated",
             "Which rig: simulated, serial:PORT[@BAUD], quanser or quanser:CARD",
         )
-        .constraint(CONFIGURED),
+        .constraint(LIMIT),
+        Declaration::boolean(
+            ALLOW_LIMITS,
+            false,
+            "Let limits of a real rig, and the rig itself, be changed after the start, while it is not active",
+        )
+        .read_only(),
+        Declaration::text(
+            "state_folder",
+            "",
+            "Where the motor's temperature is kept over a restart; empty for frictionlab in XDG_STATE_HOME",
+        )
+        .read_only(),
         Declaration::boolean(
             "autostart",
             rig.is_empty() || rig == "simulated",
@@ -90,32 +107,32 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
             NON_NEGATIVE,
             "Largest speed of the shaft [rad/s]; 0 for what fits the rig",
         ),
-        Declaration::boolean("safety.travel", false, "Whether the travel is limited").constraint(CONFIGURED),
+        Declaration::boolean("safety.travel", false, "Whether the travel is limited").constraint(LIMIT),
         double("safety.travel_min", -1.0, ValueRange::Any, "Lower end of the travel [rad]"),
         double("safety.travel_max", 1.0, ValueRange::Any, "Upper end of the travel [rad]"),
         double("safety.travel_margin", 0.1, NON_NEGATIVE, "How far beyond an end the shaft may coast [rad]"),
         double(
             "safety.command_age",
             limits.command_age,
-            ValueRange::Double(1e-4, 1.0),
+            ValueRange::Double(1e-4, SafetyLimits::OLDEST_COMMAND),
             "Oldest command that still counts [s]",
         ),
         double(
             "safety.command_lost",
             limits.command_lost,
-            ValueRange::Double(1e-4, 60.0),
+            ValueRange::Double(1e-4, SafetyLimits::LONGEST_LOSS),
             "Time without a command that is a fault [s]",
         ),
         double(
             "safety.cycle_late",
             limits.cycle_late,
-            ValueRange::Double(1e-4, 60.0),
+            ValueRange::Double(1e-4, SafetyLimits::LONGEST_LOSS),
             "Longest cycle after which the motor goes on at once [s]",
         ),
         double(
             "safety.cycle_lost",
             limits.cycle_lost,
-            ValueRange::Double(1e-4, 60.0),
+            ValueRange::Double(1e-4, SafetyLimits::LONGEST_LOSS),
             "Longest cycle that is no fault [s]; a simulated rig does not mind",
         ),
         Declaration::integer("calibration.encoder_sign", 1, "Sign of encoder counts, 1 or -1")
@@ -167,6 +184,10 @@ pub(super) struct RigSettings {
     calibration: Calibration,
     pub(super) torque_source: TorqueSource,
     pub(super) torque_filter: f64,
+    /// The rig in words.
+    pub(super) name: String,
+    /// Where the motor's temperature is kept; empty for the place where programs keep such things.
+    pub(super) state_folder: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -271,7 +292,37 @@ impl RigSettings {
             calibration,
             torque_source: TorqueSource::named(values.text("torque_source")),
             torque_filter: values.double("torque_filter"),
+            name: values.text("rig").to_owned(),
+            state_folder: values.text("state_folder").to_owned(),
         })
+    }
+
+    /// Whether the rig is a simulated one.
+    pub(super) fn is_simulated(&self) -> bool {
+        self.rig == RigName::Simulated
+    }
+
+    /// Names of limits in which `other` differs.
+    pub(super) fn differing(&self, other: &Self) -> Vec<&'static str> {
+        let travel = |of: &Self| of.limits.travel;
+        [
+            ("rig", self.rig != other.rig),
+            ("voltage_limit", self.voltage_limit != other.voltage_limit),
+            ("safety.slew", self.limits.slew != other.limits.slew),
+            (
+                "safety.velocity",
+                self.velocity_given != other.velocity_given || self.limits.velocity != other.limits.velocity,
+            ),
+            ("safety.travel", travel(self) != travel(other)),
+            ("safety.command_age", self.limits.command_age != other.limits.command_age),
+            ("safety.command_lost", self.limits.command_lost != other.limits.command_lost),
+            ("safety.cycle_late", self.limits.cycle_late != other.limits.cycle_late),
+            ("safety.cycle_lost", self.limits.cycle_lost != other.limits.cycle_lost),
+            ("calibration", self.calibration != other.calibration),
+        ]
+        .into_iter()
+        .filter_map(|(name, differs)| differs.then_some(name))
+        .collect()
     }
 
     /// The drive that the parameters describe.

@@ -16,9 +16,10 @@ pub struct SafetyLimits {
     pub velocity: f64,
     /// Where the shaft may be; none for a shaft that may turn for ever.
     pub travel: Option<Travel>,
-    /// Oldest command that still counts [s], above zero and at most 1 s.
+    /// Oldest command that still counts [s], above zero and at most [`OLDEST_COMMAND`](Self::OLDEST_COMMAND).
     pub command_age: f64,
-    /// Time without a command after which the motor has to be activated again [s], not below `command_age`.
+    /// Time without a command after which the motor has to be activated again [s], not below `command_age` and at most
+    /// [`LONGEST_LOSS`](Self::LONGEST_LOSS).
     pub command_lost: f64,
     /// Longest cycle after which the motor goes on at once [s], above the period.
     pub cycle_late: f64,
@@ -56,7 +57,7 @@ pub struct Standstill {
 
 /// The winding as one thermal mass: `C dT/dt = i^2 R_a - (T - T_ambient) / R_th`, with the time constant `R_th C`.
 ///
-/// It begins at ambient temperature: after a restart of the driver let a hot motor cool.
+/// It begins at ambient temperature unless it is told better ([`Supervised::warm`](super::Supervised::warm)), as the node tells it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorThermal {
@@ -132,6 +133,11 @@ impl Default for SafetyLimits {
 }
 
 impl SafetyLimits {
+    /// Largest `command_age` [s]: so long after the last command the motor is at zero volts, whatever is set.
+    pub const OLDEST_COMMAND: f64 = 0.1;
+    /// Largest `command_lost`, `cycle_late` and `cycle_lost` of a real rig [s]: after so long it has to be activated again, whatever is set.
+    pub const LONGEST_LOSS: f64 = 1.0;
+
     /// Limits for a simulated rig: its own voltage limit, a speed its drive cannot reach by itself, its motor's constants, and checks
     /// of only those sensors that have ranges and noise.
     #[must_use]
@@ -187,11 +193,11 @@ impl SafetyLimits {
                 return error(name, value, "a finite number above zero");
             }
         }
-        if !(self.command_age > 0.0 && self.command_age <= 1.0) {
-            return error("command_age", self.command_age, "above 0 and at most 1 s");
+        if !(self.command_age > 0.0 && self.command_age <= Self::OLDEST_COMMAND) {
+            return error("command_age", self.command_age, "above 0 and at most 0.1 s");
         }
-        if self.command_lost.is_nan() || self.command_lost < self.command_age {
-            return error("command_lost", self.command_lost, "at least command_age");
+        if !(self.command_lost >= self.command_age && self.command_lost <= Self::LONGEST_LOSS) {
+            return error("command_lost", self.command_lost, "at least command_age and at most 1 s");
         }
         if self.cycle_late.is_nan() || self.cycle_late <= period {
             return error("cycle_late", self.cycle_late, "longer than the period");
@@ -277,6 +283,8 @@ mod tests {
             (SafetyLimits { slew: 0.0, ..limits }, "slew"),
             (SafetyLimits { velocity: f64::INFINITY, ..limits }, "velocity"),
             (SafetyLimits { command_age: 0.0, ..limits }, "command_age"),
+            (SafetyLimits { command_age: 0.11, ..limits }, "command_age"),
+            (SafetyLimits { command_lost: 1.1, ..limits }, "command_lost"),
             (SafetyLimits { command_lost: f64::NAN, ..limits }, "command_lost"),
             (SafetyLimits { cycle_late: 1e-3, ..limits }, "cycle_late"),
             (SafetyLimits { cycle_lost: 0.01, ..limits }, "cycle_lost"),

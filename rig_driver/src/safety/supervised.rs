@@ -44,6 +44,13 @@ impl<R: Rig> Supervised<R> {
         &self.supervisor
     }
 
+    /// Says how far the winding is above ambient [K], where that is known from before.
+    pub fn warm(&mut self, rise: f64) {
+        if let Some(motor) = self.supervisor.limits().motor {
+            self.supervisor.warm(motor.ambient + rise);
+        }
+    }
+
     #[cfg(test)]
     pub(crate) const fn inner(&self) -> &R {
         &self.rig

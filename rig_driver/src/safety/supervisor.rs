@@ -53,7 +53,7 @@ impl SafetySupervisor {
             state: State::Unconfigured,
             latched: None,
             sensors: SensorMonitor::new(limits.sensors, period),
-            winding: limits.motor.map(Winding::new),
+            winding: limits.motor.map(|motor| Winding::new(motor, limits.voltage)),
             standstill: StandstillMonitor::new(limits.standstill),
             overspeed_cycles: 0,
             now: None,
@@ -99,6 +99,19 @@ impl SafetySupervisor {
     #[must_use]
     pub fn temperature(&self) -> Option<f64> {
         self.winding.map(|winding| winding.temperature())
+    }
+
+    /// The winding above ambient by its model [K].
+    #[must_use]
+    pub fn rise(&self) -> Option<f64> {
+        Some(self.temperature()? - self.limits.motor?.ambient)
+    }
+
+    /// Says how warm the winding is [degrees C], where that is known from before.
+    pub fn warm(&mut self, temperature: f64) {
+        if let Some(winding) = &mut self.winding {
+            winding.set(temperature);
+        }
     }
 
     /// Does what is asked for, if the table of transitions has it.

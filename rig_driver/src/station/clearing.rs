@@ -50,6 +50,11 @@ impl Clearing {
         station.latch.is_set().then_some(Self { press })
     }
 
+    #[cfg(test)]
+    pub(super) const fn press(&self) -> u64 {
+        self.press
+    }
+
     /// What to do next, now that the node is in `phase`.
     pub(crate) fn step(&self, station: &Station, phase: NodePhase) -> ClearStep {
         let done = |why| ClearStep::Done(Err(why));

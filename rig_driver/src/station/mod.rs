@@ -15,10 +15,13 @@ mod transition;
 use std::sync::atomic::{AtomicU8, Ordering::SeqCst};
 
 pub(crate) use clearing::{ClearStep, Clearing, NodePhase, NotCleared};
+#[cfg(test)]
 pub(crate) use cycle::Checked;
 pub(crate) use desk::Desk;
 pub(crate) use permission::Permission;
-pub(crate) use transition::{Hands, Kind, Progress, Reason, Walk};
+#[cfg(test)]
+pub(crate) use transition::Reason;
+pub(crate) use transition::{Hands, Kind, Progress, Walk};
 
 use crate::safety::StopLatch;
 
