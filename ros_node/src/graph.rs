@@ -116,7 +116,7 @@ impl Graph {
     pub fn node_of(&self, writer: WriterId) -> Option<String> {
         let known = self.known();
         // The entity of a participant itself has another ending; what comes before is the same.
-        let its = known.participants.iter().filter(|(id, _)| id[..12] == writer.0[..12]);
+        let its = known.participants.iter().filter(|(id, _)| writer.is_of(id));
         let mut nodes = its.flat_map(|(_, nodes)| nodes);
         let found = nodes.clone().find(|node| node.writers.contains(&writer.0));
         let alone = || nodes.next().filter(|_| nodes.next().is_none());
