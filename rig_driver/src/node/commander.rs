@@ -124,9 +124,15 @@ impl Commander {
             "from elsewhere while the controller in this process commands",
             "without a stamp that had waited for more than 0.1 s",
         ];
-        let refused = reasons.iter().zip(new).find(|(_, new)| *new > 0).map(|(reason, new)| {
-            format!("{new} commands {reason} were refused; a command carries the stamp of the measurement it answers to")
-        });
+        let mend = [
+            "; a command carries the stamp of the measurement it answers to",
+            "; a command carries the stamp of the measurement it answers to",
+            "; end the other publisher, or deactivate the controller and activate the rig anew",
+            "; is the machine too busy?",
+        ];
+        let refused = (0..4)
+            .find(|index| new[*index] > 0)
+            .map(|index| format!("{} commands {} were refused{}", new[index], reasons[index], mend[index]));
         if let Some(refused) = &refused {
             let mut logged = locked(&self.logged);
             if logged.is_none_or(|logged| logged.elapsed() >= LINES) {
