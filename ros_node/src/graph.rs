@@ -17,10 +17,8 @@ use crate::one_writer::WriterId;
 /// The graph's identifier of a participant.
 pub type ParticipantId = [u8; 16];
 
-/// Participants that are known at most: what more would tell is left out, so that strangers do not fill the memory.
-const PARTICIPANTS: usize = 4096;
-/// Nodes of one participant, and writers of one node, that are known at most.
-const ENTRIES: usize = 1024;
+/// What all participants together may tell: what is more is left out, so that strangers do not fill the memory [bytes].
+const MOST: usize = 8 << 20;
 /// Writers that left which are remembered.
 const LEFT: usize = 256;
 
@@ -40,6 +38,8 @@ pub struct Graph(Arc<Mutex<Known>>);
 #[derive(Debug, Default)]
 struct Known {
     participants: BTreeMap<ParticipantId, Vec<KnownNode>>,
+    /// What they take [bytes].
+    size: usize,
     left: VecDeque<WriterId>,
 }
 
@@ -51,34 +51,49 @@ struct KnownNode {
     since: Option<u64>,
 }
 
+impl Known {
+    fn forget(&mut self, participant: &ParticipantId) -> Option<Vec<KnownNode>> {
+        let nodes = self.participants.remove(participant);
+        self.size -= nodes.as_deref().map_or(0, size);
+        nodes
+    }
+}
+
+/// What a participant's nodes take [bytes].
+fn size(nodes: &[KnownNode]) -> usize {
+    let one = |node: &KnownNode| size_of::<KnownNode>() + node.name.len() + size_of_val(&*node.writers);
+    size_of::<ParticipantId>() + nodes.iter().map(one).sum::<usize>()
+}
+
 impl Graph {
     /// Takes what a participant says of itself, at that time of its clock [ns since the epoch].
     pub(crate) fn take(&self, told: ParticipantNodes, at: Option<u64>) {
         let mut known = self.known();
-        if told.nodes.is_empty() {
-            known.participants.remove(&told.participant);
-            return;
-        }
-        let before = known.participants.get(&told.participant);
-        if before.is_none() && known.participants.len() >= PARTICIPANTS {
-            return;
-        }
+        let before = known.forget(&told.participant);
         let since = |name: &str| {
-            let same = before.into_iter().flatten().find(|node| node.name == name);
+            let same = before.iter().flatten().find(|node| node.name == name);
             same.map_or(at, |same| same.since)
         };
-        let nodes = told.nodes.into_iter().take(ENTRIES).map(|mut node| {
+        let nodes = told.nodes.into_iter().map(|node| {
             let name = join(&node.namespace, &node.name);
-            node.writers.truncate(ENTRIES);
             KnownNode { since: since(&name), name, writers: node.writers }
         });
-        let nodes = nodes.collect();
-        known.participants.insert(told.participant, nodes);
+        let nodes: Vec<_> = nodes.collect();
+        let size = size(&nodes);
+        if !nodes.is_empty() && known.size + size <= MOST {
+            known.size += size;
+            known.participants.insert(told.participant, nodes);
+        }
     }
 
     /// Participants were lost.
     pub(crate) fn lost(&self, is_lost: impl Fn(&GUID) -> bool) {
-        self.known().participants.retain(|id, _| !is_lost(&GUID::from(Gid::from(*id))));
+        let mut known = self.known();
+        let lost: Vec<_> =
+            known.participants.keys().filter(|id| is_lost(&GUID::from(Gid::from(**id)))).copied().collect();
+        for id in lost {
+            known.forget(&id);
+        }
     }
 
     /// A writer was lost.
@@ -116,7 +131,7 @@ impl Graph {
     pub fn node_of(&self, writer: WriterId) -> Option<String> {
         let known = self.known();
         // The entity of a participant itself has another ending; what comes before is the same.
-        let its = known.participants.iter().filter(|(id, _)| id[..12] == writer.0[..12]);
+        let its = known.participants.iter().filter(|(id, _)| writer.is_of(id));
         let mut nodes = its.flat_map(|(_, nodes)| nodes);
         let found = nodes.clone().find(|node| node.writers.contains(&writer.0));
         let alone = || nodes.next().filter(|_| nodes.next().is_none());
@@ -222,12 +237,19 @@ mod tests {
     #[test]
     fn many_participants_fill_no_memory() {
         let graph = Graph::default();
-        for number in 0..PARTICIPANTS as u32 + 10 {
+        for number in 0..200_000u32 {
             let mut one = told(1, &[("/", "b")]);
             one.participant[..4].copy_from_slice(&number.to_be_bytes());
             graph.take(one, None);
         }
-        assert_eq!(graph.nodes().len(), PARTICIPANTS);
+        let many = graph.nodes().len();
+        assert!(many > 10_000 && many < 200_000 && graph.known().size <= MOST, "{many}");
+        let mut long = told(1, &[("/", "b")]);
+        long.nodes[0].name = "b".repeat(2 * MOST);
+        graph.take(long, None);
+        assert_eq!(graph.nodes().len(), many);
+        graph.lost(|_| true);
+        assert_eq!((graph.nodes().len(), graph.known().size), (0, 0));
         (0..1000).for_each(|_| graph.lost_writer(writer(1, 1)));
         graph.lost_writer(writer(1, 2));
         assert!(graph.has_left(writer(1, 2)) && graph.known().left.len() == LEFT);

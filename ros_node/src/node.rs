@@ -28,7 +28,7 @@ use crate::{
     ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
     ServiceClient, action,
     apart::Apart,
-    graph::{self, ParticipantNodes},
+    graph::{self, ParticipantId, ParticipantNodes},
     one_writer::WriterId,
     participant::Shared,
     service::Service,
@@ -282,12 +282,18 @@ impl RosNode {
         self.twins().ok()?.found().map(|twin| twin.to_string())
     }
 
+    /// This process's participant.
+    #[must_use]
+    pub fn participant(&self) -> ParticipantId {
+        self.shared.context.participant_entities_info().gid().to_bytes16()
+    }
+
     /// Looks for other nodes of this name.
     pub(crate) fn twins(&self) -> Result<Twins, RosNodeError> {
         Ok(Twins {
             graph: self.graph()?,
             name: self.identity.qualified(),
-            own: self.shared.context.participant_entities_info().gid().to_bytes16(),
+            own: self.participant(),
             began: self.began,
         })
     }

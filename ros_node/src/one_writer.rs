@@ -14,6 +14,14 @@ const REMEMBERED: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct WriterId(pub [u8; 16]);
 
+impl WriterId {
+    /// Whether it belongs to that participant.
+    #[must_use]
+    pub fn is_of(&self, participant: &[u8; 16]) -> bool {
+        self.0[..12] == participant[..12]
+    }
+}
+
 impl fmt::Display for WriterId {
     /// As `ros2 topic info -v` writes it.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

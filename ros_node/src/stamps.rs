@@ -75,18 +75,52 @@ pub enum Follows {
     Future,
 }
 
+/// A moment and the stamp that belongs to it [ns]: of the messages so far, that of the one which took the shortest way.
+#[derive(Debug, Clone, Copy)]
+struct Anchor {
+    at: u64,
+    stamp: u64,
+}
+
+impl Anchor {
+    /// Whether a stamp at `now` is not ahead of the time that passed; if so the anchor goes with it.
+    fn fits(&mut self, stamp_ns: u64, now: u64) -> bool {
+        let passed = now.saturating_sub(self.at);
+        let (due, drift) = (self.stamp.saturating_add(passed), passed / DRIFT);
+        if stamp_ns > due.saturating_add(AHEAD + drift) {
+            return false;
+        }
+        // It took a shorter way; or clocks have drifted.
+        if stamp_ns.saturating_add(drift.min(AHEAD / 2)) >= due {
+            *self = Self { at: now, stamp: stamp_ns };
+        }
+        true
+    }
+}
+
+/// Stamps that seemed too early, and only such, for so long: then the ones before were late, as when a program that starts is held up [ns].
+const HEALS: u64 = 500_000_000;
+
 /// Stamps of one sender, which go forwards as time does. It needs no common clock: what counts is how much time passes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Forwards {
     last: Option<u64>,
-    /// A moment and the stamp that belongs to it: of the messages so far, the one that took the shortest way.
-    anchor: Option<(u64, u64)>,
+    anchor: Option<Anchor>,
+    early: Option<Early>,
+}
+
+/// Stamps that are ahead of the others, but go forwards among themselves.
+#[derive(Debug, Clone, Copy)]
+struct Early {
+    since: u64,
+    last: u64,
+    anchor: Anchor,
 }
 
 impl Forwards {
     /// Begins with the next stamp, whatever it is.
     pub const fn reset(&mut self) {
-        (self.last, self.anchor) = (None, None);
+        (self.last, self.anchor, self.early) = (None, None, None);
     }
 
     /// Judges a stamp that came at `now` [ns on a clock that only goes forwards], and keeps it if it fits.
@@ -94,21 +128,30 @@ impl Forwards {
         if self.last.is_some_and(|last| stamp_ns <= last) {
             return Follows::Backwards;
         }
-        let due = self.anchor.map(|(at, stamp)| {
-            let passed = now.saturating_sub(at);
-            (stamp.saturating_add(passed), passed / DRIFT)
-        });
-        match due {
-            Some((due, drift)) if stamp_ns > due.saturating_add(AHEAD + drift) => return Follows::Future,
-            // It took a shorter way; or clocks have drifted, and the anchor goes with them.
-            Some((due, drift)) if stamp_ns.saturating_add(drift.min(AHEAD / 2)) >= due => {
-                self.anchor = Some((now, stamp_ns))
-            }
-            Some(_) => {}
-            None => self.anchor = Some((now, stamp_ns)),
+        let new = Anchor { at: now, stamp: stamp_ns };
+        if !self.anchor.get_or_insert(new).fits(stamp_ns, now) && !self.heals(new) {
+            return Follows::Future;
         }
-        self.last = Some(stamp_ns);
+        (self.last, self.early) = (Some(stamp_ns), None);
         Follows::Fits
+    }
+
+    /// Notices an early stamp; whether the early ones are the right ones.
+    fn heals(&mut self, new: Anchor) -> bool {
+        let Anchor { at: now, stamp } = new;
+        if let Some(early) = &mut self.early
+            && stamp > early.last
+            && early.anchor.fits(stamp, now)
+        {
+            early.last = stamp;
+            let healed = now.saturating_sub(early.since) >= HEALS;
+            if healed {
+                self.anchor = Some(early.anchor);
+            }
+            return healed;
+        }
+        self.early = Some(Early { since: now, last: stamp, anchor: new });
+        false
     }
 }
 
@@ -168,6 +211,28 @@ mod tests {
             assert_eq!(stamps.take((1000 + cycle) * MS, (1000 + cycle) * MS + 1), Follows::Fits);
         }
         assert_eq!(stamps.take(6110 * MS, 6001 * MS), Follows::Future);
+    }
+
+    #[test]
+    fn a_program_that_was_held_up_when_it_started_hears_again() {
+        let mut stamps = Forwards::default();
+        // The first message waited for 3 s; those between are lost.
+        assert_eq!(stamps.take(1000 * MS, 4000 * MS), Follows::Fits);
+        for cycle in 0..500 {
+            assert_eq!(stamps.take((4000 + cycle) * MS, (4000 + cycle) * MS), Follows::Future);
+        }
+        for cycle in 500..2000 {
+            assert_eq!(stamps.take((4000 + cycle) * MS, (4000 + cycle) * MS), Follows::Fits);
+        }
+    }
+
+    #[test]
+    fn somebody_who_forges_the_sender_gets_nothing_while_the_sender_speaks() {
+        let mut stamps = Forwards::default();
+        for cycle in 1..5000 {
+            assert_eq!(stamps.take(cycle * MS, cycle * MS), Follows::Fits);
+            assert_eq!(stamps.take((cycle + 10_000) * MS, cycle * MS), Follows::Future);
+        }
     }
 
     #[test]

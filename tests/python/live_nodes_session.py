@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 
+from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import ControllerState, FrictionEstimate, MotorVoltage, Reference, RigMeasurement
 from friction_msgs.srv import ListExperiments
 from rcl_interfaces.msg import ParameterEvent
@@ -46,7 +47,9 @@ def main() -> None:
     report = {}
     with caller() as ros:
         measured, estimates, events, states = [], [], [], []
+        health = []
         keep = [
+            ros.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 100),
             ros.node.create_subscription(RigMeasurement, "/rig_measurement", measured.append, SIGNAL),
             ros.node.create_subscription(FrictionEstimate, "/friction_estimate", estimates.append, SIGNAL),
             ros.node.create_subscription(ControllerState, "/controller_state", states.append, SIGNAL),
@@ -107,12 +110,23 @@ def main() -> None:
         report["uncompensated"] = max((abs(s.friction) for s in fresh(states)), default=None)
         report["observer_on"] = ros.change(OBSERVER, "activate")
         report["reset"] = [ros.trigger(f"{node}/reset")[0] for node in (OBSERVER, CONTROLLER)]
+        def commands():
+            """The level and the words of what the driver tells next of its commands, and how many came from elsewhere."""
+            health.clear()
+            of = lambda: [status for message in health for status in message.status if status.name == "rig_driver: commands"]
+            ros.until(lambda: len(of()) >= 2, 8)
+            key = "commands from elsewhere while the controller in this process commands"
+            last = of()[-1]
+            return [int.from_bytes(last.level, "little"), last.message, {value.key: value.value for value in last.values}[key]]
+
+        report["commands"] = [commands()]
         # Voltages from elsewhere do not count while the controller in the process commands, nor does one that is no number stop it.
         volts = [math.nan]
         voltage = ros.node.create_publisher(MotorVoltage, "/motor_voltage", 100)
         timer = ros.node.create_timer(0.005, lambda: voltage.publish(MotorVoltage(voltage=volts[0])))
         ros.spin(0.5)
         report["nan_from_elsewhere"] = [*moved(), ros.state(RIG)]
+        report["commands"].append(commands())
         # Nor when it ends, until the rig is activated without it.
         volts[0] = 2.5
         report["controller_off"] = ros.change(CONTROLLER, "deactivate")

@@ -23,7 +23,6 @@ fn one_commands_whoever_else_speaks() {
 fn strangers_move_nothing_and_are_told(report: &Value) {
     assert_eq!(report["moves"], true, "{report}");
     assert!(text(&report["commander"]).starts_with("/controller (GUID "), "{report}");
-    let usual = number(&report["usual"]);
     for what in [
         "voltage 10.0",
         "voltage 0.0",
@@ -37,8 +36,8 @@ fn strangers_move_nothing_and_are_told(report: &Value) {
         let said = text(&attack["said"]);
         assert!(said.contains("/stranger") && said.contains("were refused"), "{what}: {attack}");
         assert!(number(&attack["heard"]) > 200.0, "{what}: {attack}");
-        // A stranger's six volts would be seen; the controller's own stay as they were, but for what a busy machine costs it.
-        assert!(number(&attack["highest"]) < (2.0 * usual).min(5.5), "{what}: {usual} V before, {attack}");
+        // About 1.5 V are enough for 1 rad/s; a stranger's voltage, or its speed, would make it six.
+        assert!(number(&attack["highest"]) < 5.5, "{what}: {attack}");
         assert_eq!(
             (&attack["state"], &attack["moves"]),
             (&json!("active"), &json!(true)),

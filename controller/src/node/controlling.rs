@@ -271,6 +271,7 @@ impl Counts {
 
     fn message(&self, node: &RosNode, phase: &str, lost: u64) -> DiagnosticArray {
         let unusable = self.unusable.load(Ordering::Relaxed);
+        let untimely = self.untimely.load(Ordering::Relaxed);
         let reports: Vec<_> = locked(&self.gates).iter().map(Gate::report).collect();
         let stranger = node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
         let (level, message) = if let Some(stranger) = stranger {
@@ -282,7 +283,7 @@ impl Counts {
             )
         } else if self.stale.load(Ordering::Relaxed) {
             (DiagnosticStatus::WARN, format!("{phase}; no reference comes"))
-        } else if unusable + lost > 0 {
+        } else if unusable + untimely + lost > 0 {
             (DiagnosticStatus::WARN, format!("{phase}; messages were left out"))
         } else {
             (DiagnosticStatus::OK, phase.to_owned())
@@ -291,7 +292,7 @@ impl Counts {
             ("commands", self.published.swap(0, Ordering::Relaxed)),
             ("commands with an older estimate", self.without_estimate.swap(0, Ordering::Relaxed)),
             ("messages without numbers", unusable),
-            ("joint states with a stamp from the past or the future", self.untimely.load(Ordering::Relaxed)),
+            ("joint states with a stamp from the past or the future", untimely),
             ("estimates of no joint state", self.strange.load(Ordering::Relaxed)),
             ("not published", lost),
         ];
@@ -323,7 +324,7 @@ fn listen(
     let (mut frictions, for_frictions) = queue(WAITING, waker);
     let unusable = counts.complainer(node);
     let gate = counts.watched(&gates.joints);
-    let (mut forwards, counted) = (Forwards::default(), Arc::clone(counts));
+    let (mut forwards, counted, logger) = (Forwards::default(), Arc::clone(counts), node.logger().clone());
     node.subscribe_from(&topics::JOINT_STATES, move |message, sent| {
         let index = plausible::index_of(JOINT, &message.name);
         let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
@@ -344,7 +345,9 @@ fn listen(
         }
         let stamp_ns = message.header.stamp.to_nanos();
         if forwards.take(stamp_ns, now_ns()) != Follows::Fits {
-            counted.untimely.fetch_add(1, Ordering::Relaxed);
+            if counted.untimely.fetch_add(1, Ordering::Relaxed) == 0 {
+                logger.warn("a joint state has a stamp from the past or the future; such are left out and counted in /diagnostics");
+            }
             return;
         }
         // What is no number goes on: the controller counts it and stops after a few.

@@ -169,7 +169,7 @@ impl FrictionObserver {
                 counts.untimely.load(Ordering::Relaxed),
             ),
         ];
-        let healthy = values[1].1 + values[2].1 == 0;
+        let healthy = values[1..].iter().all(|(_, count)| *count == 0);
         let label = self.lifecycle.phase().label();
         let listening = counts.listening.load(Ordering::Relaxed);
         let reports: Vec<_> = self.gates.all().into_iter().filter(|_| listening).map(Gate::report).collect();
@@ -279,7 +279,9 @@ fn listen(
         }
         let stamp_ns = message.header.stamp.to_nanos();
         if forwards.take(stamp_ns, now_ns()) != Follows::Fits {
-            counts.untimely.fetch_add(1, Ordering::Relaxed);
+            if counts.untimely.fetch_add(1, Ordering::Relaxed) == 0 {
+                logger.warn("a joint state has a stamp from the past or the future; such are left out and counted in /diagnostics");
+            }
             return;
         }
         let effort = of_joint(&message.effort);

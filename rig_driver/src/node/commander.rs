@@ -8,19 +8,22 @@ use std::{
         Arc, Mutex,
         atomic::{AtomicU64, Ordering},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use msgs::{
     diagnostic_msgs::{DiagnosticStatus, KeyValue},
     topics,
 };
-use ros_node::{Gate, Passes, RosNode, RosNodeError, Sent};
+use ros_node::{Gate, Logger, ParticipantId, Passes, RosNode, RosNodeError, Sent};
 
 use super::{axis::locked, control::Counters};
 
 /// Age from which a command without a stamp no longer counts as made when it comes.
 const WAITED: Duration = Duration::from_millis(100);
+
+/// Shortest time between two lines of the log about commands that were refused.
+const LINES: Duration = Duration::from_secs(10);
 
 /// Lets the commands of one writer through. Clones are one.
 #[derive(Clone)]
@@ -30,8 +33,11 @@ pub(super) struct Commander {
     named: Arc<Mutex<String>>,
     /// Commands without a stamp that had waited.
     waited: Arc<AtomicU64>,
-    /// Commands come in memory: then nobody else's stand in the way of an activation.
-    in_memory: bool,
+    /// Commands come in memory, from this process: then those of others do not stand in the way of an activation, and what its controller publishes of them for
+    /// others to see is none.
+    in_memory: Option<ParticipantId>,
+    logger: Logger,
+    logged: Arc<Mutex<Option<Instant>>>,
     told: Arc<Mutex<[u64; 4]>>,
 }
 
@@ -41,7 +47,9 @@ impl Commander {
             gate: Gate::new(node, topics::MOTOR_VOLTAGE.name_in_namespace(), None)?,
             named: Arc::default(),
             waited: Arc::default(),
-            in_memory,
+            in_memory: in_memory.then(|| node.participant()),
+            logger: node.logger().clone(),
+            logged: Arc::default(),
             told: Arc::default(),
         })
     }
@@ -62,6 +70,9 @@ impl Commander {
 
     /// Whether a command counts, by who sent it and, without a stamp, by how long it waited.
     pub(super) fn hear(&self, sent: Sent, has_stamp: bool) -> bool {
+        if self.in_memory.is_some_and(|own| sent.writer.is_of(&own)) {
+            return false;
+        }
         // It waited somewhere: the one who sent it did not mean now.
         if !has_stamp && sent.age > WAITED {
             self.waited.fetch_add(1, Ordering::Relaxed);
@@ -76,7 +87,7 @@ impl Commander {
     /// A sentence that names two who do.
     pub(super) fn open(&self) -> Result<(), String> {
         self.gate.only(&locked(&self.named));
-        if self.in_memory {
+        if self.in_memory.is_some() {
             self.gate.open_contested();
             return Ok(());
         }
@@ -111,11 +122,24 @@ impl Commander {
             "with a stamp from the future",
             "with a stamp of no measurement",
             "from elsewhere while the controller in this process commands",
-            "without a stamp that had waited for more than .1 s",
+            "without a stamp that had waited for more than 0.1 s",
         ];
-        let refused = reasons.iter().zip(new).find(|(_, new)| *new > 0).map(|(reason, new)| {
-            format!("{new} commands {reason} were refused; a command carries the stamp of the measurement it answers to")
-        });
+        let mend = [
+            "; a command carries the stamp of the measurement it answers to",
+            "; a command carries the stamp of the measurement it answers to",
+            "; end the other publisher, or deactivate the controller and activate the rig anew",
+            "; is the machine too busy?",
+        ];
+        let refused = (0..4)
+            .find(|index| new[*index] > 0)
+            .map(|index| format!("{} commands {} were refused{}", new[index], reasons[index], mend[index]));
+        if let Some(refused) = &refused {
+            let mut logged = locked(&self.logged);
+            if logged.is_none_or(|logged| logged.elapsed() >= LINES) {
+                *logged = Some(Instant::now());
+                self.logger.error(refused);
+            }
+        }
         let error = twin.or(report.error).or(refused);
         let mut values = report.values;
         values.push(KeyValue { key: "may command".into(), value: locked(&self.named).clone() });
