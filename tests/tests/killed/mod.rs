@@ -18,6 +18,9 @@ pub mod serve;
 pub const PATIENCE: Duration = Duration::from_secs(60);
 /// `safety.command_age` in cycles of the device: what a dead controller's last command is worth to the driver.
 const COMMAND_AGE: u64 = 20;
+/// How often something is started that does not come to drive: on a machine that is busy with other tests a driver gives up a line that is silent for
+/// .1 s.
+pub const ATTEMPTS: u32 = 10;
 
 /// The emulated rig that all processes of a test drive one after the other.
 pub struct Device {
@@ -59,11 +62,11 @@ impl Device {
         self.rig.pass(COMMAND_AGE + self.validity + 1)
     }
 
-    /// Waits until the motor gets volts again, while `alive`; whether it does.
-    pub fn drives(&mut self, mut alive: impl FnMut() -> bool) -> bool {
+    /// Waits until the motor gets volts again, at most so long and while `alive`; whether it does.
+    pub fn drives(&mut self, at_most: Duration, mut alive: impl FnMut() -> bool) -> bool {
         let before = self.driven();
-        let until = Instant::now() + PATIENCE;
-        while self.driven() < before + 100 {
+        let until = Instant::now() + at_most;
+        while self.driven() < before + 20 {
             if !alive() || Instant::now() > until {
                 return false;
             }
