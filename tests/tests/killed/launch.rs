@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::{ATTEMPTS, Counts, Device, PATIENCE, children, moment, runs, signal};
+use super::{ATTEMPTS, Counts, Device, PATIENCE, children, moment, runs, signal, still};
 
 /// The driver wakes by itself, and the controller's dither gives the motor volts without anybody's reference.
 const PARAMETERS: &str = "\
@@ -114,7 +114,7 @@ impl Launched {
         counts.rounds += 1;
         moment(random);
         for (_, pid) in &victims {
-            signal(*pid, if blow == Blow::Kill { "-KILL" } else { "-STOP" });
+            still(*pid, if blow == Blow::Kill { "-KILL" } else { "-STOP" });
         }
         match blow {
             Blow::Kill => counts.kills += several as u32,
