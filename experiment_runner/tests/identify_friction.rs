@@ -488,3 +488,17 @@ fn bad_input_is_refused_with_a_sentence_and_nothing_is_written() {
         desk.refused(&["points.csv", "chirp.csv", option, value], &[part]);
     }
 }
+
+/// Its weight was infinite, and the singular value decomposition behind it panicked.
+#[test]
+fn a_standard_deviation_of_nearly_nothing_is_refused_and_named() {
+    let desk = Desk::new();
+    let mut text = "velocity_rad_s,torque_Nm,torque_deviation_Nm\n".to_owned();
+    for k in 1..=24 {
+        let v = 0.05 * f64::from(k);
+        let torque = 0.0925 + 0.0069 * (-(v / 0.1407_f64).powi(2)).exp() + 0.0403 * v;
+        writeln!(text, "{v},{torque},{}", if k == 7 { "1e-320" } else { "1e-3" }).unwrap();
+    }
+    desk.file("steady.csv", &text);
+    desk.refused(&["steady.csv"], &["steady point 6", "1e-320", "leave the column out"]);
+}

@@ -16,8 +16,7 @@ fn rounds(short: u32, full: u32) -> u32 {
 #[test]
 fn a_launcher_that_is_killed_leaves_no_node_and_a_motor_at_zero_volts() {
     let mut device = Device::start();
-    let Some(mut group) = Launched::start(&device) else { return };
-    group.wait_until_it_drives(&mut device);
+    let Some(mut group) = Launched::start(&mut device) else { return };
     let nodes = group.nodes();
     assert_eq!(nodes.len(), 4, "{nodes:?}");
     group.kill_the_launcher();
@@ -33,8 +32,7 @@ fn whichever_of_a_launched_group_is_killed_or_stopped_the_motor_stands_in_time()
     let mut device = Device::start();
     let mut counts = killed::Counts::default();
     for round in 0..rounds(2, 100) {
-        let Some(mut group) = Launched::start(&device) else { return };
-        group.wait_until_it_drives(&mut device);
+        let Some(mut group) = Launched::start(&mut device) else { return };
         group.round(round, &mut device, &mut random, &mut counts);
     }
     println!("launch: {counts}");

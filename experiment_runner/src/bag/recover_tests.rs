@@ -13,6 +13,11 @@ use super::*;
 
 const MESSAGES: u64 = 60;
 
+/// A folder in memory where there is one: thousands of bags are brought to the disk here.
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 fn stamp(index: u64) -> u64 {
     1_600_000_000_000_000_000 + index * 1_000_000
 }
@@ -95,7 +100,7 @@ fn recovered(folder: &Path, bytes: &[u8]) -> Option<BTreeSet<u64>> {
 #[test]
 fn a_cut_bag_gives_every_chunk_before_the_cut() {
     for compression in [Compression::None, Compression::Zstd] {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let file = write(&folder.path().join("bag"), compression);
         let bytes = fs::read(&file).unwrap();
         let chunks = chunks(&bytes);
@@ -115,7 +120,7 @@ fn a_cut_bag_gives_every_chunk_before_the_cut() {
 
 #[test]
 fn attachments_metadata_and_quality_of_service_survive() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let dir = folder.path().join("bag");
     let file = write(&dir, Compression::Zstd);
     let description = fs::read_to_string(dir.join("metadata.yaml")).unwrap();
@@ -138,7 +143,7 @@ fn attachments_metadata_and_quality_of_service_survive() {
 
 #[test]
 fn a_bag_that_is_being_written_is_left_alone_and_offered_once_it_is_cut() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let dir = folder.path().join("live-1/bag");
     let mut bag = BagWriter::create(&dir, BagOptions::default()).unwrap();
     bag.write("/motor_voltage", 1, &MotorVoltage::default()).unwrap();
@@ -154,7 +159,7 @@ fn a_bag_that_is_being_written_is_left_alone_and_offered_once_it_is_cut() {
 
 #[test]
 fn what_is_no_bag_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     assert!(matches!(recover(folder.path()), Err(BagError::NoMcap { .. })));
     assert!(matches!(recover(&folder.path().join("nowhere")), Err(BagError::Read { .. })));
     fs::write(folder.path().join("a.mcap"), "t_s,position").unwrap();
@@ -173,7 +178,7 @@ proptest! {
         keep in prop::option::of(any::<prop::sample::Index>()),
         packed in any::<bool>(),
     ) {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let compression = if packed { Compression::Zstd } else { Compression::None };
         let whole = fs::read(write(&folder.path().join("bag"), compression)).unwrap();
         let chunks = chunks(&whole);
@@ -200,7 +205,7 @@ proptest! {
 
     #[test]
     fn anything_behind_the_first_bytes_is_survived(body in prop::collection::vec(any::<u8>(), 0..400)) {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let bytes = [mcap::MAGIC, &body].concat();
         prop_assert_eq!(recovered(folder.path(), &bytes), Some(BTreeSet::new()));
     }
@@ -234,7 +239,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn a_wrong_checksum_is_told_although_the_bag_is_described() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let dir = folder.path().join("bag");
     let file = write(&dir, Compression::None);
     assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
@@ -258,7 +263,7 @@ fn a_wrong_checksum_is_told_although_the_bag_is_described() {
 fn a_damaged_definition_is_told_and_mended_by_its_hash() {
     let (old, new) = (b"float64 voltage", b"float64 vo\x01tage");
     for sealed in [true, false] {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = folder();
         let dir = folder.path().join("bag");
         let file = write(&dir, Compression::None);
         let mut bytes = fs::read(&file).unwrap();

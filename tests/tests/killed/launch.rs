@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::{Counts, Device, PATIENCE, children, moment, runs, signal};
+use super::{ATTEMPTS, Counts, Device, PATIENCE, children, moment, runs, signal, still};
 
 /// The driver wakes by itself, and the controller's dither gives the motor volts without anybody's reference.
 const PARAMETERS: &str = "\
@@ -40,8 +40,22 @@ enum Blow {
 }
 
 impl Launched {
-    /// Starts the group; `None` where no network namespace can be had.
-    pub fn start(device: &Device) -> Option<Self> {
+    /// Starts the group and waits until the loop of all nodes moves the motor; `None` where no network namespace can be had.
+    pub fn start(device: &mut Device) -> Option<Self> {
+        for attempt in 1.. {
+            let mut group = Self::once(device)?;
+            let launcher = &mut group.launcher;
+            if device.drives(Duration::from_secs(20), || matches!(launcher.try_wait(), Ok(None))) {
+                let nodes = children(group.launcher.id());
+                group.nodes = nodes.into_iter().map(|(pid, program)| (program, pid)).collect();
+                return Some(group);
+            }
+            assert!(attempt < ATTEMPTS, "the group does not drive: {}", group.said());
+        }
+        None
+    }
+
+    fn once(device: &Device) -> Option<Self> {
         let parameters = device.folder().join("parameters.yaml");
         std::fs::write(&parameters, PARAMETERS).expect("the folder can be written");
         // All of them are built before the clock runs.
@@ -65,14 +79,6 @@ impl Launched {
 
     fn said(&self) -> String {
         self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Waits until the loop of all nodes moves the motor.
-    pub fn wait_until_it_drives(&mut self, device: &mut Device) {
-        let launcher = &mut self.launcher;
-        let drives = device.drives(|| matches!(launcher.try_wait(), Ok(None)));
-        assert!(drives, "the group does not drive: {}", self.said());
-        self.nodes = children(self.launcher.id()).into_iter().map(|(pid, program)| (program, pid)).collect();
     }
 
     /// The nodes by program.
@@ -108,7 +114,7 @@ impl Launched {
         counts.rounds += 1;
         moment(random);
         for (_, pid) in &victims {
-            signal(*pid, if blow == Blow::Kill { "-KILL" } else { "-STOP" });
+            still(*pid, if blow == Blow::Kill { "-KILL" } else { "-STOP" });
         }
         match blow {
             Blow::Kill => counts.kills += several as u32,
@@ -145,7 +151,10 @@ impl Launched {
 impl Drop for Launched {
     /// Whatever a failed test left.
     fn drop(&mut self) {
-        for pid in self.nodes.values().copied().chain([self.launcher.id()]).filter(|pid| runs(*pid)) {
+        let children = children(self.launcher.id()).into_iter().map(|(pid, _)| pid);
+        let all: Vec<u32> =
+            self.nodes.values().copied().chain(children).chain([self.launcher.id()]).collect();
+        for pid in all.into_iter().filter(|pid| runs(*pid)) {
             signal(pid, "-CONT");
             signal(pid, "-KILL");
         }

@@ -4,7 +4,7 @@ use std::process::{Child, Stdio};
 
 use rand_pcg::Pcg64Mcg;
 
-use super::{Counts, Device, round_of_one};
+use super::{ATTEMPTS, Counts, Device, PATIENCE, round_of_one};
 
 /// A run that drives.
 pub struct Live(Child);
@@ -12,8 +12,20 @@ pub struct Live(Child);
 impl Live {
     /// Starts it and waits until it drives; `None` where no network namespace can be had.
     pub fn start(device: &mut Device) -> Option<Self> {
+        for _ in 0..ATTEMPTS {
+            let mut run = Self::once(device)?;
+            if device.drives(PATIENCE, || matches!(run.0.try_wait(), Ok(None))) {
+                return Some(run);
+            }
+            let _ = run.0.kill();
+            run.0.wait().expect("it ends");
+        }
+        panic!("the run does not drive");
+    }
+
+    fn once(device: &Device) -> Option<Self> {
         let out = device.new_folder("live");
-        let mut child = tests::network::namespaced()?
+        let child = tests::network::namespaced()?
             .arg(tests::frictionlab().get_program())
             .args([
                 "live",
@@ -33,7 +45,6 @@ impl Live {
             .stdout(Stdio::null())
             .spawn()
             .expect("unshare starts");
-        assert!(device.drives(|| matches!(child.try_wait(), Ok(None))), "the run does not drive");
         Some(Self(child))
     }
 

@@ -18,6 +18,9 @@ pub mod serve;
 pub const PATIENCE: Duration = Duration::from_secs(60);
 /// `safety.command_age` in cycles of the device: what a dead controller's last command is worth to the driver.
 const COMMAND_AGE: u64 = 20;
+/// How often something is started that does not come to drive: on a machine that is busy with other tests a driver gives up a line that is silent for
+/// .1 s.
+pub const ATTEMPTS: u32 = 10;
 
 /// The emulated rig that all processes of a test drive one after the other.
 pub struct Device {
@@ -59,11 +62,11 @@ impl Device {
         self.rig.pass(COMMAND_AGE + self.validity + 1)
     }
 
-    /// Waits until the motor gets volts again, while `alive`; whether it does.
-    pub fn drives(&mut self, mut alive: impl FnMut() -> bool) -> bool {
+    /// Waits until the motor gets volts again, at most so long and while `alive`; whether it does.
+    pub fn drives(&mut self, at_most: Duration, mut alive: impl FnMut() -> bool) -> bool {
         let before = self.driven();
-        let until = Instant::now() + PATIENCE;
-        while self.driven() < before + 100 {
+        let until = Instant::now() + at_most;
+        while self.driven() < before + 20 {
             if !alive() || Instant::now() > until {
                 return false;
             }
@@ -114,17 +117,36 @@ pub fn moment(random: &mut Pcg64Mcg) {
     std::thread::sleep(Duration::from_micros(random.random_range(0..60_000)));
 }
 
-/// Parent and state of a process, where it is.
-fn stat(pid: u32) -> Option<(u32, char)> {
-    let text = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+/// Parent and state of a process or thread, where it is.
+fn stat(folder: &Path) -> Option<(u32, char)> {
+    let text = std::fs::read_to_string(folder.join("stat")).ok()?;
     let mut rest = text.rsplit_once(')')?.1.split_whitespace();
     let state = rest.next()?.chars().next()?;
     Some((rest.next()?.parse().ok()?, state))
 }
 
+fn proc(pid: u32) -> PathBuf {
+    Path::new("/proc").join(pid.to_string())
+}
+
+/// Sends a signal after which no thread of the process does anything, `-STOP` or `-KILL`, and waits until that is so: on a busy machine it takes a
+/// while. Whether the process was there.
+pub fn still(pid: u32, name: &str) -> bool {
+    let there = signal(pid, name);
+    let until = Instant::now() + PATIENCE;
+    let acts = |thread: std::fs::DirEntry| {
+        stat(&thread.path()).is_some_and(|(_, state)| !matches!(state, 'T' | 't' | 'Z' | 'X'))
+    };
+    while std::fs::read_dir(proc(pid).join("task")).is_ok_and(|threads| threads.flatten().any(acts)) {
+        assert!(Instant::now() < until, "{name} has no effect on {pid}");
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    there
+}
+
 /// Whether a process runs or could: a dead one that nobody has asked after is gone.
 pub fn runs(pid: u32) -> bool {
-    stat(pid).is_some_and(|(_, state)| !matches!(state, 'Z' | 'X'))
+    stat(&proc(pid)).is_some_and(|(_, state)| !matches!(state, 'Z' | 'X'))
 }
 
 /// Children of a process: number and program.
@@ -132,9 +154,9 @@ pub fn children(pid: u32) -> Vec<(u32, String)> {
     let entries = std::fs::read_dir("/proc").expect("processes");
     entries
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<u32>().ok())
-        .filter(|child| stat(*child).is_some_and(|(parent, _)| parent == pid))
+        .filter(|child| stat(&proc(*child)).is_some_and(|(parent, _)| parent == pid))
         .filter_map(|child| {
-            let program = std::fs::read_link(format!("/proc/{child}/exe")).ok()?;
+            let program = std::fs::read_link(proc(child).join("exe")).ok()?;
             Some((child, program.file_name()?.to_str()?.to_owned()))
         })
         .collect()
@@ -146,7 +168,7 @@ pub fn round_of_one(pid: u32, what: &str, device: &mut Device, random: &mut Pcg6
     moment(random);
     if random.random::<bool>() {
         counts.stops += 1;
-        assert!(signal(pid, "-STOP"), "{what}: it ended by itself");
+        assert!(still(pid, "-STOP"), "{what}: it ended by itself");
         let status = device.pass_validity();
         assert_eq!(status["voltage"], 0, "{what}: after SIGSTOP: {status}");
         device.assert_safe(what);
@@ -160,7 +182,7 @@ pub fn round_of_one(pid: u32, what: &str, device: &mut Device, random: &mut Pcg6
     }
     counts.kills += 1;
     // It may have ended by itself after it was continued.
-    signal(pid, "-KILL");
+    still(pid, "-KILL");
     let status = device.pass_validity();
     assert_eq!(status["voltage"], 0, "{what}: after SIGKILL: {status}");
     device.assert_safe(what);

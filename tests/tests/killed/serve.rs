@@ -3,6 +3,7 @@
 use std::env;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use msgs::friction_msgs::{Setting, StartExperiment, StartExperimentRequest};
@@ -39,8 +40,11 @@ impl Served {
             .find_map(|line| line.ok()?.rsplit_once("the server is ")?.1.trim().parse().ok())
             .expect("it says which process serves");
         std::thread::spawn(move || lines.for_each(drop));
-        assert!(device.drives(|| matches!(asking.try_wait(), Ok(None))), "the experiment does not drive");
-        Some(Self { asking, server })
+        let mut served = Self { asking, server };
+        let asking = &mut served.asking;
+        let drives = device.drives(2 * PATIENCE, || matches!(asking.try_wait(), Ok(None)));
+        assert!(drives, "the experiment does not drive");
+        Some(served)
     }
 
     /// Kills the server at the latest at the end.
@@ -57,7 +61,7 @@ impl Drop for Served {
     }
 }
 
-/// Starts a server on the rig that [`RIG`] names, asks it for an experiment, and waits for the end of its own input.
+/// Starts a server on the rig that [`RIG`] names, and asks it for an experiment, again when that has ended, until its own input ends.
 pub fn ask_if_wished() {
     let Ok(rig) = env::var(RIG) else { return };
     let mut server = Command::new(tests::frictionlab().get_program())
@@ -77,12 +81,16 @@ pub fn ask_if_wished() {
         overrides: vec![setting("quick", "true"), setting("seed", "7")],
         ..Default::default()
     };
-    let answer = start.call_until_answered(&request, PATIENCE).expect("an answer");
-    // The request may have been heard twice.
-    assert!(answer.success || answer.message.contains("runs"), "{}", answer.message);
-    let mut rest = Vec::new();
-    std::io::stdin().read_to_end(&mut rest).expect("the end of the input");
-    std::thread::sleep(Duration::from_millis(1));
+    let (tell, ended) = std::sync::mpsc::channel::<()>();
+    std::thread::spawn(move || {
+        let mut rest = Vec::new();
+        let _ = std::io::stdin().read_to_end(&mut rest);
+        drop(tell);
+    });
+    while ended.recv_timeout(Duration::from_millis(300)) == Err(RecvTimeoutError::Timeout) {
+        // Refused while one runs; a server that is stopped or dead says nothing.
+        let _ = start.call(request.clone(), Duration::from_secs(1));
+    }
     let _ = server.kill();
     server.wait().expect("it ends");
 }
