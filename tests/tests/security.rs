@@ -59,8 +59,11 @@ fn the_command_prints_the_policy_and_says_what_is_wrong() {
         &["security", "check"],
         &["security", "init", "/no/such/folder", "--policy", "/no/such/policy"],
     ] {
-        let output =
-            tests::frictionlab().args(arguments).env_remove("ROS_SECURITY_KEYSTORE").output().expect("it starts");
+        let output = tests::frictionlab()
+            .args(arguments)
+            .env_remove("ROS_SECURITY_KEYSTORE")
+            .output()
+            .expect("it starts");
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
     }
