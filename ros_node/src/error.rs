@@ -71,9 +71,7 @@ pub enum RosNodeError {
         detail: String,
     },
     /// A node, topic or publisher is refused.
-    #[error(
-        "cannot make {what}: {detail}; names of ROS 2 are letters, digits and underscores, with slashes between"
-    )]
+    #[error("cannot make {what}: {detail}; {}", how_to_make(detail))]
     Create {
         /// What was to be made.
         what: String,
@@ -110,6 +108,14 @@ pub enum RosNodeError {
         /// What the middleware said.
         detail: String,
     },
+}
+
+fn how_to_make(refusal: &str) -> &'static str {
+    if refusal.contains("not allowed by security") {
+        "the permissions of this process's enclave do not name it: `frictionlab security policy` shows those of the laboratory, `check` those in force"
+    } else {
+        "names of ROS 2 are letters, digits and underscores, with slashes between"
+    }
 }
 
 impl RosNodeError {

@@ -16,7 +16,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
     /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, millions of damaged
-    /// inputs, the loader under valgrind
+    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS
     #[arg(long)]
     full: bool,
 }
@@ -71,6 +71,7 @@ impl Test {
             ];
             cargo(root, &bars, &environment)?;
             loader_under_valgrind(root, &environment)?;
+            secured(root, &environment)?;
         }
         println!(
             "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
@@ -78,6 +79,24 @@ impl Test {
         );
         Ok(())
     }
+}
+
+/// DDS Security, with a peer of another vendor; in the long tier only, because the middleware is compiled once more for it.
+fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+    if !Path::new("/usr/include/openssl/ssl.h").exists() {
+        println!(
+            "SKIPPED: DDS Security, because OpenSSL's headers are missing (Debian: apt-get install libssl-dev)"
+        );
+        return Ok(());
+    }
+    let features = ["--features", "ros_node/security,rig_driver/security"];
+    let of_nodes =
+        ["test", "--locked", "-p", "ros_node", "-p", "rig_driver", "--lib", "--test", "security_peers"];
+    cargo(root, &[&of_nodes[..], &features].concat(), environment)?;
+    // Keystores from the command line.
+    let of_command =
+        ["test", "--locked", "-p", "experiment_runner", "--features", "security", "--lib", "security"];
+    cargo(root, &of_command, environment)
 }
 
 /// The tests of the loader of foreign code, each access to memory checked. Those that kill themselves are left out: what they check is the card's watchdog.

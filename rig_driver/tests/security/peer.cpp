@@ -1,8 +1,9 @@
 // A peer of another vendor, for the tests of DDS Security: listens to /joint_states and publishes /motor_voltage, as a controller would.
 //
-//   peer DOMAIN ENCLAVE SECONDS [DAYS]
+//   peer DOMAIN ENCLAVE SECONDS [DAYS [bold]]
 //
 // ENCLAVE is a folder of an SROS 2 keystore, or "clear" for no security at all; the peer believes that it is DAYS earlier than it is.
+// A bold one allows itself everything: its own middleware does not hold it to its permissions, which it shows to others as they are.
 // What happens is told one line an event: "ready", "refused ...", "authorised ...", "matched states N", "matched voltage N",
 // "state ...", and at the end "states N sent N".
 
@@ -51,6 +52,15 @@ extern "C" time_t time(time_t *into) noexcept {
         *into = now.tv_sec;
     }
     return now.tv_sec;
+}
+
+// What the middleware compares topics with permissions by.
+static bool bold = false;
+
+extern "C" int fnmatch(const char *pattern, const char *topic, int flags) noexcept {
+    (void)flags;
+    const bool all = pattern[0] == '*' && pattern[1] == 0;
+    return bold || all || std::strcmp(pattern, topic) == 0 ? 0 : 1;
 }
 
 using namespace eprosima::fastdds::dds;
@@ -156,13 +166,14 @@ class Authenticated : public DomainParticipantListener {
 
 int main(int count, char **arguments) {
     if (count < 4) {
-        std::cerr << "peer DOMAIN ENCLAVE SECONDS [DAYS]" << std::endl;
+        std::cerr << "peer DOMAIN ENCLAVE SECONDS [DAYS [bold]]" << std::endl;
         return 2;
     }
     const auto domain = static_cast<uint32_t>(std::stoul(arguments[1]));
     const std::string enclave = arguments[2];
     const double seconds = std::stod(arguments[3]);
     seconds_late = count > 4 ? 86400 * std::stol(arguments[4]) : 0;
+    bold = count > 5 && std::strcmp(arguments[5], "bold") == 0;
 
     DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
     qos.name("peer");

@@ -76,8 +76,10 @@ fn of_node(node: &'static str) -> Profile {
         // It leads the others through experiments: it answers measurements with references, or with voltages, and changes states and parameters.
         profile.publish.extend(["reference".to_owned(), "motor_voltage".to_owned()]);
         profile.subscribe = topics_where(|_| true);
+        profile.subscribe.push("rig_driver/transition_event".to_owned());
         profile.request = services_of(|of| of != node, |_| true);
     }
+    profile.publish.push("~/transition_event".to_owned());
     profile.publish.extend(SAID_BY_ALL.map(str::to_owned));
     profile.subscribe.extend(["/parameter_events".to_owned(), "/clock".to_owned()]);
     profile
@@ -96,6 +98,7 @@ fn services_of(node: impl Fn(&str) -> bool, service: impl Fn(&str) -> bool) -> V
 fn looker(node: &'static str) -> Profile {
     let mut subscribe = topics_where(|_| true);
     subscribe.extend(["/rosout", "/parameter_events", "/clock"].map(str::to_owned));
+    subscribe.extend(NODES.map(|node| format!("{node}/transition_event")));
     for action in ACTIONS {
         for what in ["feedback", "status"] {
             subscribe.push(format!("{}/{}/_action/{what}", action.node, action.name));
