@@ -142,11 +142,8 @@ impl RigDriver {
                 axis.stop_before_exit(LAST_MOMENT);
             }
         });
-        let managed = Driver {
-            axis: Arc::clone(&axis),
-            commander: commander.clone(),
-            settings: Arc::clone(&settings),
-        };
+        let managed =
+            Driver { axis: Arc::clone(&axis), commander: commander.clone(), settings: Arc::clone(&settings) };
         let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         serve(&node, &axis, &lifecycle)?;
         let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
