@@ -61,7 +61,7 @@ fn run(
     let ((answers, _answers), (cycles, _cycles)) = (queue(REQUESTS, &nobody), queue(4, &nobody));
     let given = Given::new(remembered(&rig));
     let mut task = Task {
-        work: Work { rig, torque, in_cycle },
+        work: Work { rig, torque, in_cycle, station: Arc::default() },
         given,
         in_memory: false,
         commands: commands_in,
