@@ -173,3 +173,22 @@ fn a_node_that_a_packet_keeps_computing_ends_with_the_motor_at_rest() {
     assert!(said.contains("with the motor at zero volts"), "{said}");
     assert_eq!(report["others"], json!(["active", "active"]));
 }
+
+/// `live` took 16 GB and did not hear ctrl-C.
+#[test]
+fn a_live_run_that_hostile_packets_take_over_ends_by_itself_interrupted_or_not() {
+    let program = tests::frictionlab().get_program().to_string_lossy().into_owned();
+    let full = std::env::var_os("FRICTION_FULL").is_some();
+    let attacks = [&["heartbeats", "interrupted"][..], &["heartbeats"], &["fragments"]];
+    for attack in attacks.iter().take(if full { 3 } else { 1 }) {
+        let arguments: Vec<&str> = [program.as_str()].into_iter().chain(attack.iter().copied()).collect();
+        let Some(report) = session("live_attacked_session.py", &arguments) else { return };
+        eprintln!("{attack:?}: ended after {} s with {} GB", report["took"], report["gigabytes"]);
+        assert!(number(&report["writers"]) > 4.0, "{report}");
+        // In order, where ctrl-C came first, or by force.
+        let code = report["code"].as_i64().expect("it ends");
+        assert!(code == 1 || attack.len() == 2 && [0, 130].contains(&code), "{report}");
+        assert!(code != 1 || text(&report["said"]).contains("the motor"), "{report}");
+        assert!(number(&report["gigabytes"]) < 7.0, "{report}");
+    }
+}

@@ -10,5 +10,7 @@ Offers the action ~/run_experiment and the services ~/start_experiment, ~/list_e
   experiment_runner --ros-args -p runs:=/data/runs";
 
 fn main() -> ExitCode {
+    // An experiment under way leaves a whole bag.
+    ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     ros_node::run("experiment_runner", env!("CARGO_PKG_VERSION"), ABOUT, experiment_runner::server::node::run)
 }

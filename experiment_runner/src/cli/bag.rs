@@ -82,6 +82,7 @@ fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow:
     if let Some(length) = duration.filter(|length| !(*length > 0.0 && length.is_finite())) {
         return Err(BadInput(format!("--duration must be above 0 s, but is {length}")).into());
     }
+    ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     let stop = ros_node::Stop::on_signals()?;
     let namespace = namespace.map(|name| format!("/{}", name.trim_matches('/'))).filter(|name| name != "/");
     let options = RecordOptions { dir: bag.to_owned(), namespace, duration };

@@ -1,6 +1,6 @@
 //! `frictionlab launch`: the nodes as processes, as `ros2 launch` would start them.
 
-use std::path::Path;
+use std::{path::Path, time::Duration};
 
 use anyhow::Context;
 use ros_node::Stop;
@@ -68,6 +68,9 @@ pub struct LaunchArgs {
     pub show: bool,
 }
 
+/// Time from the first signal in which it ends, its processes with it.
+const ENDS_WITHIN: Duration = Duration::from_secs(15);
+
 /// Runs it until ctrl-C.
 ///
 /// # Errors
@@ -102,12 +105,15 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
     if args.show {
         return show(&arguments);
     }
+    // It waits for those who write bags.
+    ros_node::ends_within(ENDS_WITHIN);
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let config = ConfigFolder::make(arguments.files.as_deref())?;
     let processes = processes(&arguments, config.path());
     // A terminal that went away must not stop the nodes.
-    supervise(&processes, &stop, |text| _ = print(&format!("[launch] {text}\n")))?;
-    Ok(())
+    let ended = supervise(&processes, &stop, |text| ros_node::terminal::say(format!("[launch] {text}")));
+    ros_node::terminal::flush();
+    Ok(ended?)
 }
 
 /// The processes; where there is no `ros2`, frictionlab itself records.

@@ -1,20 +1,13 @@
 //! `frictionlab live`: the loop in real time on ROS 2.
 
-use std::{
-    path::PathBuf,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::{path::PathBuf, sync::atomic::Ordering};
 
-use anyhow::Context;
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
 use rig_driver::SimulationOptions;
 
-use super::{BadInput, Interrupted, model_name};
+use super::{BadInput, Interrupted, interruption, model_name};
 use crate::compensation::Means;
 use crate::{
     live::{self, LiveError, LiveOptions, Serving},
@@ -136,9 +129,8 @@ pub enum ReferenceArg {
 /// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of `--duration`.
 pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     let options = options(args)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&stop);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let stop = interruption::watch(ros_node::ENDS_WITHIN_WRITING)?;
+    ros_node::terminal::tell_panics();
     let say = |text: &str| {
         if !args.quiet {
             // A terminal that went away must not stop the loop.
@@ -153,11 +145,15 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
             (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => "the device's rate".to_owned(),
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
-        say(&format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
+        // The rig runs: a terminal that takes nothing must not keep its nodes from being looked after.
+        if !args.quiet {
+            ros_node::terminal::say(format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
+        }
     })
     .map_err(|error: LiveError| {
         if error.is_bad_input() { BadInput(error.to_string()).into() } else { anyhow::Error::new(error) }
     })?;
+    ros_node::terminal::flush();
     say(&report.to_string());
     let bag = report.bag.dir.display();
     if report.interrupted {

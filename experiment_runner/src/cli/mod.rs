@@ -11,6 +11,7 @@ pub mod identify_drive;
 pub mod identify_friction;
 pub mod identify_servo;
 pub mod identify_stiction;
+mod interruption;
 #[cfg(feature = "ros")]
 pub mod launch;
 #[cfg(feature = "ros")]

@@ -3,15 +3,14 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
-use anyhow::Context;
 use controller::{ControlMode, Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName};
 use rig_driver::Miswiring;
 use rig_driver::quanser::find_library;
 
-use super::{BadInput, Interrupted, model_name, print};
+use super::{BadInput, Interrupted, interruption, model_name, print};
 use crate::output::write_all;
 use crate::rig::{
     Display, Findings, Procedure, RigChoice, RigSetupError, Session, findings_table, read_calibration,
@@ -280,8 +279,5 @@ fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), BadInput> {
 }
 
 fn watch_ctrl_c() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&stop);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
-    Ok(stop)
+    interruption::watch(interruption::DRIVING)
 }

@@ -1,18 +1,15 @@
 //! `frictionlab run`: experiments on the test bed.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use anyhow::Context;
 use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
 use rig_driver::{Calibration, Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
-use super::{BadInput, Interrupted, model_name};
+use super::{BadInput, Interrupted, interruption, model_name};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
 use crate::drive::parameters::DriveConstants;
@@ -159,9 +156,7 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
         Some(folder) => folder.clone(),
         None => first_free(options.experiment.as_str()),
     };
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
 
     if !args.quiet {
         super::offer_recovery(Path::new("runs"));

@@ -45,6 +45,8 @@ pub struct ServeArgs {
 /// # Errors
 /// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for and cannot be had; an error if the network cannot be joined.
 pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
+    ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
+    ros_node::terminal::tell_panics();
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let discovery =
         Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;

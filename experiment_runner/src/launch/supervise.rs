@@ -25,6 +25,8 @@ const WATCH: Duration = Duration::from_millis(20);
 const TERMINATE: Duration = Duration::from_millis(1200);
 /// From SIGINT to SIGKILL.
 const KILL: Duration = Duration::from_millis(1900);
+/// From SIGINT to SIGTERM for those who write files: a second signal ends them at once.
+const TERMINATE_WRITER: Duration = Duration::from_secs(8);
 /// From SIGINT to SIGKILL for those who write files: a bag that is cut would have to be recovered.
 const KILL_WRITER: Duration = Duration::from_secs(10);
 
@@ -161,8 +163,11 @@ impl Processes {
                     process.ended = Some(status);
                     continue;
                 }
-                let kill = if process.part == Part::Loop { KILL } else { KILL_WRITER };
-                let steps = [(Duration::ZERO, Signal::INT), (TERMINATE, Signal::TERM), (kill, Signal::KILL)];
+                let (terminate, kill) = match process.part {
+                    Part::Loop => (TERMINATE, KILL),
+                    Part::Writer => (TERMINATE_WRITER, KILL_WRITER),
+                };
+                let steps = [(Duration::ZERO, Signal::INT), (terminate, Signal::TERM), (kill, Signal::KILL)];
                 if let Some((_, signal)) = steps.get(process.told).filter(|(after, _)| elapsed >= *after) {
                     if *signal == Signal::KILL {
                         say(&format!("{} does not end; killing it", process.label));

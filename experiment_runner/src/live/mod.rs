@@ -32,7 +32,7 @@ use friction_model::{AnyModel, ModelName};
 use friction_observer::node::FrictionObserver;
 use rig_driver::node::RigDriver;
 use rig_driver::{Calibration, safety::Supervised};
-use ros_node::{Discovery, Participant, Stop, Watch};
+use ros_node::{Discovery, Lost, Participant, Stop, Watch};
 use serde::Serialize;
 
 pub use error::LiveError;
@@ -182,9 +182,14 @@ pub fn run(
     let deaf = middleware.end();
     let overruns = nodes.rig.overruns();
     let published = nodes.leave();
-    drop(participant);
     // Its queue ended with the rig's node.
     let kept = recorder.join().map_err(|_| LiveError::Panicked { thread: "recorder" });
+    if matches!(deaf, Some(Lost::Stuck(_))) {
+        // Leaving would wait for the stuck thread; the process ends without that.
+        std::mem::forget(participant);
+    } else {
+        drop(participant);
+    }
     let (published, (bag, errors)) = (published?, kept??);
     if let Err(reason) = begun {
         return Err(LiveError::Start(reason));
