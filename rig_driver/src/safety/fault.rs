@@ -222,13 +222,13 @@ pub const FAULTS: [FaultRule; 26] = {
         rule(
             F::CycleJump,
             "cycle jump",
-            "a serial device's cycles and clock differ by more than two periods and an eighth, or run ahead of the time here by more than 0.25 s at once",
+            "a serial device's cycles and clock differ by more than two periods and an eighth, or, after the first second, run ahead of the time here by more than 0.25 s at once",
             ZeroUntilCleared,
         ),
         rule(
             F::StopNotAcknowledged,
             "stop not acknowledged",
-            "a serial device was told to stop or to rest, every 10 ms, and its measurements did not say so within 0.1 s",
+            "a serial device was told to stop or to rest, every 10 ms, and its measurements, 20 or more, did not say so within 0.1 s",
             ZeroUntilCleared,
         ),
     ]

@@ -13,6 +13,8 @@ const FOREIGN: u16 = 2;
 const DIFFERING: u32 = 3;
 /// By how much the device may run ahead of the time here at once [s].
 const AHEAD: f64 = 0.25;
+/// Time of a session in which it is learned how late measurements are [s]: the first may have waited for this side.
+const LEARNING: f64 = 1.0;
 /// By which part its clock may be slower than the one here, and a jump still be seen at once.
 const SLOWER: f64 = 0.1;
 
@@ -142,7 +144,8 @@ impl LineMonitor {
         let ahead = least - late;
         // By the device's time: of a host that was stopped, none passes while it reads what waited for it.
         self.least_late = Some(late.min(least + SLOWER * passed));
-        (ahead > AHEAD).then_some((Fault::CycleJump, ahead, AHEAD))
+        let learned = self.device_time - passed > LEARNING;
+        (learned && ahead > AHEAD).then_some((Fault::CycleJump, ahead, AHEAD))
     }
 }
 
@@ -325,8 +328,10 @@ mod tests {
         let refused = find(|seen, cycle| seen.refused = cycle.saturating_sub(300) as u16);
         assert_eq!(refused, Some((Fault::CommandsRefused, 801)));
         // The device's cycle leaps by a second.
-        let leap = find(|seen, cycle| seen.cycle += if cycle < 70 { 0 } else { 1000 });
-        assert_eq!(leap, Some((Fault::CycleJump, 70)));
+        let leap = find(|seen, cycle| seen.cycle += if cycle < 1100 { 0 } else { 300 });
+        assert_eq!(leap, Some((Fault::CycleJump, 1100)));
+        // A side that was held up when the session began finds out how late it is.
+        assert_eq!(find(|seen, cycle| seen.cycle += if cycle < 70 { 0 } else { 1000 }), None);
     }
 
     /// A host that was stopped for a minute finds a few old measurements and then new ones: no jump.

@@ -6,8 +6,10 @@ use rig_protocol::State;
 
 /// Time between two requests for a change of state.
 pub(super) const AGAIN: Duration = Duration::from_millis(10);
-/// Time in which a stop has to be acknowledged by a measurement.
+/// Time in which a stop has to be acknowledged by a measurement, and measurements that have to have come in it: on a line that is silent nothing
+/// can be acknowledged, which is an error of its own.
 pub(super) const PATIENCE: Duration = Duration::from_millis(100);
+const MEASUREMENTS: u32 = 20;
 
 /// A stop that the device was told, and has not acknowledged yet.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +19,7 @@ pub(super) struct Stopping {
     again: Instant,
     until: Instant,
     told: bool,
+    heard: u32,
 }
 
 /// What is to be done about it now.
@@ -33,11 +36,12 @@ pub(super) enum Next {
 impl Stopping {
     /// The device was told at `now`.
     pub(super) fn new(emergency: bool, now: Instant) -> Self {
-        Self { emergency, again: now + AGAIN, until: now + PATIENCE, told: false }
+        Self { emergency, again: now + AGAIN, until: now + PATIENCE, told: false, heard: 0 }
     }
 
     /// What is to be done at `now`, with what a measurement shows, if there is a new one.
     pub(super) fn next(&mut self, now: Instant, state: Option<State>) -> Next {
+        self.heard = self.heard.saturating_add(state.is_some().into());
         let done = state.is_some_and(|state| match (self.emergency, state) {
             (true, state) => state == State::EmergencyStopped,
             (false, state) => state != State::Active,
@@ -54,7 +58,7 @@ impl Stopping {
 
     /// Whether the time is over; once.
     pub(super) fn overdue(&mut self, now: Instant) -> bool {
-        let overdue = now >= self.until && !self.told;
+        let overdue = now >= self.until && self.heard >= MEASUREMENTS && !self.told;
         self.told |= overdue;
         overdue
     }
@@ -79,6 +83,10 @@ mod tests {
             assert_eq!(stopping.next(at(10), Some(not_yet)), Next::Again);
             assert_eq!(stopping.next(at(19), None), Next::Wait);
             assert_eq!(stopping.next(at(20), None), Next::Again);
+            assert!(!stopping.overdue(at(100)), "nothing was heard that could have said so");
+            for ms in 21..45 {
+                stopping.next(at(ms), Some(not_yet));
+            }
             assert!(!stopping.overdue(at(99)));
             assert!(stopping.overdue(at(100)) && !stopping.overdue(at(200)));
             assert_eq!(stopping.next(at(201), Some(not_yet)), Next::Again, "it goes on");
