@@ -120,7 +120,7 @@ pub const SERVICES: [Served; 9] = [
         node: "rig_driver",
         name: "emergency_stop",
         kind: TRIGGER,
-        what: "zero volts within a cycle, in any state, until cleared",
+        what: "zero volts within a cycle, in any state, until cleared; no emergency stop in the sense of ISO 13850 and IEC 60204-1, which needs hardware",
     },
     Served {
         node: "rig_driver",

@@ -1,5 +1,6 @@
 //! The project's own commands: `cargo xtask COMMAND`.
 
+mod audit;
 mod bench;
 mod bench_fits;
 mod bench_live;
@@ -16,6 +17,8 @@ use clap::Parser;
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]
 enum Task {
+    /// Licences, bans and sources of every dependency, judged by deny.toml.
+    Audit(audit::Audit),
     /// Nanoseconds a control step of the friction models, in Rust and in plain C.
     Bench(bench::Bench),
     /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled by Numba.
@@ -38,6 +41,7 @@ enum Task {
 
 fn main() -> anyhow::Result<()> {
     match Task::parse() {
+        Task::Audit(audit) => audit.run(),
         Task::Bench(bench) => bench.run(),
         Task::BenchFits(bench) => bench.run(),
         Task::BenchLive(bench) => bench.run(),
