@@ -1,15 +1,11 @@
 //! What every executable does first and last: read its arguments, join, and say why it ends.
 
-use std::{
-    fmt::Display,
-    io::Write,
-    process::{self, ExitCode},
-    sync::Arc,
-};
+use std::{fmt::Display, io::Write, process::ExitCode, sync::Arc};
 
 use crate::{
-    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop,
+    Arguments, Discovery, Participant, ROS_ARGUMENTS_HELP, RosNodeError, Stop, ending,
     middleware::{Lost, Watch},
+    terminal,
 };
 
 /// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
@@ -29,8 +25,8 @@ pub fn run(
     mut body: impl FnMut(&Participant, &Stop) -> Result<(), RosNodeError>,
 ) -> ExitCode {
     let fail = |text: &dyn Display, code: u8| {
-        // Nobody is left to be told if the terminal is gone.
-        let _ = writeln!(std::io::stderr(), "{name}: {text}");
+        terminal::tell(format!("{name}: {text}"));
+        terminal::flush();
         ExitCode::from(code)
     };
     let arguments = match Arguments::from_process() {
@@ -62,8 +58,9 @@ pub fn run(
         Err(error) => return fail(&error, BAD_INPUT),
     };
     for warning in Discovery::warnings() {
-        let _ = writeln!(std::io::stderr(), "{name}: {warning}");
+        terminal::tell(format!("{name}: {warning}"));
     }
+    terminal::tell_panics();
     let wished = match Stop::on_signals() {
         Ok(wished) => wished,
         Err(error) => return fail(&error, 1),
@@ -84,8 +81,10 @@ pub fn run(
         let lost = watch.end();
         if let Some(lost @ Lost::Stuck(_)) = &lost {
             // Leaving would wait for the stuck thread.
-            let _ = writeln!(std::io::stderr(), "{name}: {lost}; the node ends: start it again");
-            process::exit(1);
+            ending::force(
+                1,
+                &format!("{name}: {lost}; the node ends, with the motor at zero volts: start it again"),
+            );
         }
         drop(participant);
         match (ended, lost) {
@@ -94,10 +93,9 @@ pub fn run(
             (Ok(()), None) => return ExitCode::SUCCESS,
             (_, Some(_)) if wished.is_set() => return ExitCode::SUCCESS,
             (_, Some(lost)) => {
-                let _ = writeln!(
-                    std::io::stderr(),
+                terminal::tell(format!(
                     "{name}: {lost}; the node starts anew, with the parameters it was started with"
-                );
+                ));
             }
         }
     }

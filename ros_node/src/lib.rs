@@ -12,7 +12,8 @@
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
 //! - [`security`]: who may join and who may do what, as SROS 2 has it;
-//! - [`Stop`]: SIGINT and SIGTERM;
+//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck;
+//! - [`terminal`]: lines that nobody waits for;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
@@ -29,11 +30,13 @@
 //! ```
 
 mod action;
+mod apart;
 mod arguments;
 mod client;
 mod clock;
 pub mod deadlines;
 mod discovery;
+mod ending;
 mod error;
 mod executable;
 mod graph;
@@ -45,15 +48,18 @@ mod logger;
 mod middleware;
 mod names;
 mod node;
+mod outbox;
 pub mod parameter_file;
 pub mod parameters;
 mod participant;
 mod publisher;
 pub mod queue;
 pub mod remap;
+mod repeated;
 pub mod security;
 mod service;
 mod signals;
+pub mod terminal;
 pub mod timing;
 mod turn;
 
@@ -62,6 +68,7 @@ pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
 pub use client::ServiceClient;
 pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};
+pub use ending::before_forced_exit;
 pub use error::RosNodeError;
 pub use executable::run;
 pub use graph::{Graph, ParticipantId, SeenNode};
@@ -75,4 +82,4 @@ pub use participant::Participant;
 pub use publisher::Publisher;
 pub use remap::Named;
 pub use ros2_client::ParameterValue;
-pub use signals::Stop;
+pub use signals::{ENDS_WITHIN, ENDS_WITHIN_WRITING, FORCED, Stop, ends_within};

@@ -1,15 +1,26 @@
 //! Log lines, on the terminal and on `/rosout`.
 
 use std::{
-    io::Write,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+    time::{Duration, Instant},
 };
 
-use ros2_client::{NodeLoggingHandle, RosoutRaw, ros2};
+use ros2_client::{NodeLoggingHandle, RosoutRaw, builtin_interfaces::Time, ros2};
 
-use crate::{LogLevel, NodeClock};
+use crate::{
+    LogLevel, NodeClock,
+    outbox::{Out, Outbox},
+    repeated::Repeated,
+    terminal,
+};
 
-/// Writes log lines of one node. Clones write the same. It may wait for the network: never call it from a control thread.
+/// Lines that wait for the network.
+const WAITING: usize = 256;
+/// Longest wait for a leaving node's lines on `/rosout`.
+const LAST_LINES: Duration = Duration::from_millis(500);
+
+/// Writes log lines of one node. Clones write the same. Never waits, neither for the terminal nor for the network: the lines go through bounded
+/// queues, and those for which there is no room are dropped and counted. It allocates: not for a control thread.
 #[derive(Clone)]
 pub struct Logger(Arc<Inner>);
 
@@ -18,8 +29,56 @@ struct Inner {
     level: LogLevel,
     terminal: bool,
     clock: NodeClock,
-    /// `None` once the node has left, or where `/rosout` is switched off.
-    rosout: Mutex<Option<NodeLoggingHandle>>,
+    rosout: Arc<Rosout>,
+    repeated: Mutex<Repeated>,
+}
+
+/// `None` once the node has left, or where `/rosout` is switched off.
+type Rosout = Mutex<Option<NodeLoggingHandle>>;
+
+/// A line on its way to `/rosout`.
+struct Line {
+    rosout: Arc<Rosout>,
+    stamp_ns: u64,
+    level: LogLevel,
+    name: String,
+    text: String,
+}
+
+/// All nodes' way to `/rosout`: another thread than the terminal's, so that neither waits for the other.
+fn network() -> &'static Outbox<Line> {
+    static NETWORK: OnceLock<Outbox<Line>> = OnceLock::new();
+    NETWORK.get_or_init(|| {
+        let mut last = None::<(Arc<Rosout>, String, u64)>;
+        Outbox::start("rosout", WAITING, move |out: Out<Line>| match out {
+            Out::Item(line) => {
+                line.publish();
+                last = Some((line.rosout, line.name, line.stamp_ns));
+            }
+            Out::Dropped(count) => {
+                if let Some((rosout, name, stamp_ns)) = last.take() {
+                    let text = format!("{count} log lines were dropped: the network did not take them");
+                    Line { rosout, stamp_ns, level: LogLevel::Warn, name, text }.publish();
+                }
+            }
+        })
+    })
+}
+
+impl Line {
+    fn publish(&self) {
+        if let Some(handle) = &*self.rosout.lock().unwrap_or_else(PoisonError::into_inner) {
+            let stamp = Time::from_nanos(i64::try_from(self.stamp_ns).unwrap_or(i64::MAX));
+            let level = match self.level {
+                LogLevel::Debug => ros2::LogLevel::Debug,
+                LogLevel::Info => ros2::LogLevel::Info,
+                LogLevel::Warn => ros2::LogLevel::Warn,
+                LogLevel::Error => ros2::LogLevel::Error,
+                LogLevel::Fatal => ros2::LogLevel::Fatal,
+            };
+            handle.rosout_raw(stamp, level, &self.name, &self.text, "", "", 0);
+        }
+    }
 }
 
 impl Logger {
@@ -30,11 +89,13 @@ impl Logger {
         clock: NodeClock,
         rosout: Option<NodeLoggingHandle>,
     ) -> Self {
-        Self(Arc::new(Inner { name, level, terminal, clock, rosout: Mutex::new(rosout) }))
+        let rosout = Arc::new(Mutex::new(rosout));
+        Self(Arc::new(Inner { name, level, terminal, clock, rosout, repeated: Mutex::default() }))
     }
 
-    /// Lets go of `/rosout`.
+    /// Lets go of `/rosout`, once the lines are out or had their time.
     pub(crate) fn leave(&self) {
+        let _ = network().flush(LAST_LINES);
         self.0.rosout.lock().unwrap_or_else(PoisonError::into_inner).take();
     }
 
@@ -45,27 +106,32 @@ impl Logger {
             return;
         }
         let now = clock.now_ns();
-        let text = &*crate::limits::line(text);
+        let text = crate::limits::line(text);
         if self.0.terminal {
-            // Nobody is told if the terminal is gone.
-            let _ = writeln!(
-                std::io::stderr(),
+            terminal::tell(format!(
                 "[{level}] [{}.{:09}] [{name}]: {text}",
                 now / 1_000_000_000,
                 now % 1_000_000_000
-            );
+            ));
         }
-        if let Some(handle) = &*rosout.lock().unwrap_or_else(PoisonError::into_inner) {
-            let stamp =
-                ros2_client::builtin_interfaces::Time::from_nanos(i64::try_from(now).unwrap_or(i64::MAX));
-            let level = match level {
-                LogLevel::Debug => ros2::LogLevel::Debug,
-                LogLevel::Info => ros2::LogLevel::Info,
-                LogLevel::Warn => ros2::LogLevel::Warn,
-                LogLevel::Error => ros2::LogLevel::Error,
-                LogLevel::Fatal => ros2::LogLevel::Fatal,
-            };
-            handle.rosout_raw(stamp, level, name, text, "", "", 0);
+        network().put(Line {
+            rosout: Arc::clone(rosout),
+            stamp_ns: now,
+            level,
+            name: name.clone(),
+            text: text.into_owned(),
+        });
+    }
+
+    /// Writes a warning that anybody on the network can cause, as often as he likes: of one `kind` at most one a second is written, and it says how
+    /// many were not. `text` is made only if it is written.
+    pub fn warn_of(&self, kind: &str, text: impl FnOnce() -> String) {
+        let mut repeated = self.0.repeated.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(before) = repeated.may_be_told(kind, Instant::now()) else { return };
+        drop(repeated);
+        match before {
+            0 => self.warn(&text()),
+            before => self.warn(&format!("{} (and {before} more like this before)", text())),
         }
     }
 

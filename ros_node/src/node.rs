@@ -3,7 +3,8 @@
 use std::{
     future::Future,
     sync::{Arc, Mutex, PoisonError, atomic::AtomicU8},
-    time::{Duration, SystemTime},
+    thread,
+    time::{Duration, Instant, SystemTime},
 };
 
 use futures::StreamExt;
@@ -23,6 +24,7 @@ use tokio::task::JoinHandle;
 use crate::{
     ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
     ServiceClient, action,
+    apart::Apart,
     graph::{self, ParticipantNodes},
     participant::Shared,
     service::Service,
@@ -41,6 +43,8 @@ pub struct RosNode {
     /// `None` only while it is being dropped.
     node: Mutex<Option<Node>>,
     tasks: Mutex<Vec<JoinHandle<()>>>,
+    /// What has a thread of its own.
+    apart: Mutex<Vec<Apart>>,
     shared: Arc<Shared>,
 }
 
@@ -64,7 +68,8 @@ impl RosNode {
             clock.clone(),
             (!arguments.rosout_disabled).then(|| node.logging_handle()),
         );
-        Ok(Self { identity, clock, logger, node: Mutex::new(Some(node)), tasks: Mutex::default(), shared })
+        let (node, tasks, apart) = (Mutex::new(Some(node)), Mutex::default(), Mutex::default());
+        Ok(Self { identity, clock, logger, node, tasks, apart, shared })
     }
 
     /// Name of the node, without its namespace.
@@ -218,14 +223,14 @@ impl RosNode {
         let logger = self.logger.clone();
         self.spawn(async move {
             let mut stream = std::pin::pin!(subscription.async_stream());
-            let (mut refused, mut told) = (0u64, None::<std::time::Instant>);
+            let (mut refused, mut told) = (0u64, None::<Instant>);
             while let Some(next) = stream.next().await {
                 match next {
                     Ok((message, info)) => take(message, age(&info)),
                     Err(error) => {
                         refused += 1;
                         if told.is_none_or(|told| told.elapsed() >= WARNINGS) {
-                            told = Some(std::time::Instant::now());
+                            told = Some(Instant::now());
                             logger.warn(&format!(
                                 "{refused} messages on {absolute} were no {} and were dropped, the last one because: {error:?}",
                                 M::type_name()
@@ -287,6 +292,27 @@ impl RosNode {
         self.raw_serve::<S::Request, S::Response>(name, S::PACKAGE, S::NAME, answer)
     }
 
+    /// Like [`serve`](Self::serve), on a thread of its own with an endpoint of its own: no other callback, warning or slow client keeps it. For what must be
+    /// answered whatever the rest of the node does. `answer` must not wait for what the rest of the node holds.
+    ///
+    /// # Errors
+    /// [`RosNodeError::Create`] if the middleware refuses, [`RosNodeError::Runtime`] if the system grants no thread.
+    pub fn serve_apart<S: RosService>(
+        &self,
+        name: &str,
+        answer: impl FnMut(S::Request) -> S::Response + Send + 'static,
+    ) -> Result<(), RosNodeError>
+    where
+        S::Request: Message + Sync,
+        S::Response: Message + Sync,
+    {
+        let service = self.service::<S::Request, S::Response>(name, S::PACKAGE, S::NAME)?;
+        let apart = Apart::start("service apart", async move { service.run(answer).await })
+            .map_err(RosNodeError::Runtime)?;
+        self.apart.lock().unwrap_or_else(PoisonError::into_inner).push(apart);
+        Ok(())
+    }
+
     /// Offers an action that the code calls `name`; its goals go to `handler`.
     ///
     /// # Errors
@@ -310,8 +336,19 @@ impl RosNode {
         name: &str,
         package: &str,
         kind: &str,
-        answer: impl FnMut(Q) -> A + Send + 'static,
+        mut answer: impl FnMut(Q) -> A + Send + 'static,
     ) -> Result<(), RosNodeError>
+    where
+        Q: Message + Clone + Send + Sync + 'static,
+        A: Message + Send + Sync + 'static,
+    {
+        let service = self.service::<Q, A>(name, package, kind)?;
+        let answer = move |request| tokio::task::block_in_place(|| answer(request));
+        self.spawn(async move { service.run(answer).await });
+        Ok(())
+    }
+
+    fn service<Q, A>(&self, name: &str, package: &str, kind: &str) -> Result<Service<Q, A>, RosNodeError>
     where
         Q: Message + Clone + Send + Sync + 'static,
         A: Message + Send + Sync + 'static,
@@ -329,9 +366,7 @@ impl RosNode {
             .map_err(|e| e.to_string())
         })?;
         let hearers = Arc::clone(&self.shared.hearers);
-        let service = Service::new(absolute, server, hearers, self.logger.clone());
-        self.spawn(async move { service.run(answer).await });
-        Ok(())
+        Ok(Service::new(absolute, server, hearers, self.logger.clone()))
     }
 
     /// A client of the service that the code calls `name`.
@@ -397,9 +432,14 @@ impl Drop for RosNode {
         // What runs in the background holds readers and writers: it goes first, then the node takes its name off the graph.
         let tasks = std::mem::take(&mut *self.tasks.lock().unwrap_or_else(PoisonError::into_inner));
         tasks.iter().for_each(JoinHandle::abort);
-        self.shared.runtime.block_on(async {
-            let _ = tokio::time::timeout(LEAVING, futures::future::join_all(tasks)).await;
-        });
+        let mut apart = std::mem::take(&mut *self.apart.lock().unwrap_or_else(PoisonError::into_inner));
+        apart.iter_mut().for_each(Apart::end);
+        // Not by the runtime's clock: it stands still if all of its threads are stuck.
+        let began = Instant::now();
+        while !tasks.iter().all(JoinHandle::is_finished) && began.elapsed() < LEAVING {
+            thread::sleep(Duration::from_millis(1));
+        }
+        apart.into_iter().for_each(|apart| apart.join(LEAVING));
         self.logger.leave();
         drop(self.node.lock().unwrap_or_else(PoisonError::into_inner).take());
     }

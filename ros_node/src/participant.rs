@@ -2,23 +2,21 @@
 
 use std::{
     collections::BTreeMap,
-    io::Write,
+    ops::Deref,
     sync::{Arc, Mutex, atomic::AtomicU8},
-    thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
-use tokio::{
-    runtime::{Builder, Runtime},
-    task::JoinHandle,
-};
+use tokio::runtime::{Builder, Runtime};
 
 use crate::{
     Arguments, Discovery, RosNode, RosNodeError,
+    apart::Apart,
     hearing::Hearers,
     security::{self, Enclave, Others, Prefix, Protection},
+    terminal,
     turn::Turn,
 };
 
@@ -37,25 +35,45 @@ pub(crate) type LastPhases = Mutex<BTreeMap<String, Arc<AtomicU8>>>;
 /// runs on a participant that is gone.
 pub(crate) struct Shared {
     pub(crate) context: Context,
-    pub(crate) runtime: Runtime,
+    pub(crate) runtime: Workers,
     pub(crate) arguments: Arguments,
     /// Who can hear the answers of the nodes' services.
     pub(crate) hearers: Arc<Hearers>,
-    following: JoinHandle<()>,
+    /// Hears of others, apart: answers wait for it. `None` only while this is being dropped.
+    following: Option<Apart>,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
     protection: Protection,
     others: Arc<Others>,
 }
 
+/// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
+pub(crate) struct Workers(Option<Runtime>);
+
+impl Deref for Workers {
+    type Target = Runtime;
+
+    fn deref(&self) -> &Runtime {
+        self.0.as_ref().expect("there until it is dropped")
+    }
+}
+
+impl Drop for Workers {
+    fn drop(&mut self) {
+        if let Some(runtime) = self.0.take() {
+            runtime.shutdown_timeout(LEAVING);
+        }
+    }
+}
+
 impl Drop for Shared {
     fn drop(&mut self) {
         // It holds a part of the participant, which leaves when nobody holds it any more.
-        self.following.abort();
-        let began = Instant::now();
-        while !self.following.is_finished() && began.elapsed() < LEAVING {
-            thread::sleep(Duration::from_millis(1));
+        if let Some(following) = self.following.take() {
+            following.join(LEAVING);
         }
+        // What the nodes said last.
+        terminal::flush();
     }
 }
 
@@ -89,6 +107,7 @@ impl Participant {
             .enable_time()
             .build()
             .map_err(RosNodeError::Runtime)?;
+        let runtime = Workers(Some(runtime));
         let join_error = |detail: String| RosNodeError::Join { domain: discovery.domain, detail };
         let mut builder = DomainParticipantBuilder::new(discovery.domain);
         if let Some(networks) = discovery.networks() {
@@ -96,7 +115,7 @@ impl Participant {
         }
         let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
         if let Some(warning) = protection.warning() {
-            let _ = writeln!(std::io::stderr(), "this process {warning}");
+            terminal::tell(format!("this process {warning}"));
         }
         let _turn = Turn::wait(discovery.domain);
         let participant = builder.build().map_err(|error| join_error(error.to_string()))?;
@@ -106,7 +125,9 @@ impl Participant {
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
         let others = Arc::<Others>::default();
         let told = Arc::clone(&others);
-        let following = runtime.spawn(async move { heard.follow(participant, &told).await });
+        let following = Apart::start("hearing", async move { heard.follow(participant, &told).await })
+            .map_err(RosNodeError::Runtime)?;
+        let following = Some(following);
         let shared =
             Shared { context, runtime, arguments, hearers, following, last_phases, protection, others };
         Ok(Self { shared: Arc::new(shared) })

@@ -40,20 +40,21 @@ impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
             let (client, request) = match next {
                 Ok(next) => next,
                 Err(error) => {
-                    self.logger.warn(&format!(
-                        "a request to {} was not understood and has no answer: {error:?}",
-                        self.name
-                    ));
+                    self.logger.warn_of(&self.name, || {
+                        format!("a request to {} was not understood and has no answer: {error:?}", self.name)
+                    });
                     tokio::time::sleep(AFTER_FAILURE).await;
                     continue;
                 }
             };
-            let response = tokio::task::block_in_place(|| answer(request));
+            let response = answer(request);
             if limits::is_too_long(&response) {
                 let (name, longest) = (&self.name, limits::ANSWER);
-                self.logger.warn(&format!(
-                    "an answer of {name} would be longer than {longest} bytes and was not sent; ask for less at a time"
-                ));
+                self.logger.warn_of(name, || {
+                    format!(
+                        "an answer of {name} would be longer than {longest} bytes and was not sent; ask for less at a time"
+                    )
+                });
             } else if self.hearers.hear(&client, &topic) || held.len() >= hearing::MOST_HELD {
                 self.send(client, response).await;
             } else {
@@ -69,7 +70,7 @@ impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
 
     async fn send(&self, client: RmwRequestId, response: A) {
         if let Err(error) = self.server.async_send_response(client, response).await {
-            self.logger.warn(&format!("an answer of {} was not sent: {error:?}", self.name));
+            self.logger.warn_of(&self.name, || format!("an answer of {} was not sent: {error:?}", self.name));
         }
     }
 }

@@ -1,54 +1,123 @@
-//! SIGINT and SIGTERM: the wish to end.
+//! SIGINT, SIGTERM and SIGHUP: the wish to end, and an end that comes whatever is stuck.
 
 use std::{
-    sync::{Arc, Condvar, Mutex, PoisonError},
+    sync::{
+        Arc, Condvar, Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+        mpsc::{Receiver, RecvTimeoutError, channel},
+    },
+    thread,
     time::{Duration, Instant},
 };
 
-use crate::RosNodeError;
+use crate::{RosNodeError, ending};
+
+/// Time from the first signal in which a program ends, if it does not say another ([`ends_within`]).
+pub const ENDS_WITHIN: Duration = Duration::from_secs(5);
+/// The same for programs that have a bag to write.
+pub const ENDS_WITHIN_WRITING: Duration = Duration::from_secs(10);
+/// Exit code of a program that a signal ended by force: at its second signal, or when the time was over.
+pub const FORCED: u8 = 130;
+/// Signals that come so soon after the first count as the same: a closing terminal sends several.
+const SAME: Duration = Duration::from_millis(100);
+
+/// [`ENDS_WITHIN`] or what the program says [ms].
+static WITHIN_MS: AtomicU64 = AtomicU64::new(ENDS_WITHIN.as_millis() as u64);
+
+/// Sets how long this program may take to end after the first signal.
+pub fn ends_within(time: Duration) {
+    WITHIN_MS.store(u64::try_from(time.as_millis()).unwrap_or(u64::MAX), Ordering::Relaxed);
+}
 
 /// The wish to end, as a thing that threads can wait for. Clones are one.
 #[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<(Mutex<bool>, Condvar)>);
+pub struct Stop(Arc<Inner>);
+
+#[derive(Debug, Default)]
+struct Inner {
+    wished: Arc<AtomicBool>,
+    lock: Mutex<()>,
+    changed: Condvar,
+}
 
 impl Stop {
     /// One that SIGINT, SIGTERM and SIGHUP set. A process has only one.
+    ///
+    /// The first signal is the wish to end. If the process is still there [`ENDS_WITHIN`] later, or when a second signal comes, it ends at once with
+    /// the code [`FORCED`], after what is to be done [before](crate::before_forced_exit): whatever is stuck.
     ///
     /// # Errors
     /// [`RosNodeError::Signals`] if the handler cannot be set.
     pub fn on_signals() -> Result<Self, RosNodeError> {
         let stop = Self::default();
-        let handler = stop.clone();
-        ctrlc::set_handler(move || handler.set())
+        let (signal, signals) = channel();
+        let told = stop.clone();
+        // There from the start: whoever has run out of threads or memory can still be ended.
+        thread::Builder::new()
+            .name("signals".into())
+            .spawn(move || follow(&signals, &told))
+            .map_err(|error| RosNodeError::Signals(error.to_string()))?;
+        ctrlc::set_handler(move || _ = signal.send(()))
             .map_err(|error| RosNodeError::Signals(error.to_string()))?;
         Ok(stop)
     }
 
     /// Wishes it.
     pub fn set(&self) {
-        *self.0.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.0.1.notify_all();
+        self.0.wished.store(true, Ordering::Release);
+        drop(self.0.lock.lock().unwrap_or_else(PoisonError::into_inner));
+        self.0.changed.notify_all();
     }
 
     /// Whether somebody wishes it.
     #[must_use]
     pub fn is_set(&self) -> bool {
-        *self.0.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.wished.load(Ordering::Acquire)
+    }
+
+    /// The same as a flag, for those who only look at it.
+    #[must_use]
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0.wished)
     }
 
     /// Waits for it, at most so long. Returns whether it was wished.
     #[must_use]
     pub fn wait(&self, at_most: Duration) -> bool {
         let deadline = Instant::now() + at_most;
-        let mut wished = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
-        while !*wished {
+        let mut lock = self.0.lock.lock().unwrap_or_else(PoisonError::into_inner);
+        while !self.is_set() {
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 break;
             }
-            wished = self.0.1.wait_timeout(wished, left).unwrap_or_else(PoisonError::into_inner).0;
+            lock = self.0.changed.wait_timeout(lock, left).unwrap_or_else(PoisonError::into_inner).0;
         }
-        *wished
+        self.is_set()
+    }
+}
+
+/// Passes the first signal on, and ends the process at the second or when the time is over.
+fn follow(signals: &Receiver<()>, stop: &Stop) {
+    if signals.recv().is_err() {
+        return;
+    }
+    stop.set();
+    let began = Instant::now();
+    let within = || Duration::from_millis(WITHIN_MS.load(Ordering::Relaxed));
+    loop {
+        match signals.recv_timeout(within().saturating_sub(began.elapsed())) {
+            Ok(()) if began.elapsed() < SAME => {}
+            Ok(()) => ending::force(FORCED, "ended by force, by a second signal"),
+            Err(RecvTimeoutError::Timeout) => {
+                let seconds = within().as_secs();
+                ending::force(
+                    FORCED,
+                    &format!("ended by force: something is stuck {seconds} s after the signal"),
+                )
+            }
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
     }
 }
 
@@ -60,9 +129,9 @@ mod tests {
     fn waiting_ends_with_the_wish_or_with_the_time() {
         let stop = Stop::default();
         assert!(!stop.wait(Duration::from_millis(1)));
-        let other = stop.clone();
+        let (other, flag) = (stop.clone(), stop.flag());
         let thread = std::thread::spawn(move || other.wait(Duration::from_secs(60)));
         stop.set();
-        assert!(thread.join().unwrap() && stop.is_set());
+        assert!(thread.join().unwrap() && stop.is_set() && flag.load(Ordering::Relaxed));
     }
 }

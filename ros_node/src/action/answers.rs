@@ -50,7 +50,7 @@ impl Answers {
         let logger = self.logger.clone();
         let tell = move |sent: Result<(), WriteError<()>>, name: &str| {
             if let Err(error) = sent {
-                logger.warn(&format!("an answer of {name} was not sent: {error:?}"));
+                logger.warn_of(name, || format!("an answer of {name} was not sent: {error:?}"));
             }
         };
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
