@@ -33,6 +33,16 @@ struct Rules {
 #[derive(Debug, Deserialize)]
 struct Licences {
     allow: Vec<String>,
+    #[serde(default)]
+    exceptions: Vec<Exception>,
+}
+
+/// Licences that one dependency alone may have.
+#[derive(Debug, Deserialize)]
+struct Exception {
+    #[serde(rename = "crate")]
+    name: String,
+    allow: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -133,17 +143,20 @@ fn dependencies(root: &Path) -> anyhow::Result<Vec<Package>> {
 
 /// A sentence for each dependency that may not be there.
 fn judge(rules: &Rules, packages: &[Package]) -> anyhow::Result<Vec<String>> {
-    let allowed = rules
-        .licenses
-        .allow
-        .iter()
-        .map(|name| {
+    let licences = |names: &[String]| {
+        let one = |name: &String| {
             Licensee::parse(name).with_context(|| format!("deny.toml allows `{name}`, which is no licence"))
-        })
-        .collect::<anyhow::Result<Vec<_>>>()?;
+        };
+        names.iter().map(one).collect::<anyhow::Result<Vec<_>>>()
+    };
+    let for_all = licences(&rules.licenses.allow)?;
     let banned: BTreeSet<&str> = rules.bans.deny.iter().map(|banned| banned.name.as_str()).collect();
     let mut complaints = Vec::new();
     for Package { name, version, source, license } in packages {
+        let mut allowed = for_all.clone();
+        for exception in rules.licenses.exceptions.iter().filter(|exception| exception.name == *name) {
+            allowed.extend(licences(&exception.allow)?);
+        }
         let mut complain = |why: String| complaints.push(format!("{name} {version}: {why}"));
         if banned.contains(name.as_str()) {
             complain("banned by deny.toml".to_owned());
@@ -191,6 +204,12 @@ mod tests {
         for license in ["MIT", "MIT OR Apache-2.0", "MIT/Apache-2.0", "(MIT OR GPL-3.0) AND Unicode-3.0"] {
             assert_eq!(complaints("serde", CRATES_IO, Some(license)), [""; 0], "{license}");
         }
+    }
+
+    #[test]
+    fn an_exception_is_for_one_dependency() {
+        assert_eq!(complaints("x509-certificate", CRATES_IO, Some("MPL-2.0")), [""; 0]);
+        assert_eq!(complaints("other", CRATES_IO, Some("MPL-2.0")).len(), 1);
     }
 
     #[test]
