@@ -1,18 +1,28 @@
 //! Who else is there: the nodes of a domain, as every participant tells them.
 //!
 //! Each participant of ROS 2 says on the topic `ros_discovery_info`, reliably and for latecomers, which nodes it has; what it says later replaces what it
-//! said before.
+//! said before. It is what they say of themselves: without DDS Security nobody vouches for it.
 
 use std::{
-    collections::BTreeMap,
-    sync::{Arc, Mutex, PoisonError},
+    collections::{BTreeMap, VecDeque},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-use ros2_client::{Message, builtin_topics::ros_discovery};
+use ros2_client::{Gid, Message, builtin_topics::ros_discovery};
+use rustdds::GUID;
 use serde::{Deserialize, Serialize};
+
+use crate::one_writer::WriterId;
 
 /// The graph's identifier of a participant.
 pub type ParticipantId = [u8; 16];
+
+/// Participants that are known at most: what more would tell is left out, so that strangers do not fill the memory.
+const PARTICIPANTS: usize = 4096;
+/// Nodes of one participant, and writers of one node, that are known at most.
+const ENTRIES: usize = 1024;
+/// Writers that left which are remembered.
+const LEFT: usize = 256;
 
 /// One node as its participant tells it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -25,27 +35,106 @@ pub struct SeenNode {
 
 /// The nodes that were heard of. Clones are one.
 #[derive(Debug, Clone, Default)]
-pub struct Graph(Arc<Mutex<BTreeMap<ParticipantId, Vec<String>>>>);
+pub struct Graph(Arc<Mutex<Known>>);
+
+#[derive(Debug, Default)]
+struct Known {
+    participants: BTreeMap<ParticipantId, Vec<KnownNode>>,
+    left: VecDeque<WriterId>,
+}
+
+#[derive(Debug)]
+struct KnownNode {
+    name: String,
+    writers: Vec<ParticipantId>,
+    /// When it was told of first, by the teller's clock [ns since the epoch]; none if the teller did not say.
+    since: Option<u64>,
+}
 
 impl Graph {
-    /// Takes what a participant says of itself.
-    pub(crate) fn take(&self, told: ParticipantNodes) {
-        let names = told.nodes.iter().map(|node| join(&node.namespace, &node.name)).collect();
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(told.participant, names);
+    /// Takes what a participant says of itself, at that time of its clock [ns since the epoch].
+    pub(crate) fn take(&self, told: ParticipantNodes, at: Option<u64>) {
+        let mut known = self.known();
+        if told.nodes.is_empty() {
+            known.participants.remove(&told.participant);
+            return;
+        }
+        let before = known.participants.get(&told.participant);
+        if before.is_none() && known.participants.len() >= PARTICIPANTS {
+            return;
+        }
+        let since = |name: &str| {
+            let same = before.into_iter().flatten().find(|node| node.name == name);
+            same.map_or(at, |same| same.since)
+        };
+        let nodes = told.nodes.into_iter().take(ENTRIES).map(|mut node| {
+            let name = join(&node.namespace, &node.name);
+            node.writers.truncate(ENTRIES);
+            KnownNode { since: since(&name), name, writers: node.writers }
+        });
+        let nodes = nodes.collect();
+        known.participants.insert(told.participant, nodes);
+    }
+
+    /// Participants were lost.
+    pub(crate) fn lost(&self, is_lost: impl Fn(&GUID) -> bool) {
+        self.known().participants.retain(|id, _| !is_lost(&GUID::from(Gid::from(*id))));
+    }
+
+    /// A writer was lost.
+    pub(crate) fn lost_writer(&self, writer: WriterId) {
+        let left = &mut self.known().left;
+        if left.len() == LEFT {
+            left.pop_front();
+        }
+        left.push_back(writer);
+    }
+
+    /// Whether a writer is known to have left.
+    #[must_use]
+    pub fn has_left(&self, writer: WriterId) -> bool {
+        self.known().left.contains(&writer)
     }
 
     /// Every node, in the order of names; a node that two participants have is there twice.
     #[must_use]
     pub fn nodes(&self) -> Vec<SeenNode> {
-        let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = self.known();
         let mut nodes: Vec<SeenNode> = known
+            .participants
             .iter()
-            .flat_map(|(participant, names)| {
-                names.iter().map(|name| SeenNode { name: name.clone(), participant: *participant })
+            .flat_map(|(participant, nodes)| {
+                nodes.iter().map(|node| SeenNode { name: node.name.clone(), participant: *participant })
             })
             .collect();
         nodes.sort();
         nodes
+    }
+
+    /// The node that a writer belongs to, as its participant tells it.
+    #[must_use]
+    pub fn node_of(&self, writer: WriterId) -> Option<String> {
+        let known = self.known();
+        // The entity of a participant itself has another ending; what comes before is the same.
+        let its = known.participants.iter().filter(|(id, _)| writer.is_of(id));
+        let mut nodes = its.flat_map(|(_, nodes)| nodes);
+        let found = nodes.clone().find(|node| node.writers.contains(&writer.0));
+        let alone = || nodes.next().filter(|_| nodes.next().is_none());
+        found.or_else(alone).map(|node| node.name.clone())
+    }
+
+    /// Nodes of that name in other participants than `own`, each with the time at which it was first told of by its own clock [ns since the epoch].
+    pub(crate) fn namesakes(&self, name: &str, own: ParticipantId) -> Vec<(ParticipantId, Option<u64>)> {
+        let known = self.known();
+        let others = known.participants.iter().filter(|(id, _)| **id != own);
+        let named = others.flat_map(|(id, nodes)| {
+            nodes.iter().filter(|node| node.name == name).map(|node| (*id, node.since))
+        });
+        named.collect()
+    }
+
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -84,19 +173,63 @@ mod tests {
             namespace: namespace.into(),
             name: name.into(),
             readers: Vec::new(),
-            writers: Vec::new(),
+            writers: vec![writer(participant, name.as_bytes()[0]).0],
         };
         ParticipantNodes { participant: [participant; 16], nodes: nodes.iter().map(node).collect() }
+    }
+
+    fn writer(participant: u8, number: u8) -> WriterId {
+        let mut id = [participant; 16];
+        id[12..].copy_from_slice(&[0, 0, number, 3]);
+        WriterId(id)
     }
 
     #[test]
     fn what_a_participant_says_later_replaces_what_it_said_before() {
         let graph = Graph::default();
-        graph.take(told(1, &[("/", "b"), ("/axis_1", "b")]));
-        graph.take(told(2, &[("/", "b")]));
+        graph.take(told(1, &[("/", "b"), ("/axis_1", "b")]), None);
+        graph.take(told(2, &[("/", "b")]), None);
         let names = || graph.nodes().into_iter().map(|node| node.name).collect::<Vec<_>>();
         assert_eq!(names(), ["/axis_1/b", "/b", "/b"]);
-        graph.take(told(1, &[]));
+        graph.take(told(1, &[]), None);
         assert_eq!(graph.nodes(), [SeenNode { name: "/b".into(), participant: [2; 16] }]);
+        graph.lost(|id| *id == GUID::from(Gid::from([2; 16])));
+        assert_eq!(graph.nodes(), []);
+    }
+
+    #[test]
+    fn a_writer_has_the_name_of_its_node() {
+        let graph = Graph::default();
+        graph.take(told(1, &[("/", "controller"), ("/", "observer")]), None);
+        graph.take(told(2, &[("/", "one")]), None);
+        assert_eq!(graph.node_of(writer(1, b'o')).as_deref(), Some("/observer"));
+        assert_eq!(graph.node_of(writer(1, b'x')), None, "one of two nodes");
+        assert_eq!(graph.node_of(writer(2, b'x')).as_deref(), Some("/one"), "the only node there is");
+        assert_eq!(graph.node_of(writer(3, b'o')), None);
+    }
+
+    #[test]
+    fn a_node_is_as_old_as_the_first_that_was_told_of_it() {
+        let graph = Graph::default();
+        graph.take(told(1, &[("/", "rig")]), Some(5));
+        graph.take(told(1, &[("/", "rig"), ("/", "more")]), Some(9));
+        graph.take(told(2, &[("/", "rig")]), Some(7));
+        assert_eq!(graph.namesakes("/rig", [2; 16]), [([1; 16], Some(5))]);
+        assert_eq!(graph.namesakes("/more", [2; 16]), [([1; 16], Some(9))]);
+        assert_eq!(graph.namesakes("/rig", [1; 16]), [([2; 16], Some(7))]);
+    }
+
+    #[test]
+    fn many_participants_fill_no_memory() {
+        let graph = Graph::default();
+        for number in 0..PARTICIPANTS as u32 + 10 {
+            let mut one = told(1, &[("/", "b")]);
+            one.participant[..4].copy_from_slice(&number.to_be_bytes());
+            graph.take(one, None);
+        }
+        assert_eq!(graph.nodes().len(), PARTICIPANTS);
+        (0..1000).for_each(|_| graph.lost_writer(writer(1, 1)));
+        graph.lost_writer(writer(1, 2));
+        assert!(graph.has_left(writer(1, 2)) && graph.known().left.len() == LEFT);
     }
 }

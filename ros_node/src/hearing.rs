@@ -10,9 +10,11 @@ use std::{
 };
 
 use futures::StreamExt;
-use ros2_client::RmwRequestId;
+use ros2_client::{Gid, RmwRequestId};
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent as Event, GUID, StatusEvented};
 use tokio::sync::watch;
+
+use crate::{Graph, one_writer::WriterId};
 
 /// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -34,8 +36,8 @@ struct Readers {
 }
 
 impl Hearers {
-    /// Takes what the participant tells of others, until it ends.
-    pub(crate) async fn follow(&self, participant: DomainParticipant) {
+    /// Takes what the participant tells of others, until it ends; who leaves is told to `graph` too.
+    pub(crate) async fn follow(&self, participant: DomainParticipant, graph: Graph) {
         let listener = participant.status_listener();
         // The listener keeps what it needs; the participant itself may leave.
         drop(participant);
@@ -51,7 +53,9 @@ impl Hearers {
                 Event::ReaderLost { guid, .. } => {
                     self.0.send_if_modified(|readers| readers.lost(|reader| *reader == guid));
                 }
+                Event::WriterLost { guid, .. } => graph.lost_writer(WriterId(Gid::from(guid).to_bytes16())),
                 Event::ParticipantLost { id, .. } => {
+                    graph.lost(|participant| participant.prefix == id);
                     self.0.send_if_modified(|readers| readers.lost(|reader| reader.prefix == id));
                 }
                 _ => {}
@@ -109,7 +113,6 @@ pub(crate) fn answers_of(service: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ros2_client::Gid;
 
     const READER: u8 = 0x04;
     const WRITER: u8 = 0x03;

@@ -13,6 +13,8 @@
 //! - [`Graph`]: which other nodes are there;
 //! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck;
 //! - [`terminal`]: lines that nobody waits for;
+//! - [`Gate`]: a topic of which one writer counts ([`one_writer`], [`stamps`]);
+//! - [`hostile`]: what becomes of what strangers send;
 //! - [`deadlines`], [`timing`], [`queue`]: what a control thread stands on.
 //!
 //! ```no_run
@@ -38,8 +40,10 @@ mod discovery;
 mod ending;
 mod error;
 mod executable;
+mod gate;
 mod graph;
 mod hearing;
+pub mod hostile;
 pub mod lifecycle;
 mod limits;
 mod log_level;
@@ -47,6 +51,7 @@ mod logger;
 mod middleware;
 mod names;
 mod node;
+pub mod one_writer;
 mod outbox;
 pub mod parameter_file;
 pub mod parameters;
@@ -58,9 +63,11 @@ mod repeated;
 mod scope;
 mod service;
 mod signals;
+pub mod stamps;
 pub mod terminal;
 pub mod timing;
 mod turn;
+mod twins;
 
 pub use action::{ActionHandler, ActionServer, Goal, GoalEnd, GoalId};
 pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
@@ -70,13 +77,14 @@ pub use discovery::{Discovery, Range};
 pub use ending::before_forced_exit;
 pub use error::RosNodeError;
 pub use executable::run;
+pub use gate::{Gate, GateReport, Passes};
 pub use graph::{Graph, ParticipantId, SeenNode};
 pub use limits::quoted;
 pub use log_level::LogLevel;
 pub use logger::Logger;
 pub use middleware::{Lost, Watch};
 pub use names::NodeIdentity;
-pub use node::RosNode;
+pub use node::{RosNode, Sent};
 pub use participant::Participant;
 pub use publisher::Publisher;
 pub use remap::Named;

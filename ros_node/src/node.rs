@@ -28,9 +28,11 @@ use crate::{
     ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
     ServiceClient, action,
     apart::Apart,
-    graph::{self, ParticipantNodes},
+    graph::{self, ParticipantId, ParticipantNodes},
+    one_writer::WriterId,
     participant::Shared,
     service::Service,
+    twins::Twins,
 };
 
 /// How long a leaving node waits for its background work.
@@ -48,6 +50,8 @@ pub struct RosNode {
     tasks: Mutex<Vec<JoinHandle<()>>>,
     /// What has a thread of its own.
     apart: Mutex<Vec<Apart>>,
+    /// When it began [ns since the epoch].
+    began: u64,
     shared: Arc<Shared>,
 }
 
@@ -77,7 +81,8 @@ impl RosNode {
             );
         }
         let (node, tasks, apart) = (Mutex::new(Some(node)), Mutex::default(), Mutex::default());
-        Ok(Self { identity, clock, logger, node, tasks, apart, shared })
+        let began = u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX);
+        Ok(Self { identity, clock, logger, node, tasks, apart, began, shared })
     }
 
     /// Name of the node, without its namespace.
@@ -189,15 +194,14 @@ impl RosNode {
         self.subscribe_on(topic.name_in_namespace(), topic.qos, take)
     }
 
-    /// Like [`subscribe`](Self::subscribe), and tells how long ago each message was sent, by the system's clocks on both sides; zero if its
-    /// publisher did not say, or by a clock that is ahead.
+    /// Like [`subscribe`](Self::subscribe), and tells who sent each message and how long ago.
     ///
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
-    pub fn subscribe_with_age<M: RosMessage + Message + Send + Sync + 'static>(
+    pub fn subscribe_from<M: RosMessage + Message + Send + Sync + 'static>(
         &self,
         topic: &Topic<M>,
-        take: impl FnMut(M, Duration) + Send + 'static,
+        take: impl FnMut(M, Sent) + Send + 'static,
     ) -> Result<(), RosNodeError> {
         self.listen(topic.name_in_namespace(), topic.qos, take)
     }
@@ -219,7 +223,7 @@ impl RosNode {
         &self,
         name: &str,
         qos: Qos,
-        mut take: impl FnMut(M, Duration) + Send + 'static,
+        mut take: impl FnMut(M, Sent) + Send + 'static,
     ) -> Result<(), RosNodeError> {
         let absolute = self.resolve(Named::Topic, name)?;
         let subscription = self.with_node("a subscription", &absolute, |node| {
@@ -234,7 +238,7 @@ impl RosNode {
             let (mut refused, mut told) = (0u64, None::<Instant>);
             while let Some(next) = stream.next().await {
                 match next {
-                    Ok((message, info)) => take(message, age(&info)),
+                    Ok((message, info)) => take(message, Sent::read(&info)),
                     Err(error) => {
                         refused += 1;
                         if told.is_none_or(|told| told.elapsed() >= WARNINGS) {
@@ -256,6 +260,45 @@ impl RosNode {
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
     pub fn watch_graph(&self) -> Result<Graph, RosNodeError> {
+        let graph = Graph::default();
+        self.watch_into(&graph)?;
+        Ok(graph)
+    }
+
+    /// The participant's own view of who is there: from the first call on it is kept, once for all its nodes, for as long as this node is there.
+    pub(crate) fn graph(&self) -> Result<Graph, RosNodeError> {
+        let graph = &self.shared.graph;
+        if !self.shared.graph_is_watched.swap(true, Ordering::AcqRel) {
+            self.watch_into(graph)?;
+        }
+        Ok(graph.clone())
+    }
+
+    /// Another node of this one's name in another participant, in a sentence.
+    ///
+    /// It is told by [`lifecycle::Lifecycle`](crate::lifecycle::Lifecycle) too, which keeps the later one of two from working.
+    #[must_use]
+    pub fn twin(&self) -> Option<String> {
+        self.twins().ok()?.found().map(|twin| twin.to_string())
+    }
+
+    /// This process's participant.
+    #[must_use]
+    pub fn participant(&self) -> ParticipantId {
+        self.shared.context.participant_entities_info().gid().to_bytes16()
+    }
+
+    /// Looks for other nodes of this name.
+    pub(crate) fn twins(&self) -> Result<Twins, RosNodeError> {
+        Ok(Twins {
+            graph: self.graph()?,
+            name: self.identity.qualified(),
+            own: self.participant(),
+            began: self.began,
+        })
+    }
+
+    fn watch_into(&self, graph: &Graph) -> Result<(), RosNodeError> {
         // Many participants tell of themselves at the same moment.
         let qos = profile(Qos { depth: 100, transient_local: true });
         let participant = self.shared.context.domain_participant();
@@ -270,18 +313,17 @@ impl RosNode {
                 .map_err(|e| e.to_string())?;
             node.create_subscription::<ParticipantNodes>(&topic, Some(qos)).map_err(|e| e.to_string())
         })?;
-        let graph = Graph::default();
         let heard = graph.clone();
         self.spawn(async move {
             let mut stream = std::pin::pin!(subscription.async_stream());
             while let Some(next) = stream.next().await {
                 // What cannot be read is of another version of ROS: that participant stays unknown.
-                if let Ok((told, _)) = next {
-                    heard.take(told);
+                if let Ok((told, info)) = next {
+                    heard.take(told, sent_ns(&info));
                 }
             }
         });
-        Ok(graph)
+        Ok(())
     }
 
     /// Answers a service that the code calls `name`, on a background thread.
@@ -429,7 +471,7 @@ impl RosNode {
         make(node.as_mut().ok_or_else(|| error("the node is leaving".into()))?).map_err(error)
     }
 
-    fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
+    pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
         let handle = self.shared.runtime.spawn(task);
         self.tasks.lock().unwrap_or_else(PoisonError::into_inner).push(handle);
     }
@@ -453,11 +495,30 @@ impl Drop for RosNode {
     }
 }
 
-/// How long ago a message was sent.
-fn age(info: &MessageInfo) -> Duration {
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    let sent = info.source_timestamp().and_then(|sent| u64::try_from(sent.to_nanos()).ok());
-    sent.map_or(Duration::ZERO, |sent| now.saturating_sub(Duration::from_nanos(sent)))
+/// Who sent a message, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sent {
+    /// Who. It is what the message says: see [`one_writer`](crate::one_writer) for how far that is to be believed.
+    pub writer: WriterId,
+    /// How long ago, by the system's clocks on both sides; zero if its publisher did not say, or by a clock that is ahead.
+    pub age: Duration,
+}
+
+impl Sent {
+    fn read(info: &MessageInfo) -> Self {
+        let sent = sent_ns(info).map(Duration::from_nanos);
+        let age = sent.map_or(Duration::ZERO, |sent| since_epoch().saturating_sub(sent));
+        Self { writer: WriterId(info.publisher_gid().to_bytes16()), age }
+    }
+}
+
+/// When a message was sent, by its publisher's clock [ns since the epoch].
+fn sent_ns(info: &MessageInfo) -> Option<u64> {
+    info.source_timestamp().and_then(|sent| u64::try_from(sent.to_nanos()).ok())
+}
+
+fn since_epoch() -> Duration {
+    SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default()
 }
 
 fn parse(name: &str) -> Result<Name, String> {

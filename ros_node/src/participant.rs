@@ -15,7 +15,7 @@ use rustdds::DomainParticipantBuilder;
 use tokio::runtime::{Builder, Runtime};
 
 use crate::{
-    Arguments, Discovery, RosNode, RosNodeError,
+    Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
     hearing::Hearers,
     middleware::{self, Leave},
@@ -45,6 +45,9 @@ pub(crate) struct Shared {
     pub(crate) hearers: Arc<Hearers>,
     /// Hears of others, apart: answers wait for it. `None` only while this is being dropped.
     following: Option<Apart>,
+    /// Who else is there; it is filled once somebody wants to know.
+    pub(crate) graph: Graph,
+    pub(crate) graph_is_watched: AtomicBool,
     /// Of the life before; empty in the first.
     pub(crate) last_phases: Arc<LastPhases>,
     /// Anybody on the network can command the nodes, and nobody has been told.
@@ -132,16 +135,21 @@ impl Participant {
             Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
-        let following = Apart::start("hearing", async move { heard.follow(participant).await })
+        let graph = Graph::default();
+        let leavers = graph.clone();
+        let following = Apart::start("hearing", async move { heard.follow(participant, leavers).await })
             .map_err(RosNodeError::Runtime)?;
         let following = Some(following);
         let open = AtomicBool::new(!only_here);
+        let graph_is_watched = AtomicBool::new(false);
         let shared = Shared {
             context,
             runtime,
             arguments,
             hearers,
             following,
+            graph,
+            graph_is_watched,
             last_phases,
             open,
             leave: Leave::new(),

@@ -4,12 +4,14 @@ The first process has its own reference and serves experiments; the second takes
 """
 
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
 
+from diagnostic_msgs.msg import DiagnosticArray
 from friction_msgs.msg import ControllerState, FrictionEstimate, MotorVoltage, Reference, RigMeasurement
 from friction_msgs.srv import ListExperiments
 from rcl_interfaces.msg import ParameterEvent
@@ -45,7 +47,9 @@ def main() -> None:
     report = {}
     with caller() as ros:
         measured, estimates, events, states = [], [], [], []
+        health = []
         keep = [
+            ros.node.create_subscription(DiagnosticArray, "/diagnostics", health.append, 100),
             ros.node.create_subscription(RigMeasurement, "/rig_measurement", measured.append, SIGNAL),
             ros.node.create_subscription(FrictionEstimate, "/friction_estimate", estimates.append, SIGNAL),
             ros.node.create_subscription(ControllerState, "/controller_state", states.append, SIGNAL),
@@ -106,11 +110,30 @@ def main() -> None:
         report["uncompensated"] = max((abs(s.friction) for s in fresh(states)), default=None)
         report["observer_on"] = ros.change(OBSERVER, "activate")
         report["reset"] = [ros.trigger(f"{node}/reset")[0] for node in (OBSERVER, CONTROLLER)]
-        # Voltages from elsewhere count while the controller is inactive.
-        report["controller_off"] = ros.change(CONTROLLER, "deactivate")
+        def commands():
+            """The level and the words of what the driver tells next of its commands, and how many came from elsewhere."""
+            health.clear()
+            of = lambda: [status for message in health for status in message.status if status.name == "rig_driver: commands"]
+            ros.until(lambda: len(of()) >= 2, 8)
+            key = "commands from elsewhere while the controller in this process commands"
+            last = of()[-1]
+            return [int.from_bytes(last.level, "little"), last.message, {value.key: value.value for value in last.values}[key]]
+
+        report["commands"] = [commands()]
+        # Voltages from elsewhere do not count while the controller in the process commands, nor does one that is no number stop it.
+        volts = [math.nan]
         voltage = ros.node.create_publisher(MotorVoltage, "/motor_voltage", 100)
-        timer = ros.node.create_timer(0.005, lambda: voltage.publish(MotorVoltage(voltage=2.5)))
+        timer = ros.node.create_timer(0.005, lambda: voltage.publish(MotorVoltage(voltage=volts[0])))
         ros.spin(0.5)
+        report["nan_from_elsewhere"] = [*moved(), ros.state(RIG)]
+        report["commands"].append(commands())
+        # Nor when it ends, until the rig is activated without it.
+        volts[0] = 2.5
+        report["controller_off"] = ros.change(CONTROLLER, "deactivate")
+        report["nobody_inherits"] = [m.voltage_asked for m in fresh(measured)].count(2.5)
+        ros.until(lambda: ros.state(RIG) == "inactive", 5)
+        report["handed_over"] = [ros.trigger(f"{RIG}/clear_fault")[0], ros.change(RIG, "activate")]
+        ros.spin(0.3)
         report["open_loop"] = sorted({m.voltage_asked for m in fresh(measured)})
         timer.cancel()
         report["controller_on"] = ros.change(CONTROLLER, "activate")

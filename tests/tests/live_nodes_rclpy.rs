@@ -73,6 +73,16 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert_eq!((&report["observer_off"], &report["silent"]), (&json!([true, "inactive"]), &json!(0)));
     assert_eq!(report["uncompensated"], 0.0, "an estimate that does not come is not compensated");
     assert_eq!((&report["observer_on"], &report["reset"]), (&json!(true), &json!([true, true])));
+    let commands = &report["commands"];
+    assert_eq!((&commands[0][0], &commands[0][2]), (&json!(0), &json!("0")), "its own are none: {commands}");
+    assert_eq!(commands[1][0], 2, "{commands}");
+    assert!(text(&commands[1][1]).contains("while the controller in this process commands"), "{commands}");
+    assert!(moves("nan_from_elsewhere") && report["nan_from_elsewhere"][2] == "active", "{report}");
+    assert_eq!(
+        (&report["nobody_inherits"], &report["handed_over"]),
+        (&json!(0), &json!([true, true])),
+        "{report}"
+    );
     assert_eq!((&report["controller_off"], &report["open_loop"]), (&json!(true), &json!([2.5])), "{report}");
     assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &json!([0.0, 0.0])));
     assert_eq!((&report["activate_stopped"], &report["clear"][0]), (&json!(false), &json!(true)));

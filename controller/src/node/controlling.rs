@@ -17,11 +17,12 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Logger, Participant, Publisher, RosNode, RosNodeError, Stop,
-    deadlines::request_realtime,
+    Gate, Logger, Participant, Passes, Publisher, RosNode, RosNodeError, Stop,
+    deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
     parameters::Parameters,
     queue::{Receiver, Sender, Waker, queue},
+    stamps::{Follows, Forwards},
 };
 
 use super::{
@@ -38,6 +39,8 @@ const WAITING: usize = 256;
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Said when orders come faster than cycles.
 const BUSY: &str = "too many requests at once; try again";
+/// Silence of the one that is listened to after which another may follow it: by then the loop begins anew.
+const SILENCE: Duration = Duration::from_millis(500);
 /// Name of the joint that is looked for.
 const JOINT: &str = "load_shaft";
 
@@ -50,7 +53,7 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
         ManagedController::new(participant, &ControllerOptions::default())?;
     node.follow(references)?;
     let waker = Waker::default();
-    let inputs = listen(&node.node, &waker, &node.counts)?;
+    let inputs = listen(&node.node, &waker, &node.counts, &node.gates)?;
     let logger = node.node.logger().clone();
     // The thread ends with the node's subscriptions, which hold the other ends of its queues.
     thread::Builder::new()
@@ -85,6 +88,7 @@ pub struct ManagedController {
     node: RosNode,
     lifecycle: Lifecycle,
     autostart: bool,
+    gates: Gates,
     counts: Arc<Counts>,
     lost: Arc<AtomicU64>,
     publisher: JoinHandle<()>,
@@ -105,10 +109,13 @@ impl ManagedController {
         let (orders, for_orders) = queue(WAITING, &Waker::default());
         let orders = Arc::new(Mutex::new(orders));
         let first = Arc::new(Mutex::new(None));
+        let gates = Gates::new(&node)?;
+        let references_gate = gates.references.clone();
         let (judged, to_thread, base) = (Arc::clone(&first), Arc::clone(&orders), *base);
         let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
             let settings = ControlSettings::read_upon(values, &base)?;
             *locked(&judged) = Some(settings);
+            references_gate.hand_over_after(Duration::from_secs_f64(settings.reference_timeout));
             if locked(&to_thread).send(Order::Settings(settings)) { Ok(()) } else { Err(BUSY.to_owned()) }
         })?;
         let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;
@@ -128,7 +135,8 @@ impl ManagedController {
                 publish(&publishers, for_publisher, &counted, &logger);
             })
             .map_err(RosNodeError::Runtime)?;
-        let lifecycle = Lifecycle::start(&node, Box::new(Controlling { orders: Arc::clone(&orders) }))?;
+        let managed = Controlling { orders: Arc::clone(&orders), gates: gates.clone() };
+        let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         node.serve::<Trigger>("~/reset", move |_| {
             let success = locked(&orders).send(Order::Reset);
             let message = if success { "the controller is at rest" } else { BUSY };
@@ -137,6 +145,7 @@ impl ManagedController {
         let this = Self {
             autostart: lifecycle.starts_itself(parameters.values().boolean("autostart")),
             lifecycle,
+            gates,
             counts,
             lost,
             publisher,
@@ -148,22 +157,24 @@ impl ManagedController {
         Ok((this, Inner { control, out, references }))
     }
 
-    /// Takes references from `/reference`.
+    /// Takes references from `/reference`: of one writer, until it is silent for `reference_timeout` or has left.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses.
     pub fn follow(&self, mut references: Sender<(Reference, Instant)>) -> Result<(), RosNodeError> {
         let complain = self.counts.complainer(&self.node);
-        self.node.subscribe(&topics::REFERENCE, move |message| {
+        let gate = self.counts.watched(&self.gates.references);
+        gate.open_contested();
+        self.node.subscribe_from(&topics::REFERENCE, move |message, sent| {
             let reference = Reference {
                 position: message.position,
                 velocity: message.velocity,
                 acceleration: message.acceleration,
             };
-            if plausible::is_reference(&reference) {
-                references.send((reference, Instant::now()));
-            } else {
+            if !plausible::is_reference(&reference) {
                 complain("a reference is no number, or beyond what a shaft does");
+            } else if gate.hear(sent.writer) != Passes::No {
+                references.send((reference, Instant::now()));
             }
         })
     }
@@ -205,15 +216,40 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Counts {
     published: AtomicU64,
     refused: AtomicU64,
     unusable: AtomicU64,
     /// Commands for which the estimate came too late.
     without_estimate: AtomicU64,
+    /// Joint states with a stamp that cannot follow the one before.
+    untimely: AtomicU64,
+    /// Estimates that answer no joint state.
+    strange: Arc<AtomicU64>,
     faulty: AtomicBool,
     stale: AtomicBool,
+    /// Those that let messages in.
+    gates: Mutex<Vec<Gate>>,
+}
+
+/// Who is listened to: one writer on each topic.
+#[derive(Clone)]
+struct Gates {
+    joints: Gate,
+    frictions: Gate,
+    references: Gate,
+}
+
+impl Gates {
+    fn new(node: &RosNode) -> Result<Self, RosNodeError> {
+        let gate = |topic: &str| Gate::new(node, topic, Some(SILENCE));
+        Ok(Self {
+            joints: gate(topics::JOINT_STATES.name_in_namespace())?,
+            frictions: gate(topics::FRICTION_ESTIMATE.name_in_namespace())?,
+            references: gate(topics::REFERENCE.name_in_namespace())?,
+        })
+    }
 }
 
 impl Counts {
@@ -227,16 +263,27 @@ impl Counts {
         }
     }
 
+    /// A gate of which `/diagnostics` tells from now on.
+    fn watched(&self, gate: &Gate) -> Gate {
+        locked(&self.gates).push(gate.clone());
+        gate.clone()
+    }
+
     fn message(&self, node: &RosNode, phase: &str, lost: u64) -> DiagnosticArray {
         let unusable = self.unusable.load(Ordering::Relaxed);
-        let (level, message) = if self.faulty.load(Ordering::Relaxed) {
+        let untimely = self.untimely.load(Ordering::Relaxed);
+        let reports: Vec<_> = locked(&self.gates).iter().map(Gate::report).collect();
+        let stranger = node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
+        let (level, message) = if let Some(stranger) = stranger {
+            (DiagnosticStatus::ERROR, stranger)
+        } else if self.faulty.load(Ordering::Relaxed) {
             (
                 DiagnosticStatus::ERROR,
                 "zero volts: the joint states are no numbers; mend them, then call ~/reset".to_owned(),
             )
         } else if self.stale.load(Ordering::Relaxed) {
             (DiagnosticStatus::WARN, format!("{phase}; no reference comes"))
-        } else if unusable + lost > 0 {
+        } else if unusable + untimely + lost > 0 {
             (DiagnosticStatus::WARN, format!("{phase}; messages were left out"))
         } else {
             (DiagnosticStatus::OK, phase.to_owned())
@@ -245,6 +292,8 @@ impl Counts {
             ("commands", self.published.swap(0, Ordering::Relaxed)),
             ("commands with an older estimate", self.without_estimate.swap(0, Ordering::Relaxed)),
             ("messages without numbers", unusable),
+            ("joint states with a stamp from the past or the future", untimely),
+            ("estimates of no joint state", self.strange.load(Ordering::Relaxed)),
             ("not published", lost),
         ];
         DiagnosticArray {
@@ -257,6 +306,7 @@ impl Counts {
                 values: std::iter::once(("node", phase.to_owned()))
                     .chain(values.map(|(key, value)| (key, value.to_string())))
                     .map(|(key, value)| KeyValue { key: key.to_owned(), value })
+                    .chain(reports.into_iter().flat_map(|report| report.values))
                     .collect(),
             }],
         }
@@ -264,14 +314,19 @@ impl Counts {
 }
 
 /// Subscribes to what the thread is told.
-fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs, RosNodeError> {
+fn listen(
+    node: &RosNode,
+    waker: &Waker,
+    counts: &Arc<Counts>,
+    gates: &Gates,
+) -> Result<Inputs, RosNodeError> {
     let (mut joints, for_joints) = queue(WAITING, waker);
     let (mut frictions, for_frictions) = queue(WAITING, waker);
     let unusable = counts.complainer(node);
-    node.subscribe(&topics::JOINT_STATES, move |message| {
-        // Without any names the first joint is meant.
-        let index =
-            message.name.iter().position(|name| name == JOINT).or(message.name.is_empty().then_some(0));
+    let gate = counts.watched(&gates.joints);
+    let (mut forwards, counted, logger) = (Forwards::default(), Arc::clone(counts), node.logger().clone());
+    node.subscribe_from(&topics::JOINT_STATES, move |message, sent| {
+        let index = plausible::index_of(JOINT, &message.name);
         let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
         let (Some(position), Some(velocity)) = (of_joint(&message.position), of_joint(&message.velocity))
         else {
@@ -282,19 +337,32 @@ fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs,
             unusable("a joint state is beyond what a shaft does");
             return;
         }
-        // What is no number goes on: the controller counts it and stops after a few.
+        // Of another joint, or of no shaft: such a publisher is none of ours. Of the others one counts.
+        match gate.hear(sent.writer) {
+            Passes::Yes { first: true } => forwards.reset(),
+            Passes::Yes { first: false } => {}
+            Passes::No => return,
+        }
         let stamp_ns = message.header.stamp.to_nanos();
+        if forwards.take(stamp_ns, now_ns()) != Follows::Fits {
+            if counted.untimely.fetch_add(1, Ordering::Relaxed) == 0 {
+                logger.warn("a joint state has a stamp from the past or the future; such are left out and counted in /diagnostics");
+            }
+            return;
+        }
+        // What is no number goes on: the controller counts it and stops after a few.
         joints.send(Joint { stamp_ns, position, velocity, cycle: None });
     })?;
     let unusable = counts.complainer(node);
-    node.subscribe(&topics::FRICTION_ESTIMATE, move |message| {
-        if message.torque.is_finite() {
-            frictions.send(Friction { stamp_ns: message.header.stamp.to_nanos(), torque: message.torque });
-        } else {
+    let gate = counts.watched(&gates.frictions);
+    node.subscribe_from(&topics::FRICTION_ESTIMATE, move |message, sent| {
+        if !message.torque.is_finite() {
             unusable("a friction estimate is no number");
+        } else if gate.hear(sent.writer) != Passes::No {
+            frictions.send(Friction { stamp_ns: message.header.stamp.to_nanos(), torque: message.torque });
         }
     })?;
-    Ok(Inputs { joints: for_joints, frictions: for_frictions })
+    Ok(Inputs { joints: for_joints, frictions: for_frictions, strange: Arc::clone(&counts.strange) })
 }
 
 /// Publishes commands until the queue's other end is gone.
@@ -342,6 +410,7 @@ fn publish(
 /// What the managed node does on its way: commands come in active only.
 struct Controlling {
     orders: Arc<Mutex<Sender<Order>>>,
+    gates: Gates,
 }
 
 impl Controlling {
@@ -356,14 +425,19 @@ impl Controlling {
 
 impl Managed for Controlling {
     fn activate(&mut self) -> Result<(), CallbackError> {
-        self.order(true)
+        self.order(true)?;
+        self.gates.joints.open_contested();
+        self.gates.frictions.open_contested();
+        Ok(())
     }
 
     fn deactivate(&mut self) -> Result<(), CallbackError> {
+        self.gates.joints.close();
+        self.gates.frictions.close();
         self.order(false)
     }
 
     fn shut_down(&mut self) -> Result<(), CallbackError> {
-        self.order(false)
+        self.deactivate()
     }
 }

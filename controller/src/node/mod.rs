@@ -4,7 +4,10 @@
 //! - [`ManagedController`] and [`Inner`]: the same node taken apart, for a process whose control thread gives the commands itself.
 
 mod controlling;
+mod estimates;
 mod expressed;
+#[cfg(test)]
+mod hostile;
 mod parameters;
 mod plausible;
 mod reference;

@@ -17,6 +17,11 @@ pub(super) fn is_reference(reference: &Reference) -> bool {
         && reference.acceleration.abs() <= ACCELERATION
 }
 
+/// Where a joint stands in a joint state's lists: without any names the first is meant.
+pub(super) fn index_of(joint: &str, names: &[String]) -> Option<usize> {
+    names.iter().position(|name| name == joint).or(names.is_empty().then_some(0))
+}
+
 /// Whether a joint state is to be left out. What is no number is not: the controller counts it, and stops after a few.
 pub(super) fn is_beyond(position: f64, velocity: f64) -> bool {
     position.is_finite() && velocity.is_finite() && !(position.abs() <= POSITION && velocity.abs() <= SPEED)

@@ -1,14 +1,22 @@
 //! One command for each joint state, and the thread that gives them. While it runs it locks, allocates and publishes nothing.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
 use ros_node::queue::{Receiver, Sender, Waker};
 
-use super::{parameters::ControlSettings, reference::ReferenceKeeper};
+use super::{estimates::Estimates, parameters::ControlSettings, reference::ReferenceKeeper};
 use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedback, Reference};
 
 /// Time without joint states after which the loop begins anew [s]: the rig driver takes that of commands for a fault.
 const SILENCE: f64 = 0.5;
+/// A joint state that is older than the one before by that much is of a driver that was started anew, by another clock [ns].
+const RESTARTED: u64 = 1_000_000_000;
 
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +53,8 @@ pub(super) enum Order {
 pub(super) struct Inputs {
     pub(super) joints: Receiver<Joint>,
     pub(super) frictions: Receiver<Friction>,
+    /// Counts estimates that answer no joint state.
+    pub(super) strange: Arc<AtomicU64>,
 }
 
 /// One command on its way to the publisher.
@@ -194,19 +204,30 @@ impl Control {
 
 /// Controls until the joint states' queue has no other end.
 pub(super) fn control(mut control: Control, mut inputs: Inputs, mut out: Sender<Decided>) {
-    let mut friction = Friction::default();
+    // As many as an estimate may be late: a second at most.
+    let mut estimates = Estimates::new((1.0 / control.settings.options.period) as usize + 2);
     let mut pending: Option<(Joint, Instant)> = None;
     let mut last_stamp = 0;
     loop {
         let ran = control.runs();
         control.take_orders();
         if control.runs() && !ran {
-            friction = Friction::default();
+            estimates.clear();
         }
-        friction = inputs.frictions.take_last().unwrap_or(friction);
         if pending.is_none() {
             pending = inputs.joints.take().map(|joint| (joint, Instant::now()));
+            if let Some((joint, _)) = pending {
+                if joint.stamp_ns < last_stamp && last_stamp - joint.stamp_ns >= RESTARTED {
+                    estimates.clear();
+                }
+                estimates.see(joint.stamp_ns);
+            }
         }
+        while let Some(friction) = inputs.frictions.take() {
+            estimates.take(friction);
+        }
+        inputs.strange.fetch_add(estimates.strange(), Ordering::Relaxed);
+        let friction = estimates.newest();
         let Some((joint, came)) = pending else {
             if inputs.joints.is_over() {
                 return;
@@ -215,7 +236,7 @@ pub(super) fn control(mut control: Control, mut inputs: Inputs, mut out: Sender<
             continue;
         };
         // A joint state that comes twice, or late, is no news.
-        if !control.runs() || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < 1_000_000_000 {
+        if !control.runs() || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < RESTARTED {
             pending = None;
             last_stamp = last_stamp.max(joint.stamp_ns);
             continue;

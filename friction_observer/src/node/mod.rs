@@ -5,6 +5,8 @@
 //! - [`FrictionObserver`] and [`Inner`]: the same node taken apart, for a process whose control thread makes the estimates itself.
 
 mod expressed;
+#[cfg(test)]
+mod hostile;
 mod observing;
 mod parameters;
 mod publishers;

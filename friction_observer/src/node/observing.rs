@@ -3,7 +3,7 @@
 use std::{
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::{self, JoinHandle},
     time::{Duration, Instant},
@@ -16,11 +16,12 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Participant, Publisher, RosNode, RosNodeError, Stop,
-    deadlines::request_realtime,
+    Gate, Participant, Passes, Publisher, RosNode, RosNodeError, Stop,
+    deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
     parameters::Parameters,
     queue::{Receiver, Sender, Waker, queue},
+    stamps::{Follows, Forwards},
 };
 
 use super::{
@@ -36,6 +37,8 @@ const WAITING: usize = 256;
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Said when orders come faster than cycles.
 const BUSY: &str = "too many requests at once; try again";
+/// Silence of the one that is listened to after which another may follow it.
+const SILENCE: Duration = Duration::from_millis(500);
 /// Name of the joint that is looked for.
 const JOINT: &str = "load_shaft";
 
@@ -46,7 +49,7 @@ const JOINT: &str = "load_shaft";
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     let (mut observer, Inner { estimation, out }) = FrictionObserver::new(participant)?;
     let waker = Waker::default();
-    let inputs = listen(&observer.node, &waker, &observer.counts)?;
+    let inputs = listen(&observer.node, &waker, &observer.counts, &observer.gates)?;
     let logger = observer.node.logger().clone();
     // The thread ends with the node's subscriptions, which hold the other ends of its queues.
     thread::Builder::new()
@@ -79,6 +82,7 @@ pub struct FrictionObserver {
     node: RosNode,
     lifecycle: Lifecycle,
     autostart: bool,
+    gates: Gates,
     counts: Arc<Counts>,
     lost: Arc<AtomicU64>,
     publisher: JoinHandle<()>,
@@ -120,7 +124,9 @@ impl FrictionObserver {
                 publish(&publishers, for_publisher, &counted);
             })
             .map_err(RosNodeError::Runtime)?;
-        let lifecycle = Lifecycle::start(&node, Box::new(Observing { orders: Arc::clone(&orders) }))?;
+        let gates = Gates::new(&node)?;
+        let managed = Observing { orders: Arc::clone(&orders), gates: gates.clone() };
+        let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         node.serve::<Trigger>("~/reset", move |_| {
             let success = locked(&orders).send(Order::Reset);
             let message = if success { "the estimator is at rest" } else { BUSY };
@@ -129,6 +135,7 @@ impl FrictionObserver {
         let this = Self {
             autostart: lifecycle.starts_itself(parameters.values().boolean("autostart")),
             lifecycle,
+            gates,
             counts,
             lost,
             publisher,
@@ -157,19 +164,33 @@ impl FrictionObserver {
             ("estimates", counts.published.swap(0, Ordering::Relaxed)),
             ("joint states without numbers", counts.unusable.load(Ordering::Relaxed)),
             ("not published", self.not_published()),
+            (
+                "joint states with a stamp from the past or the future",
+                counts.untimely.load(Ordering::Relaxed),
+            ),
         ];
-        let healthy = values[1].1 + values[2].1 == 0;
+        let healthy = values[1..].iter().all(|(_, count)| *count == 0);
+        let label = self.lifecycle.phase().label();
+        let listening = counts.listening.load(Ordering::Relaxed);
+        let reports: Vec<_> = self.gates.all().into_iter().filter(|_| listening).map(Gate::report).collect();
+        let stranger = self.node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
+        let (level, message) = match stranger {
+            Some(stranger) => (DiagnosticStatus::ERROR, stranger),
+            None if healthy => (DiagnosticStatus::OK, label.to_owned()),
+            None => (DiagnosticStatus::WARN, label.to_owned()),
+        };
         // The next one comes in a second.
         let _ = self.diagnostics.publish(DiagnosticArray {
             header: Header::at(self.node.clock().now_ns()),
             status: vec![DiagnosticStatus {
-                level: if healthy { DiagnosticStatus::OK } else { DiagnosticStatus::WARN },
+                level,
                 name: self.node.identity().qualified().trim_start_matches('/').to_owned(),
-                message: self.lifecycle.phase().label().to_owned(),
+                message,
                 hardware_id: String::new(),
-                values: std::iter::once(("node", self.lifecycle.phase().label().to_owned()))
+                values: std::iter::once(("node", label.to_owned()))
                     .chain(values.map(|(key, value)| (key, value.to_string())))
                     .map(|(key, value)| KeyValue { key: key.to_owned(), value })
+                    .chain(reports.into_iter().flat_map(|report| report.values))
                     .collect(),
             }],
         });
@@ -198,16 +219,50 @@ struct Counts {
     published: AtomicU64,
     refused: AtomicU64,
     unusable: AtomicU64,
+    /// Joint states with a stamp that cannot follow the one before.
+    untimely: AtomicU64,
+    /// Messages come over the network.
+    listening: AtomicBool,
+}
+
+/// Who is listened to: one writer on each topic.
+#[derive(Clone)]
+struct Gates {
+    joints: Gate,
+    voltages: Gate,
+    references: Gate,
+}
+
+impl Gates {
+    fn new(node: &RosNode) -> Result<Self, RosNodeError> {
+        let gate = |topic: &str| Gate::new(node, topic, Some(SILENCE));
+        Ok(Self {
+            joints: gate(topics::JOINT_STATES.name_in_namespace())?,
+            voltages: gate(topics::MOTOR_VOLTAGE.name_in_namespace())?,
+            references: gate(topics::REFERENCE.name_in_namespace())?,
+        })
+    }
+
+    const fn all(&self) -> [&Gate; 3] {
+        [&self.joints, &self.voltages, &self.references]
+    }
 }
 
 /// Subscribes to what the thread is told.
-fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs, RosNodeError> {
+fn listen(
+    node: &RosNode,
+    waker: &Waker,
+    counts: &Arc<Counts>,
+    gates: &Gates,
+) -> Result<Inputs, RosNodeError> {
+    counts.listening.store(true, Ordering::Relaxed);
     let (mut joints, for_joints) = queue(WAITING, waker);
     let (mut voltages, for_voltages) = queue(WAITING, &Waker::default());
     let (mut references, for_references) = queue(WAITING, &Waker::default());
     let counts = Arc::clone(counts);
     let logger = node.logger().clone();
-    node.subscribe(&topics::JOINT_STATES, move |message| {
+    let (gate, mut forwards) = (gates.joints.clone(), Forwards::default());
+    node.subscribe_from(&topics::JOINT_STATES, move |message, sent| {
         // Without any names the first joint is meant.
         let index = message.name.iter().position(|name| name == JOINT).or(message.name.is_empty().then_some(0));
         let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
@@ -217,16 +272,31 @@ fn listen(node: &RosNode, waker: &Waker, counts: &Arc<Counts>) -> Result<Inputs,
             }
             return;
         };
+        match gate.hear(sent.writer) {
+            Passes::Yes { first: true } => forwards.reset(),
+            Passes::Yes { first: false } => {}
+            Passes::No => return,
+        }
+        let stamp_ns = message.header.stamp.to_nanos();
+        if forwards.take(stamp_ns, now_ns()) != Follows::Fits {
+            if counts.untimely.fetch_add(1, Ordering::Relaxed) == 0 {
+                logger.warn("a joint state has a stamp from the past or the future; such are left out and counted in /diagnostics");
+            }
+            return;
+        }
         let effort = of_joint(&message.effort);
-        joints.send(Joint { stamp_ns: message.header.stamp.to_nanos(), position, velocity, effort });
+        joints.send(Joint { stamp_ns, position, velocity, effort });
     })?;
-    node.subscribe(&topics::MOTOR_VOLTAGE, move |message| {
-        if message.voltage.is_finite() {
+    let gate = gates.voltages.clone();
+    node.subscribe_from(&topics::MOTOR_VOLTAGE, move |message, sent| {
+        if message.voltage.is_finite() && gate.hear(sent.writer) != Passes::No {
             voltages.send(message.voltage);
         }
     })?;
-    node.subscribe(&topics::REFERENCE, move |message| {
-        if message.position.is_finite() && message.velocity.is_finite() {
+    let gate = gates.references.clone();
+    node.subscribe_from(&topics::REFERENCE, move |message, sent| {
+        let is_finite = message.position.is_finite() && message.velocity.is_finite();
+        if is_finite && gate.hear(sent.writer) != Passes::No {
             references.send((message.position, message.velocity));
         }
     })?;
@@ -253,6 +323,7 @@ fn publish(publishers: &ObserverNode, mut queue: Receiver<Estimated>, counts: &C
 /// What the managed node does on its way: estimates come in active only.
 struct Observing {
     orders: Arc<Mutex<Sender<Order>>>,
+    gates: Gates,
 }
 
 impl Observing {
@@ -267,14 +338,17 @@ impl Observing {
 
 impl Managed for Observing {
     fn activate(&mut self) -> Result<(), CallbackError> {
-        self.order(true)
+        self.order(true)?;
+        self.gates.all().into_iter().for_each(Gate::open_contested);
+        Ok(())
     }
 
     fn deactivate(&mut self) -> Result<(), CallbackError> {
+        self.gates.all().into_iter().for_each(Gate::close);
         self.order(false)
     }
 
     fn shut_down(&mut self) -> Result<(), CallbackError> {
-        self.order(false)
+        self.deactivate()
     }
 }

@@ -267,6 +267,11 @@ impl Axis {
         locked(&self.counters).overruns.load(Ordering::Relaxed)
     }
 
+    /// What the control thread has counted.
+    pub(super) fn counters(&self) -> Arc<Counters> {
+        Arc::clone(&locked(&self.counters))
+    }
+
     /// State of the safety layer, as it was published last.
     pub(super) fn state(&self) -> State {
         locked(&self.seen).state

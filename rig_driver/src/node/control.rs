@@ -15,6 +15,7 @@ use std::{
 use ros_node::{
     deadlines::{Deadlines, now_ns, request_realtime},
     queue::{Receiver, Sender, Waker, queue},
+    stamps::{Answers, Given},
 };
 
 use super::{
@@ -79,6 +80,12 @@ pub(super) struct Counters {
     pub(super) overruns: AtomicU64,
     /// Commands older than `command_lost` when they came.
     pub(super) stale: AtomicU64,
+    /// Commands with a stamp later than that of every measurement.
+    pub(super) future: AtomicU64,
+    /// Commands with a stamp of no measurement.
+    pub(super) unknown: AtomicU64,
+    /// Commands that came over the network while they come in memory.
+    pub(super) outside: AtomicU64,
 }
 
 /// The ends of the queues by which the thread is asked, by number.
@@ -135,8 +142,11 @@ pub(super) fn start(
     let stop = Arc::new(AtomicBool::new(false));
     let counters = Arc::new(Counters::default());
     let not_published = cycles.dropped();
+    let given = Given::new(remembered(&work.rig));
     let task = Task {
         work,
+        given,
+        in_memory: false,
         commands: for_commands,
         requests: for_requests,
         answers,
@@ -209,6 +219,10 @@ impl Drop for RunningRig {
 
 struct Task {
     work: Work,
+    /// Stamps of the measurements that a command can answer to.
+    given: Given,
+    /// Since the last activation the commands came within the cycle: what comes over the network does not count until the next.
+    in_memory: bool,
     commands: Receiver<VoltageCommand>,
     requests: Receiver<(u64, Asked)>,
     answers: Sender<(u64, Answer)>,
@@ -250,14 +264,16 @@ impl Task {
             let measurement = zero.apply(&raw);
             let effort = self.work.torque.torque(&measurement);
             let stamp_ns = epoch_ns + since_first;
-            self.take_commands(&mut newest, (stamp_ns, epoch_ns, now));
+            self.given.note(stamp_ns);
             let state = self.work.rig.supervisor().state();
             let begun = BegunCycle { stamp_ns, measurement, effort, state };
-            // Last, so that what was answered within the cycle counts above what came over the network.
+            // Before what came over the network, which does not count beside it.
             if let Some(volts) = self.work.in_cycle.as_mut().and_then(|inner| inner.answer(&begun)) {
                 self.work.rig.command(now, volts);
                 newest = VoltageCommand { stamp_ns, volts };
+                self.in_memory = true;
             }
+            self.take_commands(&mut newest, (stamp_ns, epoch_ns, now));
             // Stop and permission come last before the voltage, and count above everything before.
             let mut checked = self.work.station.check(&mut self.work.rig, &mut heard);
             if let Some(error) = checked.refused.take() {
@@ -305,7 +321,11 @@ impl Task {
                 continue;
             }
             let answer = match asked {
-                Asked::Safety(request) => self.work.station.carry_out(&mut self.work.rig, request),
+                Asked::Safety(request) => {
+                    // Who commands is found anew with each activation.
+                    self.in_memory &= request != Request::Activate;
+                    self.work.station.carry_out(&mut self.work.rig, request)
+                }
                 Asked::Zero => {
                     zero.find();
                     Ok(self.work.rig.supervisor().state())
@@ -319,17 +339,96 @@ impl Task {
     fn take_commands(&mut self, newest: &mut VoltageCommand, (stamp_ns, epoch_ns, now): (u64, u64, f64)) {
         let lost = self.work.rig.supervisor().limits().command_lost;
         while let Some(command) = self.commands.take() {
-            let stamp_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
-            let made = (stamp_ns as i128 - i128::from(epoch_ns)) as f64 * 1e-9;
-            // What is too old to count at all is no command; a voltage that is no number is told to the supervisor whatever its age.
-            if command.volts.is_finite() && now - made > lost {
-                self.counters.stale.fetch_add(1, Ordering::Relaxed);
-                continue;
-            }
-            if stamp_ns >= newest.stamp_ns {
-                *newest = VoltageCommand { stamp_ns, ..command };
-            }
-            self.work.rig.command(made, command.volts);
+            let oldest = stamp_ns.saturating_sub((lost * 1e9) as u64);
+            let fate = if self.in_memory { Fate::Outside } else { fate(&command, &self.given, oldest) };
+            let counter = match fate {
+                Fate::Counts => {
+                    let made_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
+                    let made = (made_ns as i128 - i128::from(epoch_ns)) as f64 * 1e-9;
+                    if made_ns >= newest.stamp_ns {
+                        *newest = VoltageCommand { stamp_ns: made_ns, ..command };
+                    }
+                    self.work.rig.command(made, command.volts);
+                    continue;
+                }
+                // The supervisor makes a fault of it.
+                Fate::NoNumber => {
+                    self.work.rig.command(now, command.volts);
+                    continue;
+                }
+                Fate::Stale => &self.counters.stale,
+                Fate::Future => &self.counters.future,
+                Fate::Unknown => &self.counters.unknown,
+                Fate::Outside => &self.counters.outside,
+            };
+            counter.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// Stamps to be remembered at most: beyond, a `command_lost` of many seconds would cost memory for commands that nobody takes for new.
+const REMEMBERED: f64 = 65_536.0;
+
+/// How many measurements a command can answer to before it is lost.
+fn remembered(rig: &Supervised<Box<dyn Rig + Send>>) -> usize {
+    (rig.supervisor().limits().command_lost / rig.period() + 2.0).clamp(2.0, REMEMBERED) as usize
+}
+
+/// What becomes of a command of the one who may command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fate {
+    /// It goes to the supervisor.
+    Counts,
+    /// A voltage that is no number: the one who commands has lost its mind, whatever the stamp. The supervisor holds the motor.
+    NoNumber,
+    /// Too old to count at all.
+    Stale,
+    /// It answers a measurement that was not made yet.
+    Future,
+    /// It answers a measurement that there never was.
+    Unknown,
+    /// Commands come in memory.
+    Outside,
+}
+
+/// What becomes of a command, given the stamps of the measurements; those before `oldest` [ns] are too old. A stamp of zero means now.
+pub(super) fn fate(command: &VoltageCommand, given: &Given, oldest: u64) -> Fate {
+    if !command.volts.is_finite() {
+        return Fate::NoNumber;
+    }
+    if command.stamp_ns == 0 {
+        return Fate::Counts;
+    }
+    match given.judge(command.stamp_ns) {
+        Answers::Future => Fate::Future,
+        Answers::Old => Fate::Stale,
+        _ if command.stamp_ns < oldest => Fate::Stale,
+        Answers::Unknown => Fate::Unknown,
+        Answers::Known => Fate::Counts,
+    }
+}
+
+#[cfg(test)]
+mod hostile;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_counts_if_it_answers_a_measurement_that_was_made_a_moment_ago() {
+        const MS: u64 = 1_000_000;
+        const NOW: u64 = 1_700_000_000_000 * MS;
+        let mut given = Given::new(502);
+        (0..600).rev().for_each(|cycle| given.note(NOW - cycle * MS));
+        let at = |stamp_ns| fate(&VoltageCommand { stamp_ns, volts: 6.0 }, &given, NOW - 500 * MS);
+        assert_eq!([at(0), at(NOW), at(NOW - 7 * MS), at(NOW - 500 * MS)], [Fate::Counts; 4]);
+        // A stranger's clock, a nanosecond ahead or ten seconds.
+        assert_eq!([at(NOW + 1), at(NOW + 10_000 * MS), at(u64::MAX)], [Fate::Future; 3]);
+        assert_eq!([at(NOW - 1), at(NOW - 7 * MS + 1)], [Fate::Unknown; 2]);
+        assert_eq!([at(1), at(NOW - 501 * MS), at(NOW - 60_000 * MS)], [Fate::Stale; 3]);
+        for volts in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(fate(&VoltageCommand { stamp_ns: u64::MAX, volts }, &given, 0), Fate::NoNumber);
         }
     }
 }

@@ -19,6 +19,7 @@ use ros_node::{
 
 use super::{
     axis::{Axis, UnconfiguredRig, locked},
+    commander::Commander,
     control::VoltageCommand,
     declarations,
     in_cycle::InCycle,
@@ -31,8 +32,6 @@ use crate::{
     station::Kind,
 };
 
-/// Age from which a command without a stamp no longer counts as made when it comes.
-const WAITED: Duration = Duration::from_millis(100);
 /// How often faults are looked for.
 const WATCH: Duration = Duration::from_millis(20);
 /// Time between two diagnostics.
@@ -70,6 +69,7 @@ pub struct RigDriver {
     axis: Arc<Axis>,
     /// What the parameters say.
     settings: Arc<Mutex<Option<RigSettings>>>,
+    commander: Commander,
     lifecycle: Lifecycle,
     autostart: bool,
     diagnostics: Publisher<DiagnosticArray>,
@@ -107,24 +107,27 @@ impl RigDriver {
             Some(ParameterValue::String(rig)) => rig,
             _ => "simulated".to_owned(),
         };
+        let commander = Commander::new(&node, in_cycle.is_some())?;
         let axis = Arc::new({
             let Lasting { stop, warmth } = lasting.clone();
             Axis::new(&node, in_cycle, opened, (stop, warmth))?
         });
         let settings = Arc::new(Mutex::new(None));
-        let (judged, driven) = (Arc::clone(&settings), Arc::clone(&axis));
+        let (judged, driven, named) = (Arc::clone(&settings), Arc::clone(&axis), commander.clone());
         let mut guard = LimitsGuard::default();
         let parameters = Parameters::declare(&node, declarations(&rig), move |values, changed| {
             guard.judge(values, changed, driven.may_move())?;
-            *locked(&judged) = Some(RigSettings::read(values)?);
+            let read = RigSettings::read(values)?;
+            named.name(values.text("commander"))?;
+            *locked(&judged) = Some(read);
             guard.take(values);
             Ok(())
         })?;
         let commands = Arc::clone(&axis.commands);
-        node.subscribe_with_age(&topics::MOTOR_VOLTAGE, move |message, age| {
+        let heard = commander.clone();
+        node.subscribe_from(&topics::MOTOR_VOLTAGE, move |message, sent| {
             let stamp = message.header.stamp;
-            // It waited somewhere: the one who sent it did not mean now.
-            if stamp == Time::default() && age > WAITED {
+            if !heard.hear(sent, stamp != Time::default()) {
                 return;
             }
             if let Some(queue) = &mut *locked(&commands) {
@@ -139,20 +142,14 @@ impl RigDriver {
                 axis.stop_before_exit(LAST_MOMENT);
             }
         });
-        let managed = Driver { axis: Arc::clone(&axis), settings: Arc::clone(&settings) };
+        let managed =
+            Driver { axis: Arc::clone(&axis), commander: commander.clone(), settings: Arc::clone(&settings) };
         let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         serve(&node, &axis, &lifecycle)?;
         let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
         let autostart = lifecycle.starts_itself(parameters.values().boolean("autostart"));
-        Ok(Self {
-            axis,
-            settings,
-            lifecycle,
-            autostart,
-            diagnostics,
-            next: Instant::now() + DIAGNOSTICS,
-            node,
-        })
+        let next = Instant::now() + DIAGNOSTICS;
+        Ok(Self { axis, settings, commander, lifecycle, autostart, diagnostics, next, node })
     }
 
     /// Configures and activates the node, if its parameter `autostart` says so.
@@ -174,7 +171,10 @@ impl RigDriver {
             self.next += DIAGNOSTICS;
             self.axis.keep_temperature(false);
             let wanted = locked(&self.settings).clone();
-            let message = self.axis.diagnostics(self.node.clock(), self.lifecycle.phase(), wanted.as_ref());
+            let mut message =
+                self.axis.diagnostics(self.node.clock(), self.lifecycle.phase(), wanted.as_ref());
+            let name = self.node.identity().qualified();
+            message.status.push(self.commander.status(&name, &self.axis.counters(), self.node.twin()));
             // The next one comes in a second.
             let _ = self.diagnostics.publish(message);
         }
@@ -233,6 +233,7 @@ fn serve(node: &RosNode, axis: &Arc<Axis>, lifecycle: &Lifecycle) -> Result<(), 
 /// What the managed node does on its way.
 struct Driver {
     axis: Arc<Axis>,
+    commander: Commander,
     settings: Arc<Mutex<Option<RigSettings>>>,
 }
 
@@ -243,10 +244,16 @@ impl Managed for Driver {
     }
 
     fn activate(&mut self) -> Result<(), CallbackError> {
-        Ok(self.axis.carry_out(Kind::Activate, None)?)
+        self.commander.open()?;
+        if let Err(reason) = self.axis.carry_out(Kind::Activate, None) {
+            self.commander.close();
+            return Err(reason.into());
+        }
+        Ok(())
     }
 
     fn deactivate(&mut self) -> Result<(), CallbackError> {
+        self.commander.close();
         match self.axis.carry_out(Kind::Deactivate, None) {
             Ok(()) => Ok(()),
             // A fault has deactivated the safety layer already; then there is nothing to do but to say so.

@@ -6,6 +6,7 @@
 //! - [`RigDriver`]: the same node for a process in which observer and controller answer on the control thread ([`InCycle`]).
 
 mod axis;
+mod commander;
 mod control;
 mod driver;
 mod in_cycle;

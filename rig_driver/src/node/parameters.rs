@@ -55,6 +55,12 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
             "Configure and activate when the program starts; false for real rigs unless given",
         )
         .read_only(),
+        Declaration::text(
+            "commander",
+            "",
+            "Whole name of the only node that may command over /motor_voltage, as /controller; empty for the first after an activation",
+        )
+        .constraint("taken when the node is activated"),
         Declaration::text("torque_source", "sensor", "What the effort in /joint_states is taken from")
             .choices(TorqueSource::ALL.map(|(name, _)| name)),
         double(

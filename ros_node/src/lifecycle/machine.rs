@@ -1,8 +1,11 @@
 //! A managed node while it runs.
 
-use std::sync::{
-    Arc, Mutex, PoisonError,
-    atomic::{AtomicU8, Ordering},
+use std::{
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicU8, Ordering},
+    },
+    time::Duration,
 };
 
 use msgs::{
@@ -15,7 +18,10 @@ use msgs::{
 };
 
 use super::table::{Phase, TRANSITIONS, Transition, find};
-use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, quoted};
+use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, quoted, twins::Twins};
+
+/// How often another node of the same name is looked for.
+const LOOK: Duration = Duration::from_millis(250);
 
 /// Why a transition did not happen.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,6 +132,8 @@ struct Inner {
     events: Publisher<TransitionEvent>,
     logger: Logger,
     clock: NodeClock,
+    /// Other nodes of this one's name: beside one that was there before it does not work.
+    twins: Twins,
 }
 
 impl Lifecycle {
@@ -143,7 +151,10 @@ impl Lifecycle {
             events: node.publisher_on("~/transition_event", Qos::DEFAULT)?,
             logger: node.logger().clone(),
             clock: node.clock().clone(),
+            twins: node.twins()?,
         }));
+        let lifecycle = this.clone();
+        node.spawn(async move { lifecycle.look_for_twins().await });
         let lifecycle = this.clone();
         node.serve::<ChangeState>("~/change_state", move |asked| ChangeStateResponse {
             success: lifecycle.change(asked.transition.id, &asked.transition.label).is_ok(),
@@ -202,7 +213,11 @@ impl Lifecycle {
             self.0.logger.error(&reason);
             return Err(reason);
         };
-        let outcome = self.walk(managed.as_mut(), first);
+        let begins = matches!(first.goal, Phase::Configuring | Phase::Activating);
+        let outcome = match self.0.twins.found().filter(|twin| twin.elder && begins) {
+            Some(elder) => Err(elder.to_string()),
+            None => self.walk(managed.as_mut(), first),
+        };
         match &outcome {
             Ok(phase) => {
                 self.0.logger.info(&format!("{}: {} to {}", first.label, from.label(), phase.label()))
@@ -210,6 +225,33 @@ impl Lifecycle {
             Err(reason) => self.0.logger.error(&format!("{} did not succeed: {reason}", first.label)),
         }
         outcome
+    }
+
+    /// Brings the node out of its work when it is heard that one of its name was there before, and tells of one that has come later. On a busy network the
+    /// first may be heard a moment after this node began to work.
+    async fn look_for_twins(&self) {
+        let mut told = None;
+        loop {
+            tokio::time::sleep(LOOK).await;
+            let twin = self.0.twins.found();
+            if let Some(twin) = twin.as_ref().filter(|twin| told.as_ref() != Some(*twin)) {
+                self.0.logger.error(&twin.to_string());
+            }
+            if twin.as_ref().is_some_and(|twin| twin.elder) {
+                // What the node does on its way may take its time.
+                tokio::task::block_in_place(|| {
+                    for (phase, requested) in
+                        [(Phase::Active, Requested::Deactivate), (Phase::Inactive, Requested::CleanUp)]
+                    {
+                        if self.phase() == phase {
+                            // The log says what does not succeed.
+                            let _ = self.request(requested);
+                        }
+                    }
+                });
+            }
+            told = twin;
+        }
     }
 
     /// Takes the transition, does what belongs to it, and takes the one that its outcome leads to, up to a primary state.
