@@ -168,7 +168,8 @@ fn effect(input: &str, from: &str) -> Effect {
         }
         "voltages of two within half a second before an activation" => {
             let mut one = OneWriter::new(None);
-            (one.hear(ONE, 0), one.hear(OTHER, 499 * MS));
+            one.hear(ONE, 0);
+            one.hear(OTHER, 499 * MS);
             assert!(one.open(499 * MS).is_err());
             Effect::Refused
         }
