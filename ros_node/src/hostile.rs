@@ -10,6 +10,8 @@ use std::fmt;
 pub enum Effect {
     /// Nothing: it is left out, and counted in `/diagnostics`.
     Dropped,
+    /// Nothing: nobody is listened to yet.
+    Unheard,
     /// The motor gets it as far as the limits allow.
     Limited,
     /// The motor is at zero volts, in a fault that somebody clears.
@@ -24,6 +26,7 @@ impl fmt::Display for Effect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Dropped => "dropped and counted",
+            Self::Unheard => "dropped",
             Self::Limited => "taken, within the limits",
             Self::Stops => "**stops the rig** until it is cleared",
             Self::Rests => "the shaft comes to rest until it is mended",
@@ -65,7 +68,7 @@ pub const HOSTILE: [Hostile; 27] = [
     row(RIG, "a voltage with a stamp from the future", ONE, Effect::Dropped),
     row(RIG, "a voltage with a stamp of no measurement", ONE, Effect::Dropped),
     row(RIG, "a voltage older than command_lost", ONE, Effect::Dropped),
-    row(RIG, "a voltage before the activation", ANYBODY, Effect::Dropped),
+    row(RIG, "a voltage before the activation", ANYBODY, Effect::Unheard),
     row(RIG, "voltages of two within half a second before an activation", ANYBODY, Effect::Refused),
     row(
         RIG,

@@ -1,4 +1,4 @@
-"""Strangers that command the motor and speak for its sensors, beside the nodes that may. usage: writers_session.py FOLDER"""
+"""Strangers that command the motor and speak for its sensors, beside the nodes that may. usage: writers_session.py FOLDER [whole]"""
 
 import json
 import math
@@ -99,7 +99,7 @@ def attacked(ros, bench, health, what, ahead, name):
     return report
 
 
-def strangers(ros, bench, health):
+def strangers(ros, bench, health, whole):
     """Beside the genuine controller, at 1 rad/s."""
     bench.velocity = 1.0
     bench.start(*PROGRAMS[:2])
@@ -108,10 +108,10 @@ def strangers(ros, bench, health):
     report = {"moves": bench.moves(1.0, 30)}
     ros.until(lambda: health.last(COMMANDS)[2].get("/motor_voltage is taken from", "nobody") != "nobody", 10)
     report["commander"] = health.last(COMMANDS)[2].get("/motor_voltage is taken from", "")
-    for what, ahead, name in (
-        ("voltage", 10.0, COMMANDS), ("voltage", 0.0, COMMANDS), ("nan", 0.0, COMMANDS), ("joints", 1e-6, CONTROL), ("joints", 10.0, OBSERVE),
-        ("estimate", 1e-6, CONTROL), ("reference", 0.0, CONTROL),
-    ):
+    attacks = [("voltage", 10.0, COMMANDS), ("nan", 0.0, COMMANDS), ("joints", 1e-6, CONTROL), ("reference", 0.0, CONTROL)]
+    if whole:
+        attacks += [("voltage", 0.0, COMMANDS), ("joints", 10.0, OBSERVE), ("estimate", 1e-6, CONTROL)]
+    for what, ahead, name in attacks:
         report[f"{what} {ahead}"] = attacked(ros, bench, health, what, ahead, name)
     # The genuine one loses nothing: as many commands as cycles, but for what a busy machine loses.
     controls = [int(values["commands"]) for _, _, values in health.told.get(CONTROL, [])]
@@ -183,7 +183,7 @@ def invented(ros, bench, health):
 def main() -> None:
     with caller(fast=True) as ros, Bench(ros, sys.argv[1]) as bench:
         health = Health(ros)
-        report = {"strangers": strangers(ros, bench, health), "twin": twin(ros, bench, health), "invented": invented(ros, bench, health)}
+        report = {"strangers": strangers(ros, bench, health, sys.argv[2:] == ["whole"]), "twin": twin(ros, bench, health), "invented": invented(ros, bench, health)}
         report["said"] = bench.end("rig_driver")[2][-20_000:]
         print(json.dumps(report))
 

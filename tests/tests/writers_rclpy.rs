@@ -13,7 +13,8 @@ fn text(value: &Value) -> &str {
 
 #[test]
 fn one_commands_whoever_else_speaks() {
-    let Some(report) = session("writers_session.py", &[]) else { return };
+    let more: &[&str] = if std::env::var_os("FRICTION_FULL").is_some() { &["whole"] } else { &[] };
+    let Some(report) = session("writers_session.py", more) else { return };
     strangers_move_nothing_and_are_told(&report["strangers"]);
     the_later_of_two_drivers_gives_way(&report["twin"]);
     stamps_of_no_measurement_move_nothing(&report["invented"], text(&report["said"]));
@@ -23,16 +24,10 @@ fn one_commands_whoever_else_speaks() {
 fn strangers_move_nothing_and_are_told(report: &Value) {
     assert_eq!(report["moves"], true, "{report}");
     assert!(text(&report["commander"]).starts_with("/controller (GUID "), "{report}");
-    for what in [
-        "voltage 10.0",
-        "voltage 0.0",
-        "nan 0.0",
-        "joints 1e-06",
-        "joints 10.0",
-        "estimate 1e-06",
-        "reference 0.0",
-    ] {
-        let attack = &report[what];
+    let attacks = report.as_object().into_iter().flatten().filter(|(_, attack)| attack.get("said").is_some());
+    let attacks: Vec<_> = attacks.collect();
+    assert!(attacks.len() >= 4, "{report}");
+    for (what, attack) in attacks {
         let said = text(&attack["said"]);
         assert!(said.contains("/stranger") && said.contains("were refused"), "{what}: {attack}");
         assert!(number(&attack["heard"]) > 200.0, "{what}: {attack}");

@@ -162,7 +162,7 @@ fn effect(input: &str, from: &str) -> Effect {
         "a voltage before the activation" => {
             let mut one = OneWriter::new(None);
             match one.hear(ONE, 0) {
-                Verdict::Closed => Effect::Dropped,
+                Verdict::Closed => Effect::Unheard,
                 verdict => panic!("{verdict:?}"),
             }
         }
