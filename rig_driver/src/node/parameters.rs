@@ -368,6 +368,7 @@ impl RigSettings {
             cycle_lost: if simulated { fitting.cycle_lost } else { self.limits.cycle_lost },
             motor: fitting.motor,
             sensors: fitting.sensors,
+            standstill: fitting.standstill,
             ..self.limits
         };
         let rig: Box<dyn Rig + Send> = if self.calibration == Calibration::default() {
