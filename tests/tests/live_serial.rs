@@ -5,8 +5,13 @@ use std::process::{Command, Stdio};
 
 use tests::emulated_rig::{EmulatedRig as Rig, said};
 
+/// A domain for each test: of two nodes of one name in one domain the later does not work.
+const DRIVEN: &str = "86";
+const UNPLUGGED: &str = "87";
+const REFUSED: &str = "88";
+
 /// `frictionlab live` on the port.
-fn live(rig: &Rig, arguments: &[&str]) -> Command {
+fn live(rig: &Rig, domain: &str, arguments: &[&str]) -> Command {
     let mut command = tests::frictionlab();
     command
         .arg("live")
@@ -14,8 +19,7 @@ fn live(rig: &Rig, arguments: &[&str]) -> Command {
         .arg("--out")
         .arg(rig.folder().join("live"))
         .args(arguments)
-        // Beside other tests of this machine.
-        .env("ROS_DOMAIN_ID", "87")
+        .env("ROS_DOMAIN_ID", domain)
         .stdin(Stdio::null());
     command
 }
@@ -23,8 +27,9 @@ fn live(rig: &Rig, arguments: &[&str]) -> Command {
 #[test]
 fn a_live_run_drives_the_device_on_the_port_records_it_and_leaves_it_at_zero_volts() {
     let rig = Rig::start(&[]);
-    let output =
-        live(&rig, &["--duration", "3", "--mode", "position", "--frequency", "2"]).output().expect("it runs");
+    let output = live(&rig, DRIVEN, &["--duration", "3", "--mode", "position", "--frequency", "2"])
+        .output()
+        .expect("it runs");
     let text = said(&output);
     assert!(output.status.success(), "{text}");
     assert!(text.contains("rig_emulator (firmware 0.1.0), 1000 us a cycle, at most 6.00 V"), "{text}");
@@ -38,7 +43,7 @@ fn a_live_run_drives_the_device_on_the_port_records_it_and_leaves_it_at_zero_vol
 #[test]
 fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
     let mut rig = Rig::start(&[]);
-    let mut run = live(&rig, &["--duration", "60", "--mode", "position", "--frequency", "2"])
+    let mut run = live(&rig, UNPLUGGED, &["--duration", "60", "--mode", "position", "--frequency", "2"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -56,6 +61,30 @@ fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
     assert_eq!(summary["voltage"], 0);
 }
 
+/// The later of two runs as one axis would wait for ever for an activation that is not given.
+#[test]
+fn a_second_run_in_the_same_domain_ends_with_a_sentence_about_the_first() {
+    let mut first = tests::frictionlab();
+    let folder = tempfile::tempdir().expect("a folder");
+    let simulated = |command: &mut Command, out: &str| {
+        command.args(["live", "--duration", "60", "--out"]).arg(folder.path().join(out));
+        command.env("ROS_DOMAIN_ID", "89").stdin(Stdio::null());
+    };
+    simulated(&mut first, "first");
+    let mut first = first.stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut lines = BufReader::new(first.stdout.take().expect("its output")).lines();
+    while !lines.next().expect("it says that it is live").expect("text").contains("live at") {}
+    let mut second = tests::frictionlab();
+    simulated(&mut second, "second");
+    let output = second.output().expect("it runs");
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("another node /rig_driver was there before"), "{text}");
+    assert!(first.try_wait().expect("it can be asked").is_none(), "the first goes on");
+    first.kill().expect("it is there");
+    first.wait().expect("it ends");
+}
+
 #[test]
 fn rigs_that_cannot_be_driven_end_with_exit_code_2_and_leave_nothing_behind() {
     let rig = Rig::start(&[]);
@@ -65,7 +94,7 @@ fn rigs_that_cannot_be_driven_end_with_exit_code_2_and_leave_nothing_behind() {
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains(sentence), "{text}");
     };
-    refused(live(&rig, &["--rate", "500", "--duration", "1"]), "leave --rate out");
+    refused(live(&rig, REFUSED, &["--rate", "500", "--duration", "1"]), "leave --rate out");
     assert!(!rig.folder().join("live/bag").exists());
     for (choice, sentence) in [
         ("serial:/dev/no-such-port", "cannot open the serial port /dev/no-such-port"),
@@ -79,6 +108,6 @@ fn rigs_that_cannot_be_driven_end_with_exit_code_2_and_leave_nothing_behind() {
     }
     rig.finish();
     let foreign = Rig::start(&["--speak-version", "3"]);
-    refused(live(&foreign, &["--duration", "1"]), "speaks version 3 of the protocol");
+    refused(live(&foreign, REFUSED, &["--duration", "1"]), "speaks version 3 of the protocol");
     foreign.finish();
 }

@@ -60,6 +60,9 @@ pub enum LiveError {
         "{0}: the nodes would hear no emergency stop. The motor is at zero volts and the bag is whole as far as it goes; start again"
     )]
     Deaf(Lost),
+    /// A node of the same name was there before.
+    #[error("{0}. The motor is at zero volts")]
+    Elder(String),
     /// A thread does not start.
     #[error("a thread cannot be started: {source}; the system may be out of threads or memory")]
     Thread {

@@ -167,12 +167,14 @@ pub fn run(
     nodes.observer.start();
     nodes.controller.start();
     let begun = nodes.rig.start();
+    let mut elder = None;
     let priority = nodes.rig.priority();
     if begun.is_ok() {
         started(&about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")));
         let over = || ending.over.load(Ordering::Acquire) || ending.gone.load(Ordering::Acquire);
-        while !over() && !stop.load(Ordering::Relaxed) && !middleware.stop().is_set() {
+        while elder.is_none() && !over() && !stop.load(Ordering::Relaxed) && !middleware.stop().is_set() {
             nodes.tend(&recorded, ending.not_recorded.load(Ordering::Relaxed));
+            elder = nodes.rig.elder();
             thread::sleep(WATCH);
         }
     }
@@ -193,6 +195,9 @@ pub fn run(
     let (published, (bag, errors)) = (published?, kept??);
     if let Err(reason) = begun {
         return Err(LiveError::Start(reason));
+    }
+    if let Some(elder) = elder {
+        return Err(LiveError::Elder(elder));
     }
     if let Some(error) = ending.error() {
         return Err(LiveError::Rig(error));

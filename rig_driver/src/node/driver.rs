@@ -191,6 +191,12 @@ impl RigDriver {
         self.axis.priority()
     }
 
+    /// A sentence about the node of the same name that was there before, if there is one: this one stays inactive.
+    #[must_use]
+    pub fn elder(&self) -> Option<String> {
+        self.lifecycle.elder()
+    }
+
     /// State of the safety layer in the last cycle.
     #[must_use]
     pub fn state(&self) -> State {

@@ -76,7 +76,9 @@ fn main() {
         match received.recv_timeout(wait) {
             Ok(line) => {
                 card.look_at_the_clock();
-                println!("{}", card.obey(&line));
+                let answer = card.obey(&line);
+                // The driver may have been killed while it waited for the answer: a card goes on.
+                let _ = writeln!(std::io::stdout(), "{answer}");
             }
             Err(RecvTimeoutError::Timeout) => card.look_at_the_clock(),
             // The driver is gone. A card goes on until its watchdog expires.

@@ -227,6 +227,12 @@ impl Lifecycle {
         outcome
     }
 
+    /// A sentence about the node of the same name that was there before, if there is one: this one does not work beside it.
+    #[must_use]
+    pub fn elder(&self) -> Option<String> {
+        self.0.twins.found().filter(|twin| twin.elder).map(|twin| twin.to_string())
+    }
+
     /// Brings the node out of its work when it is heard that one of its name was there before, and tells of one that has come later. On a busy network the
     /// first may be heard a moment after this node began to work.
     async fn look_for_twins(&self) {
