@@ -44,11 +44,15 @@ impl Test {
         let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
         let nodes = target.join("debug").into_os_string().into_string().ok();
         let nodes = nodes.context("the target folder's path must be text")?;
+        let state = target.join("state").into_os_string().into_string().ok();
+        let state = state.context("the target folder's path must be text")?;
         let mut environment = vec![
             ("FRICTION_NODES", nodes.as_str()),
             ("FRICTIONLAB_BIN", program.as_str()),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
             ("PROPTEST_CASES", cases),
+            // Temperatures of emulated motors are of no use after the test.
+            ("XDG_STATE_HOME", state.as_str()),
         ];
         if self.full {
             environment.push(("FRICTION_FULL", "1"));
