@@ -2,7 +2,6 @@
 
 use std::{
     ops::ControlFlow,
-    process::Command,
     sync::{
         Arc,
         atomic::{AtomicBool, AtomicU64, Ordering::SeqCst},
@@ -21,29 +20,19 @@ use ros_node::{
     Discovery, Participant, RosNode, ServiceClient,
     lifecycle::{Phase, RemoteLifecycle},
 };
+use tests::network::{namespaced, run_ignored};
 
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Runs a test of this file that is ignored elsewhere in a network namespace of its own. Where the system grants none, it is left out.
 fn alone(test: &str) {
-    let this = std::env::current_exe().unwrap();
-    for flags in [&["-n"][..], &["-r", "-n"]] {
-        let run = |command: &[&str]| {
-            let mut unshare = Command::new("unshare");
-            unshare.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]).args(command);
-            unshare.env("ROS_DOMAIN_ID", "41").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST").output()
-        };
-        if run(&["true"]).is_ok_and(|probe| probe.status.success()) {
-            let output =
-                run(&[&this.to_string_lossy(), "--ignored", "--exact", test, "--nocapture"]).unwrap();
-            let told = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success() && told.contains("1 passed"), "{told}");
-            return;
-        }
+    if let Some(command) = namespaced() {
+        run_ignored(
+            command,
+            test,
+            &[("ROS_DOMAIN_ID", "41".as_ref()), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST".as_ref())],
+        );
     }
-    eprintln!("SKIPPED {test}: no network namespace (`unshare -n` with `ip`)");
 }
 
 /// What a test knows of the rig, and does to it.

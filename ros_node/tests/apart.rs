@@ -1,7 +1,6 @@
 //! A service apart answers whatever the rest of its node does.
 
 use std::{
-    process::Command,
     sync::{
         Mutex,
         atomic::{AtomicU32, Ordering},
@@ -19,30 +18,9 @@ use msgs::{
     topics,
 };
 use ros_node::{Discovery, Participant};
+use tests::network::{namespaced, run_ignored};
 
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// Runs a test of this file that is ignored elsewhere in a network namespace of its own. Where the system grants none, it is left out.
-fn alone(test: &str) {
-    let this = std::env::current_exe().unwrap();
-    for flags in [&["-n"][..], &["-r", "-n"]] {
-        let run = |command: &[&str]| {
-            let mut unshare = Command::new("unshare");
-            unshare.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]).args(command).output()
-        };
-        if run(&["true"]).is_ok_and(|probe| probe.status.success()) {
-            let output =
-                run(&[&this.to_string_lossy(), "--ignored", "--exact", test, "--nocapture"]).unwrap();
-            let told = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{told}");
-            assert!(told.contains("1 passed"), "{told}");
-            return;
-        }
-    }
-    eprintln!("SKIPPED {test}: no network namespace (`unshare -n` with `ip`)");
-}
 
 fn until(what: &str, mut done: impl FnMut() -> bool) {
     let began = Instant::now();
@@ -54,7 +32,9 @@ fn until(what: &str, mut done: impl FnMut() -> bool) {
 
 #[test]
 fn it_answers_while_all_shared_threads_are_stuck() {
-    alone("stuck");
+    if let Some(command) = namespaced() {
+        run_ignored(command, "stuck", &[]);
+    }
 }
 
 #[test]
