@@ -36,6 +36,10 @@ impl Disk for System {
     }
 
     fn rename(&mut self, from: &Path, to: &Path) -> io::Result<()> {
+        // Who may read and write the file stays as it was.
+        if let Ok(old) = to.metadata() {
+            fs::set_permissions(from, old.permissions())?;
+        }
         fs::rename(from, to)
     }
 

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use experiment_runner::cli::{
-    BadInput, Interrupted, bag, design, features, identify, identify_drive, identify_servo,
+    Interrupted, bag, design, exit_code, features, identify, identify_drive, identify_servo,
     identify_stiction, models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
 };
 
@@ -92,10 +92,7 @@ fn main() -> ExitCode {
         Command::Serve(args) => experiment_runner::cli::serve::execute(&args),
     };
     let Err(error) = result else { return ExitCode::SUCCESS };
-    if error.is::<Interrupted>() {
-        eprintln!("{error}");
-        return ExitCode::from(130);
-    }
-    eprintln!("error: {error:#}");
-    ExitCode::from(if error.is::<BadInput>() { 2 } else { 1 })
+    let mark = if error.is::<Interrupted>() { "" } else { "error: " };
+    eprintln!("{mark}{error:#}");
+    ExitCode::from(exit_code(&error))
 }

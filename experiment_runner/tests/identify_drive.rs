@@ -144,12 +144,10 @@ fn the_command_writes_its_files_and_refuses_bad_input() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
     assert!(shown.contains("time_constant") && shown.contains("identified"), "{shown}");
-    let made = folder.path().join("identification-drive-rig");
+    let made = folder.path().join("runs/identify-drive-1");
     let drive = std::fs::read_to_string(made.join("drive.yaml")).unwrap();
     assert!((DriveConstants::read(&drive).unwrap().parameters.inertia / INERTIA - 1.0).abs() < 0.03);
-    assert!(
-        made.join("identification-drive.html").is_file() && made.join("identification-drive.json").is_file()
-    );
+    assert!(made.join("report.html").is_file() && made.join("identification-drive.json").is_file());
 
     for (args, said) in [
         (&["none.csv"][..], "none.csv"),

@@ -231,7 +231,7 @@ fn a_known_friction_is_found_with_its_uncertainty_and_ranked_first() {
     for part in ["proposed", "±", "held out", "worse: ", "written to out"] {
         assert!(printed.contains(part), "{printed}");
     }
-    let page = desk.text("out/identification.html");
+    let page = desk.text("out/report.html");
     for part in [
         "The models in order",
         "95 % band",
@@ -327,7 +327,7 @@ fn the_result_does_not_depend_on_the_number_of_threads() {
     for (jobs, folder) in [("1", "one"), ("4", "four")] {
         desk.ok(&with(&["--no-joint", "--quiet", "--jobs", jobs, "--out", folder]));
     }
-    for file in ["identification.json", "identification.html", "parameters.yaml"] {
+    for file in ["identification.json", "report.html", "parameters.yaml"] {
         assert!(desk.text(&format!("one/{file}")) == desk.text(&format!("four/{file}")), "{file}");
     }
 }
@@ -382,7 +382,7 @@ fn the_tables_of_the_thesis_stand_beside_what_is_found() {
     let desk = Desk::new();
     write_experiments(&desk, &truth(ModelName::Proposed), 1e-3);
     desk.ok(&with(&["--model", "lugre,proposed", "--no-joint", "--thesis-tables", "--out", "out"]));
-    let page = desk.text("out/identification.html");
+    let page = desk.text("out/report.html");
     for part in [
         "Thesis table 4.2",
         "Thesis table 4.4",
@@ -462,14 +462,14 @@ fn bad_input_is_refused_with_a_sentence_and_nothing_is_written() {
         ("one.csv", &["1 samples"]),
         ("empty.csv", &["empty"]),
         ("header.csv", &["no samples"]),
-        ("torqueless.csv", &["force", "--force"]),
+        ("torqueless.csv", &["force", "--force-column"]),
     ] {
         desk.refused(&["points.csv", file], parts);
         desk.refused(&["points.csv", "chirp.csv", "--validate", file], parts);
     }
     desk.refused(&["few.csv"], &["few.csv", "2", "steady points"]);
     desk.refused(&["deviation.csv"], &["deviation.csv"]);
-    desk.refused(&["turned.csv"], &["turned.csv", "sign", "--force NAME:-SCALE"]);
+    desk.refused(&["turned.csv"], &["turned.csv", "sign", "--force-column NAME:-SCALE"]);
     for (option, value, part) in [
         ("--model", "lugri", "lugri"),
         ("--model", "karnopp", "stage by stage"),

@@ -49,7 +49,7 @@ fn voltage_and_current_agree_with_the_sensor_within_the_stated_uncertainty() {
     for source in ["voltage", "current"] {
         let options = [&["--torque-source", source][..], &OFF].concat();
         let (other, printed) = identify(folder.path(), source, &options);
-        let page = fs::read_to_string(folder.path().join(source).join("identification.html")).unwrap();
+        let page = fs::read_to_string(folder.path().join(source).join("report.html")).unwrap();
         assert!(printed.contains("from the drive ±") && page.contains("from the drive"));
         let mut beyond_noise = 0;
         for name in ["f_s", "f_c", "f_v"] {

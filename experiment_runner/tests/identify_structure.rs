@@ -33,7 +33,7 @@ fn the_structure_is_chosen_written_and_shown() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
     assert!(shown.contains("> symmetric+delay "), "{shown}");
-    let made = folder.path().join("identification-axis");
+    let made = folder.path().join("runs/identify-1");
     let text = std::fs::read_to_string(made.join("identification.json")).unwrap();
     let document: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["structure"]["chosen"], "symmetric+delay");
@@ -44,7 +44,7 @@ fn the_structure_is_chosen_written_and_shown() {
     };
     assert!((value("delay") - 2e-3).abs() < 0.1e-3, "{parameters:?}");
     assert!((value("inertia") / 3.0 - 1.0).abs() < 0.01, "{parameters:?}");
-    let page = std::fs::read_to_string(made.join("identification.html")).unwrap();
+    let page = std::fs::read_to_string(made.join("report.html")).unwrap();
     assert!(page.contains("Structures, the best prediction first"));
 
     for (args, said) in [

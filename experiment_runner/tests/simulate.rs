@@ -101,7 +101,7 @@ fn lugre_and_the_proposed_model_follow_the_reference() {
     let desk = Desk::new();
     desk.file("motion.csv", &test_bed_motion());
     for (model, column) in [("lugre", "LuGre"), ("proposed", "Proposed")] {
-        let common = ["--model", model, "--velocity", "motion.csv", "--out", "friction.csv"];
+        let common = ["--force", "--model", model, "--velocity", "motion.csv", "--out", "friction.csv"];
         let printed = desk.ok(&[&["simulate", "--scheme", "rk4", "--dt", "1e-5"][..], &common].concat());
         assert!(printed.contains("16001 rows") && printed.contains("friction.csv"), "{printed}");
         let index = head.iter().position(|name| *name == column).unwrap();
@@ -137,8 +137,16 @@ fn every_model_can_be_listed_and_simulated_from_its_own_file() {
 
         for set in ["test-bed", "chapter-3"] {
             desk.file("params.yaml", &desk.ok(&["models", name, "--yaml", "--set", set]));
-            let common =
-                ["simulate", "--params", "params.yaml", "--velocity", "motion.csv", "--out", "friction.csv"];
+            let common = [
+                "simulate",
+                "--force",
+                "--params",
+                "params.yaml",
+                "--velocity",
+                "motion.csv",
+                "--out",
+                "friction.csv",
+            ];
             for scheme in ["exact", "rk4"] {
                 assert_eq!(desk.ok(&[&common[..], &["--scheme", scheme, "-q"]].concat()), "");
                 let (head, rows) = desk.result();
@@ -174,7 +182,7 @@ fn asymmetric_files_and_the_file_of_a_run_are_accepted() {
     let side =
         |f_c: f64| format!("{{f_s: {f_c}, f_c: {f_c}, v_s: 0.1, sigma0: 20.0, sigma1: 0.1, f_v: 0.0}}");
     let (forward, backward) = (side(0.2), side(0.3));
-    let common = ["simulate", "--velocity", "motion.csv", "--out", "friction.csv", "--params"];
+    let common = ["simulate", "--force", "--velocity", "motion.csv", "--out", "friction.csv", "--params"];
     let ends = |files: &[&str]| {
         desk.ok(&[&common[..], files, &["-q", "--dt", "1e-3"]].concat());
         let forces = desk.column("torque_Nm");

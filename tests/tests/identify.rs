@@ -131,26 +131,26 @@ fn finds_a_known_axis() {
     let desk = Desk::new();
     desk.file("shaft.csv", &good());
     let printed = desk.ok(&["shaft.csv"]);
-    let document = desk.json("identification-shaft");
+    let document = desk.json("runs/identify-1");
     assert_is_the_known_axis(&document);
     assert_eq!(document["axis"], "rotary");
     assert_eq!(document.pointer("/symmetric/parameters/inertia/unit").unwrap(), "kg m^2");
     assert_eq!(document["asymmetric"]["cross_test"], Value::Null);
     assert_near(number(&document, "/recording/time_step_s"), 0.002, 1e-6);
     assert!(number(&document, "/symmetric/relative_error_percent") < 2.0);
-    for part in ["inertia", "kg m^2", "±", "coulomb_negative", "relative error", "identification-shaft"] {
+    for part in ["inertia", "kg m^2", "±", "coulomb_negative", "relative error", "runs/identify-1"] {
         assert!(printed.contains(part), "{printed}");
     }
-    let files = ["identification.html", "identification.json", "parameters.yaml"];
-    let mut names: Vec<_> = fs::read_dir(desk.path("identification-shaft"))
+    let files = ["identification.json", "parameters.yaml", "report.html"];
+    let mut names: Vec<_> = fs::read_dir(desk.path("runs/identify-1"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     names.sort();
     assert_eq!(names, files);
-    let page = fs::read_to_string(desk.path("identification-shaft/identification.html")).unwrap();
+    let page = fs::read_to_string(desk.path("runs/identify-1/report.html")).unwrap();
     assert!(page.contains("Measured and predicted torque") && page.contains("kg m^2"));
-    let yaml = fs::read_to_string(desk.path("identification-shaft/parameters.yaml")).unwrap();
+    let yaml = fs::read_to_string(desk.path("runs/identify-1/parameters.yaml")).unwrap();
     let value = |name: &str| {
         let line = yaml.lines().find(|line| line.trim_start().starts_with(&format!("{name}:"))).unwrap();
         let text = line.split(':').nth(1).unwrap().split('#').next().unwrap().trim();
@@ -179,7 +179,7 @@ fn columns_can_be_mapped_scaled_and_in_any_order() {
         "Zeit:0.001",
         "--position",
         "Winkel:6.283185307179586",
-        "--force",
+        "--force-column",
         "motor current:-0.25",
         "--axis",
         "rotary",
@@ -210,13 +210,14 @@ fn the_cross_test_uses_the_other_file() {
 }
 
 #[test]
-fn a_second_run_replaces_the_first() {
+fn a_second_run_replaces_the_first_only_if_told_to() {
     let desk = Desk::new();
     desk.file("a.csv", &good());
     desk.ok(&["a.csv", "--out", "out", "--cutoff", "20", "--order", "2", "--decimate", "5", "--trim", "100"]);
     let settings = &desk.json("out")["settings"];
     assert_eq!((settings["order"].as_u64(), settings["trim"].as_u64()), (Some(2), Some(100)));
-    desk.ok(&["a.csv", "--out", "out"]);
+    desk.refused(&["a.csv", "--out", "out"], &["out", "not empty", "--force"]);
+    desk.ok(&["a.csv", "--out", "out", "--force"]);
     assert_near(number(&desk.json("out"), "/settings/cutoff_hz"), 50.0, 1e-4);
 }
 
@@ -264,9 +265,12 @@ fn bad_files_are_refused() {
 fn bad_columns_are_refused() {
     let desk = Desk::new();
     desk.file("a.csv", &good().replacen("torque_Nm", "u_V", 1));
-    desk.refused(&["a.csv"], &["a.csv", "force", "t_s, position_rad, u_V", "--force NAME:SCALE"]);
-    desk.refused(&["a.csv", "--force", "voltage_V:2"], &["`voltage_V`", "t_s, position_rad, u_V", "--force"]);
-    desk.refused(&["a.csv", "--force", "u_V", "--time", "when"], &["`when`", "--time"]);
+    desk.refused(&["a.csv"], &["a.csv", "force", "t_s, position_rad, u_V", "--force-column NAME:SCALE"]);
+    desk.refused(
+        &["a.csv", "--force-column", "voltage_V:2"],
+        &["`voltage_V`", "t_s, position_rad, u_V", "--force-column"],
+    );
+    desk.refused(&["a.csv", "--force-column", "u_V", "--time", "when"], &["`when`", "--time"]);
 }
 
 #[test]
@@ -324,7 +328,7 @@ fn impossible_outcomes_are_refused() {
     let desk = Desk::new();
     desk.file("a.csv", &good());
     desk.refused(
-        &["a.csv", "--force", "torque_Nm:-1"],
+        &["a.csv", "--force-column", "torque_Nm:-1"],
         &["a.csv", "inertia", "negative", "--without-inertia"],
     );
     let still = motion(2000).map(|(t, _, torque)| (t, 1.0, torque));
@@ -344,7 +348,7 @@ fn an_unwritable_folder_leaves_nothing_behind() {
     desk.refused(&["a.csv", "--out", "taken/below"], &["taken", "--out"]);
     // One of the files cannot be put in place: the others must not appear either.
     fs::create_dir_all(desk.path("half/parameters.yaml")).unwrap();
-    desk.refused(&["a.csv", "--out", "half"], &["parameters.yaml"]);
+    desk.refused(&["a.csv", "--out", "half", "--force"], &["parameters.yaml"]);
     assert_eq!(fs::read_dir(desk.path("half")).unwrap().count(), 1);
     #[cfg(target_os = "linux")]
     desk.refused(&["a.csv", "--out", "/proc/nowhere"], &["/proc/nowhere"]);
@@ -360,7 +364,7 @@ fn agrees_with_the_published_table_of_emps() {
     let desk = Desk::new();
     let file = |name: &str| -> String { Path::new(&data).join(name).to_str().unwrap().to_owned() };
     let (estimation, validation) = (file("estimation.csv"), file("validation.csv"));
-    let force = ["--force", "control_V:35.150651882485472"];
+    let force = ["--force-column", "control_V:35.150651882485472"];
     // The columns named one by one, and recognised, must come to the same.
     desk.ok(&[
         &[
@@ -378,7 +382,7 @@ fn agrees_with_the_published_table_of_emps() {
     ]
     .concat());
     desk.ok(&[&[estimation.as_str(), "--validate", &validation][..], &force].concat());
-    let document = desk.json("identification-estimation");
+    let document = desk.json("runs/identify-1");
     assert_eq!(document["symmetric"], desk.json("named")["symmetric"]);
     assert_eq!(document["axis"], "linear");
 

@@ -4,6 +4,8 @@ use std::{io, path::PathBuf};
 
 use msgs::cdr::CdrError;
 
+use crate::output::said;
+
 /// A bag that cannot be written or read. Each message names the file, what was expected and how to mend it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -28,8 +30,9 @@ pub enum BagError {
     },
     /// A file or folder cannot be created or written.
     #[error(
-        "the bag cannot be written to {}: {source}; check that the folder may be written and that the disk has room",
-        path.display()
+        "the bag cannot be written to {}: {}; check that the folder may be written and that the disk has room",
+        path.display(),
+        said(source)
     )]
     Write {
         /// The file or folder.
@@ -39,8 +42,8 @@ pub enum BagError {
     },
     /// The MCAP library refused to write.
     #[error(
-        "the bag {} cannot be written further: {source}; what was written before stays readable, check that the disk \
-         has room", path.display()
+        "the bag {} cannot be written further: {}; what was written before is kept, and `frictionlab bag recover` makes it readable \
+         once the disk has room", path.display(), said(source.as_ref())
     )]
     WriteMcap {
         /// The file.

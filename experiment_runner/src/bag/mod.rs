@@ -29,6 +29,7 @@ mod reader;
 mod recover;
 #[cfg(test)]
 mod recover_tests;
+mod remove;
 mod salvage;
 mod schema;
 mod table;
@@ -39,5 +40,6 @@ mod writer;
 pub use error::BagError;
 pub use reader::{BagReader, TopicInfo};
 pub use recover::{Recovery, cut_bags, is_cut, recover};
+pub use remove::remove;
 pub use table::{Table, table};
 pub use writer::{BagOptions, BagSummary, BagWriter, Compression, TopicHandle};

@@ -136,7 +136,7 @@ fn beside(file: &Path, suffix: &str, fresh: bool) -> PathBuf {
 }
 
 /// Whether some program holds the file's lock, as a writer does.
-fn is_being_written(file: &Path) -> bool {
+pub(super) fn is_being_written(file: &Path) -> bool {
     let Ok(handle) = File::open(file) else { return false };
     matches!(handle.try_lock_shared(), Err(fs::TryLockError::WouldBlock))
 }

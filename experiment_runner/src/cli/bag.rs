@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::destination::Force;
 use super::{BadInput, print};
 use crate::bag::{BagError, BagReader, Recovery, recover};
-use crate::output::write_all;
 
 /// Look into a bag, turn it into a table, or save what a kill left of it
 #[derive(Debug, clap::Args)]
@@ -55,9 +55,11 @@ enum BagCommand {
         /// Folder of the bag, or an .mcap file
         #[arg(value_name = "DIR")]
         bag: PathBuf,
-        /// The file [default: beside the bag, its name with .csv behind]
+        /// The file; - is standard output [default: beside the bag, its name with .csv behind]
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
+        #[command(flatten)]
+        force: Force,
     },
 }
 
@@ -71,7 +73,7 @@ pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
         BagCommand::Record { bag, namespace, duration } => record(bag, namespace.as_deref(), *duration)?,
         BagCommand::Info { bag } => info(bag)?,
         BagCommand::Recover { bag } => recovered(bag)?,
-        BagCommand::ToCsv { bag, out } => to_csv(bag, out.as_deref())?,
+        BagCommand::ToCsv { bag, out, force } => to_csv(bag, out.as_deref(), force)?,
     };
     print(&text)
 }
@@ -178,13 +180,10 @@ fn recovered(path: &Path) -> Result<String, BadInput> {
     })
 }
 
-fn to_csv(path: &Path, out: Option<&Path>) -> Result<String, BadInput> {
+fn to_csv(path: &Path, out: Option<&Path>, force: &Force) -> anyhow::Result<String> {
+    let out = force.file(&out.map_or_else(|| path.with_extension("csv"), Path::to_owned))?;
     let table = crate::bag::table(path).map_err(|error| bad(&error))?;
-    let out = out.map_or_else(|| path.with_extension("csv"), Path::to_owned);
-    let name = out.file_name().and_then(|name| name.to_str()).ok_or_else(|| {
-        BadInput(format!("--out must name a file, as in motion.csv, but is {}", out.display()))
-    })?;
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    write_all(folder, &[(name, table.text)]).map_err(|error| BadInput(error.to_string()))?;
-    Ok(format!("{}: {} lines\n", out.display(), table.rows))
+    out.write(table.text.as_bytes())?;
+    // Standard output has the table and nothing else.
+    Ok(if out.is_stdout() { String::new() } else { format!("{}: {} lines\n", out.name(), table.rows) })
 }

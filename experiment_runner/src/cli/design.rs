@@ -11,9 +11,9 @@ use controller::{ControllerError, DerivativeOn, LagGains, PiGains, PidGains, Vel
 use rig_driver::Drive;
 
 use super::BadInput;
+use super::destination::ToFolder;
 use crate::design::{DesignOptions, assess, page, parameters, summary};
 use crate::drive::parameters::DriveConstants;
-use crate::output::write_all;
 use crate::report::render_page;
 
 /// Design the linear controller of velocity or position, or assess gains of your own
@@ -109,9 +109,8 @@ struct SharedArgs {
     /// Control period [s]
     #[arg(long, value_name = "SECONDS", default_value_t = 1e-3)]
     period: f64,
-    /// Folder for report.html and controller.yaml [default: runs/design-N]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ToFolder,
     /// Print nothing
     #[arg(long, short)]
     quiet: bool,
@@ -145,10 +144,10 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
     let linear = LinearLoop { drive, law };
     let found = assess(DesignOptions { linear, period: shared.period, volts_per_newton_metre, asked })
         .map_err(bad)?;
-    let folder = shared.out.clone().unwrap_or_else(|| super::run::first_free("design"));
+    let folder = shared.to.reserve("design")?;
     let files =
         [("report.html", render_page(&page(&found))), ("controller.yaml", parameters(&found.options))];
-    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&files)?;
     if !shared.quiet {
         let file = |name: &str| folder.join(name).display().to_string();
         super::print(&format!(

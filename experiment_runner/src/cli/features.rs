@@ -1,6 +1,5 @@
 //! `frictionlab features`: what tells friction models apart.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -8,9 +7,9 @@ use std::thread;
 use anyhow::Context;
 use friction_model::ModelName;
 
-use super::{BadInput, Interrupted, model_name};
+use super::destination::ToFolder;
+use super::{Interrupted, model_name};
 use crate::features::{FeaturesOptions, compute, page, summary};
-use crate::output::write_all;
 use crate::progress::Progress;
 use crate::report::render_page;
 
@@ -30,9 +29,8 @@ pub struct FeaturesArgs {
     #[arg(long, short, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
     model: Vec<ModelName>,
 
-    /// Folder for report.html and features.json [default: runs/features-N].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Threads [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -46,13 +44,13 @@ pub struct FeaturesArgs {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] if the folder cannot be written, [`Interrupted`] after ctrl-C.
+/// [`OutputError`](crate::output::OutputError) if the folder cannot be written, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let chosen = |name: &ModelName| args.model.is_empty() || args.model.contains(name);
     let models: Vec<ModelName> = ModelName::ALL.into_iter().filter(chosen).collect();
     let workers =
         args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let folder = args.out.clone().unwrap_or_else(|| super::run::first_free("features"));
+    let folder = args.to.reserve("features")?;
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
@@ -64,8 +62,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
         return Err(Interrupted("stopped before the end; nothing was written".to_owned()).into());
     };
     let json = serde_json::to_string(&results).context("cannot describe the results")?;
-    write_all(&folder, &[("report.html", render_page(&page(&results))), ("features.json", json)])
-        .map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&[("report.html", render_page(&page(&results))), ("features.json", json)])?;
     if !args.quiet {
         super::print(&format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display()))?;
     }

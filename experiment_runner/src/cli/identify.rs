@@ -9,12 +9,12 @@ use friction_ident::Conditioning;
 use friction_ident::axis_structure::AxisStructure;
 use rig_driver::DriveParameters;
 
+use super::destination::ToFolder;
 use super::identify_friction::{self, FrictionArgs};
 use super::{BadInput, Interrupted};
 use crate::drive::parameters::DriveConstants;
 use crate::identify::structure::{StructureChoice, Structured, structured};
 use crate::identify::{self, Settings};
-use crate::output::write_all;
 use crate::progress::Progress;
 use crate::recording::rosbag::{self, Motor};
 use crate::recording::table;
@@ -27,7 +27,7 @@ use crate::recording::{AxisKind, Column, Recording};
 /// names such as t_s, position_m, position_rad, force_N and torque_Nm, or named with the options
 /// below. For a public benchmark, whose force is a voltage times a constant:
 ///
-///   frictionlab identify estimation.csv --force control_V:35.150651882485472 \
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 \
 ///     --validate validation.csv
 ///
 /// Recordings of friction give friction models with all their parameters: a bag with
@@ -40,7 +40,7 @@ use crate::recording::{AxisKind, Column, Recording};
 ///
 /// A driving force gives friction models too, once the inertia is known:
 ///
-///   frictionlab identify estimation.csv --force control_V:35.150651882485472 --model lugre \
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 --model lugre \
 ///     --torque-source driving --inertia 95.1:0.1 --validate validation.csv
 ///
 /// Bag with --torque-from-voltage: the driving torque worked out from /rig_measurement.
@@ -55,9 +55,8 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(super) validate: Vec<PathBuf>,
 
-    /// Folder for the results [default: identification-NAME, after FILE].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) to: ToFolder,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -79,7 +78,12 @@ pub struct IdentifyArgs {
     pub(super) velocity: Option<Column>,
 
     /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(
+        id = "force_column",
+        long = "force-column",
+        value_name = "NAME[:SCALE]",
+        help_heading = "Columns of a CSV file"
+    )]
     pub(super) force: Option<Column>,
 
     /// Kind of axis, where the column names do not tell it; decides the units shown.
@@ -140,7 +144,7 @@ pub struct IdentifyArgs {
     resistance: f64,
 }
 
-/// Reads, identifies, writes `identification.json`, `identification.html` and `parameters.yaml`, and prints a table.
+/// Reads, identifies, writes `identification.json`, `report.html` and `parameters.yaml`, and prints a table.
 ///
 /// # Errors
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
@@ -189,11 +193,11 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     }
     let files = [
         ("identification.json", document),
-        ("identification.html", crate::report::render_page(&page)),
+        ("report.html", crate::report::render_page(&page)),
         ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
     ];
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(file));
-    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    let folder = args.to.reserve("identify")?;
+    folder.write(&files)?;
     if !args.quiet {
         use std::io::Write;
         let mut out = std::io::stdout().lock();
@@ -202,7 +206,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
             text.push_str(&identify::structure_page::terminal(structured));
         }
         let files = files.map(|(name, _)| name).join(", ");
-        writeln!(out, "{text}\nwritten to {}: {files}", folder.display())
+        writeln!(out, "{text}\nwritten to {}: {files}", folder.path().display())
             .or_else(|error| match error.kind() {
                 // Whoever reads has seen enough (`| head`); the files are there.
                 std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -312,12 +316,4 @@ fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, Ba
         table::read(file, &columns, args.time_tolerance)
     };
     recording.map_err(|error| BadInput(error.to_string()))
-}
-
-/// `identification-` and the name of the file without its extension, where the command was started.
-pub(super) fn default_folder(file: &Path) -> PathBuf {
-    // `.` and `..` have no name of their own until they are resolved.
-    let resolved = std::fs::canonicalize(file).unwrap_or_else(|_| file.to_owned());
-    let stem = resolved.file_stem().map_or_else(|| "recording".into(), |stem| stem.to_string_lossy());
-    PathBuf::from(format!("identification-{stem}"))
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use friction_ident::drive::{Calibration, Known};
 
 use super::BadInput;
+use super::destination::ToFolder;
 use crate::drive::{identify, page::page, parameters};
-use crate::output::write_all;
 use crate::recording::driven::{self, DrivenColumns};
 use crate::recording::{AxisKind, Column};
 use crate::report::render_page;
@@ -31,9 +31,8 @@ pub struct IdentifyDriveArgs {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
-    /// Folder for the results [default: identification-drive-NAME, after the first FILE].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -111,7 +110,7 @@ fn known(text: &str) -> Result<Known, String> {
     Ok(known)
 }
 
-/// Reads, identifies, writes `drive.yaml`, `identification-drive.json` and `identification-drive.html`, and prints a table.
+/// Reads, identifies, writes `drive.yaml`, `identification-drive.json` and `report.html`, and prints a table.
 ///
 /// # Errors
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
@@ -152,22 +151,16 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     let ratio = args.gear_ratio.or(args.motor_constant.map(|_| 1.0));
     let found = identify(&recordings, axis, calibration, ratio)
         .map_err(|(path, error)| BadInput(format!("{}: {error}", path.display())))?;
-    let folder = args.out.clone().unwrap_or_else(|| {
-        let first = args.files.first().and_then(|file| file.file_stem());
-        PathBuf::from(format!(
-            "identification-drive-{}",
-            first.map_or_else(|| "recording".into(), |stem| stem.to_string_lossy())
-        ))
-    });
+    let folder = args.to.reserve("identify-drive")?;
     let files = [
         ("drive.yaml", parameters::render(&found)),
         ("identification-drive.json", found.document()),
-        ("identification-drive.html", render_page(&page(&found))),
+        ("report.html", render_page(&page(&found))),
     ];
-    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&files)?;
     if !args.quiet {
         let names = files.map(|(name, _)| name).join(", ");
-        super::print(&format!("{}\nwritten to {}: {names}\n", found.summary(), folder.display()))?;
+        super::print(&format!("{}\nwritten to {}: {names}\n", found.summary(), folder.path().display()))?;
     }
     Ok(())
 }

@@ -10,10 +10,10 @@ use friction_ident::output_error::OutputErrorOptions;
 use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncertain};
 use friction_model::ModelName;
 
-use super::identify::{IdentifyArgs, default_folder};
+use super::identify::IdentifyArgs;
 use super::{BadInput, Interrupted, print};
 use crate::identify::friction::{self, FrictionError, FrictionIdentification, Settings};
-use crate::output::write_all;
+use crate::output::Folder;
 use crate::progress::Progress;
 use crate::recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
 use crate::recording::table::Columns;
@@ -61,7 +61,7 @@ pub struct FrictionArgs {
 
     /// Where the friction comes from. sensor: the force column is friction. driving: it drives the axis, friction is that less inertia times
     /// acceleration. voltage, current: the column is the motor's mean over the period before each sample (voltage_V, current_A, or
-    /// --force NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and --resistance. What the errors of
+    /// --force-column NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and --resistance. What the errors of
     /// the constants add to each parameter is shown beside its standard error, as `from the drive`.
     #[arg(long, value_enum, value_name = "SOURCE", help_heading = "Friction models")]
     torque_source: Option<SourceChoice>,
@@ -183,7 +183,7 @@ fn is_bag(file: &Path) -> bool {
     file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap")
 }
 
-/// Reads, identifies every model, writes `identification.json`, `identification.html` and `parameters.yaml`, and prints a table.
+/// Reads, identifies every model, writes `identification.json`, `report.html` and `parameters.yaml`, and prints a table.
 ///
 /// # Errors
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then. [`Interrupted`] after ctrl-C; what
@@ -199,13 +199,13 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         print(&format!(
             "{}\nwritten to {}: {names}\n",
             friction::terminal::render(&found),
-            folder.display()
+            folder.path().display()
         ))?;
     }
     if found.interrupted {
         return Err(Interrupted(format!(
             "stopped before the end; the best found by then is in {}",
-            folder.display()
+            folder.path().display()
         ))
         .into());
     }
@@ -213,14 +213,14 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
 }
 
 /// The files that an identification leaves.
-const FILES: [&str; 3] = ["identification.json", "identification.html", "parameters.yaml"];
+const FILES: [&str; 3] = ["identification.json", "report.html", "parameters.yaml"];
 
 /// What was found, and the folder it was written to.
 pub(crate) struct Written {
     /// The models.
     pub(crate) found: FrictionIdentification,
-    /// Folder of `identification.json`, `identification.html` and `parameters.yaml`.
-    pub(crate) folder: PathBuf,
+    /// Folder of `identification.json`, `report.html` and `parameters.yaml`.
+    pub(crate) folder: Folder,
 }
 
 /// Reads, identifies every model and writes the files. Once `cancel` is set it ends with what there is.
@@ -237,6 +237,9 @@ pub(crate) fn identify(
     let validation = read(&args.validate, args, &preparation)?;
     let settings = settings(args, preparation, &files)?;
 
+    // Before the work: a folder that cannot be written is told at once.
+    let folder = args.to.reserve("identify")?;
+
     progress.expect(settings.models.len() as u64);
     let found = friction::run::identify(&files, &validation, &settings, progress, cancel);
     progress.finish();
@@ -251,13 +254,8 @@ pub(crate) fn identify(
         crate::report::render_page(&page),
         friction::parameters::render(&found)?,
     ];
-    let folder = match (&args.out, args.files.first()) {
-        (Some(folder), _) => folder.clone(),
-        (None, Some(file)) => default_folder(file),
-        (None, None) => PathBuf::from("identification"),
-    };
     let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();
-    write_all(&folder, &files).map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&files)?;
     Ok(Written { found, folder })
 }
 

@@ -8,8 +8,8 @@ use std::thread;
 use anyhow::Context;
 use friction_ident::servo::{Effort, FrictionLevel};
 
+use super::destination::ToFolder;
 use super::{BadInput, Interrupted};
-use crate::output::write_all;
 use crate::progress::Progress;
 use crate::recording::servo_log::{self, NamedServoLog};
 use crate::servo::{Settings, document, identify, page, terminal};
@@ -63,9 +63,8 @@ pub struct IdentifyServoArgs {
     #[arg(long, short, value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
 
-    /// Folder for the results.
-    #[arg(long, value_name = "DIR", default_value = "servo")]
-    out: PathBuf,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -118,6 +117,7 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
         effort: Effort { evaluations: args.evaluations as usize, abandon: !args.whole },
         workers,
     };
+    let folder = args.to.reserve("identify-servo")?;
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
@@ -131,15 +131,15 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
         ("servo.json", document::render(&found, &train, &held_out)),
         ("report.html", crate::report::render_page(&page::page(&found, &train, &held_out))),
     ];
-    write_all(&args.out, &files).map_err(|error| BadInput(error.to_string()))?;
-    let report = args.out.join("report.html");
+    folder.write(&files)?;
+    let report = folder.join("report.html");
     if !args.quiet {
         super::print(&format!("{}\nReport  {}\n", terminal::render(&found), report.display()))?;
     }
     if found.stopped {
         return Err(Interrupted(format!(
             "stopped before the end; the best so far is in {}",
-            args.out.display()
+            folder.path().display()
         ))
         .into());
     }

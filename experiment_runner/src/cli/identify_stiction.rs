@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::BadInput;
-use crate::output::write_all;
+use super::destination::ToFolder;
 use crate::recording::Column;
 use crate::recording::stiction_table::{self, StictionColumns};
 use crate::stiction::{Settings, document, identify, page, terminal};
@@ -55,9 +55,8 @@ pub struct IdentifyStictionArgs {
     #[arg(long, value_name = "SECONDS", default_value_t = 4.0)]
     until: f64,
 
-    /// Folder for the results.
-    #[arg(long, value_name = "DIR", default_value = "stiction")]
-    out: PathBuf,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -100,9 +99,10 @@ pub fn execute(args: &IdentifyStictionArgs) -> anyhow::Result<()> {
         ("stiction.json", document::render(&found, &tables)),
         ("report.html", crate::report::render_page(&page::page(&found, &tables))),
     ];
-    write_all(&args.out, &files).map_err(|error| BadInput(error.to_string()))?;
+    let folder = args.to.reserve("identify-stiction")?;
+    folder.write(&files)?;
     if !args.quiet {
-        let report = args.out.join("report.html");
+        let report = folder.join("report.html");
         super::print(&format!("{}\nReport  {}\n", terminal::render(&found, &tables), report.display()))?;
     }
     Ok(())

@@ -7,8 +7,11 @@ use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
 use rig_driver::SimulationOptions;
 
+use super::destination::{RUNS, ToFolder};
 use super::{BadInput, Interrupted, interruption, model_name};
+use crate::bag::remove;
 use crate::compensation::Means;
+use crate::output::OutputFile;
 use crate::{
     live::{self, LiveError, LiveOptions, Serving},
     protocol::TrackingProtocol,
@@ -69,9 +72,9 @@ pub struct LiveArgs {
     /// Control cycles a second [Hz] [default: 1000, or what the device on the serial port says]
     #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(100..=2000))]
     pub rate: Option<u32>,
-    /// Output folder; its `bag` must be new or empty [default: runs/live-N with the first free N]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where the results go.
+    #[command(flatten)]
+    pub to: ToFolder,
     /// Meanwhile run experiments for whoever asks over ROS 2, as `frictionlab serve` does; their folders go to `runs`
     #[arg(long)]
     pub serve: bool,
@@ -87,7 +90,7 @@ pub struct LiveArgs {
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
-    /// Write the exact percentiles of the periods' errors to FILE, as JSON
+    /// Write the exact percentiles of the periods' errors to FILE, as JSON; - is standard output, and nothing else is printed there
     #[arg(long, value_name = "FILE")]
     pub timing: Option<PathBuf>,
     /// Print nothing but errors
@@ -129,16 +132,23 @@ pub enum ReferenceArg {
 /// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of `--duration`.
 pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     let options = options(args)?;
+    let folder = args.to.reserve("live")?;
+    if args.to.force {
+        remove(&folder.join("bag")).map_err(|error| BadInput(error.to_string()))?;
+    }
+    let options = LiveOptions { out: folder.path().to_owned(), ..options };
     let stop = interruption::watch(ros_node::ENDS_WITHIN_WRITING)?;
     ros_node::terminal::tell_panics();
+    // Standard output may be for the percentiles alone.
+    let quiet = args.quiet || options.timing.as_ref().is_some_and(OutputFile::is_stdout);
     let say = |text: &str| {
-        if !args.quiet {
+        if !quiet {
             // A terminal that went away must not stop the loop.
             let _ = super::print(&format!("{text}\n"));
         }
     };
     if !args.quiet {
-        super::offer_recovery(std::path::Path::new("runs"));
+        super::offer_recovery(std::path::Path::new(RUNS));
     }
     let report = live::run(&options, &stop, |priority| {
         let rate = match (args.rate, &args.rig) {
@@ -146,7 +156,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
         // The rig runs: a terminal that takes nothing must not keep its nodes from being looked after.
-        if !args.quiet {
+        if !quiet {
             ros_node::terminal::say(format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
         }
     })
@@ -185,7 +195,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         estimator: EstimatorOptions::default(),
     };
     Ok(LiveOptions {
-        out: args.out.clone().unwrap_or_else(|| super::run::first_free("live")),
+        out: PathBuf::new(),
         rig: args.rig.clone(),
         calibration: super::run::calibration(&args.rig, args.calibration.as_deref())?,
         rate_given: args.rate.is_some(),
@@ -197,9 +207,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
-        serve: args
-            .serve
-            .then(|| Serving { runs: PathBuf::from("runs"), allow_rigs: args.allow_rigs.clone() }),
+        serve: args.serve.then(|| Serving { runs: PathBuf::from(RUNS), allow_rigs: args.allow_rigs.clone() }),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))
@@ -207,7 +215,7 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
             .flatten()
             .chain(args.ros_arguments.iter().cloned())
             .collect(),
-        timing: args.timing.clone(),
+        timing: args.timing.as_deref().map(|file| OutputFile::new(file, args.to.force)).transpose()?,
     })
 }
 

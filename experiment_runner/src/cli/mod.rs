@@ -2,6 +2,7 @@
 
 pub mod bag;
 pub mod design;
+pub(crate) mod destination;
 #[cfg(feature = "ros")]
 pub mod doctor;
 mod drive_errors;
@@ -28,6 +29,8 @@ pub mod serve;
 pub mod simulate;
 pub mod truth_matrix;
 
+use crate::output::{OutputError, is_full};
+
 /// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
 /// mend it; the program ends with exit code 2.
 #[derive(Debug, thiserror::Error)]
@@ -38,6 +41,20 @@ pub struct BadInput(pub String);
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Interrupted(pub String);
+
+/// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong input, 130 after ctrl-C.
+#[must_use]
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<Interrupted>() {
+        130
+    } else if is_full(error.as_ref()) {
+        1
+    } else if error.is::<BadInput>() || error.is::<OutputError>() {
+        2
+    } else {
+        1
+    }
+}
 
 /// A model's name on the command line.
 fn model_name(text: &str) -> Result<friction_model::ModelName, String> {

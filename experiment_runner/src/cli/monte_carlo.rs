@@ -1,6 +1,5 @@
 //! `frictionlab monte-carlo`: what compensation is worth when its parameters are wrong.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -10,12 +9,12 @@ use anyhow::Context;
 use clap::ValueEnum;
 use friction_model::ModelName;
 
+use super::destination::ToFolder;
 use super::{BadInput, Interrupted, model_name};
 use crate::compensation::monte_carlo::{
     BeliefErrors, Setting, Sharing, StudyOptions, Task, page::page, terminal::summary,
 };
 use crate::compensation::{Arm, Means};
-use crate::output::write_all;
 use crate::progress::Progress;
 use crate::report::render_page;
 
@@ -70,9 +69,8 @@ pub struct MonteCarloArgs {
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Folder for report.html and monte-carlo.json [default: runs/monte-carlo-N]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Threads [default: all cores]; the figures do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -101,7 +99,7 @@ enum TaskArg {
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     let options = options(args)?;
-    let folder = args.out.clone().unwrap_or_else(|| super::run::first_free("monte-carlo"));
+    let folder = args.to.reserve("monte-carlo")?;
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
@@ -114,8 +112,7 @@ pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     progress.finish();
     let study = study?;
     let json = serde_json::to_string(&study).context("cannot describe the results")?;
-    write_all(&folder, &[("report.html", render_page(&page(&study))), ("monte-carlo.json", json)])
-        .map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&[("report.html", render_page(&page(&study))), ("monte-carlo.json", json)])?;
     if !args.quiet {
         let runs = study.runs();
         super::print(&format!(

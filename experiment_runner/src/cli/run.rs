@@ -9,11 +9,13 @@ use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
 use rig_driver::{Calibration, Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
 
+use super::destination::{RUNS, ToFolder};
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
 use crate::drive::parameters::DriveConstants;
 use crate::models::file;
+use crate::output::is_full;
 use crate::progress::Progress;
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::rig::{RigChoice, read_calibration};
@@ -53,9 +55,9 @@ pub struct RunArgs {
     /// uncertainty of a torque from voltage or current
     #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
     pub drive_errors: Vec<f64>,
-    /// Output folder; must be new or empty [default: runs/EXPERIMENT-N with the first free N]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
+    /// Where the results go.
+    #[command(flatten)]
+    pub to: ToFolder,
     /// Seed of the sensors' noise; the same seed gives the same run
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -152,23 +154,17 @@ pub enum FrictionArg {
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     let options = options(args)?;
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
-        None => first_free(options.experiment.as_str()),
-    };
+    run::check_options(&options).map_err(bad_input)?;
+    let folder = args.to.reserve(options.experiment.as_str())?;
     let cancel = interruption::watch(interruption::WRITING)?;
 
     if !args.quiet {
-        super::offer_recovery(Path::new("runs"));
+        super::offer_recovery(Path::new(RUNS));
     }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
-    let outcome = run::execute(&options, &folder, &progress, &cancel);
+    let outcome = run::execute_in(&options, folder.path(), args.to.force, &progress, &cancel);
     progress.finish();
-    let outcome = outcome.map_err(|error| match error {
-        error @ (RunError::Describe { .. } | RunError::Identification(_)) => anyhow::Error::new(error),
-        error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
-        error => BadInput(error.to_string()).into(),
-    })?;
+    let outcome = outcome.map_err(bad_input)?;
     if !args.quiet {
         super::print(&run::terminal::summary(&outcome))?;
     }
@@ -186,6 +182,17 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
         .into());
     }
     Ok(())
+}
+
+/// A run's error, as what the user can mend where he can.
+fn bad_input(error: RunError) -> anyhow::Error {
+    match error {
+        error @ (RunError::Describe { .. } | RunError::Identification(_)) => anyhow::Error::new(error),
+        RunError::Output(error) => anyhow::Error::new(error),
+        error @ RunError::Bag(_) if is_full(&error) => anyhow::Error::new(error),
+        error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
+        error => BadInput(error.to_string()).into(),
+    }
 }
 
 /// What the arguments ask for; nothing is driven or written.
@@ -392,10 +399,4 @@ fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>)
     };
     let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     read(&text).map_err(say)
-}
-
-/// The first folder `runs/EXPERIMENT-N` that is not there yet.
-pub(crate) fn first_free(experiment: &str) -> PathBuf {
-    let candidate = |n: u32| PathBuf::from("runs").join(format!("{experiment}-{n}"));
-    (1..).map(candidate).find(|folder| !folder.exists()).unwrap_or_else(|| candidate(0))
 }

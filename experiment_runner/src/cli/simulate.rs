@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use friction_model::{AnyModel, ModelName};
 
+use super::destination::Force;
 use super::{BadInput, model_name, print};
 use crate::models::file;
-use crate::output::write_all;
+use crate::output::OutputFile;
 use crate::progress::Progress;
 use crate::recording::trajectory;
 use crate::simulate::{Scheme, Settings, simulate};
@@ -50,9 +51,12 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "FILE.csv")]
     velocity: PathBuf,
 
-    /// Where the result goes.
+    /// Where the result goes; - is standard output.
     #[arg(long, value_name = "FILE.csv")]
     out: PathBuf,
+
+    #[command(flatten)]
+    force: Force,
 
     /// How the states advance.
     #[arg(long, value_enum, default_value_t)]
@@ -79,7 +83,7 @@ pub struct SimulateArgs {
 pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let model = model(args)?;
     let motion = trajectory::read(&args.velocity).map_err(|error| BadInput(error.to_string()))?;
-    let (folder, name) = destination(args)?;
+    let out = destination(args)?;
     let settings = Settings { scheme: args.scheme, dt: args.dt, load_gain: args.load_gain };
 
     let progress = Progress::counting(motion.duration().ceil() as u64, "s of motion", args.quiet);
@@ -88,16 +92,12 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     progress.finish();
     let text = result.map_err(|error| BadInput(error.to_string()))?;
 
-    write_all(folder, &[(name, text)]).map_err(|error| {
-        let (path, source) = (args.out.display(), error.source);
-        BadInput(format!(
-            "the result cannot be written to {path}: {source}; choose another file with --out FILE"
-        ))
-    })?;
-    if args.quiet {
+    out.write(text.as_bytes())?;
+    // Standard output has the result and nothing else.
+    if args.quiet || out.is_stdout() {
         return Ok(());
     }
-    let (title, rows, path) = (model.name().title(), motion.time.len(), args.out.display());
+    let (title, rows, path) = (model.name().title(), motion.time.len(), out.name());
     print(&format!("{title} along {:.6} s of motion: {rows} rows written to {path}\n", motion.duration()))
 }
 
@@ -116,18 +116,14 @@ fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {
     }
 }
 
-/// Folder and name of the result, which must not take the place of what was read.
-fn destination(args: &SimulateArgs) -> Result<(&Path, &str), BadInput> {
+/// The file of the result, which must not take the place of what was read.
+fn destination(args: &SimulateArgs) -> anyhow::Result<OutputFile> {
     let out = &args.out;
-    let name = out.file_name().and_then(|name| name.to_str()).filter(|_| !out.is_dir());
-    let name = name.ok_or_else(|| {
-        BadInput(format!("--out must name a file, as in friction.csv, but is {}", out.display()))
-    })?;
     let same = |other: &Path| matches!((out.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
     if [Some(&args.velocity), args.params.as_ref()].into_iter().flatten().any(|input| same(input)) {
         let out = out.display();
-        return Err(BadInput(format!("--out {out} is a file that is read; the result needs another")));
+        let why = format!("--out {out} is a file that is read; the result needs another");
+        return Err(BadInput(why).into());
     }
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    Ok((folder.unwrap_or(Path::new(".")), name))
+    Ok(args.force.file(&args.out)?)
 }

@@ -1,6 +1,5 @@
 //! `frictionlab truth-matrix`: what a ranking of models is worth.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -9,8 +8,8 @@ use anyhow::Context;
 use friction_ident::truth_matrix::MODELS;
 use friction_model::ModelName;
 
+use super::destination::ToFolder;
 use super::{BadInput, Interrupted, model_name};
-use crate::output::write_all;
 use crate::progress::Progress;
 use crate::report::render_page;
 use crate::truth_matrix::{MatrixOptions, compute, page, summary};
@@ -38,9 +37,8 @@ pub struct TruthMatrixArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: u32,
 
-    /// Folder for report.html and truth-matrix.json [default: runs/truth-matrix-N].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ToFolder,
 
     /// Threads [default: all cores]; the results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -74,7 +72,7 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     }
     let workers =
         args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
-    let folder = args.out.clone().unwrap_or_else(|| super::run::first_free("truth-matrix"));
+    let folder = args.to.reserve("truth-matrix")?;
     let cancel = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&cancel);
     ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
@@ -86,8 +84,7 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     progress.finish();
     let matrix = matrix?;
     let json = serde_json::to_string_pretty(&matrix).context("cannot describe the results")?;
-    write_all(&folder, &[("report.html", render_page(&page(&matrix))), ("truth-matrix.json", json)])
-        .map_err(|error| BadInput(error.to_string()))?;
+    folder.write(&[("report.html", render_page(&page(&matrix))), ("truth-matrix.json", json)])?;
     if !args.quiet {
         super::print(&format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display()))?;
     }

@@ -75,7 +75,7 @@ fn hint(error: &IdentError) -> &'static str {
         IdentError::Order(_) => " (--order N)",
         IdentError::Decimation(_) => " (--decimate N)",
         IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
-        IdentError::NegativeInertia { .. } => " (--force NAME:-SCALE, --without-inertia)",
+        IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
         IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => " (--without-inertia)",
         IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => " (--without-offset)",
         _ => "",

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::LaunchError;
+use crate::cli::destination::RUNS;
+use crate::output::first_free;
 use crate::rig::RigChoice;
 
 /// What to start.
@@ -188,7 +190,7 @@ impl AxisArguments {
             }
             ("params_file", None) => self.params_file = None,
             ("record", None | Some("false")) => self.record = None,
-            ("record", Some("true")) => self.record = Some(crate::cli::run::first_free("launch")),
+            ("record", Some("true")) => self.record = Some(first_free(Path::new(RUNS), "launch")),
             ("record", Some(folder)) => {
                 if Path::new(folder).exists() {
                     return Err(LaunchError::Argument(format!(

@@ -6,7 +6,13 @@ use ros_node::{Lost, RosNodeError};
 
 use rig_driver::RigError;
 
-use crate::{bag::BagError, output::OutputError, rig::RigSetupError, run::RunError, test_bed::TestBedError};
+use crate::{
+    bag::BagError,
+    output::{OutputError, is_full},
+    rig::RigSetupError,
+    run::RunError,
+    test_bed::TestBedError,
+};
 
 /// A live run that cannot start or go on.
 #[derive(Debug, thiserror::Error)]
@@ -89,8 +95,13 @@ impl LiveError {
                 | Self::Rate { .. }
                 | Self::Parameters(_)
                 | Self::Arguments(_)
-                | Self::Output(_)
-                | Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. })
-        ) || matches!(self, Self::Ros(error) if error.is_bad_input())
+        ) || match self {
+            Self::Ros(error) => error.is_bad_input(),
+            Self::Output(error) => error.is_bad_input(),
+            Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. }) => {
+                !is_full(self)
+            }
+            _ => false,
+        }
     }
 }

@@ -48,7 +48,7 @@ use crate::compensation::Means;
 use crate::{
     bag::{BagOptions, BagWriter},
     messages::CycleTopics,
-    output,
+    output::OutputFile,
     rig::{Opened, RigChoice},
     run::{Compensators, GIVEN_PARAMETERS, render_parameter_file},
     test_bed::TestBed,
@@ -101,7 +101,8 @@ pub struct LiveOptions {
     /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above the other options.
     pub ros_arguments: Vec<String>,
     /// File for the exact percentiles of the periods' errors.
-    pub timing: Option<PathBuf>,
+    #[serde(skip)]
+    pub timing: Option<OutputFile>,
 }
 
 /// Runs the loop in real time until the duration is over or `stop` is set.
@@ -208,12 +209,10 @@ pub fn run(
     if let Some(lost) = deaf {
         return Err(LiveError::Deaf(lost));
     }
-    if let (Some(path), Some(errors)) = (&options.timing, errors) {
+    if let (Some(file), Some(errors)) = (&options.timing, errors) {
         let summary = errors.summary(priority.clone());
         let text = serde_json::to_string(&summary).unwrap_or_else(|error| error.to_string());
-        let name = path.file_name().map_or_else(Default::default, |name| name.to_string_lossy());
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        output::write_all(folder.unwrap_or_else(|| ".".as_ref()), &[(&name, text + "\n")])?;
+        file.write((text + "\n").as_bytes())?;
     }
     let not_recorded = ending.not_recorded.load(Ordering::Relaxed);
     let report = LiveReport::new(recorded.timing(overruns), priority, published, bag, not_recorded);

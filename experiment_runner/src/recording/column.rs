@@ -61,7 +61,7 @@ impl Channel {
             Self::Time => "--time",
             Self::Position => "--position",
             Self::Velocity => "--velocity",
-            Self::Force => "--force",
+            Self::Force => "--force-column",
             Self::Voltage => "--voltage",
             Self::Friction => "--friction",
         }

@@ -305,7 +305,7 @@ mod tests {
             ("  \n\n", &["empty"]),
             ("t_s,position_m,force_N\n", &["no samples"]),
             ("0,1,2\n1,2,3\n", &["line 1", "header"]),
-            ("t_s,position_m,u\n0,1,2\n", &["t_s, position_m, u", "--force", "N or N m"]),
+            ("t_s,position_m,u\n0,1,2\n", &["t_s, position_m, u", "--force-column", "N or N m"]),
             ("t_s,q,force_N\n0,1,2\n", &["position", "--position"]),
             ("a,position_m,force_N\n0,1,2\n", &["--time"]),
             ("t_s,position_m,force_N\n0,1,2\n1,oops,2\n", &["line 3", "position_m", "oops"]),

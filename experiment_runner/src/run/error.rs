@@ -1,7 +1,5 @@
 //! What can end a run.
 
-use std::path::PathBuf;
-
 use friction_ident::IdentError;
 use rig_driver::RigError;
 
@@ -49,9 +47,6 @@ pub enum RunError {
     /// The friction torque cannot be worked out of a run.
     #[error("no friction torque from this run: {0}")]
     Torque(IdentError),
-    /// The output folder holds something already.
-    #[error("the output folder {} is not empty: its results would be mixed with those of this run; choose another with --out DIR", .0.display())]
-    NotEmpty(PathBuf),
     /// A model was asked for whose parameters nobody knows.
     #[error(transparent)]
     Model(#[from] friction_model::ModelError),

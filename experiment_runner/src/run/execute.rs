@@ -1,7 +1,5 @@
 //! The run itself, stage by stage.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -19,10 +17,11 @@ use super::results::{
 };
 use super::tracked::{Sorted, TrackedTask};
 use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
+use crate::bag;
 use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::control_loop::EPOCH_NS;
-use crate::output::{OutputError, write_all};
+use crate::output::{OutputError, is_empty_or_missing, write_all};
 use crate::progress::Progress;
 use crate::protocol::Kind;
 use crate::report::render_page;
@@ -57,9 +56,28 @@ pub fn execute(
     progress: &Progress,
     cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
+    execute_in(options, folder, false, progress, cancel)
+}
+
+/// The same in a folder that may hold something already, if `force`: files of the same names are replaced, and so is a bag.
+///
+/// # Errors
+/// As for [`execute`].
+pub fn execute_in(
+    options: &RunOptions,
+    folder: &Path,
+    force: bool,
+    progress: &Progress,
+    cancel: &Arc<AtomicBool>,
+) -> Result<Outcome, RunError> {
     let started = Instant::now();
     // Put together for nothing first, so that a wrong option neither opens a rig nor writes anything.
-    check(options, folder)?;
+    check_options(options)?;
+    if force {
+        bag::remove(&folder.join(BAG))?;
+    } else {
+        require_empty(folder)?;
+    }
     let (rig, options) = bench::open(options, progress, cancel)?;
     let options = &options;
     let mut bench = Bench::new(options, rig, progress, cancel);
@@ -194,8 +212,16 @@ pub fn execute(
 /// # Errors
 /// [`RunError`], as [`execute`] would return it before it begins.
 pub fn check(options: &RunOptions, folder: &Path) -> Result<(), RunError> {
-    Bench::check(options)?;
+    check_options(options)?;
     require_empty(folder)
+}
+
+/// Whether a run with these options could start: every loop is put together once.
+///
+/// # Errors
+/// [`RunError`], as [`execute`] would return it before it begins.
+pub fn check_options(options: &RunOptions) -> Result<(), RunError> {
+    Bench::check(options)
 }
 
 /// The steady points as comma-separated values.
@@ -214,14 +240,10 @@ fn steady_points(runs: &[SteadyRun]) -> String {
 
 /// Refuses a folder that holds something; one that does not exist is made later.
 fn require_empty(folder: &Path) -> Result<(), RunError> {
-    let fail = |source| RunError::Output(OutputError { path: folder.to_owned(), source });
-    match fs::read_dir(folder) {
-        Ok(mut entries) => match entries.next() {
-            None => Ok(()),
-            Some(_) => Err(RunError::NotEmpty(folder.to_owned())),
-        },
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(fail(error)),
+    match is_empty_or_missing(folder) {
+        Ok(true) => Ok(()),
+        Ok(false) => Err(OutputError::NotEmpty(folder.to_owned()).into()),
+        Err(source) => Err(OutputError::Write { path: folder.to_owned(), source }.into()),
     }
 }
 
@@ -301,6 +323,7 @@ impl Bench<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::sync::atomic::Ordering;
 
     use super::*;
@@ -353,7 +376,7 @@ mod tests {
     fn a_folder_in_use_is_left_alone() {
         let root = tempfile::tempdir().unwrap();
         fs::write(root.path().join("precious.txt"), "mine").unwrap();
-        assert!(matches!(run(&options(), root.path()), Err(RunError::NotEmpty(_))));
+        assert!(matches!(run(&options(), root.path()), Err(RunError::Output(OutputError::NotEmpty(_)))));
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
     }
 

@@ -30,7 +30,7 @@ pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, L
 pub use compensators::Compensators;
 pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
-pub use execute::{Outcome, check, execute};
+pub use execute::{Outcome, check, check_options, execute, execute_in};
 pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
 #[cfg(feature = "ros")]
 pub(crate) use parameter_file::{GIVEN as GIVEN_PARAMETERS, render_bed as render_parameter_file};

@@ -14,7 +14,7 @@ use msgs::std_msgs::Header;
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
-use crate::output::OutputError;
+use crate::output::{Folder, OutputError};
 use crate::progress::Progress;
 use crate::rig::RigChoice;
 use crate::run::{self, RunError, RunOptions, RunResults};
@@ -151,9 +151,17 @@ impl Desk {
             run::check(&options, folder).map_err(bad_folder)?;
         }
         let mut state = self.inner.free(request.preempt)?;
-        let folder = asked.unwrap_or_else(|| first_free(permissions.runs(), options.experiment.as_str()));
-        run::check(&options, &folder).map_err(bad_folder)?;
-        let folder = make(&folder, permissions)?;
+        run::check_options(&options).map_err(bad_folder)?;
+        let folder = match asked {
+            Some(folder) => {
+                run::check(&options, &folder).map_err(bad_folder)?;
+                make(&folder, permissions)?
+            }
+            None => {
+                let reserved = Folder::reserve(None, permissions.runs(), options.experiment.as_str(), false);
+                make(&reserved.map_err(|error| bad_folder(error.into()))?.into_path(), permissions)?
+            }
+        };
         let run_id = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let started = Started { run_id, experiment: options.experiment.as_str(), folder };
         let progress = Progress::new(options.rig_seconds(), true);
@@ -373,11 +381,11 @@ fn make(folder: &Path, permissions: &Permissions) -> Result<PathBuf, Refusal> {
 
 fn bad_folder(error: RunError) -> Refusal {
     Refusal::BadRequest(match error {
-        RunError::NotEmpty(folder) => format!(
+        RunError::Output(OutputError::NotEmpty(folder)) => format!(
             "the output_folder {} is not empty: name a new one, or leave it out and one is made",
             folder.display()
         ),
-        RunError::Output(OutputError { path, source }) => {
+        RunError::Output(OutputError::Write { path, source }) => {
             format!(
                 "the results cannot be written to {}: {source}; name another output_folder",
                 path.display()
@@ -386,12 +394,5 @@ fn bad_folder(error: RunError) -> Refusal {
         other => other.to_string(),
     })
 }
-
-/// The first folder `EXPERIMENT-N` in `runs` that is not there yet.
-fn first_free(runs: &Path, experiment: &str) -> PathBuf {
-    let candidate = |n: u32| runs.join(format!("{experiment}-{n}"));
-    (1..).map(candidate).find(|folder| !folder.exists()).unwrap_or_else(|| candidate(0))
-}
-
 #[cfg(test)]
 mod tests;

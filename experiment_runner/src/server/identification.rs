@@ -43,7 +43,7 @@ fn attempt(
         parameters: found.models.iter().flat_map(parameters).collect(),
         fits: found.models.iter().map(fit).collect(),
         parameters_file: folder.join("parameters.yaml").display().to_string(),
-        report: folder.join("identification.html").display().to_string(),
+        report: folder.join("report.html").display().to_string(),
     })
 }
 

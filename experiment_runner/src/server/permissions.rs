@@ -152,15 +152,11 @@ impl Permissions {
         if self.is_in_runs(&path) { Ok(path) } else { Err(refused("a link leads outside")) }
     }
 
-    /// The folder for what is found in the recording at that path: beside it, if it is one of the runs'.
-    ///
-    /// # Errors
-    /// [`Refusal::BadRequest`] if it is a folder that holds something else than an earlier identification.
-    pub fn beside(&self, recording: &Path) -> Result<PathBuf, Refusal> {
-        let stem = recording.file_stem().map_or_else(|| "bag".into(), |stem| stem.to_string_lossy());
-        let name = format!("identification-{stem}");
-        let beside = recording.with_file_name(&name);
-        if self.is_in_runs(&beside) { Ok(beside) } else { self.output(&name) }
+    /// Where a folder is made for what is found in the recording at that path: beside it, if it is one of the runs'.
+    #[must_use]
+    pub fn beside<'a>(&'a self, recording: &'a Path) -> &'a Path {
+        let beside = recording.parent().unwrap_or(&self.runs);
+        if self.is_in_runs(&beside.join("it")) { beside } else { &self.runs }
     }
 
     /// Whether a path without links lies in the folder of runs.

@@ -13,9 +13,10 @@ use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
 /// Options of `frictionlab run` that a request has fields for, or that are about the terminal.
-pub(super) const NOT_OF_RUN: [&str; 6] = ["experiment", "model", "repetitions", "out", "quiet", "jobs"];
+pub(super) const NOT_OF_RUN: [&str; 7] =
+    ["experiment", "model", "repetitions", "out", "force", "quiet", "jobs"];
 /// The same of `frictionlab identify`.
-const NOT_OF_IDENTIFY: [&str; 6] = ["files", "model", "validate", "out", "quiet", "jobs"];
+const NOT_OF_IDENTIFY: [&str; 7] = ["files", "model", "validate", "out", "force", "quiet", "jobs"];
 
 /// An experiment that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -104,14 +105,16 @@ pub fn identify_args(request: &IdentifyRequest, permissions: &Permissions) -> Re
     for name in &request.validation_bags {
         line.push(format!("--validate={}", text(&permissions.recording(name)?)?));
     }
-    let folder = match folder(&request.output_folder) {
-        Some(name) => permissions.output(&name)?,
-        None => permissions.beside(&bag)?,
-    };
-    only_identifications(&folder)?;
-    line.push(format!("--out={}", text(&folder)?));
+    if let Some(name) = folder(&request.output_folder) {
+        let folder = permissions.output(&name)?;
+        only_identifications(&folder)?;
+        // An earlier identification's, which was named, is replaced.
+        line.extend([format!("--out={}", text(&folder)?), "--force".to_owned()]);
+    }
     line.extend(["--quiet".to_owned(), "--".to_owned(), text(&bag)?.to_owned()]);
-    parse(&line)
+    let mut args: IdentifyArgs = parse(&line)?;
+    args.to.runs = Some(permissions.beside(&bag).to_owned());
+    Ok(args)
 }
 
 /// Refuses a folder that holds something else than an earlier identification: its `parameters.yaml` would be replaced.
@@ -314,7 +317,7 @@ mod tests {
             ..Default::default()
         };
         let args = identify_args(&asked, &permitted).unwrap();
-        assert_eq!(args.out.unwrap(), runs.join("all-1/identification-bag"));
+        assert_eq!((args.to.out, args.to.runs), (None, Some(runs.join("all-1"))));
         let refused = |asked: IdentifyRequest| identify_args(&asked, &permitted).unwrap_err().to_string();
         let nowhere = IdentifyRequest { bag_path: "nowhere/bag".into(), ..asked.clone() };
         assert!(refused(nowhere).contains("nowhere/bag"));

@@ -194,7 +194,7 @@ fn hint(error: &IdentError) -> &'static str {
         IdentError::TooFewSamples { what, .. } if what.contains("Stribeck") => {
             " (add a file with steady points, columns velocity_rad_s and torque_Nm, or a recording that slides at several velocities)"
         }
-        IdentError::NotFriction { .. } => " (--force NAME:-SCALE turns it)",
+        IdentError::NotFriction { .. } => " (--force-column NAME:-SCALE turns it)",
         _ => "",
     }
 }

@@ -125,7 +125,7 @@ fn nothing_is_written_outside_of_the_folder_of_runs() {
     }
     assert!(!root.path().join("runs/monday").exists(), "asking makes nothing");
     let bag = root.path().canonicalize().unwrap().join("inputs/linked_bag");
-    assert!(permissions.beside(&bag).unwrap().ends_with("runs/identification-linked_bag"));
+    assert!(permissions.beside(&bag).ends_with("runs"), "a recording of others is not written to");
 }
 
 #[test]

@@ -1,46 +1,56 @@
-//! Files that appear whole or not at all, and outlive a power cut.
+//! Where results go: one rule for every command.
+//!
+//! A command that writes several files gets a [`Folder`] of its own, numbered under `runs/` unless one is named. A command that writes one file has an
+//! [`OutputFile`]. What exists is refused unless it may be replaced, and what is no regular file is never replaced. Files appear whole or not at all,
+//! and outlive a power cut.
+
+mod error;
+mod file;
+mod folder;
+
+pub use error::{OutputError, is_full, said};
+pub use file::OutputFile;
+pub use folder::{Folder, first_free, is_empty_or_missing};
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use crate::durable::{self, Draft, System, sync_made};
 
-/// An output folder that could not be written.
-#[derive(Debug, thiserror::Error)]
-#[error("the results cannot be written to {}: {source}; choose another folder with --out DIR", path.display())]
-pub struct OutputError {
-    /// The folder or file.
-    pub path: PathBuf,
-    /// What the system says.
-    pub source: io::Error,
-}
-
 /// Writes the files (name, content) into `folder`, which is made if need be.
 ///
 /// Each goes to a temporary name first; only when all are on the disk are they renamed, and when this returns the names are on the disk too.
 /// On an error nothing of it stays behind, and files of an earlier run are as they were; a kill or a power cut leaves each file as it was or
-/// as it was to be.
+/// as it was to be. A file that is replaced keeps its mode; what is no regular file is written through.
 ///
 /// # Errors
 /// [`OutputError`] with the path that failed.
 pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputError> {
     let fail = |path: &Path| {
         let path = path.to_owned();
-        move |source| OutputError { path, source }
+        move |source| OutputError::Write { path, source }
     };
     let made = first_missing(folder);
     let mut drafts = Vec::with_capacity(files.len());
+    let mut through = Vec::new();
     let written = fs::create_dir_all(folder).map_err(fail(folder)).and_then(|()| {
         for (name, content) in files {
             let target = folder.join(name);
             if target.is_dir() {
                 return Err(fail(&target)(io::Error::from(io::ErrorKind::IsADirectory)));
             }
-            let draft = folder.join(format!(".{name}.{}.tmp", std::process::id()));
-            drafts.push(Draft { draft, target, content: content.as_bytes() });
+            if file::is_special(&target) {
+                through.push((target, content));
+            } else {
+                let draft = durable::draft(&target);
+                drafts.push(Draft { draft, target, content: content.as_bytes() });
+            }
         }
         durable::write(&mut System, folder, &drafts)
-            .map_err(|(path, source)| OutputError { path, source })?;
+            .map_err(|(path, source)| OutputError::Write { path: named(&drafts, path), source })?;
+        for (target, content) in &through {
+            file::write_through(target, content.as_bytes()).map_err(fail(target))?;
+        }
         made.as_ref().map_or(Ok(()), |top| sync_made(folder, top)).map_err(fail(folder))
     });
     if written.is_err() {
@@ -53,6 +63,11 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputEr
         }
     }
     written
+}
+
+/// The file that a person knows, where a draft of it failed.
+fn named(drafts: &[Draft<'_>], failed: PathBuf) -> PathBuf {
+    drafts.iter().find(|draft| draft.draft == failed).map_or(failed, |draft| draft.target.clone())
 }
 
 /// The topmost folder of the path that does not exist yet.
