@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use experiment_runner::cli::suggestion::with_suggestion;
 use experiment_runner::cli::{
     Interrupted, bag, design, exit_code, features, identify, identify_drive, identify_servo,
     identify_stiction, models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
@@ -58,8 +59,11 @@ fn negative_numbers_are_values(command: clap::Command) -> clap::Command {
 }
 
 fn main() -> ExitCode {
-    let given = negative_numbers_are_values(Cli::command()).get_matches();
-    let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
+    let mut command = negative_numbers_are_values(Cli::command());
+    let cli = command
+        .try_get_matches_from_mut(std::env::args_os())
+        .and_then(|given| Cli::from_arg_matches(&given))
+        .unwrap_or_else(|error| with_suggestion(error, &command).exit());
     #[cfg(feature = "ros")]
     if let Err(error) = ros_node::launched::end_with_launcher() {
         eprintln!("error: the end of its launcher cannot be watched for: {error}");

@@ -42,6 +42,48 @@ fn a_design_is_reported_and_used_by_a_run() {
     assert!(written.contains(k_p), "{k_p} is not in\n{written}");
 }
 
+/// A design that is worse than no design, or that asks for more than the rig has, is told with what to do.
+#[test]
+fn a_design_is_held_against_the_rig_and_the_default_gains() {
+    let root = tempfile::tempdir().unwrap();
+    let said = |arguments: &[&str]| {
+        let arguments = [&["design"], arguments].concat();
+        let done = frictionlab(&arguments, root.path());
+        assert!(done.status.success(), "{done:?}");
+        String::from_utf8(done.stdout).unwrap()
+    };
+    let soft = said(&["position", "--overshoot", "15", "--rise", "0.2", "--settling", "1"]);
+    assert!(
+        soft.contains("Warning: on the rig's friction these gains follow a sine of position 3."),
+        "{soft}"
+    );
+    assert!(soft.contains("frictionlab design position --retuned"), "{soft}");
+    let stiff = said(&["position", "--gains", "200,100,2"]);
+    assert!(stiff.contains("and the rig gives 6 V") && stiff.contains("stay within the limit"), "{stiff}");
+    let loud = said(&["velocity", "--gains", "40,100"]);
+    assert!(loud.contains("Warning: the sensors' noise puts"), "{loud}");
+    for what in ["position", "velocity"] {
+        let honest = said(&[what, "--retuned", "--out", what]);
+        assert!(honest.contains("times better (mean square) than the default ones"), "{honest}");
+    }
+    assert!(fs::read_to_string(root.path().join("position/controller.yaml")).unwrap().contains("k_d"));
+}
+
+#[test]
+fn a_drive_of_gain_and_time_constant_alone_can_be_designed_for() {
+    let root = tempfile::tempdir().unwrap();
+    fs::write(
+        root.path().join("drive.yaml"),
+        "/drive_identification:\n  ros__parameters:\n    gain: 2.5\n    time_constant: 0.04\n",
+    )
+    .unwrap();
+    let arguments =
+        ["design", "velocity", "--crossover", "50", "--phase-margin", "70", "--drive", "drive.yaml"];
+    let done = frictionlab(&arguments, root.path());
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success() && said.contains("K = 2.5 rad/s per V, T = 0.04 s"), "{done:?}");
+}
+
 #[test]
 fn what_cannot_be_designed_is_refused_with_a_sentence() {
     let root = tempfile::tempdir().unwrap();
@@ -56,7 +98,7 @@ fn what_cannot_be_designed_is_refused_with_a_sentence() {
             &["design", "position", "--overshoot", "1", "--rise", ".001", "--settling", ".002"],
             "the nearest has overshoot",
         ),
-        (&["design", "velocity", "--gains", "1,20", "--gain", "-1"], "gain must be"),
+        (&["design", "velocity", "--gains", "1,20", "--gain", "-1"], "--gain [rad/s per V] must be"),
         (&["design", "position", "--overshoot", "-3", "--rise", ".2", "--settling", "1"], "overshoot"),
         (&["design", "velocity", "--gains", "1,20", "--drive", "nowhere.yaml"], "nowhere.yaml"),
     ] {

@@ -92,4 +92,4 @@ pub use participant::Participant;
 pub use publisher::Publisher;
 pub use remap::Named;
 pub use ros2_client::ParameterValue;
-pub use signals::{ENDS_WITHIN, ENDS_WITHIN_WRITING, FORCED, Stop, ends_within};
+pub use signals::{ENDS_WITHIN, ENDS_WITHIN_WRITING, FORCED, Stop, ends_within, signal_exit_code};

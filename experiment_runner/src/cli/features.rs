@@ -1,14 +1,12 @@
 //! `frictionlab features`: what tells friction models apart.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use anyhow::Context;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
-use super::{Interrupted, model_name};
+use super::{Interrupted, interruption, model_name};
 use crate::features::{FeaturesOptions, compute, page, summary};
 use crate::progress::Progress;
 use crate::report::render_page;
@@ -51,9 +49,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let workers =
         args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let folder = args.to.reserve("features")?;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
 
     let progress = Progress::counting(models.len() as u64 + 1, "models", args.quiet);
     let outcome = compute(&FeaturesOptions { models, workers }, &progress, &cancel);

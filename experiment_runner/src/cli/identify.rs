@@ -1,8 +1,6 @@
 //! `frictionlab identify`: friction and inertia from a recording.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use friction_ident::Conditioning;
@@ -11,7 +9,7 @@ use rig_driver::DriveParameters;
 
 use super::destination::ToFolder;
 use super::identify_friction::{self, FrictionArgs};
-use super::{BadInput, Interrupted};
+use super::{BadInput, Interrupted, interruption};
 use crate::drive::parameters::DriveConstants;
 use crate::identify::structure::{StructureChoice, Structured, structured};
 use crate::identify::{self, Settings};
@@ -229,9 +227,7 @@ fn compare(
     let estimation = identify::conditioned(recording, settings).map_err(|error| blame(&error))?;
     let other = validation.map(|other| identify::conditioned(other, settings)).transpose();
     let other = other.map_err(|error| blame(&error))?;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
     let count = match wanted {
         StructureChoice::Auto => AxisStructure::candidates().len(),
         StructureChoice::Named(named) => named.len(),

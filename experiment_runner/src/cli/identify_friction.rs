@@ -1,17 +1,15 @@
 //! The part of `frictionlab identify` that identifies friction models from recordings of friction.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::thread;
 
-use anyhow::Context;
 use friction_ident::output_error::OutputErrorOptions;
 use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncertain};
 use friction_model::ModelName;
 
 use super::identify::IdentifyArgs;
-use super::{BadInput, Interrupted, print};
+use super::{BadInput, Interrupted, interruption, print};
 use crate::identify::friction::{self, FrictionError, FrictionIdentification, Settings};
 use crate::output::Folder;
 use crate::progress::Progress;
@@ -189,9 +187,7 @@ fn is_bag(file: &Path) -> bool {
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then. [`Interrupted`] after ctrl-C; what
 /// there was by then is written.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
     let progress = Progress::counting(1, "models", args.quiet);
     let Written { found, folder } = identify(args, &progress, &cancel)?;
     if !args.quiet {

@@ -1,15 +1,12 @@
 //! `frictionlab identify-servo`: friction of a position-controlled servo from its logs.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use anyhow::Context;
 use friction_ident::servo::{Effort, FrictionLevel};
 
 use super::destination::ToFolder;
-use super::{BadInput, Interrupted};
+use super::{BadInput, Interrupted, interruption};
 use crate::progress::Progress;
 use crate::recording::servo_log::{self, NamedServoLog};
 use crate::servo::{Settings, document, identify, page, terminal};
@@ -118,9 +115,7 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
         workers,
     };
     let folder = args.to.reserve("identify-servo")?;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
     let total = u64::from(args.seeds) * u64::from(args.evaluations);
     let progress = Progress::counting(total, "simulations", args.quiet);
     let found = identify(&train, &held_out, &settings, &cancel, &progress);

@@ -242,6 +242,15 @@ fn reference(args: &LiveArgs) -> anyhow::Result<Option<Waveform>> {
     };
     let (amplitude_given, frequency_given) =
         (finite("--amplitude", args.amplitude)?, finite("--frequency", args.frequency)?);
+    // Above half the rate a sampled sine is another, slower one.
+    let rate = args.rate.unwrap_or(RATE);
+    let highest = std::f64::consts::PI * f64::from(rate);
+    if let Some(given) = frequency_given.filter(|given| *given > highest) {
+        return Err(BadInput(format!(
+            "--frequency must be above 0 and at most {highest:.0} rad/s, half the {rate} Hz of the loop, but is {given}"
+        ))
+        .into());
+    }
     let default = match args.mode {
         ModeArg::Velocity => TrackingProtocol::velocity().reference,
         ModeArg::Position => TrackingProtocol::position().reference,

@@ -27,6 +27,7 @@ pub mod security;
 #[cfg(feature = "ros")]
 pub mod serve;
 pub mod simulate;
+pub mod suggestion;
 pub mod truth_matrix;
 
 use crate::output::{OutputError, is_full};
@@ -37,16 +38,16 @@ use crate::output::{OutputError, is_full};
 #[error("{0}")]
 pub struct BadInput(pub String);
 
-/// Stopped by the user; the text says what is left. The program ends with exit code 130.
+/// Stopped by the user; the text says what is left. The program ends with 128 plus the number of the signal: 130 after ctrl-C.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Interrupted(pub String);
 
-/// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong input, 130 after ctrl-C.
+/// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong input, 128 plus its number after a signal.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error) -> u8 {
     if error.is::<Interrupted>() {
-        130
+        interruption::exit_code()
     } else if is_full(error.as_ref()) {
         1
     } else if error.is::<BadInput>() || error.is::<OutputError>() {
@@ -58,7 +59,10 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
 
 /// A model's name on the command line.
 fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
-    text.parse().map_err(|e: friction_model::ModelError| e.to_string())
+    text.parse().map_err(|error: friction_model::ModelError| {
+        let names = friction_model::ModelName::ALL.map(friction_model::ModelName::as_str);
+        format!("{error}{}", suggestion::did_you_mean(text, names))
+    })
 }
 
 /// Tells which bags of earlier runs in `runs` were cut off, and how to save them.

@@ -1,7 +1,5 @@
 //! `frictionlab monte-carlo`: what compensation is worth when its parameters are wrong.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Instant;
 
@@ -10,7 +8,7 @@ use clap::ValueEnum;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
-use super::{BadInput, Interrupted, model_name};
+use super::{BadInput, Interrupted, interruption, model_name};
 use crate::compensation::monte_carlo::{
     BeliefErrors, Setting, Sharing, StudyOptions, Task, page::page, terminal::summary,
 };
@@ -100,9 +98,7 @@ enum TaskArg {
 pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     let options = options(args)?;
     let folder = args.to.reserve("monte-carlo")?;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
 
     let progress = Progress::counting(options.length(), "draws", args.quiet);
     progress.stage("compensating with wrong parameters");

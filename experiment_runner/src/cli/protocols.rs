@@ -1,5 +1,6 @@
 //! `frictionlab protocols`: the experiments as files.
 
+use super::suggestion::did_you_mean;
 use super::{BadInput, print};
 use crate::protocol::Kind;
 
@@ -28,7 +29,8 @@ pub fn execute(args: &ProtocolsArgs) -> anyhow::Result<()> {
         Some(kind) => print(kind.text()),
         None => {
             let names = Kind::ALL.map(Kind::name).join(", ");
-            Err(BadInput(format!("there is no protocol `{name}`; expected one of {names}")).into())
+            let meant = did_you_mean(name, Kind::ALL.map(Kind::name));
+            Err(BadInput(format!("there is no protocol `{name}`; expected one of {names}{meant}")).into())
         }
     }
 }

@@ -7,7 +7,7 @@ use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{Calibration, Drive, FrictionCoupling, Sensors, SimulationOptions, TimeConstant};
+use rig_driver::{Calibration, Drive, FrictionCoupling, RigError, Sensors, SimulationOptions, TimeConstant};
 
 use super::destination::{RUNS, ToFolder};
 use super::{BadInput, Interrupted, interruption, model_name};
@@ -23,7 +23,7 @@ use crate::run::{
     self, Compensators, Experiment, Pace, RecordPolicy, RunError, RunOptions, Status, read_controller,
     read_parameter_file, shipped,
 };
-use crate::test_bed::{TestBed, nominal_drive};
+use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 
 /// Run experiments on the simulated test bed or a real rig
 ///
@@ -189,9 +189,21 @@ fn bad_input(error: RunError) -> anyhow::Error {
     match error {
         error @ (RunError::Describe { .. } | RunError::Identification(_)) => anyhow::Error::new(error),
         RunError::Output(error) => anyhow::Error::new(error),
+        RunError::TestBed(TestBedError::Rig(RigError::OutOfRange { name, value, expected })) => {
+            BadInput(named_option(name, value, expected)).into()
+        }
         error @ RunError::Bag(_) if is_full(&error) => anyhow::Error::new(error),
         error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
         error => BadInput(error.to_string()).into(),
+    }
+}
+
+/// A parameter of the rig that is out of range, by the option that sets it.
+fn named_option(name: &str, value: f64, expected: &str) -> String {
+    if name == "voltage_limit" {
+        format!("--voltage-limit must be {expected}, but is {value} V")
+    } else {
+        format!("{name} must be {expected}, but is {value}; the drive's constants come from --drive")
     }
 }
 

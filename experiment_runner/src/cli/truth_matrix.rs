@@ -1,7 +1,5 @@
 //! `frictionlab truth-matrix`: what a ranking of models is worth.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use anyhow::Context;
@@ -9,7 +7,7 @@ use friction_ident::truth_matrix::MODELS;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
-use super::{BadInput, Interrupted, model_name};
+use super::{BadInput, Interrupted, interruption, model_name};
 use crate::progress::Progress;
 use crate::report::render_page;
 use crate::truth_matrix::{MatrixOptions, compute, page, summary};
@@ -73,9 +71,7 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     let workers =
         args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let folder = args.to.reserve("truth-matrix")?;
-    let cancel = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&cancel);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    let cancel = interruption::watch(interruption::WRITING)?;
 
     let options = MatrixOptions { models, noise: args.noise, seeds: args.seeds, workers };
     let length = options.models.len() as u64 * u64::from(options.seeds);

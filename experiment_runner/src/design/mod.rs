@@ -5,6 +5,7 @@
 mod page;
 mod parameters;
 mod terminal;
+mod worth;
 
 use controller::ControllerError;
 use controller::PidGains;
@@ -17,6 +18,7 @@ use controller::design::{LinearLoop, LoopLaw};
 pub use page::page;
 pub use parameters::parameters;
 pub use terminal::summary;
+pub use worth::{Tracked, Worth};
 
 /// What is assessed.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +54,8 @@ pub struct Assessment {
     pub theorem_fails_from: Option<f64>,
     /// Friction that is proven harmless.
     pub sector: SectorMargin,
+    /// What it is worth on a rig, where that was asked for.
+    pub worth: Option<Worth>,
 }
 
 /// The open loop over frequency.
@@ -104,6 +108,7 @@ pub fn assess(options: DesignOptions) -> Result<Assessment, ControllerError> {
         realness: positive_realness(&h),
         theorem_fails_from,
         sector: sector_margin(&h),
+        worth: None,
         options,
     })
 }

@@ -1,7 +1,8 @@
 //! `report.html` as data.
 
 use super::Assessment;
-use super::terminal::{gains, law_name, margin_rows, step_rows, verdicts};
+use super::terminal::{gains, law_name, margin_rows, step_rows, verdicts, worth_rows};
+use super::worth::sentences;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 
 /// The page.
@@ -45,6 +46,16 @@ pub fn page(found: &Assessment) -> Page {
         Block::Heading("Under friction".to_owned()),
     ];
     blocks.extend(verdicts(found).into_iter().map(text));
+    if let Some(worth) = &found.worth {
+        blocks.push(Block::Heading("On the rig".to_owned()));
+        blocks.push(table(
+            "A sine followed under friction",
+            "Simulated with this drive, the test bed's friction and the noise of its sensors, without compensation.",
+            &["figure", "this design", "default gains"],
+            worth_rows(worth).iter().map(|row| row.to_vec()).collect(),
+        ));
+        blocks.extend(sentences(found).into_iter().map(text));
+    }
     Page {
         title: format!("Design: {}", law_name(&options.linear.law)),
         subtitle: format!(

@@ -5,7 +5,8 @@ use controller::design::LoopLaw;
 use controller::design::frequency::Margins;
 use controller::design::sector::UpperSlope;
 
-use super::Assessment;
+use super::worth::sentences;
+use super::{Assessment, Tracked, Worth};
 
 /// Gains with units, one a line.
 pub(super) fn gains(law: &LoopLaw) -> Vec<[String; 2]> {
@@ -71,6 +72,18 @@ pub(super) fn step_rows(found: &Assessment) -> Vec<[String; 2]> {
     rows
 }
 
+/// Rows of what it is worth on the rig: name, this design, the default gains.
+pub(super) fn worth_rows(worth: &Worth) -> Vec<[String; 3]> {
+    let row = |name: &str, of: &dyn Fn(&Tracked) -> String| {
+        [name.to_owned(), of(&worth.designed), of(&worth.default)]
+    };
+    vec![
+        row("mean square error", &|found| format!("{:.3e}", found.mse)),
+        row("largest voltage", &|found| format!("{:.2} V", found.peak_voltage)),
+        row("noise on the voltage", &|found| format!("{:.3} V", found.voltage_noise)),
+    ]
+}
+
 /// What theory says, one sentence each.
 pub(super) fn verdicts(found: &Assessment) -> Vec<String> {
     let sector = &found.sector;
@@ -120,7 +133,13 @@ pub fn summary(found: &Assessment) -> String {
     for [name, continuous, sampled] in margin_rows(found) {
         text += &format!("  {name:<32} {continuous:<18} {sampled}\n");
     }
-    for sentence in verdicts(found) {
+    if let Some(worth) = &found.worth {
+        text += &format!("  {:<32} {:<18} default gains\n", "a sine followed under friction", "this design");
+        for [name, designed, default] in worth_rows(worth) {
+            text += &format!("  {name:<32} {designed:<18} {default}\n");
+        }
+    }
+    for sentence in verdicts(found).into_iter().chain(sentences(found)) {
         text += &format!("{sentence}\n");
     }
     text

@@ -1,5 +1,6 @@
 //! `frictionlab identify-drive` between reading and printing: [`page`] is the HTML, [`parameters`] the ROS parameter file, both from [`Identified`].
 
+pub mod linear;
 pub mod page;
 pub mod parameters;
 

@@ -1,0 +1,95 @@
+//! A drive of which gain and time constant are known, and perhaps no more.
+
+use controller::design::LinearDrive;
+use rig_driver::Drive;
+use serde_json::Value;
+
+use super::parameters::DriveConstants;
+
+/// A drive as far as a linear design needs it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownDrive {
+    /// Gain and time constant.
+    pub linear: LinearDrive,
+    /// Voltage that overcomes 1 N m of friction [V/(N m)], where it is known.
+    pub volts_per_newton_metre: Option<f64>,
+}
+
+impl KnownDrive {
+    /// Reads a file with the motor's constants (`/rig_driver: ros__parameters: drive:`) or with `gain` and `time_constant`, as
+    /// `frictionlab identify-drive` writes them, under any node, under `drive:` or alone.
+    ///
+    /// # Errors
+    /// A sentence about what is wrong in the text.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let tree: Value = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+        let constants = ["/rig_driver", "rig_driver"]
+            .iter()
+            .filter_map(|node| tree.get(node)?.get("ros__parameters")?.get("drive"))
+            .any(|drive| drive.get("motor_constant").is_some());
+        if constants {
+            let found = DriveConstants::read(text)?;
+            let drive = Drive::try_from(found.parameters).map_err(|error| error.to_string())?;
+            return Ok(Self {
+                linear: LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() },
+                volts_per_newton_metre: Some(drive.volts_per_newton_metre()),
+            });
+        }
+        let nodes = tree.as_object().into_iter().flat_map(serde_json::Map::values);
+        let parameters = nodes.filter_map(|node| node.get("ros__parameters"));
+        let places = parameters.chain([&tree]).flat_map(|place| [Some(place), place.get("drive")]).flatten();
+        let number = |place: &Value, name: &str| place.get(name).and_then(Value::as_f64);
+        let found = places.filter_map(|place| {
+            let linear =
+                LinearDrive { gain: number(place, "gain")?, time_constant: number(place, "time_constant")? };
+            let volts = number(place, "volts_per_newton_metre").or_else(|| number(place, "volts_per_torque"));
+            Some(Self { linear, volts_per_newton_metre: volts })
+        });
+        let found = found.last().ok_or(
+            "expected the motor's constants (/rig_driver: ros__parameters: drive:) or `gain` [rad/s per V] and `time_constant` [s], \
+             as `frictionlab identify-drive` writes them",
+        )?;
+        let values =
+            [Some(found.linear.gain), Some(found.linear.time_constant), found.volts_per_newton_metre];
+        match values.into_iter().flatten().find(|value| !(*value > 0.0 && value.is_finite())) {
+            None => Ok(found),
+            Some(wrong) => {
+                Err(format!("the drive's numbers must be finite and above zero, but one is {wrong}"))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gain_and_time_constant_are_enough() {
+        let linear = LinearDrive { gain: 2.0, time_constant: 0.05 };
+        for text in [
+            "gain: 2.0\ntime_constant: 0.05\n",
+            "drive:\n  gain: 2\n  time_constant: 0.05\n",
+            "# No /rig_driver here.\n/drive_identification:\n  ros__parameters:\n    gain: 2.0\n    time_constant: 0.05\n    delay: 0.001\n",
+        ] {
+            let known = KnownDrive::read(text).unwrap();
+            assert_eq!(known, KnownDrive { linear, volts_per_newton_metre: None }, "{text}");
+        }
+        for (text, said) in [
+            ("gain: 2.0\n", "time_constant"),
+            ("gain: -2.0\ntime_constant: 0.05\n", "-2"),
+            ("/controller:\n  ros__parameters:\n    pid: {k_p: 1.0}\n", "identify-drive"),
+        ] {
+            let error = KnownDrive::read(text).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn the_motors_constants_tell_more() {
+        let text = "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: 0.00767\n      gear_ratio: 70.0\n      \
+                    armature_resistance: 2.6\n      inertia: 0.0026476\n/drive_identification:\n  ros__parameters:\n    gain: 9.0\n    time_constant: 9.0\n";
+        let known = KnownDrive::read(text).unwrap();
+        assert!((known.linear.gain - 1.8625).abs() < 1e-3 && known.volts_per_newton_metre.is_some());
+    }
+}
