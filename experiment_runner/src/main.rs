@@ -6,7 +6,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use experiment_runner::cli::suggestion::with_suggestion;
 use experiment_runner::cli::{
     Interrupted, bag, design, exit_code, features, identify, identify_drive, identify_servo,
-    identify_stiction, models, monte_carlo, protocols, rig, run, simulate, truth_matrix,
+    identify_stiction, models, monte_carlo, protocols, rig, run, simulate, told, truth_matrix,
 };
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
@@ -97,6 +97,6 @@ fn main() -> ExitCode {
     };
     let Err(error) = result else { return ExitCode::SUCCESS };
     let mark = if error.is::<Interrupted>() { "" } else { "error: " };
-    eprintln!("{mark}{error:#}");
+    eprintln!("{mark}{}", told(&error));
     ExitCode::from(exit_code(&error))
 }

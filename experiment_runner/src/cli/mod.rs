@@ -57,6 +57,20 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     }
 }
 
+/// What a person is told of an error: each cause once, and of a full disk nothing but that it is full.
+#[must_use]
+pub fn told(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    if !is_full(error.as_ref()) {
+        for cause in error.chain().skip(1).map(ToString::to_string) {
+            if !text.contains(&cause) {
+                text = format!("{text}: {cause}");
+            }
+        }
+    }
+    text
+}
+
 /// A model's name on the command line.
 fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
     text.parse().map_err(|error: friction_model::ModelError| {
@@ -84,5 +98,31 @@ fn print(text: &str) -> anyhow::Result<()> {
             Err(anyhow::Error::new(error).context("the text cannot be printed"))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use super::*;
+    use crate::bag::BagError;
+
+    #[test]
+    fn a_full_disk_is_a_failure_told_once_and_wrong_input_is_not() {
+        let full = || Error::from(ErrorKind::StorageFull);
+        let bag = BagError::Write { path: "runs/all-1/bag".into(), source: full() };
+        let output = OutputError::Write { path: "a.csv".into(), source: full() };
+        for error in [anyhow::Error::new(bag), anyhow::Error::new(output)] {
+            assert_eq!(exit_code(&error), 1, "{error}");
+            assert_eq!(told(&error).matches("no space left").count(), 1, "{}", told(&error));
+        }
+        let denied = OutputError::Write { path: "a.csv".into(), source: ErrorKind::PermissionDenied.into() };
+        for error in [anyhow::Error::new(denied), BadInput("no such model".to_owned()).into()] {
+            assert_eq!(exit_code(&error), 2, "{error}");
+        }
+        assert_eq!(exit_code(&anyhow::anyhow!("the rig failed")), 1);
+        let wrapped = anyhow::anyhow!("inner").context("outer");
+        assert_eq!(told(&wrapped), "outer: inner");
     }
 }
