@@ -1,7 +1,10 @@
 //! The reader's scheduling class.
 
-use std::{os::unix::thread::JoinHandleExt, thread::JoinHandle};
+#[cfg(unix)]
+use std::os::unix::thread::JoinHandleExt;
+use std::thread::JoinHandle;
 
+#[cfg(unix)]
 use thread_priority::{
     ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
     thread_schedule_policy_param,
@@ -9,6 +12,7 @@ use thread_priority::{
 
 /// Gives `reader` the calling thread's real-time class and priority, if the caller has one: what the control thread waits for is then not held
 /// up by what it overtakes. Says whether the reader has the caller's class now; an ordinary caller changes nothing.
+#[cfg(unix)]
 pub(super) fn follow(reader: &JoinHandle<()>) -> bool {
     let Ok((policy, parameters)) = thread_schedule_policy_param(thread_native_id()) else { return false };
     if !matches!(policy, ThreadSchedulePolicy::Realtime(_)) {
@@ -20,7 +24,13 @@ pub(super) fn follow(reader: &JoinHandle<()>) -> bool {
     set_thread_priority_and_policy(reader, priority, policy).is_ok()
 }
 
-#[cfg(test)]
+/// On Windows the control thread has no class that could be followed.
+#[cfg(windows)]
+pub(super) fn follow(_reader: &JoinHandle<()>) -> bool {
+    true
+}
+
+#[cfg(all(test, unix))]
 mod tests {
     use std::sync::mpsc::channel;
 

@@ -1,4 +1,4 @@
-//! A serial port: raw bytes, no waiting but in [`Port::wait`].
+//! The port of a Unix system.
 
 use std::{
     os::fd::OwnedFd,
@@ -15,27 +15,18 @@ use rustix::{
     },
 };
 
-use super::SerialError;
+use super::{Sent, SerialError};
 
 /// An open serial port, locked against other drivers of this kind.
 #[derive(Debug)]
-pub(super) struct Port {
+pub(in crate::serial) struct Port {
     fd: OwnedFd,
     path: PathBuf,
 }
 
-/// What became of bytes that were to be sent.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Sent {
-    /// All of them are on their way.
-    All,
-    /// The system's buffer is full: the line does not carry what is sent, and the bytes are dropped.
-    Full,
-}
-
 impl Port {
     /// Opens `path` raw at `baud`, 8N1 without flow control, and throws away what had come before.
-    pub(super) fn open(path: &Path, baud: u32) -> Result<Self, SerialError> {
+    pub(in crate::serial) fn open(path: &Path, baud: u32) -> Result<Self, SerialError> {
         let path = path.to_owned();
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let fd = match open(&path, flags, Mode::empty()) {
@@ -66,12 +57,12 @@ impl Port {
         Ok(Self { fd, path })
     }
 
-    pub(super) fn path(&self) -> &Path {
+    pub(in crate::serial) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Waits until there are bytes to read, but not longer than `time`. Says whether there are.
-    pub(super) fn wait(&self, time: Duration) -> Result<bool, SerialError> {
+    pub(in crate::serial) fn wait(&self, time: Duration) -> Result<bool, SerialError> {
         let timeout = Timespec {
             tv_sec: time.as_secs().try_into().unwrap_or(i64::MAX),
             tv_nsec: time.subsec_nanos().into(),
@@ -86,7 +77,7 @@ impl Port {
     }
 
     /// Reads what is there into `buffer`; nothing if there is nothing.
-    pub(super) fn read<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], SerialError> {
+    pub(in crate::serial) fn read<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], SerialError> {
         match read(&self.fd, &mut *buffer) {
             Ok(0) => Err(self.gone("end of file")),
             Ok(length) => Ok(buffer.get(..length).unwrap_or_default()),
@@ -96,7 +87,7 @@ impl Port {
     }
 
     /// Sends `bytes`, without waiting.
-    pub(super) fn send(&self, bytes: &[u8]) -> Result<Sent, SerialError> {
+    pub(in crate::serial) fn send(&self, bytes: &[u8]) -> Result<Sent, SerialError> {
         match write(&self.fd, bytes) {
             Ok(sent) if sent == bytes.len() => Ok(Sent::All),
             // A part of a frame is no frame; the receiver throws it away by its CRC.
