@@ -44,6 +44,8 @@ enum Command {
     #[cfg(feature = "ros")]
     Live(experiment_runner::cli::live::LiveArgs),
     #[cfg(feature = "ros")]
+    Node(experiment_runner::cli::node::NodeArgs),
+    #[cfg(feature = "ros")]
     Security(experiment_runner::cli::security::SecurityArgs),
     #[cfg(feature = "ros")]
     Serve(experiment_runner::cli::serve::ServeArgs),
@@ -64,6 +66,11 @@ fn main() -> ExitCode {
         .try_get_matches_from_mut(std::env::args_os())
         .and_then(|given| Cli::from_arg_matches(&given))
         .unwrap_or_else(|error| with_suggestion(error, &command).exit());
+    // A node reads the rest of its command line itself, and has its own way to end.
+    #[cfg(feature = "ros")]
+    if let Command::Node(args) = cli.command {
+        return experiment_runner::cli::node::execute(args);
+    }
     #[cfg(feature = "ros")]
     if let Err(error) = ros_node::launched::end_with_launcher() {
         eprintln!("error: the end of its launcher cannot be watched for: {error}");
@@ -90,6 +97,8 @@ fn main() -> ExitCode {
         Command::Launch(args) => experiment_runner::cli::launch::execute(&args),
         #[cfg(feature = "ros")]
         Command::Live(args) => experiment_runner::cli::live::execute(&args),
+        #[cfg(feature = "ros")]
+        Command::Node(_) => return ExitCode::SUCCESS,
         #[cfg(feature = "ros")]
         Command::Security(args) => experiment_runner::cli::security::execute(&args),
         #[cfg(feature = "ros")]

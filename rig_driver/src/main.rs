@@ -2,21 +2,6 @@
 
 use std::process::ExitCode;
 
-const ABOUT: &str = "\
-The rig as a managed ROS 2 node: measures and drives one axis at its control period.
-
-Publishes /joint_states and /rig_measurement, follows /motor_voltage while it is active, and stops the motor by itself when
-commands come late, readings contradict each other or limits are passed. The simulated rig activates itself; a real one waits
-for `ros2 lifecycle set /rig_driver configure` and `activate` (parameter autostart).
-
-Limits of a real rig (safety.*, calibration.*, rig, voltage_limit) are those of the start. With -p allow_limits:=true they may be set
-later too, while the node is not active.
-  rig_driver --ros-args -p rig:=simulated
-  rig_driver --ros-args -p rig:=serial:/dev/ttyACM0 --params-file calibration.yaml";
-
 fn main() -> ExitCode {
-    let lasting = rig_driver::node::Lasting::default();
-    ros_node::run("rig_driver", env!("CARGO_PKG_VERSION"), ABOUT, |participant, stop| {
-        rig_driver::node::run(participant, stop, &lasting)
-    })
+    rig_driver::node::program(ros_node::command_line())
 }

@@ -57,13 +57,18 @@ pub struct Arguments {
     pub user: Vec<String>,
 }
 
+/// The words behind the program's name on this process's command line.
+#[must_use]
+pub fn command_line() -> Vec<String> {
+    std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect()
+}
+
 impl Arguments {
-    /// Reads the command line and the environment of this process.
+    /// Reads the words of a command line, without the program's name, and the environment of this process.
     ///
     /// # Errors
     /// [`ArgumentError`].
-    pub fn from_process() -> Result<Self, ArgumentError> {
-        let given = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    pub fn in_process(given: impl IntoIterator<Item = String>) -> Result<Self, ArgumentError> {
         let mut arguments = Self::parse(given)?;
         arguments.namespace = std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
         Ok(arguments)

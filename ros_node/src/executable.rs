@@ -11,7 +11,8 @@ use crate::{
 /// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
 const BAD_INPUT: u8 = 2;
 
-/// Runs a node's program: `about` is what `--help` says of it, `body` runs until the wish to end.
+/// Runs a node's program: `about` is what `--help` says of it, `given` are the words behind its name ([`command_line`](crate::command_line)), `body` runs
+/// until the wish to end.
 ///
 /// Ends with code 0, with 1 if `body` fails or the middleware computes without end, and with 2 if the command line, a parameter or the environment is wrong.
 ///
@@ -22,6 +23,7 @@ pub fn run(
     name: &str,
     version: &str,
     about: &str,
+    given: Vec<String>,
     mut body: impl FnMut(&Participant, &Stop) -> Result<(), RosNodeError>,
 ) -> ExitCode {
     let fail = |text: &dyn Display, code: u8| {
@@ -29,7 +31,7 @@ pub fn run(
         terminal::flush();
         ExitCode::from(code)
     };
-    let arguments = match Arguments::from_process() {
+    let arguments = match Arguments::in_process(given) {
         Ok(arguments) => arguments.or_enclave(&format!("/{name}")),
         Err(error) => return fail(&error, BAD_INPUT),
     };

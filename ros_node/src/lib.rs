@@ -73,7 +73,7 @@ mod turn;
 mod twins;
 
 pub use action::{ActionHandler, ActionServer, Goal, GoalEnd, GoalId};
-pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP};
+pub use arguments::{ArgumentError, Arguments, ROS_ARGUMENTS_HELP, command_line};
 pub use client::ServiceClient;
 pub use clock::NodeClock;
 pub use discovery::{Discovery, Range};

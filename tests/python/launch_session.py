@@ -17,7 +17,7 @@ NODES = ("rig_driver", "friction_observer", "controller", "experiment_runner")
 
 
 def children(pid):
-    """Process numbers of a process's children, by program."""
+    """Process numbers of a process's children, by node: `frictionlab node NAME`."""
     found = {}
     for entry in os.listdir("/proc"):
         if not entry.isdigit():
@@ -26,7 +26,9 @@ def children(pid):
             with open(f"/proc/{entry}/stat", encoding="utf-8") as file:
                 parent = int(file.read().rsplit(")", 1)[1].split()[1])
             if parent == pid:
-                found[os.path.basename(os.readlink(f"/proc/{entry}/exe"))] = int(entry)
+                with open(f"/proc/{entry}/cmdline", encoding="utf-8") as file:
+                    words = file.read().split("\0")
+                found[words[2] if words[1:2] == ["node"] else os.path.basename(words[0])] = int(entry)
         except OSError:
             continue
     return found

@@ -146,6 +146,8 @@ fn shown(arguments: &[String]) -> Vec<Vec<String>> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout)
         .lines()
+        // A node of its own executable there is the same node in `frictionlab` here.
+        .map(|line| line.strip_prefix("frictionlab node ").unwrap_or(line))
         .map(|line| line.split_whitespace().map(str::to_owned).collect())
         .collect()
 }
@@ -211,12 +213,29 @@ fn launch_refuses_what_cannot_be_and_names_a_missing_program() {
         assert_eq!(output.status.code(), Some(2), "{given}: {message}");
         assert!(message.contains(said), "{given}: {message}");
     }
-    // Alone in a folder, and with nothing on the PATH.
+}
+
+/// One program is all that `cargo install` has to install.
+#[test]
+fn frictionlab_alone_in_a_folder_has_the_nodes_in_it() {
     let folder = tempfile::tempdir().expect("a folder");
     let alone = folder.path().join("frictionlab");
     std::fs::copy(tests::frictionlab().get_program(), &alone).expect("a copy");
-    let output = Command::new(&alone).arg("launch").env("PATH", folder.path()).output().expect("it starts");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("cargo install --path rig_driver"), "{message}");
+    let run = |arguments: &[&str]| {
+        let output = Command::new(&alone).args(arguments).env("PATH", folder.path()).output().expect("it starts");
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stdout).into_owned(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    let (code, shown, _) = run(&["launch", "--show"]);
+    assert_eq!(code, Some(0));
+    for node in ["rig_driver", "friction_observer", "controller", "experiment_runner"] {
+        assert!(shown.contains(&format!("\nfrictionlab node {node} --ros-args")), "{shown}");
+        let (code, help, _) = run(&["node", node, "--help"]);
+        assert!(code == Some(0) && help.contains(&format!("Usage: {node} [--ros-args")), "{help}");
+        let (code, _, message) = run(&["node", node, "spin"]);
+        assert!(code == Some(2) && message.contains("the argument `spin` is unknown"), "{code:?} {message}");
+    }
 }

@@ -9,6 +9,7 @@ mod expressed;
 #[cfg(test)]
 mod hostile;
 mod parameters;
+mod program;
 mod plausible;
 mod reference;
 mod step;
@@ -16,4 +17,5 @@ mod step;
 pub use controlling::{Inner, ManagedController, run};
 pub use expressed::parameters_of;
 pub use parameters::declarations;
+pub use program::program;
 pub use step::{Control, Decided, Friction, Joint};

@@ -2,15 +2,6 @@
 
 use std::process::ExitCode;
 
-const ABOUT: &str = "\
-Experiments and identification of friction over ROS 2, one experiment at a time.
-
-Offers the action ~/run_experiment and the services ~/start_experiment, ~/list_experiments, ~/identify and ~/abort, and says on
-/experiment_status what goes on. Experiments are those of `frictionlab run`, with its options, and leave the same folder.
-  experiment_runner --ros-args -p runs:=/data/runs";
-
 fn main() -> ExitCode {
-    // An experiment under way leaves a whole bag.
-    ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
-    ros_node::run("experiment_runner", env!("CARGO_PKG_VERSION"), ABOUT, experiment_runner::server::node::run)
+    experiment_runner::server::program(ros_node::command_line())
 }

@@ -34,7 +34,7 @@ use crate::launch::{
 ///
 /// `--file two-axes` has rig_1, model_1, params_file_1 and the same with _2, and mode, record, log_level and files for both.
 ///
-/// The programs are looked for beside frictionlab, then on the PATH. A real rig waits for `configure` and `activate` of /rig_driver.
+/// The nodes are in frictionlab itself, as `frictionlab node NAME`. A real rig waits for `configure` and `activate` of /rig_driver.
 /// Ctrl-C ends all; if one of the loop's three nodes ends, the others are ended, and the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -119,7 +119,7 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
 /// The processes; where there is no `ros2`, frictionlab itself records.
 fn processes(arguments: &LaunchArguments, config: &Path) -> Vec<plan::Process> {
     let processes = plan::processes(arguments, config);
-    if plan::find("ros2").is_ok() { processes } else { plan::without_ros(processes, arguments) }
+    if plan::Program::Named("ros2").find().is_ok() { processes } else { plan::without_ros(processes, arguments) }
 }
 
 /// What would be started, ready to be typed.

@@ -19,6 +19,8 @@ pub mod launch;
 pub mod live;
 pub mod models;
 pub mod monte_carlo;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod protocols;
 pub mod rig;
 pub mod run;

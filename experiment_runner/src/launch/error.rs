@@ -11,15 +11,12 @@ pub enum LaunchError {
     Argument(String),
     /// A program is not there.
     #[error(
-        "there is no program {name} beside frictionlab ({}) or on the PATH; `cargo install --path {package}` in the checkout installs it, \
-         `cargo build -p {package}` builds it beside the others",
+        "there is no program {name} beside frictionlab ({}) or on the PATH; install it, or name its folder in PATH",
         beside.display()
     )]
     NoProgram {
         /// The program.
         name: &'static str,
-        /// The package that it is in.
-        package: &'static str,
         /// Where it was looked for.
         beside: PathBuf,
     },

@@ -29,13 +29,55 @@ pub enum Part {
     Writer,
 }
 
+/// What a process runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Program {
+    /// `frictionlab` itself, which has the nodes in it: what is launched is as old as what launches.
+    Own,
+    /// A program of this name.
+    Named(&'static str),
+}
+
+impl Program {
+    /// As one types it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Own => "frictionlab",
+            Self::Named(name) => name,
+        }
+    }
+
+    /// Where it is: this program itself, or one beside it, or on the PATH.
+    ///
+    /// # Errors
+    /// [`LaunchError::NoProgram`].
+    pub fn find(self) -> Result<PathBuf, LaunchError> {
+        let own = std::env::current_exe();
+        let name = match (self, &own) {
+            (Self::Own, Ok(own)) => return Ok(own.clone()),
+            _ => self.name(),
+        };
+        let beside =
+            own.ok().and_then(|own| own.parent().map(Path::to_owned)).unwrap_or_else(|| PathBuf::from("."));
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let is_program =
+            |file: &PathBuf| file.is_file() && rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok();
+        std::iter::once(beside.clone())
+            .chain(std::env::split_paths(&path))
+            .map(|folder| folder.join(name))
+            .find(is_program)
+            .ok_or(LaunchError::NoProgram { name, beside })
+    }
+}
+
 /// One process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Process {
     /// What its lines begin with, as in `axis_1/rig_driver`.
     pub label: String,
     /// The program, not yet looked for.
-    pub program: &'static str,
+    pub program: Program,
     /// Its arguments.
     pub arguments: Vec<String>,
     /// What its end means.
@@ -54,7 +96,7 @@ impl Process {
                 format!("'{}'", text.replace('\'', "'\\''"))
             }
         };
-        std::iter::once(self.program.to_owned())
+        std::iter::once(self.program.name().to_owned())
             .chain(self.arguments.iter().map(quoted))
             .collect::<Vec<_>>()
             .join(" ")
@@ -65,9 +107,9 @@ impl Process {
 #[must_use]
 pub fn without_ros(mut processes: Vec<Process>, arguments: &LaunchArguments) -> Vec<Process> {
     let axes = arguments.axes.iter().filter_map(|axis| Some((axis, axis.record.as_deref()?)));
-    for (process, (axis, folder)) in processes.iter_mut().filter(|of| of.program == "ros2").zip(axes) {
+    for (process, (axis, folder)) in processes.iter_mut().filter(|of| of.program != Program::Own).zip(axes) {
         let namespace = axis.namespace.iter().flat_map(|name| ["--namespace".to_owned(), name.clone()]);
-        process.program = "frictionlab";
+        process.program = Program::Own;
         process.arguments = ["bag".to_owned(), "record".to_owned(), folder.display().to_string()]
             .into_iter()
             .chain(namespace)
@@ -93,7 +135,8 @@ fn label(axis: &AxisArguments, name: &str) -> String {
 }
 
 fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
-    let mut arguments = vec!["--ros-args".to_owned(), "--log-level".to_owned(), axis.log_level.clone()];
+    let words = ["node", name, "--ros-args", "--log-level", &axis.log_level];
+    let mut arguments = words.map(str::to_owned).to_vec();
     let mut add = |flag: &str, value: String| arguments.extend([flag.to_owned(), value]);
     if let Some(namespace) = &axis.namespace {
         add("-r", format!("__ns:=/{namespace}"));
@@ -119,7 +162,7 @@ fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
         }
     }
     let part = if name == "experiment_runner" { Part::Writer } else { Part::Loop };
-    Process { label: label(axis, name), program: name, arguments, part }
+    Process { label: label(axis, name), program: Program::Own, arguments, part }
 }
 
 /// `ros2 bag record` of the axis's topics, and of `/diagnostics`, which all axes share.
@@ -132,26 +175,7 @@ fn recorder(axis: &AxisArguments, folder: &Path) -> Process {
         .chain(TOPICS.map(|topic| format!("{prefix}/{topic}")))
         .chain(["/diagnostics".to_owned()])
         .collect();
-    Process { label: label(axis, "recorder"), program: "ros2", arguments, part: Part::Writer }
-}
-
-/// Where a program is: beside this one, else on the PATH.
-///
-/// # Errors
-/// [`LaunchError::NoProgram`].
-pub fn find(program: &'static str) -> Result<PathBuf, LaunchError> {
-    let beside = std::env::current_exe()
-        .ok()
-        .and_then(|own| own.parent().map(Path::to_owned))
-        .unwrap_or_else(|| PathBuf::from("."));
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    let is_program =
-        |file: &PathBuf| file.is_file() && rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok();
-    std::iter::once(beside.clone())
-        .chain(std::env::split_paths(&path))
-        .map(|folder| folder.join(program))
-        .find(is_program)
-        .ok_or(LaunchError::NoProgram { name: program, package: program, beside })
+    Process { label: label(axis, "recorder"), program: Program::Named("ros2"), arguments, part: Part::Writer }
 }
 
 #[cfg(test)]
@@ -169,7 +193,7 @@ mod tests {
         let plan = plan(LaunchFile::Friction, &["model:=lugre", "mode:=position", "namespace:=axis_1"]);
         assert_eq!(
             plan[1].command_line(),
-            "friction_observer --ros-args --log-level info -r __ns:=/axis_1 --params-file config/friction_observer.yaml -p model:=lugre -p mode:=position"
+            "frictionlab node friction_observer --ros-args --log-level info -r __ns:=/axis_1 --params-file config/friction_observer.yaml -p model:=lugre -p mode:=position"
         );
         assert_eq!(
             plan.iter().map(|process| process.label.as_str()).collect::<Vec<_>>(),
@@ -210,7 +234,7 @@ mod tests {
     fn what_has_spaces_is_quoted() {
         let process = Process {
             label: String::new(),
-            program: "p",
+            program: Program::Named("p"),
             arguments: vec!["a b".into(), "it's".into()],
             part: Part::Loop,
         };
@@ -218,9 +242,10 @@ mod tests {
     }
 
     #[test]
-    fn a_program_that_is_nowhere_says_how_to_install_it() {
-        let message = find("no_such_program_anywhere").unwrap_err().to_string();
-        assert!(message.contains("cargo install --path no_such_program_anywhere"), "{message}");
-        assert!(find("sh").is_ok());
+    fn a_program_that_is_nowhere_is_named() {
+        let message = Program::Named("no_such_program_anywhere").find().unwrap_err().to_string();
+        assert!(message.contains("there is no program no_such_program_anywhere beside"), "{message}");
+        assert!(Program::Named("sh").find().is_ok());
+        assert_eq!(Program::Own.find().ok(), std::env::current_exe().ok());
     }
 }

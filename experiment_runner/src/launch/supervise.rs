@@ -16,7 +16,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use super::{
     LaunchError,
-    plan::{Part, Process, find},
+    plan::{Part, Process},
 };
 
 /// How often the processes are looked at.
@@ -51,7 +51,7 @@ pub struct Processes(Vec<Running>);
 /// # Errors
 /// [`LaunchError::NoProgram`] or [`LaunchError::Start`] before anything, or with everything ended again; [`LaunchError::Died`].
 pub fn supervise(processes: &[Process], stop: &Stop, mut say: impl FnMut(&str)) -> Result<(), LaunchError> {
-    let programs = processes.iter().map(|process| find(process.program)).collect::<Result<Vec<_>, _>>()?;
+    let programs = processes.iter().map(|process| process.program.find()).collect::<Result<Vec<_>, _>>()?;
     let width = processes.iter().map(|process| process.label.len()).max().unwrap_or(0);
     let mut running = Processes(Vec::with_capacity(processes.len()));
     for (process, program) in processes.iter().zip(&programs) {

@@ -11,7 +11,12 @@ pub mod listing;
 pub mod node;
 pub mod outcome;
 pub mod permissions;
+#[cfg(feature = "ros")]
+mod program;
 pub mod request;
+
+#[cfg(feature = "ros")]
+pub use program::program;
 
 /// A request that is not carried out; the text says why and how to mend it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -9,11 +9,13 @@ mod expressed;
 mod hostile;
 mod observing;
 mod parameters;
+mod program;
 mod publishers;
 mod step;
 
 pub use expressed::parameters_of;
 pub use observing::{FrictionObserver, Inner, run};
 pub use parameters::declarations;
+pub use program::program;
 pub use publishers::ObserverNode;
 pub use step::{Beside, Estimated, Estimation, Joint};
