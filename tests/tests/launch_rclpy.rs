@@ -222,7 +222,8 @@ fn frictionlab_alone_in_a_folder_has_the_nodes_in_it() {
     let alone = folder.path().join("frictionlab");
     std::fs::copy(tests::frictionlab().get_program(), &alone).expect("a copy");
     let run = |arguments: &[&str]| {
-        let output = Command::new(&alone).args(arguments).env("PATH", folder.path()).output().expect("it starts");
+        let output =
+            Command::new(&alone).args(arguments).env("PATH", folder.path()).output().expect("it starts");
         (
             output.status.code(),
             String::from_utf8_lossy(&output.stdout).into_owned(),

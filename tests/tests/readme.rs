@@ -3,6 +3,9 @@
 //! A line `<!-- prints: run characterise -->` before a block of the README names the words behind `frictionlab`; all commands run in one folder, in their
 //! order, so that later ones find what earlier ones wrote. Every line of the block must be a line of the output, in the same order; the block may leave
 //! lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
+//!
+//! A line `<!-- figures of: identify recording.csv -->` before a table does the same for the rows that begin with "this program": each number in them must
+//! be one of the output's, to the digits that the table has.
 
 use std::{fs, path::Path};
 
@@ -12,6 +15,42 @@ use tests::{checkout, frictionlab, shared_data, skip};
 struct Shown<'a> {
     words: Vec<&'a str>,
     lines: Vec<&'a str>,
+}
+
+/// Rows of tables with the words of the command that prints their figures.
+fn rows(page: &str) -> Vec<Shown<'_>> {
+    let mut lines = page.lines();
+    let mut found = Vec::new();
+    while let Some(line) = lines.next() {
+        let Some(words) = line.strip_prefix("<!-- figures of: ").and_then(|rest| rest.strip_suffix(" -->"))
+        else {
+            continue;
+        };
+        let table = lines.by_ref().take_while(|line| line.starts_with('|'));
+        let ours: Vec<&str> = table.filter(|line| line.starts_with("| this program")).collect();
+        assert!(!ours.is_empty(), "behind `{line}` a table with rows of this program was expected");
+        found.push(Shown { words: words.split_whitespace().collect(), lines: ours });
+    }
+    found
+}
+
+/// The decimal numbers of a text, as they are written.
+fn numbers(text: &str) -> Vec<&str> {
+    let in_number = |c: char| c.is_ascii_digit() || ".-e".contains(c);
+    let words = text.split(|c: char| !in_number(c)).map(|word| word.trim_end_matches(['.', 'e', '-']));
+    words.filter(|word| word.contains('.') && word.parse::<f64>().is_ok()).collect()
+}
+
+/// The first number of `row` that `output` does not have to as many digits.
+fn missing<'a>(row: &'a str, output: &str) -> Option<&'a str> {
+    let printed: Vec<f64> = numbers(output).iter().filter_map(|number| number.parse().ok()).collect();
+    numbers(row).into_iter().find(|number| {
+        let digits = number.rsplit('.').next().map_or(0, str::len);
+        let written: f64 = number.parse().unwrap_or(f64::NAN);
+        !printed
+            .iter()
+            .any(|value| (value - written).abs() <= 0.5001 * 10f64.powi(-i32::try_from(digits).unwrap_or(0)))
+    })
 }
 
 /// Recordings that are not part of the project, by the names that the README's commands have for them.
@@ -26,7 +65,8 @@ fn blocks(page: &str) -> Vec<Shown<'_>> {
     let mut lines = page.lines();
     let mut found = Vec::new();
     while let Some(line) = lines.next() {
-        let Some(words) = line.strip_prefix("<!-- prints: ").and_then(|rest| rest.strip_suffix(" -->")) else {
+        let Some(words) = line.strip_prefix("<!-- prints: ").and_then(|rest| rest.strip_suffix(" -->"))
+        else {
             continue;
         };
         assert!(
@@ -51,7 +91,8 @@ fn renewed<'a>(shown: &[&'a str], output: &'a str) -> Result<Vec<&'a str>, &'a s
     let mut renewed = Vec::new();
     for line in shown {
         let alike = printed.clone().find(|other| other == line);
-        let alike = alike.or_else(|| printed.clone().find(|other| wording(other) == wording(line))).ok_or(*line)?;
+        let alike =
+            alike.or_else(|| printed.clone().find(|other| wording(other) == wording(line))).ok_or(*line)?;
         renewed.push(alike);
         let _ = printed.find(|other| *other == alike);
     }
@@ -71,24 +112,38 @@ fn the_readme_shows_what_its_commands_print() {
     assert!(!blocks.is_empty(), "the README shows no output");
     let folder = tempfile::tempdir().expect("a folder");
     let recorded = recordings(folder.path());
-    let update = std::env::var_os("UPDATE_DOCS").is_some();
-    let mut anew = page.clone();
-    for Shown { words, lines } in &blocks {
+    std::os::unix::fs::symlink(checkout().join("docs"), folder.path().join("docs")).expect("a link");
+    let printed = |words: &[&str]| {
         let command = words.join(" ");
         if !recorded && RECORDINGS.iter().any(|(name, _)| words.contains(name)) {
             skip(&format!("`frictionlab {command}`: the recordings are not at hand"));
-            continue;
+            return None;
         }
         let output = frictionlab().args(words).current_dir(folder.path()).output().expect("it starts");
-        let (printed, said) =
-            (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "frictionlab {command}: {said}");
-        let renewed = renewed(lines, &printed);
-        let now = renewed.unwrap_or_else(|line| panic!("`frictionlab {command}` has no line\n{line}\nbut\n{printed}"));
+        Some(String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let update = std::env::var_os("UPDATE_DOCS").is_some();
+    let mut anew = page.clone();
+    for Shown { words, lines } in &blocks {
+        let (command, Some(output)) = (words.join(" "), printed(words)) else { continue };
+        let now = renewed(lines, &output)
+            .unwrap_or_else(|line| panic!("`frictionlab {command}` has no line\n{line}\nbut\n{output}"));
         if update {
             anew = anew.replacen(&lines.join("\n"), &now.join("\n"), 1);
         } else {
-            assert_eq!(lines, &now, "`frictionlab {command}` prints other figures: run the test with UPDATE_DOCS=1");
+            assert_eq!(
+                lines, &now,
+                "`frictionlab {command}` prints other figures: run the test with UPDATE_DOCS=1"
+            );
+        }
+    }
+    for Shown { words, lines } in rows(&page) {
+        let Some(output) = printed(&words) else { continue };
+        for line in lines {
+            let missing = missing(line, &output);
+            assert!(missing.is_none(), "{missing:?} of the row\n{line}\nis not in\n{output}");
         }
     }
     if update {
@@ -104,4 +159,7 @@ fn another_figure_is_found_and_a_missing_line_named() {
     assert_eq!(renewed(&["  f_v  0.04 N m s/rad"], output), Err("  f_v  0.04 N m s/rad"));
     // The order is that of the output.
     assert_eq!(renewed(&[shown[1], shown[0]], output), Err(shown[0]));
+    let row = "| this program | 95.12 ± 0.1 | 5.953 % | |";
+    assert_eq!(missing(row, "M 95.1193 ± 0.11 kg, cross-test 5.9530 %"), None);
+    assert_eq!(missing(row, "M 95.1293 ± 0.11 kg, cross-test 5.9530 %"), Some("95.12"));
 }

@@ -9,8 +9,8 @@ mod expressed;
 #[cfg(test)]
 mod hostile;
 mod parameters;
-mod program;
 mod plausible;
+mod program;
 mod reference;
 mod step;
 

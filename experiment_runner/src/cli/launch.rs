@@ -119,7 +119,11 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
 /// The processes; where there is no `ros2`, frictionlab itself records.
 fn processes(arguments: &LaunchArguments, config: &Path) -> Vec<plan::Process> {
     let processes = plan::processes(arguments, config);
-    if plan::Program::Named("ros2").find().is_ok() { processes } else { plan::without_ros(processes, arguments) }
+    if plan::Program::Named("ros2").find().is_ok() {
+        processes
+    } else {
+        plan::without_ros(processes, arguments)
+    }
 }
 
 /// What would be started, ready to be typed.

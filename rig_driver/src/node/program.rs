@@ -19,5 +19,7 @@ later too, while the node is not active.
 /// Runs the node as a program of its own; `given` are the words behind the program's name.
 pub fn program(given: Vec<String>) -> ExitCode {
     let lasting = Lasting::default();
-    ros_node::run("rig_driver", env!("CARGO_PKG_VERSION"), ABOUT, given, |participant, stop| run(participant, stop, &lasting))
+    ros_node::run("rig_driver", env!("CARGO_PKG_VERSION"), ABOUT, given, |participant, stop| {
+        run(participant, stop, &lasting)
+    })
 }

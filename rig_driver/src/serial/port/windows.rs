@@ -38,7 +38,9 @@ impl Port {
         };
         let mut port = match SerialPort::open(&path, settings) {
             Ok(port) => port,
-            Err(error) if error.kind() == ErrorKind::PermissionDenied => return Err(SerialError::Busy { path }),
+            Err(error) if error.kind() == ErrorKind::PermissionDenied => {
+                return Err(SerialError::Busy { path });
+            }
             Err(error) if error.kind() == ErrorKind::InvalidInput => {
                 return Err(SerialError::Settings { path, baud, reason: error.to_string() });
             }
@@ -90,7 +92,9 @@ impl Port {
             Ok(sent) if sent == bytes.len() => Ok(Sent::All),
             // A part of a frame is no frame; the receiver throws it away by its CRC.
             Ok(_) => Ok(Sent::Full),
-            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => Ok(Sent::Full),
+            Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {
+                Ok(Sent::Full)
+            }
             Err(error) => Err(self.gone(error)),
         }
     }
