@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use experiment_runner::cli::help::prepared;
 use experiment_runner::cli::suggestion::with_suggestion;
 use experiment_runner::cli::{
     Interrupted, bag, design, exit_code, features, identify, identify_drive, identify_servo,
@@ -51,17 +52,8 @@ enum Command {
     Serve(experiment_runner::cli::serve::ServeArgs),
 }
 
-/// Takes `--gain -1` for a gain, wherever it comes: whether it may be negative is said by whoever reads it, in words.
-fn negative_numbers_are_values(command: clap::Command) -> clap::Command {
-    let value = |arg: clap::Arg| {
-        let takes = arg.get_action().takes_values();
-        arg.allow_negative_numbers(takes)
-    };
-    command.mut_args(value).mut_subcommands(negative_numbers_are_values)
-}
-
 fn main() -> ExitCode {
-    let mut command = negative_numbers_are_values(Cli::command());
+    let mut command = prepared(Cli::command());
     let cli = command
         .try_get_matches_from_mut(std::env::args_os())
         .and_then(|given| Cli::from_arg_matches(&given))
@@ -108,4 +100,76 @@ fn main() -> ExitCode {
     let mark = if error.is::<Interrupted>() { "" } else { "error: " };
     eprintln!("{mark}{}", told(&error));
     ExitCode::from(exit_code(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// Every command beneath, with its whole name.
+    fn all(command: &clap::Command, before: &str) -> Vec<(String, clap::Command)> {
+        let name = format!("{before} {}", command.get_name());
+        let beneath = command.get_subcommands().flat_map(|command| all(command, &name));
+        [(name.clone(), command.clone())].into_iter().chain(beneath.collect::<Vec<_>>()).collect()
+    }
+
+    #[test]
+    fn the_help_names_every_command_once_in_a_group_and_on_one_line() {
+        let mut command = prepared(Cli::command());
+        command.build();
+        let help = command.clone().term_width(80).render_long_help().to_string();
+        for name in command.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help") {
+            let lines: Vec<&str> = help
+                .lines()
+                .filter(|line| {
+                    line.strip_prefix("  ").is_some_and(|line| line.split(' ').next() == Some(name))
+                })
+                .collect();
+            assert_eq!(lines.len(), 1, "{name}: {lines:?}");
+            assert!(lines[0].chars().count() <= 80, "{}", lines[0]);
+            assert!(lines[0].chars().count() > 25, "{name} says nothing");
+        }
+        assert!(!help.contains("Others:"), "a command is in no group:\n{help}");
+        for title in ["Measure:", "Identify:", "Compensate:", "Live on ROS 2:", "Rig:", "Science:", "Files:"]
+        {
+            assert_eq!(
+                help.matches(title).count(),
+                usize::from(title != "Live on ROS 2:" || cfg!(feature = "ros"))
+            );
+        }
+    }
+
+    #[test]
+    fn a_short_option_means_the_same_in_every_command() {
+        let mut command = prepared(Cli::command());
+        command.build();
+        let mut meanings: BTreeMap<char, String> = BTreeMap::new();
+        for (name, command) in all(&command, "") {
+            for arg in command.get_arguments() {
+                if let (Some(short), Some(long)) = (arg.get_short(), arg.get_long()) {
+                    let before = meanings.entry(short).or_insert_with(|| long.to_owned());
+                    assert_eq!(before, long, "-{short} of{name}");
+                }
+                let long = arg.get_long().unwrap_or_default();
+                assert!(
+                    !matches!(long, "quiet" | "verbose") || arg.get_short().is_some(),
+                    "--{long} of{name}"
+                );
+            }
+        }
+        command.debug_assert();
+    }
+
+    #[test]
+    fn every_option_of_every_command_is_explained() {
+        let mut command = prepared(Cli::command());
+        command.build();
+        for (name, command) in all(&command, "") {
+            for arg in command.get_arguments().filter(|arg| !arg.is_hide_set()) {
+                assert!(arg.get_help().is_some(), "{} of{name}", arg.get_id());
+            }
+        }
+    }
 }

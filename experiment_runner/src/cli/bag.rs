@@ -6,7 +6,7 @@ use super::destination::Force;
 use super::{BadInput, print};
 use crate::bag::{BagError, BagReader, Recovery, recover};
 
-/// Look into a bag, turn it into a table, or save what a kill left of it
+/// Look into a bag, make a table of it, or save what is left
 #[derive(Debug, clap::Args)]
 pub struct BagArgs {
     #[command(subcommand)]
@@ -36,6 +36,9 @@ enum BagCommand {
         /// Folder of the bag, or an .mcap file
         #[arg(value_name = "DIR")]
         bag: PathBuf,
+        /// Print it as JSON for programs (docs/json.md)
+        #[arg(long)]
+        json: bool,
     },
     /// Make a bag whole that was cut off by a kill or a full disk, or damaged
     ///
@@ -71,7 +74,7 @@ pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
     let text = match &args.command {
         #[cfg(feature = "ros")]
         BagCommand::Record { bag, namespace, duration } => record(bag, namespace.as_deref(), *duration)?,
-        BagCommand::Info { bag } => info(bag)?,
+        BagCommand::Info { bag, json } => info(bag, *json)?,
         BagCommand::Recover { bag } => recovered(bag)?,
         BagCommand::ToCsv { bag, out, force } => to_csv(bag, out.as_deref(), force)?,
     };
@@ -105,8 +108,11 @@ fn bad(error: &BagError) -> BadInput {
     BadInput(error.to_string())
 }
 
-fn info(path: &Path) -> Result<String, BadInput> {
+fn info(path: &Path, json: bool) -> Result<String, BadInput> {
     let bag = BagReader::open(path).map_err(|error| bad(&error))?;
+    if json {
+        return document(path, &bag).map(|document| format!("{document:#}\n"));
+    }
     let width = bag.topics().iter().map(|topic| topic.name.len()).max().unwrap_or(0);
     let messages: u64 = bag.topics().iter().map(|topic| topic.count).sum();
     let megabytes = bag.bytes() as f64 * 1e-6;
@@ -136,6 +142,35 @@ fn info(path: &Path) -> Result<String, BadInput> {
         }
     }
     Ok(text)
+}
+
+/// The same for programs.
+fn document(path: &Path, bag: &BagReader) -> Result<serde_json::Value, BadInput> {
+    let topics: Vec<_> = bag
+        .topics()
+        .iter()
+        .map(
+            |topic| serde_json::json!({"name": topic.name, "type": topic.type_name, "messages": topic.count}),
+        )
+        .collect();
+    let mut metadata = serde_json::Map::new();
+    for name in bag.metadata_names().filter(|name| *name != "rosbag2") {
+        let entries = bag.metadata(name).map_err(|error| bad(&error))?.unwrap_or_default();
+        metadata.insert(name.to_owned(), serde_json::json!(entries));
+    }
+    let span = bag.span();
+    Ok(serde_json::json!({
+        "format": "frictionlab-bag",
+        "format_version": 1,
+        "bag": path.display().to_string(),
+        "bytes": bag.bytes(),
+        "messages": bag.topics().iter().map(|topic| topic.count).sum::<u64>(),
+        "start_ns": span.map(|(start, _)| start),
+        "end_ns": span.map(|(_, end)| end),
+        "topics": topics,
+        "attachments": bag.attachment_names().collect::<Vec<_>>(),
+        "metadata": metadata,
+    }))
 }
 
 fn recovered(path: &Path) -> Result<String, BadInput> {

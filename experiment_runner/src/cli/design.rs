@@ -12,14 +12,15 @@ use controller::{ControllerError, DerivativeOn, LagGains, PiGains, PidGains, Vel
 
 use super::BadInput;
 use super::destination::ToFolder;
+use super::saying::Saying;
 use crate::compensation::additions::{RETUNED_POSITION, RETUNED_VELOCITY};
-use crate::design::{DesignOptions, Worth, assess, page, parameters, summary};
+use crate::design::{DesignOptions, Worth, assess, document, page, parameters, summary};
 use crate::drive::linear::KnownDrive;
 use crate::report::render_page;
 
-/// Design the linear controller of velocity or position, or assess gains of your own
+/// Design the linear controller, or assess gains of your own
 ///
-/// Prints the gains, the step response's figures, the margins continuous and sampled, and what is proven of the loop under friction; writes report.html
+/// Prints the gains, the step response's figures, the margins continuous and sampled, and what is proven of the loop under friction; writes report.html, design.json
 /// and controller.yaml, which `run --parameters` and `live --parameters` read.
 ///
 ///   frictionlab design velocity --steady-state-error 0.01 --crossover 110     # lag compensator, the thesis's specification
@@ -124,9 +125,11 @@ struct SharedArgs {
     period: f64,
     #[command(flatten)]
     to: ToFolder,
-    /// Print nothing
-    #[arg(long, short)]
+    /// Print nothing but errors
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 /// [`DerivativeOn`] on the command line.
@@ -163,19 +166,16 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
     // A period that no rig has can be designed for, but not tried.
     found.worth = Worth::of(&found.options, shared.voltage_limit).ok();
     let folder = shared.to.reserve("design")?;
-    let files =
-        [("report.html", render_page(&page(&found))), ("controller.yaml", parameters(&found.options))];
-    folder.write(&files)?;
-    if !shared.quiet {
-        let file = |name: &str| folder.join(name).display().to_string();
-        super::print(&format!(
-            "{}Report  {}\nGains   {}\n",
-            summary(&found),
-            file("report.html"),
-            file("controller.yaml")
-        ))?;
-    }
-    Ok(())
+    let json = format!("{:#}\n", document(&found));
+    folder.write(&[
+        ("report.html", render_page(&page(&found))),
+        ("controller.yaml", parameters(&found.options)),
+        ("design.json", json.clone()),
+    ])?;
+    let file = |name: &str| folder.join(name).display().to_string();
+    let text =
+        format!("{}Report  {}\nGains   {}\n", summary(&found), file("report.html"), file("controller.yaml"));
+    shared.saying.result(shared.quiet, &json, &text)
 }
 
 /// Voltage that overcomes 1 N m on the SRV-02 [V/(N m)].

@@ -11,7 +11,7 @@ use crate::{
     progress::Progress,
 };
 
-/// Look at this machine and the running nodes, and say how to mend what is not right
+/// Look at this machine and the running nodes
 ///
 /// Scheduling rights and how late a loop of 1 kHz is here; clocks; network, multicast and the environment variables of ROS; which other nodes
 /// are on the domain, in which lifecycle state; rigs, ports and disk. About nine seconds. Needs no ROS installation.
@@ -28,8 +28,8 @@ pub struct DoctorArgs {
     /// The folder to which runs would go
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub runs: PathBuf,
-    /// Show no progress
-    #[arg(long, short)]
+    /// Print nothing but errors
+    #[arg(long)]
     pub quiet: bool,
 }
 
@@ -45,7 +45,7 @@ pub fn execute(args: &DoctorArgs) -> anyhow::Result<()> {
     if args.json {
         let text = serde_json::to_string_pretty(&report).context("the report is no JSON")?;
         print(&format!("{text}\n"))?;
-    } else {
+    } else if !args.quiet {
         print(&doctor::render(&report))?;
     }
     if stop.is_set() {

@@ -6,12 +6,13 @@ use anyhow::Context;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
+use super::saying::Saying;
 use super::{Interrupted, interruption, model_name};
 use crate::features::{FeaturesOptions, compute, page, summary};
 use crate::progress::Progress;
 use crate::report::render_page;
 
-/// Compute what tells friction models apart and draw it in one report
+/// Draw what tells friction models apart, in one report
 ///
 /// For each model: stick-slip, drift, hysteresis and its memory, breakaway against force rate, frictional
 /// lag, steady sliding, reversal, sensitivity to each parameter, and the describing function. Then the
@@ -24,7 +25,7 @@ use crate::report::render_page;
 #[command(verbatim_doc_comment)]
 pub struct FeaturesArgs {
     /// Models, separated by commas [default: all]; `frictionlab models` lists them.
-    #[arg(long, short, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
+    #[arg(long, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
     model: Vec<ModelName>,
 
     #[command(flatten)]
@@ -34,9 +35,11 @@ pub struct FeaturesArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
 
-    /// No progress bar and no summary.
-    #[arg(long, short)]
+    /// Print nothing but errors.
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 /// Runs it.
@@ -51,6 +54,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let folder = args.to.reserve("features")?;
     let cancel = interruption::watch(interruption::WRITING)?;
 
+    args.saying.begin();
     let progress = Progress::counting(models.len() as u64 + 1, "models", args.quiet);
     let outcome = compute(&FeaturesOptions { models, workers }, &progress, &cancel);
     progress.finish();
@@ -58,9 +62,7 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
         return Err(Interrupted("stopped before the end; nothing was written".to_owned()).into());
     };
     let json = serde_json::to_string(&results).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&results))), ("features.json", json)])?;
-    if !args.quiet {
-        super::print(&format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display()))?;
-    }
-    Ok(())
+    folder.write(&[("report.html", render_page(&page(&results))), ("features.json", json.clone())])?;
+    let text = format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display());
+    args.saying.result(args.quiet, &json, &text)
 }

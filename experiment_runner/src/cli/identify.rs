@@ -9,6 +9,7 @@ use rig_driver::DriveParameters;
 
 use super::destination::ToFolder;
 use super::identify_friction::{self, FrictionArgs};
+use super::saying::Saying;
 use super::{BadInput, Interrupted, interruption};
 use crate::drive::parameters::DriveConstants;
 use crate::identify::structure::{StructureChoice, Structured, structured};
@@ -18,7 +19,7 @@ use crate::recording::rosbag::{self, Motor};
 use crate::recording::table;
 use crate::recording::{AxisKind, Column, Recording};
 
-/// Estimate friction and inertia from recordings (CSV or MCAP bags) and write a report.
+/// Find friction and inertia in your recordings (CSV or bags)
 ///
 /// One CSV file with a driving force gives inertia, viscous and Coulomb friction of the axis. CSV:
 /// a header with column names, then one line a sample, evenly spaced. Columns are recognised by
@@ -57,8 +58,10 @@ pub struct IdentifyArgs {
     pub(crate) to: ToFolder,
 
     /// Print nothing but errors.
-    #[arg(long, short)]
+    #[arg(long)]
     pub(super) quiet: bool,
+    #[command(flatten)]
+    pub(super) saying: Saying,
 
     #[command(flatten)]
     pub(super) friction: FrictionArgs,
@@ -148,6 +151,7 @@ pub struct IdentifyArgs {
 /// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     check(args)?;
+    args.saying.begin();
     if args.is_friction() {
         return identify_friction::execute(args);
     }
@@ -196,23 +200,13 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     ];
     let folder = args.to.reserve("identify")?;
     folder.write(&files)?;
-    if !args.quiet {
-        use std::io::Write;
-        let mut out = std::io::stdout().lock();
-        let mut text = identify::terminal::render(&found, &recording, validation);
-        if let Some(structured) = &structured {
-            text.push_str(&identify::structure_page::terminal(structured));
-        }
-        let files = files.map(|(name, _)| name).join(", ");
-        writeln!(out, "{text}\nwritten to {}: {files}", folder.path().display())
-            .or_else(|error| match error.kind() {
-                // Whoever reads has seen enough (`| head`); the files are there.
-                std::io::ErrorKind::BrokenPipe => Ok(()),
-                _ => Err(error),
-            })
-            .context("the table cannot be printed")?;
+    let mut text = identify::terminal::render(&found, &recording, validation);
+    if let Some(structured) = &structured {
+        text.push_str(&identify::structure_page::terminal(structured));
     }
-    Ok(())
+    let names = files.each_ref().map(|(name, _)| *name).join(", ");
+    let text = format!("{text}\nwritten to {}: {names}\n", folder.path().display());
+    args.saying.result(args.quiet, &files[0].1, &text)
 }
 
 /// Compares structures with a progress bar; ctrl-C ends the comparison with what there is.

@@ -6,12 +6,13 @@ use friction_ident::drive::{Calibration, Known};
 
 use super::BadInput;
 use super::destination::ToFolder;
+use super::saying::Saying;
 use crate::drive::{identify, page::page, parameters};
 use crate::recording::driven::{self, DrivenColumns};
 use crate::recording::{AxisKind, Column};
 use crate::report::render_page;
 
-/// Estimate a drive from its voltage and motion, and write a report and drive.yaml
+/// Find a drive's constants from its voltage and motion
 ///
 /// Finds gain K, time constant T, delay and voltage deadband of T w' + w = K (u - friction), and the
 /// inertia as far as it can be known: from a torque sensor in the recording (a bag of this laboratory
@@ -35,8 +36,10 @@ pub struct IdentifyDriveArgs {
     to: ToFolder,
 
     /// Print nothing but errors.
-    #[arg(long, short)]
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 
     /// Column of the time [s].
     #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
@@ -158,9 +161,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
         ("report.html", render_page(&page(&found))),
     ];
     folder.write(&files)?;
-    if !args.quiet {
-        let names = files.map(|(name, _)| name).join(", ");
-        super::print(&format!("{}\nwritten to {}: {names}\n", found.summary(), folder.path().display()))?;
-    }
-    Ok(())
+    let names = files.each_ref().map(|(name, _)| *name).join(", ");
+    let text = format!("{}\nwritten to {}: {names}\n", found.summary(), folder.path().display());
+    args.saying.result(args.quiet, &files[1].1, &text)
 }

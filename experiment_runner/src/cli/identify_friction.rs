@@ -9,7 +9,7 @@ use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncert
 use friction_model::ModelName;
 
 use super::identify::IdentifyArgs;
-use super::{BadInput, Interrupted, interruption, print};
+use super::{BadInput, Interrupted, interruption};
 use crate::identify::friction::{self, FrictionError, FrictionIdentification, Settings};
 use crate::output::Folder;
 use crate::progress::Progress;
@@ -190,14 +190,14 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     let cancel = interruption::watch(interruption::WRITING)?;
     let progress = Progress::counting(1, "models", args.quiet);
     let Written { found, folder } = identify(args, &progress, &cancel)?;
-    if !args.quiet {
-        let names = FILES.join(", ");
-        print(&format!(
-            "{}\nwritten to {}: {names}\n",
-            friction::terminal::render(&found),
-            folder.path().display()
-        ))?;
-    }
+    let text = format!(
+        "{}\nwritten to {}: {}\n",
+        friction::terminal::render(&found),
+        folder.path().display(),
+        FILES.join(", ")
+    );
+    let document = if args.saying.json { friction::document::render(&found) } else { String::new() };
+    args.saying.result(args.quiet, &document, &text)?;
     if found.interrupted {
         return Err(Interrupted(format!(
             "stopped before the end; the best found by then is in {}",

@@ -6,12 +6,13 @@ use std::thread;
 use friction_ident::servo::{Effort, FrictionLevel};
 
 use super::destination::ToFolder;
+use super::saying::Saying;
 use super::{BadInput, Interrupted, interruption};
 use crate::progress::Progress;
 use crate::recording::servo_log::{self, NamedServoLog};
 use crate::servo::{Settings, document, identify, page, terminal};
 
-/// Identify servo, pendulum and friction from logs of a position-controlled servo.
+/// Find a servo's friction in the logs of its position loop
 ///
 /// Each log is a JSON file as the tool bam (Better Actuator Models) records it: a pendulum of known
 /// mass and length follows a goal. The servo is simulated from the first sample of each log on, and
@@ -57,15 +58,17 @@ pub struct IdentifyServoArgs {
     whole: bool,
 
     /// Threads [default: all cores].
-    #[arg(long, short, value_name = "N")]
+    #[arg(long, value_name = "N")]
     jobs: Option<std::num::NonZeroUsize>,
 
     #[command(flatten)]
     to: ToFolder,
 
     /// Print nothing but errors.
-    #[arg(long, short)]
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 fn gain(text: &str) -> Result<f64, String> {
@@ -117,6 +120,7 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
     let folder = args.to.reserve("identify-servo")?;
     let cancel = interruption::watch(interruption::WRITING)?;
     let total = u64::from(args.seeds) * u64::from(args.evaluations);
+    args.saying.begin();
     let progress = Progress::counting(total, "simulations", args.quiet);
     let found = identify(&train, &held_out, &settings, &cancel, &progress);
     progress.finish();
@@ -128,9 +132,8 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
     ];
     folder.write(&files)?;
     let report = folder.join("report.html");
-    if !args.quiet {
-        super::print(&format!("{}\nReport  {}\n", terminal::render(&found), report.display()))?;
-    }
+    let text = format!("{}\nReport  {}\n", terminal::render(&found), report.display());
+    args.saying.result(args.quiet, &files[0].1, &text)?;
     if found.stopped {
         return Err(Interrupted(format!(
             "stopped before the end; the best so far is in {}",

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use super::BadInput;
 use super::destination::ToFolder;
+use super::saying::Saying;
 use crate::recording::Column;
 use crate::recording::stiction_table::{self, StictionColumns};
 use crate::stiction::{Settings, document, identify, page, terminal};
 
-/// Friction of a motor axis, in volts, from recordings in which it sticks and slips.
+/// Find friction in volts where an axis sticks and slips
 ///
 /// Each recording is a CSV file with a header: time, angle of the axis and motor voltage, evenly
 /// sampled. It begins with a limit cycle at a fixed reference; what follows until its end is driven
@@ -59,8 +60,10 @@ pub struct IdentifyStictionArgs {
     to: ToFolder,
 
     /// Print nothing but errors.
-    #[arg(long, short)]
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 /// Reads, identifies, writes `stiction.json` and `report.html`, and prints a table.
@@ -101,9 +104,7 @@ pub fn execute(args: &IdentifyStictionArgs) -> anyhow::Result<()> {
     ];
     let folder = args.to.reserve("identify-stiction")?;
     folder.write(&files)?;
-    if !args.quiet {
-        let report = folder.join("report.html");
-        super::print(&format!("{}\nReport  {}\n", terminal::render(&found, &tables), report.display()))?;
-    }
-    Ok(())
+    let report = folder.join("report.html");
+    let text = format!("{}\nReport  {}\n", terminal::render(&found, &tables), report.display());
+    args.saying.result(args.quiet, &files[0].1, &text)
 }

@@ -10,7 +10,7 @@ use crate::launch::{
     LaunchArguments, LaunchError, LaunchFile, files::ConfigFolder, plan, supervise::supervise,
 };
 
-/// Start rig driver, observer, controller and experiment runner, each a process of its own
+/// Start the nodes, each a process of its own
 ///
 /// For those without ROS: the same as `ros2 launch friction_bringup friction.launch.py`, with the same arguments.
 ///

@@ -20,7 +20,7 @@ use crate::{
     waveform::Waveform,
 };
 
-/// Run rig, observer and controller in real time and publish everything over ROS 2
+/// Run the loop in real time and publish it over ROS 2
 ///
 /// One process with the nodes rig_driver, friction_observer, controller and experiment_runner, as the executables have them: parameters,
 /// lifecycle and services. The loop goes through memory on one control thread at 1 kHz; the options here are the nodes' parameters, which
@@ -94,8 +94,11 @@ pub struct LiveArgs {
     #[arg(long, value_name = "FILE")]
     pub timing: Option<PathBuf>,
     /// Print nothing but errors
-    #[arg(long, short)]
+    #[arg(long)]
     pub quiet: bool,
+    /// Print what the run came to as JSON for programs, and nothing else on standard output (docs/json.md)
+    #[arg(long)]
+    pub json: bool,
     /// Arguments of ROS for the nodes, last on the line: -r __ns:=/axis_1, -p controller:fade:=0.2, --params-file FILE
     #[arg(long = "ros-args", value_name = "ROS ARGUMENTS", num_args = 0.., allow_hyphen_values = true)]
     pub ros_arguments: Vec<String>,
@@ -140,7 +143,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     let stop = interruption::watch(ros_node::ENDS_WITHIN_WRITING)?;
     ros_node::terminal::tell_panics();
     // Standard output may be for the percentiles alone.
-    let quiet = args.quiet || options.timing.as_ref().is_some_and(OutputFile::is_stdout);
+    let quiet = args.quiet || args.json || options.timing.as_ref().is_some_and(OutputFile::is_stdout);
     let say = |text: &str| {
         if !quiet {
             // A terminal that went away must not stop the loop.
@@ -164,6 +167,9 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
         if error.is_bad_input() { BadInput(error.to_string()).into() } else { anyhow::Error::new(error) }
     })?;
     ros_node::terminal::flush();
+    if args.json {
+        super::print(&format!("{:#}\n", report.document()))?;
+    }
     say(&report.to_string());
     let bag = report.bag.dir.display();
     if report.interrupted {

@@ -7,6 +7,7 @@ pub(crate) mod destination;
 pub mod doctor;
 mod drive_errors;
 pub mod features;
+pub mod help;
 pub mod identify;
 pub mod identify_drive;
 pub mod identify_friction;
@@ -24,6 +25,7 @@ pub mod node;
 pub mod protocols;
 pub mod rig;
 pub mod run;
+pub mod saying;
 #[cfg(feature = "ros")]
 pub mod security;
 #[cfg(feature = "ros")]

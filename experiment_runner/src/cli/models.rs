@@ -16,11 +16,14 @@ pub struct ModelsArgs {
     #[arg(value_name = "NAME", value_parser = model_name)]
     name: Option<ModelName>,
     /// The model, as other commands name it
-    #[arg(long, value_name = "NAME", value_parser = model_name, conflicts_with = "name")]
+    #[arg(long, value_name = "NAME", value_parser = model_name, conflicts_with = "name", hide = true)]
     model: Option<ModelName>,
     /// Print a parameter file in YAML
     #[arg(long)]
     yaml: bool,
+    /// Print names and parameters as JSON for programs (docs/json.md)
+    #[arg(long, conflicts_with = "yaml")]
+    json: bool,
     /// Whose values
     #[arg(long, value_enum, default_value_t)]
     set: Preset,
@@ -31,7 +34,12 @@ pub struct ModelsArgs {
 /// # Errors
 /// [`BadInput`] for --yaml without a model.
 pub fn execute(args: &ModelsArgs) -> anyhow::Result<()> {
-    let text = match args.name.or(args.model) {
+    let one = args.name.or(args.model);
+    if args.json {
+        let names = one.map_or_else(|| ModelName::ALL.to_vec(), |name| vec![name]);
+        return print(&format!("{:#}\n", sheet::document(&names, args.set)));
+    }
+    let text = match one {
         Some(name) if args.yaml => file::example(name, args.set),
         Some(name) => sheet::model(name, args.set),
         None if args.yaml => {

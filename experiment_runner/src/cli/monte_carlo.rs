@@ -8,15 +8,16 @@ use clap::ValueEnum;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
+use super::saying::Saying;
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::compensation::monte_carlo::{
     BeliefErrors, Setting, Sharing, StudyOptions, Task, page::page, terminal::summary,
 };
 use crate::compensation::{Arm, Means};
-use crate::progress::Progress;
+use crate::progress::{Progress, about};
 use crate::report::render_page;
 
-/// Compensate with wrong parameters, a thousand times, and see what each technique and model is worth
+/// Compensate with wrong parameters, a thousand times
 ///
 /// In every draw each parameter of the compensating models, and each drive constant that the compensation uses, is wrong by its own factor within
 /// +-20 %; the sensors have noise and converter steps, and the linear controller keeps its gains. Every technique over every model then
@@ -36,7 +37,7 @@ pub struct MonteCarloArgs {
     task: TaskArg,
 
     /// Models that compensate, separated by commas
-    #[arg(long, short, value_delimiter = ',', value_parser = model_name, value_name = "NAMES", default_value = "lugre,proposed")]
+    #[arg(long, value_delimiter = ',', value_parser = model_name, value_name = "NAMES", default_value = "lugre,proposed")]
     model: Vec<ModelName>,
 
     /// By what means they compensate, separated by commas [default: every technique]
@@ -74,9 +75,11 @@ pub struct MonteCarloArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
 
-    /// No progress bar and no summary
-    #[arg(long, short)]
+    /// Print nothing but errors
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 /// [`Task`] on the command line.
@@ -100,25 +103,34 @@ pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     let folder = args.to.reserve("monte-carlo")?;
     let cancel = interruption::watch(interruption::WRITING)?;
 
+    args.saying.begin();
     let progress = Progress::counting(options.length(), "draws", args.quiet);
     progress.stage("compensating with wrong parameters");
+    if !args.quiet
+        && let Some(seconds) = options.expected_seconds()?
+    {
+        eprintln!(
+            "monte-carlo: {} on {} threads; ctrl-C keeps what is there",
+            about(seconds),
+            options.workers
+        );
+    }
     let started = Instant::now();
     let study = options.make(&progress, &cancel);
     let seconds = started.elapsed().as_secs_f64();
     progress.finish();
     let study = study?;
     let json = serde_json::to_string(&study).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&study))), ("monte-carlo.json", json)])?;
-    if !args.quiet {
-        let runs = study.runs();
-        super::print(&format!(
-            "{}{runs} runs in {seconds:.1} s, {:.0} a second on {} threads\nReport  {}\n",
-            summary(&study),
-            runs as f64 / seconds,
-            options.workers,
-            folder.join("report.html").display()
-        ))?;
-    }
+    folder.write(&[("report.html", render_page(&page(&study))), ("monte-carlo.json", json.clone())])?;
+    let runs = study.runs();
+    let text = format!(
+        "{}{runs} runs in {seconds:.1} s, {:.0} a second on {} threads\nReport  {}\n",
+        summary(&study),
+        runs as f64 / seconds,
+        options.workers,
+        folder.join("report.html").display()
+    );
+    args.saying.result(args.quiet, &json, &text)?;
     if study.stopped {
         let what = "stopped before the end; the draws done by then are in the report";
         return Err(Interrupted(what.to_owned()).into());

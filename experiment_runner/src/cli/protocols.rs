@@ -14,6 +14,9 @@ pub struct ProtocolsArgs {
     /// The protocol to print
     #[arg(value_name = "NAME")]
     name: Option<String>,
+    /// Print the list as JSON for programs (docs/json.md)
+    #[arg(long, conflicts_with = "name")]
+    json: bool,
 }
 
 /// Prints it.
@@ -22,6 +25,12 @@ pub struct ProtocolsArgs {
 /// [`BadInput`] for a name that there is not.
 pub fn execute(args: &ProtocolsArgs) -> anyhow::Result<()> {
     let Some(name) = &args.name else {
+        if args.json {
+            let one = |kind: Kind| serde_json::json!({"name": kind.name(), "what": kind.describe()});
+            let protocols = Kind::ALL.map(one);
+            let list = serde_json::json!({"format": "frictionlab-protocols", "format_version": 1, "protocols": protocols});
+            return print(&format!("{list:#}\n"));
+        }
         let line = |kind: Kind| format!("{:<18} {}\n", kind.name(), kind.describe());
         return print(&Kind::ALL.map(line).concat());
     };

@@ -10,13 +10,14 @@ use friction_observer::EstimatorOptions;
 use rig_driver::{Calibration, Drive, FrictionCoupling, RigError, Sensors, SimulationOptions, TimeConstant};
 
 use super::destination::{RUNS, ToFolder};
+use super::saying::{Saying, document};
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
 use crate::drive::parameters::DriveConstants;
 use crate::models::file;
 use crate::output::is_full;
-use crate::progress::Progress;
+use crate::progress::{Progress, about};
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::rig::{RigChoice, read_calibration};
 use crate::run::{
@@ -96,8 +97,8 @@ pub struct RunArgs {
     /// model as observer
     #[arg(long)]
     pub thesis_tables: bool,
-    /// The thesis's units: friction in N m is taken off the volts, the same as `--friction as-volts`
-    #[arg(long, conflicts_with = "friction")]
+    /// The older name of `--friction as-volts`
+    #[arg(long, conflicts_with = "friction", hide = true)]
     pub thesis_units: bool,
     /// Sensors without noise and steps, for studies of the models alone
     #[arg(long)]
@@ -111,9 +112,12 @@ pub struct RunArgs {
     /// Threads [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
-    /// No progress bar and no summary
+    /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
+    /// What is told besides.
+    #[command(flatten)]
+    pub saying: Saying,
 }
 
 /// [`TorqueSource`] on the command line.
@@ -144,7 +148,7 @@ pub enum FrictionArg {
     /// As a torque: 4.84 V per N m
     #[default]
     Physical,
-    /// 1 V per N m
+    /// 1 V per N m: the thesis's units
     AsVolts,
 }
 
@@ -157,6 +161,12 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     run::check_options(&options).map_err(bad_input)?;
     let folder = args.to.reserve(options.experiment.as_str())?;
     let cancel = interruption::watch(interruption::WRITING)?;
+    args.saying.begin();
+    let paced = options.rig != RigChoice::Simulated || args.real_time;
+    if paced && !args.quiet {
+        let name = options.experiment.as_str();
+        eprintln!("{name}: {} of rig time; ctrl-C keeps what is there", about(options.rig_seconds()));
+    }
 
     if !args.quiet {
         super::offer_recovery(Path::new(RUNS));
@@ -165,9 +175,8 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     let outcome = run::execute_in(&options, folder.path(), args.to.force, &progress, &cancel);
     progress.finish();
     let outcome = outcome.map_err(bad_input)?;
-    if !args.quiet {
-        super::print(&run::terminal::summary(&outcome))?;
-    }
+    let document = if args.saying.json { document(&outcome.results)? } else { String::new() };
+    args.saying.result(args.quiet, &document, &run::terminal::summary(&outcome))?;
     if let Some(why) = &outcome.results.ended {
         anyhow::bail!(
             "the run ended early: {why}; the bag in {} is whole as far as it goes, and so is the report",
@@ -255,7 +264,7 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         TorqueSourceArg::Current => TorqueSource::Current,
     };
     if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
-        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts and --thesis-units out";
+        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
         return Err(BadInput(why.to_owned()).into());
     }
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;

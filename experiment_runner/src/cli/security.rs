@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::{BadInput, print};
 
-/// Say who may join, command, clear, parameterise and read: keystores of DDS Security (SROS 2)
+/// Say who may join, command and read: keystores (SROS 2)
 ///
 /// `init` makes a keystore with an enclave for each node, for `live`, for an operator and for viewers; `check` looks at one and shows who
 /// may do what; `policy` prints the policy behind it, to change it for `init --policy` or `ros2 security`. Programs are secured with

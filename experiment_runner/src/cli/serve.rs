@@ -36,7 +36,7 @@ pub struct ServeArgs {
     #[arg(long, value_name = "DIR")]
     pub inputs: Option<PathBuf>,
     /// Print nothing but errors
-    #[arg(long, short)]
+    #[arg(long)]
     pub quiet: bool,
 }
 

@@ -71,8 +71,8 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     load_gain: Option<f64>,
 
-    /// No progress bar and no summary.
-    #[arg(long, short)]
+    /// Print nothing but errors.
+    #[arg(long)]
     quiet: bool,
 }
 

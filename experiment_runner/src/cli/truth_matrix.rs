@@ -7,14 +7,15 @@ use friction_ident::truth_matrix::MODELS;
 use friction_model::ModelName;
 
 use super::destination::ToFolder;
+use super::saying::Saying;
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::progress::Progress;
 use crate::report::render_page;
 use crate::truth_matrix::{MatrixOptions, compute, page, summary};
 
-/// Identify every model from the friction of every other and compare them on data they have not seen
+/// See how far a ranking of models can be trusted
 ///
-/// The model that made the data wins. Before you trust a ranking of models on your own recordings, see here how far the
+/// Identifies every model from the friction of every other. The model that made the data wins. Before you trust a ranking of models on your own recordings, see here how far the
 /// second best is behind when the truth is known: friction of each model is simulated through the experiments,
 /// all models are identified from it, and the held-out errors make a matrix.
 ///
@@ -24,7 +25,7 @@ use crate::truth_matrix::{MatrixOptions, compute, page, summary};
 #[command(verbatim_doc_comment)]
 pub struct TruthMatrixArgs {
     /// Models, separated by commas [default: the eight that can be identified].
-    #[arg(long, short, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
+    #[arg(long, value_delimiter = ',', value_parser = model_name, value_name = "NAMES")]
     model: Vec<ModelName>,
 
     /// Standard deviation of the friction's noise [N m].
@@ -42,9 +43,11 @@ pub struct TruthMatrixArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
 
-    /// No progress bar and no summary.
-    #[arg(long, short)]
+    /// Print nothing but errors.
+    #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    saying: Saying,
 }
 
 /// Runs it.
@@ -75,15 +78,15 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
 
     let options = MatrixOptions { models, noise: args.noise, seeds: args.seeds, workers };
     let length = options.models.len() as u64 * u64::from(options.seeds);
+    args.saying.begin();
     let progress = Progress::counting(length, "truths and seeds", args.quiet);
     let matrix = compute(&options, &progress, &cancel);
     progress.finish();
     let matrix = matrix?;
     let json = serde_json::to_string_pretty(&matrix).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&matrix))), ("truth-matrix.json", json)])?;
-    if !args.quiet {
-        super::print(&format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display()))?;
-    }
+    folder.write(&[("report.html", render_page(&page(&matrix))), ("truth-matrix.json", json.clone())])?;
+    let text = format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display());
+    args.saying.result(args.quiet, &json, &text)?;
     if matrix.stopped {
         return Err(
             Interrupted("stopped before the end; what was done by then is in the report".to_owned()).into()

@@ -1,7 +1,8 @@
 //! A linear loop assessed: step response, margins, what theory says of it under friction.
 //!
-//! [`assess`] computes, [`page()`] and [`summary`] show, [`parameters`] is the file that `run` and `live` read.
+//! [`assess`] computes, [`page()`] and [`summary`] show, [`parameters`] is the file that `run` and `live` read, [`document`] the one for programs.
 
+mod document;
 mod page;
 mod parameters;
 mod terminal;
@@ -15,6 +16,7 @@ use controller::design::sector::{SectorMargin, friction_to_velocity, sector_marg
 use controller::design::theory::{PositiveRealness, position_theorem, positive_realness};
 use controller::design::{LinearLoop, LoopLaw};
 
+pub use document::document;
 pub use page::page;
 pub use parameters::parameters;
 pub use terminal::summary;

@@ -50,6 +50,31 @@ impl LiveReport {
     }
 }
 
+impl LiveReport {
+    /// The same for programs; docs/json.md explains its keys.
+    #[must_use]
+    pub fn document(&self) -> serde_json::Value {
+        let percentiles =
+            |p: &Percentiles| serde_json::json!({"p50": p.p50, "p99": p.p99, "p99_9": p.p999, "max": p.max});
+        serde_json::json!({
+            "format": "frictionlab-live",
+            "format_version": 1,
+            "cycles": self.timing.cycles,
+            "overruns": self.timing.overruns,
+            "period_us": percentiles(&self.timing.period),
+            "execution_us": percentiles(&self.timing.execution),
+            "priority": self.priority,
+            "published": self.published,
+            "not_published": self.not_published,
+            "not_recorded": self.not_recorded,
+            "bag": self.bag.dir.display().to_string(),
+            "messages": self.bag.messages,
+            "duration_s": self.bag.duration,
+            "interrupted": self.interrupted,
+        })
+    }
+}
+
 impl fmt::Display for LiveReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut row = |name: &str, p: &Percentiles| {

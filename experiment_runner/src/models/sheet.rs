@@ -25,6 +25,30 @@ pub fn list() -> String {
     text
 }
 
+/// Models with their parameters and values, for programs.
+#[must_use]
+pub fn document(names: &[ModelName], preset: Preset) -> serde_json::Value {
+    let model = |name: &ModelName| {
+        let parameters = preset.parameters(*name);
+        let values = values(&parameters);
+        let rows: Vec<_> = parameters
+            .table()
+            .iter()
+            .map(|row| {
+                serde_json::json!({
+                    "name": row.name,
+                    "unit_rotary": row.unit.rotary(),
+                    "value": values.get(row.name),
+                    "meaning": row.meaning,
+                })
+            })
+            .collect();
+        serde_json::json!({"name": name.as_str(), "title": name.title(), "parameters": rows})
+    };
+    let models: Vec<_> = names.iter().map(model).collect();
+    serde_json::json!({"format": "frictionlab-models", "format_version": 1, "models": models})
+}
+
 /// One model: each parameter with its units, range, value in `preset` and meaning.
 #[must_use]
 pub fn model(name: ModelName, preset: Preset) -> String {

@@ -43,7 +43,8 @@ fn duration(experiment: Experiment, quick: bool) -> f64 {
 
 fn parameters() -> Vec<ExperimentParameter> {
     let command = run_command();
-    let told = |arg: &&Arg| arg.get_long().is_some_and(|long| !NOT_OF_RUN.contains(&long));
+    let told =
+        |arg: &&Arg| !arg.is_hide_set() && arg.get_long().is_some_and(|long| !NOT_OF_RUN.contains(&long));
     command.get_arguments().filter(told).map(parameter).collect()
 }
 

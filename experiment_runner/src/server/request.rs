@@ -13,10 +13,11 @@ use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
 /// Options of `frictionlab run` that a request has fields for, or that are about the terminal.
-pub(super) const NOT_OF_RUN: [&str; 7] =
-    ["experiment", "model", "repetitions", "out", "force", "quiet", "jobs"];
+pub(super) const NOT_OF_RUN: [&str; 9] =
+    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs"];
 /// The same of `frictionlab identify`.
-const NOT_OF_IDENTIFY: [&str; 7] = ["files", "model", "validate", "out", "force", "quiet", "jobs"];
+const NOT_OF_IDENTIFY: [&str; 9] =
+    ["files", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
 
 /// An experiment that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -1,5 +1,7 @@
 //! One run of one arm under the beliefs of one draw.
 
+use std::time::Instant;
+
 use friction_model::{AnyModel, ModelName, ViscousParameters};
 use serde::Serialize;
 
@@ -42,6 +44,24 @@ impl StudyOptions {
     pub fn without_friction(&self, task: Task, draw: u32) -> Result<Trial, StudyError> {
         let none = AnyModel::Viscous(ViscousParameters { f_v: 0.0 }.try_into()?);
         self.run(task, none, Arm::None, draw)
+    }
+
+    /// Time that the study takes on this machine [s], by one run of each task; nothing where it is no matter.
+    ///
+    /// # Errors
+    /// [`StudyError`] if a loop cannot be put together.
+    pub fn expected_seconds(&self) -> Result<Option<f64>, StudyError> {
+        let (Some(&plant), Some(&arm)) = (self.plants.first(), self.arms.last()) else { return Ok(None) };
+        let mut once = 0.0;
+        for &task in &self.tasks {
+            let started = Instant::now();
+            self.trial(task, plant, arm, 0)?;
+            once += started.elapsed().as_secs_f64();
+        }
+        // Beside the arms there is the linear controller alone, and the plant without friction.
+        let runs = f64::from(self.draws) * (self.plants.len() * (self.arms.len() + 1) + 1) as f64;
+        let seconds = once * runs / self.workers.max(1) as f64;
+        Ok(Some(seconds).filter(|seconds| *seconds > 30.0))
     }
 
     fn run(&self, task: Task, friction: AnyModel, arm: Arm, draw: u32) -> Result<Trial, StudyError> {
