@@ -271,6 +271,7 @@ fn bad_columns_are_refused() {
         &["`voltage_V`", "t_s, position_rad, u_V", "--force-column"],
     );
     desk.refused(&["a.csv", "--force-column", "u_V", "--time", "when"], &["`when`", "--time"]);
+    desk.refused(&["a.csv", "--force", "u_V:2"], &["no file u_V:2", "--force-column u_V:2"]);
 }
 
 #[test]

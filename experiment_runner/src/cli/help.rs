@@ -9,7 +9,7 @@ const GROUPS: [(&str, &[&str]); 7] = [
     ("Measure", &["run", "protocols"]),
     ("Identify", &["identify", "identify-drive", "identify-servo", "identify-stiction"]),
     ("Compensate", &["design", "monte-carlo"]),
-    ("Live on ROS 2", &["live", "launch", "serve", "security"]),
+    ("Live on ROS 2", &["live", "launch", "node", "serve", "security"]),
     ("Rig", &["rig", "doctor"]),
     ("Science", &["models", "simulate", "features", "truth-matrix"]),
     ("Files", &["bag"]),

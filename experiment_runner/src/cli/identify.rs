@@ -271,6 +271,14 @@ pub(super) fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
 }
 
 fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
+    // A column's name behind --force would be taken for a file.
+    let column = args.files.iter().find(|file| args.to.force && !file.exists());
+    if let Some(column) = column {
+        let column = column.display();
+        return Err(BadInput(format!(
+            "there is no file {column}; --force replaces results that are there, and the column of the force is named by --force-column {column}"
+        )));
+    }
     if !(args.time_tolerance >= 0.0 && args.time_tolerance < 1.0) {
         return Err(BadInput(format!(
             "--time-tolerance must be a fraction from 0 to below 1, as in 0.05, but is {}",

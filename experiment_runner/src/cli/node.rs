@@ -4,9 +4,9 @@ use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
-/// Run one of the ROS 2 nodes: rig_driver, friction_observer, controller or experiment_runner
+/// Run one of the four ROS 2 nodes in this process
 ///
-/// The same programs as the executables of these names, for those who have installed `frictionlab` alone; `frictionlab launch` starts them so.
+/// rig_driver, friction_observer, controller or experiment_runner: the same programs as the executables of these names, for those who have installed `frictionlab` alone; `frictionlab launch` starts them so.
 ///
 ///   frictionlab node rig_driver --ros-args -p rig:=serial:/dev/ttyACM0
 ///   frictionlab node controller --help
