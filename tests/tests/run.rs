@@ -103,7 +103,7 @@ fn wrong_input_is_told_and_nothing_is_written() {
     fs::write(&broken, "/friction_observer:\n  ros__parameters:\n    lugre: {f_s: 0.1, f_c: 0.2, v_s: 0.1, sigma0: 1.0, sigma1: 0.1, f_v: 0.0}\n").unwrap();
     let cases: [(&[&str], &[&str]); 7] = [
         (&["--voltage-limit", "50"], &["--voltage-limit", "10 V", "50"]),
-        (&["--voltage-limit", "NaN"], &["voltage_limit", "NaN"]),
+        (&["--voltage-limit", "NaN"], &["--voltage-limit", "NaN"]),
         (&["--model", "lugri"], &["lugri", "xiong, proposed"]),
         (&["--plant", "butter"], &["butter", "coulomb"]),
         (&["--parameters", missing.to_str().unwrap()], &["nowhere.yaml", "No such file"]),

@@ -39,13 +39,13 @@ impl KnownDrive {
         let parameters = nodes.filter_map(|node| node.get("ros__parameters"));
         let places = parameters.chain([&tree]).flat_map(|place| [Some(place), place.get("drive")]).flatten();
         let number = |place: &Value, name: &str| place.get(name).and_then(Value::as_f64);
-        let found = places.filter_map(|place| {
+        let mut found = places.filter_map(|place| {
             let linear =
                 LinearDrive { gain: number(place, "gain")?, time_constant: number(place, "time_constant")? };
             let volts = number(place, "volts_per_newton_metre").or_else(|| number(place, "volts_per_torque"));
             Some(Self { linear, volts_per_newton_metre: volts })
         });
-        let found = found.last().ok_or(
+        let found = found.next().ok_or(
             "expected the motor's constants (/rig_driver: ros__parameters: drive:) or `gain` [rad/s per V] and `time_constant` [s], \
              as `frictionlab identify-drive` writes them",
         )?;
