@@ -26,7 +26,8 @@ fn tables() -> TempDir {
 /// Identifies the proposed model and returns the document and what was printed.
 fn identify(folder: &Path, out: &str, options: &[&str]) -> (Value, String) {
     let files = ["run/steady_points.csv", "run/lag_chirp.csv", "run/presliding.csv"];
-    let args = [&["identify"][..], &files, &["--model", "proposed", "--out", out], options].concat();
+    let args =
+        [&["identify"][..], &files, &["--model", "proposed", "--force", "--out", out], options].concat();
     let output = frictionlab(folder, &args);
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
     let text = fs::read_to_string(folder.join(out).join("identification.json")).unwrap();

@@ -47,7 +47,7 @@ fn two_recordings_of_one_axis_agree_within_their_intervals() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
-    let text = std::fs::read_to_string(folder.path().join("stiction/stiction.json")).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/stiction.json")).unwrap();
     let document: Value = serde_json::from_str(&text).unwrap();
     let [first, second] = document["episodes"].as_array().unwrap().as_slice() else { panic!("{document}") };
 
@@ -96,7 +96,7 @@ fn two_recordings_of_one_axis_agree_within_their_intervals() {
     }
 
     // What cannot be known is said wherever the numbers are.
-    let page = std::fs::read_to_string(folder.path().join("stiction/report.html")).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/report.html")).unwrap();
     let unknown: Vec<&str> =
         document["unknown"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
     for said in ["newton metres", "inertia times resistance", "back-EMF", "upper value"] {
