@@ -5,7 +5,7 @@ use std::process::Command;
 
 use experiment_runner::drive::parameters::{DriveConstants, render};
 use experiment_runner::drive::{Identified, identify};
-use experiment_runner::recording::AxisKind;
+use experiment_runner::recording::{AxisKind, Irregularities, RecordedStretch};
 use experiment_runner::recording::driven::DrivenRecording;
 use friction_ident::drive::{Calibration, Known};
 use friction_model::{AnyModel, ModelName};
@@ -58,6 +58,8 @@ fn record(model: AnyModel, seed: u64) -> DrivenRecording {
         velocity: Some(velocity),
         friction: Some(friction),
         axis: Some(AxisKind::Rotary),
+        stretches: RecordedStretch::whole(31_999),
+        irregularities: Irregularities::default(),
     }
 }
 

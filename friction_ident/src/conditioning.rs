@@ -5,6 +5,10 @@
 //! ends are cut off. The force is left as measured: filtering it alone would shift nothing but would flatten
 //! the steps that Coulomb friction makes. Decimation comes later, when the regression is set up, and treats
 //! every regressor and the force alike ([`crate::rigid_axis`]).
+//!
+//! A recording with gaps is conditioned stretch by stretch ([`condition_stretches`]): no filter, difference or delay reaches across a gap.
+
+use std::ops::Range;
 
 use crate::IdentError;
 use crate::zero_phase::LowPass;
@@ -46,12 +50,12 @@ pub struct Signals<'a> {
     pub force: &'a [f64],
 }
 
-/// A conditioned recording, still at the full sampling rate.
+/// A conditioned recording, still at the full sampling rate; of one with gaps the stretches stand one behind the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditioned {
     /// Sampling period \[s\].
     pub time_step: f64,
-    /// Index of the first kept sample in the recording.
+    /// Index of the first kept sample in the recording, or in each of its stretches.
     pub first: usize,
     /// Position \[m or rad\], where it was recorded.
     pub position: Option<Vec<f64>>,
@@ -67,7 +71,88 @@ pub struct Conditioned {
     pub(crate) velocity_floor: f64,
     /// Factor by which the regression thins the samples.
     pub(crate) decimate: usize,
+    /// The stretches without a gap; one at least.
+    pub(crate) pieces: Vec<Piece>,
 }
+
+/// A stretch of a conditioned recording.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Piece {
+    /// Which of the stretches that were given it is.
+    pub stretch: usize,
+    /// Its kept samples among all of them.
+    pub kept: Range<usize>,
+    /// Time of its first recorded sample \[s\].
+    pub start: f64,
+}
+
+impl Conditioned {
+    /// Stretches of the recording that were long enough to be conditioned.
+    pub fn stretches(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// A column made anew stretch by stretch, so that nothing reaches across a gap.
+    pub(crate) fn by_piece(
+        &self,
+        column: &[f64],
+        make: impl Fn(&[f64]) -> Result<Vec<f64>, IdentError>,
+    ) -> Result<Vec<f64>, IdentError> {
+        let mut made = Vec::with_capacity(column.len());
+        for piece in &self.pieces {
+            made.extend(make(column.get(piece.kept.clone()).unwrap_or_default())?);
+        }
+        Ok(made)
+    }
+}
+
+/// Conditions each stretch of a recording for itself and puts them one behind the other. Each comes with the time of its first sample \[s\]; all have one
+/// sampling period. Stretches too short for the filters are left out, which [`Conditioned::stretches`] tells.
+///
+/// # Errors
+/// Those of [`condition`] for the longest stretch, and [`IdentError::TimeStep`] where the sampling periods differ.
+pub fn condition_stretches(
+    stretches: &[(f64, Signals)],
+    how: &Conditioning,
+) -> Result<Conditioned, IdentError> {
+    let longest = (0..stretches.len()).max_by_key(|&i| (stretches[i].1.force.len(), stretches.len() - i));
+    let Some(longest) = longest else { return Err(IdentError::NoMotion) };
+    let dt = stretches[longest].1.time_step;
+    if let Some((_, other)) = stretches.iter().find(|(_, signals)| signals.time_step != dt) {
+        return Err(IdentError::TimeStep(other.time_step));
+    }
+    let thinning = if how.decimate > 1 { THINNING_PADDING } else { 0 };
+    let mut found: Option<Conditioned> = None;
+    for (i, (start, signals)) in stretches.iter().enumerate() {
+        let mut one = match condition(signals, how) {
+            Err(IdentError::TooFewSamples { .. }) if i != longest => continue,
+            other => other?,
+        };
+        if i != longest && one.force.len() <= thinning {
+            continue;
+        }
+        let before = found.as_ref().map_or(0, |all| all.force.len());
+        let piece = Piece { stretch: i, kept: before..before + one.force.len(), start: *start };
+        let Some(all) = &mut found else {
+            one.pieces = vec![piece];
+            found = Some(one);
+            continue;
+        };
+        all.pieces.push(piece);
+        if let (Some(all), Some(one)) = (&mut all.position, &one.position) {
+            all.extend_from_slice(one);
+        }
+        all.velocity.extend_from_slice(&one.velocity);
+        all.acceleration.extend_from_slice(&one.acceleration);
+        all.force.extend_from_slice(&one.force);
+        all.velocity_floor = all.velocity_floor.max(one.velocity_floor);
+        all.acceleration_floor = all.acceleration_floor.max(one.acceleration_floor);
+    }
+    found.ok_or(IdentError::NoMotion)
+}
+
+/// Samples that the anti-alias low-pass of the thinning needs more than: three times its order.
+const THINNING_PADDING: usize = 24;
 
 /// Filters, differentiates and trims a recording.
 ///
@@ -115,7 +200,9 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
     };
     let acceleration = differences(&velocity, dt);
     let kept = how.trim..n - how.trim;
+    let pieces = vec![Piece { stretch: 0, kept: 0..kept.len(), start: 0.0 }];
     Ok(Conditioned {
+        pieces,
         time_step: dt,
         first: how.trim,
         position: position.map(|position| position[kept.clone()].to_vec()),

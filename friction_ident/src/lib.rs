@@ -77,7 +77,7 @@ pub mod uncertain;
 pub mod zero_phase;
 
 pub use bounded::Ending;
-pub use conditioning::{Conditioned, Conditioning, Signals, condition};
+pub use conditioning::{Conditioned, Conditioning, Signals, condition, condition_stretches};
 pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 pub use free_parameters::FreeParameters;

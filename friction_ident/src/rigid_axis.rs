@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::conditioning::Conditioned;
+use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
 use crate::zero_phase::decimate;
 
@@ -223,9 +223,16 @@ impl AxisFit {
         let step = recording.decimate as f64 * recording.time_step;
         let start = recording.first as f64 * recording.time_step;
         let residual = (&regression.force - &predicted).norm();
+        let rows = |piece: &Piece| 0..piece.kept.len().div_ceil(recording.decimate);
+        let time = |piece: &Piece| {
+            let begins = piece.start;
+            rows(piece).map(move |k| begins + (start + step * k as f64))
+        };
         Ok(Prediction {
-            time: (0..predicted.len()).map(|k| start + step * k as f64).collect(),
-            velocity: recording.velocity.iter().copied().step_by(recording.decimate).collect(),
+            time: recording.pieces.iter().flat_map(time).collect(),
+            velocity: recording.by_piece(&recording.velocity, |v| {
+                Ok(v.iter().copied().step_by(recording.decimate).collect())
+            })?,
             relative_error: 100.0 * residual / regression.force.norm(),
             measured: regression.force.as_slice().to_vec(),
             predicted: predicted.as_slice().to_vec(),
@@ -321,7 +328,9 @@ impl Regression {
             if velocity.abs() <= recording.velocity_floor { 0.0 } else { velocity.signum() }
         };
         let terms = model.terms();
-        let force = DVector::from_vec(decimate(&recording.force, recording.decimate)?);
+        let thinned =
+            |column: &[f64]| recording.by_piece(column, |piece| decimate(piece, recording.decimate));
+        let force = DVector::from_vec(thinned(&recording.force)?);
         let mut matrix = DMatrix::zeros(force.len(), terms.len());
         for (j, term) in terms.iter().enumerate() {
             let column: Vec<_> = recording
@@ -330,7 +339,7 @@ impl Regression {
                 .zip(&recording.velocity)
                 .map(|(&a, &v)| term.regressor(a, v, sign(v)))
                 .collect();
-            matrix.set_column(j, &DVector::from_vec(decimate(&column, recording.decimate)?));
+            matrix.set_column(j, &DVector::from_vec(thinned(&column)?));
         }
         Ok(Self { matrix, force })
     }

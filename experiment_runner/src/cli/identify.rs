@@ -17,6 +17,7 @@ use crate::identify::{self, Settings};
 use crate::progress::Progress;
 use crate::recording::rosbag::{self, Motor};
 use crate::recording::table;
+use crate::recording::timing::{TOLERANCE, tolerance};
 use crate::recording::{AxisKind, Column, Recording};
 
 /// Find friction and inertia in your recordings (CSV or bags)
@@ -107,8 +108,9 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
     trim: usize,
 
-    /// How far a time step may be from the usual one, as a fraction of it.
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.05, help_heading = "Conditioning")]
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction of it, at most 0.5; samples off by more are read between
+    /// their neighbours, and gaps split the recording.
+    #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Conditioning")]
     pub(super) time_tolerance: f64,
 
     /// The force is friction alone and drives no inertia; so for a bag's friction torque anyway.
@@ -277,12 +279,6 @@ fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
         let column = column.display();
         return Err(BadInput(format!(
             "there is no file {column}; --force replaces results that are there, and the column of the force is named by --force-column {column}"
-        )));
-    }
-    if !(args.time_tolerance >= 0.0 && args.time_tolerance < 1.0) {
-        return Err(BadInput(format!(
-            "--time-tolerance must be a fraction from 0 to below 1, as in 0.05, but is {}",
-            args.time_tolerance
         )));
     }
     for (option, value) in [

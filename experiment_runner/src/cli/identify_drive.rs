@@ -9,6 +9,7 @@ use super::destination::ToFolder;
 use super::saying::Saying;
 use crate::drive::{identify, page::page, parameters};
 use crate::recording::driven::{self, DrivenColumns};
+use crate::recording::timing::{TOLERANCE, tolerance};
 use crate::recording::{AxisKind, Column};
 use crate::report::render_page;
 
@@ -65,8 +66,9 @@ pub struct IdentifyDriveArgs {
     #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
     axis: Option<AxisKind>,
 
-    /// How far a time step may be from the usual one, as a fraction of it.
-    #[arg(long, value_name = "FRACTION", default_value_t = 0.05, help_heading = "Columns of a CSV file")]
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction of it, at most 0.5; samples off by more are read between
+    /// their neighbours, and gaps split the recording.
+    #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Columns of a CSV file")]
     time_tolerance: f64,
 
     /// Use voltage and motion alone, even where the friction torque was measured.

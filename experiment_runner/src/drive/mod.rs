@@ -13,7 +13,7 @@ use serde_json::json;
 
 use crate::identify::quantity::with_error;
 use crate::identify::structure::units;
-use crate::recording::AxisKind;
+use crate::recording::{AxisKind, Irregularities, RecordedStretch};
 use crate::recording::driven::DrivenRecording;
 
 /// A drive found in one or several recordings.
@@ -27,6 +27,8 @@ pub struct Identified {
     pub calibration: Option<Calibration>,
     /// Each recording with its fit.
     pub fits: Vec<(PathBuf, DriveFit)>,
+    /// What was uneven about the times of each recording.
+    pub timing: Vec<Irregularities>,
     /// All recordings together.
     pub estimates: Vec<Estimate>,
 }
@@ -41,22 +43,30 @@ pub fn identify(
     calibration: Option<Calibration>,
     gear_ratio: Option<f64>,
 ) -> Result<Identified, (PathBuf, IdentError)> {
-    let mut fits = Vec::new();
+    let (mut fits, mut timing) = (Vec::new(), Vec::new());
     for recording in recordings {
-        let drive = DriveRecording {
-            time_step: recording.time_step,
-            voltage: &recording.voltage,
-            position: recording.position.as_deref(),
-            velocity: recording.velocity.as_deref(),
-            friction: recording.friction.as_deref(),
+        let part = |stretch: &RecordedStretch| {
+            let own = stretch.samples.clone();
+            DriveRecording {
+                start: stretch.start,
+                time_step: recording.time_step,
+                voltage: &recording.voltage[own.clone()],
+                position: recording.position.as_deref().map(|all| &all[own.clone()]),
+                velocity: recording.velocity.as_deref().map(|all| &all[own.clone()]),
+                friction: recording.friction.as_deref().map(|all| &all[own.clone()]),
+            }
         };
+        let drive: Vec<DriveRecording> = recording.stretches.iter().map(part).collect();
         let how = Conditioning::for_time_step(recording.time_step);
-        let fit = fit_drive(&drive, &how, calibration.as_ref(), units(axis))
+        let mut fit = fit_drive(&drive, &how, calibration.as_ref(), units(axis))
             .map_err(|error| (recording.path.clone(), error))?;
+        let uneven = recording.irregularities.describe();
+        fit.notes.extend(uneven.map(|said| format!("{}: {said}", recording.path.display())));
+        timing.push(recording.irregularities);
         fits.push((recording.path.clone(), fit));
     }
     let lists: Vec<_> = fits.iter().map(|(_, fit)| fit.estimates.parameters.clone()).collect();
-    Ok(Identified { axis, gear_ratio, calibration, estimates: combine(&lists), fits })
+    Ok(Identified { axis, gear_ratio, calibration, estimates: combine(&lists), fits, timing })
 }
 
 impl Identified {
@@ -86,12 +96,13 @@ impl Identified {
             "axis": self.axis,
             "known": self.calibration,
             "estimates": self.estimates,
-            "recordings": self.fits.iter().map(|(path, fit)| json!({
+            "recordings": self.fits.iter().zip(&self.timing).map(|((path, fit), timing)| json!({
                 "file": path.display().to_string(),
                 "relative_error_percent": fit.relative_error,
                 "effective_share": fit.effective_share,
                 "estimates": fit.estimates.parameters,
                 "breakaways": fit.breakaways,
+                "timing": timing,
             })).collect::<Vec<_>>(),
             "notes": self.notes(),
         });

@@ -3,7 +3,8 @@
 //! ```text
 //! format, format_version, program_version
 //! axis                     "linear" or "rotary"
-//! recording                file, samples, time_step_s, duration_s, sources
+//! recording                file, samples, time_step_s, duration_s, sources, timing (what was uneven and what was done: repeated, moved, filled, dropped,
+//!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
 //! settings                 cutoff_hz, order, trim, decimate
 //! symmetric, asymmetric    (the latter null where the recording does not show both directions)
@@ -88,5 +89,6 @@ fn source(recording: &Recording) -> Value {
         "time_step_s": recording.time_step,
         "duration_s": recording.duration(),
         "sources": recording.sources,
+        "timing": recording.irregularities,
     })
 }

@@ -15,11 +15,11 @@ pub mod terminal;
 use std::path::{Path, PathBuf};
 
 use friction_ident::{
-    AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals, condition,
-    fit_axis,
+    AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals,
+    condition_stretches, fit_axis,
 };
 
-use crate::recording::{AxisKind, Recording};
+use crate::recording::{AxisKind, RecordedStretch, Recording};
 
 /// How a recording is to be identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,8 +93,13 @@ pub fn identify(
     settings: &Settings,
 ) -> Result<Identification, IdentifyError> {
     let estimation = conditioned(recording, settings)?;
+    let mut notes = timing_notes(recording, &estimation);
     let validation = match validation {
-        Some(other) => Some((other.path.as_path(), conditioned(other, settings)?)),
+        Some(other) => {
+            let there = conditioned(other, settings)?;
+            notes.extend(timing_notes(other, &there));
+            Some((other.path.as_path(), there))
+        }
         None => None,
     };
     let blame = |source| IdentifyError { path: recording.path.clone(), source };
@@ -110,7 +115,6 @@ pub fn identify(
         Ok(ModelResult { fit, estimation: here, validation: there })
     };
 
-    let mut notes = Vec::new();
     let wanted = AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
     let symmetric = match fit_axis(&estimation, wanted) {
         Err(IdentError::NotExcited { terms }) if terms == [AxisTerm::Coulomb, AxisTerm::Offset] => {
@@ -143,14 +147,33 @@ pub fn identify(
 /// # Errors
 /// [`IdentifyError`] with the recording's path.
 pub fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
-    let signals = Signals {
-        time_step: recording.time_step,
-        position: recording.position.as_deref(),
-        velocity: recording.velocity.as_deref(),
-        force: &recording.force,
+    let stretch = |stretch: &RecordedStretch| {
+        let signals = Signals {
+            time_step: recording.time_step,
+            position: recording.position.as_deref().map(|all| &all[stretch.samples.clone()]),
+            velocity: recording.velocity.as_deref().map(|all| &all[stretch.samples.clone()]),
+            force: &recording.force[stretch.samples.clone()],
+        };
+        (stretch.start, signals)
     };
-    condition(&signals, &settings.conditioning)
+    let stretches: Vec<(f64, Signals)> = recording.stretches.iter().map(stretch).collect();
+    condition_stretches(&stretches, &settings.conditioning)
         .map_err(|source| IdentifyError { path: recording.path.clone(), source })
+}
+
+/// What is to be said about the times of a recording.
+fn timing_notes(recording: &Recording, used: &Conditioned) -> Vec<String> {
+    let path = recording.path.display();
+    let mut notes = Vec::new();
+    notes.extend(recording.irregularities.describe().map(|said| format!("{path}: {said}")));
+    let (found, long) = (recording.stretches.len(), used.stretches());
+    if long < found {
+        notes.push(format!(
+            "{path}: {} of {found} stretches are shorter than the low-pass and --trim need and were left out.",
+            found - long
+        ));
+    }
+    notes
 }
 
 /// What in a fit is not to be trusted.

@@ -7,13 +7,13 @@ use msgs::friction_msgs::RigMeasurement;
 
 use super::column::{Channel, axis_of};
 use super::table::{Found, Header, damaged, open};
-use super::timing::even_step;
-use super::{AxisKind, Column, RecordingError};
+use super::timing::Timing;
+use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
 use crate::bag::BagReader;
 
 const RIG_MEASUREMENT: &str = "/rig_measurement";
 
-/// An evenly sampled recording of a drive. A voltage held over a sample stands at its beginning.
+/// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a sample stands at its beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenRecording {
     /// The file or folder.
@@ -28,6 +28,10 @@ pub struct DrivenRecording {
     pub velocity: Option<Vec<f64>>,
     /// Friction force \[N\] or torque \[N m\].
     pub friction: Option<Vec<f64>>,
+    /// Stretches between gaps; one at least.
+    pub stretches: Vec<RecordedStretch>,
+    /// What was uneven.
+    pub irregularities: Irregularities,
     /// Kind of axis as the names tell it.
     pub axis: Option<AxisKind>,
 }
@@ -99,16 +103,27 @@ fn from_table(
     }
     let [time, voltage, position, velocity, friction] = values;
     let time = time.unwrap_or_default();
-    let time_step = even_step(path, &time, tolerance, |index| format!("line {}", lines[index]))?;
-    let voltage = voltage.unwrap_or_default();
-    Ok(DrivenRecording { path: path.into(), time_step, voltage, position, velocity, friction, axis })
+    let timing =
+        Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
+    let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
+    Ok(DrivenRecording {
+        path: path.into(),
+        time_step: timing.stretches[0].time_step,
+        voltage: voltage.map(channel).unwrap_or_default(),
+        position: position.map(|position| super::position_of(&timing, &position)),
+        velocity: velocity.map(channel),
+        friction: friction.map(channel),
+        axis,
+        stretches: RecordedStretch::of(&timing, 0),
+        irregularities: timing.irregularities,
+    })
 }
 
 /// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the cycle over which it was applied: a message carries that
 /// of the cycle before.
 fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
     let bag = BagReader::open(path)?;
-    let messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
+    let mut messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
     for (index, (_, rig)) in messages.iter().enumerate() {
         let finite = [rig.tachometer_velocity, rig.voltage_applied, rig.torque].iter().all(|v| v.is_finite());
         if !finite {
@@ -118,26 +133,31 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
             return Err(RecordingError::Message { path, topic, index: index + 1, detail });
         }
     }
+    // A bag is in the order of its log; what counts is when the sample was taken.
+    messages.sort_by_key(|(_, rig)| rig.header.stamp.to_nanos());
     let start = messages.first().map_or(0, |(_, rig)| rig.header.stamp.to_nanos());
-    let since = |stamp: u64| {
-        let distance = stamp.abs_diff(start) as f64 * 1e-9;
-        if stamp < start { -distance } else { distance }
-    };
-    let mut time: Vec<f64> = messages.iter().map(|(_, rig)| since(rig.header.stamp.to_nanos())).collect();
+    let since = |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
+    let time: Vec<f64> = messages.iter().map(|(_, rig)| since(rig)).collect();
     let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
-    let time_step = even_step(path, &time, tolerance, place)?;
-    let voltage: Vec<f64> = messages.iter().skip(1).map(|(_, rig)| rig.voltage_applied).collect();
-    let count = voltage.len();
-    time.truncate(count);
-    let channel =
-        |of: fn(&RigMeasurement) -> f64| messages.iter().take(count).map(|(_, rig)| of(rig)).collect();
+    let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
+    // The voltage of a sample stands in the next one of its own stretch; the last one has none.
+    let channel = |of: fn(&RigMeasurement) -> f64, later: usize| -> Vec<f64> {
+        let recorded: Vec<f64> = messages.iter().map(|(_, rig)| of(rig)).collect();
+        let own = |stretch: &super::timing::EvenStretch| {
+            let even = stretch.channel(&recorded, None);
+            even[later..even.len() - 1 + later].to_vec()
+        };
+        timing.stretches.iter().flat_map(own).collect()
+    };
     Ok(DrivenRecording {
         path: path.into(),
-        time_step,
-        voltage,
+        time_step: timing.stretches[0].time_step,
+        voltage: channel(|rig| rig.voltage_applied, 1),
         position: None,
-        velocity: Some(channel(|rig| rig.tachometer_velocity)),
-        friction: Some(channel(|rig| rig.torque)),
+        velocity: Some(channel(|rig| rig.tachometer_velocity, 0)),
+        friction: Some(channel(|rig| rig.torque, 0)),
         axis: Some(AxisKind::Rotary),
+        stretches: RecordedStretch::of(&timing, 1),
+        irregularities: timing.irregularities,
     })
 }

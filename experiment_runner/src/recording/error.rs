@@ -115,7 +115,7 @@ pub enum RecordingError {
         found: String,
     },
     /// Time stands still or runs backwards.
-    #[error("{place} of {}: time does not increase, {time} s comes after {before} s; sort the samples by time and delete repeated ones", path.display())]
+    #[error("{place} of {}: time runs backwards or stands still, {time} s comes after {before} s; expected the samples in the order of time", path.display())]
     TimeOrder {
         /// The file.
         path: PathBuf,
@@ -127,7 +127,7 @@ pub enum RecordingError {
         time: f64,
     },
     /// The samples are not evenly spaced.
-    #[error("{place} of {}: the time step there is {step} s, but the usual one is {usual} s, and {percent} % more or less is accepted; resample the recording evenly, cut it at the gap, or accept more with --time-tolerance", path.display())]
+    #[error("{place} of {}: the time step there is {step} s, but the usual one is {usual} s, and {percent} % more or less is accepted; cut the file there and give one of the parts", path.display())]
     Uneven {
         /// The file.
         path: PathBuf,

@@ -4,12 +4,13 @@
 //! [`drive_error`] is what the drive's constants then leave uncertain.
 //! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing, [`servo_log`]
 //! the JSON logs of a position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
-//! sure that the samples are evenly spaced. Whatever is returned has finite values, one length and SI units.
+//! evenly sampled stretches of what was recorded, and [`irregularities`] says what was uneven. Whatever is returned has finite values, one length and SI units.
 
 pub mod column;
 pub mod drive_error;
 pub mod driven;
 mod error;
+pub mod irregularities;
 pub mod rosbag;
 pub mod servo_log;
 pub mod stiction_table;
@@ -18,12 +19,15 @@ pub mod table;
 pub mod timing;
 pub mod trajectory;
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use serde::Serialize;
 
 pub use column::Column;
 pub use error::RecordingError;
+pub use irregularities::Irregularities;
+use timing::Timing;
 
 /// Whether the axis moves along a line or turns; decides the units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -99,7 +103,36 @@ pub struct Sources {
     pub force: ChannelSource,
 }
 
-/// An evenly sampled recording of one axis.
+/// A stretch of a recording without a gap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordedStretch {
+    /// Time of its first sample, counted from the first one of the recording \[s\].
+    pub start: f64,
+    /// Its samples among all of the recording.
+    pub samples: Range<usize>,
+}
+
+impl RecordedStretch {
+    /// A recording that is all one stretch.
+    #[must_use]
+    pub fn whole(samples: usize) -> Vec<Self> {
+        vec![Self { start: 0.0, samples: 0..samples }]
+    }
+
+    /// The stretches of `timing`, each without its last `less` samples.
+    fn of(timing: &Timing, less: usize) -> Vec<Self> {
+        let origin = timing.stretches.first().map_or(0.0, |first| first.start);
+        let mut end = 0;
+        let one = |stretch: &timing::EvenStretch| {
+            let samples = end..end + stretch.len().saturating_sub(less);
+            end = samples.end;
+            Self { start: stretch.start - origin, samples }
+        };
+        timing.stretches.iter().map(one).collect()
+    }
+}
+
+/// A recording of one axis, evenly sampled within each of its stretches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The file or folder.
@@ -112,6 +145,10 @@ pub struct Recording {
     pub velocity: Option<Vec<f64>>,
     /// Force \[N\] or torque \[N m\].
     pub force: Vec<f64>,
+    /// Stretches between gaps; one at least.
+    pub stretches: Vec<RecordedStretch>,
+    /// What was uneven.
+    pub irregularities: Irregularities,
     /// Kind of axis as the column names tell it; none where they do not.
     pub axis: Option<AxisKind>,
     /// The force is friction alone, as a bag's friction torque is, and not what drives the axis.
@@ -128,6 +165,19 @@ impl Recording {
 
     /// Time between the first and the last sample \[s\].
     pub fn duration(&self) -> f64 {
-        self.time_step * self.samples().saturating_sub(1) as f64
+        let end = |stretch: &RecordedStretch| {
+            stretch.start + self.time_step * stretch.samples.len().saturating_sub(1) as f64
+        };
+        self.stretches.last().map_or(0.0, end)
     }
+}
+
+/// The samples of all stretches of a channel, one stretch behind the other; `step` is that of a quantiser.
+fn all_stretches(timing: &Timing, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
+    timing.stretches.iter().flat_map(|stretch| stretch.channel(recorded, step)).collect()
+}
+
+/// A position on the even grid. That of an encoder keeps to its counts.
+fn position_of(timing: &Timing, recorded: &[f64]) -> Vec<f64> {
+    all_stretches(timing, recorded, friction_ident::quantiser::step_of(recorded))
 }

@@ -9,8 +9,8 @@ use std::path::Path;
 use msgs::friction_msgs::RigMeasurement;
 use msgs::sensor_msgs::JointState;
 
-use super::timing::even_step;
-use super::{AxisKind, ChannelSource, Recording, RecordingError, Sources};
+use super::timing::Timing;
+use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError, Sources};
 use crate::bag::BagReader;
 
 const JOINT_STATES: &str = "/joint_states";
@@ -47,12 +47,12 @@ impl Motor {
 ///
 /// # Errors
 /// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages without the fields
-/// needed, and those of [`even_step`].
+/// needed, and those of [`Timing::of`].
 pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Recording, RecordingError> {
     let channel = motor.map_or(BagChannel::Friction, |motor| BagChannel::Driving(*motor));
     let Track { topic, time, velocity, force } = track(path, channel)?;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
-    let time_step = even_step(path, &time, tolerance, place)?;
+    let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
     let source = |field: &str| ChannelSource { name: format!("{topic} {field}"), scale: 1.0 };
     let names = match motor {
         Some(_) => ("tachometer_velocity", "voltage_applied (as torque)"),
@@ -60,10 +60,12 @@ pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Record
     };
     Ok(Recording {
         path: path.into(),
-        time_step,
+        time_step: timing.stretches[0].time_step,
         position: None,
-        velocity: Some(velocity),
-        force,
+        velocity: Some(super::all_stretches(&timing, &velocity, None)),
+        force: super::all_stretches(&timing, &force, None),
+        stretches: RecordedStretch::of(&timing, 0),
+        irregularities: timing.irregularities,
         axis: Some(AxisKind::Rotary),
         friction_only: motor.is_none(),
         sources: Sources {
@@ -100,19 +102,17 @@ pub(super) struct Track {
 /// Reads all messages.
 pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, RecordingError> {
     let bag = BagReader::open(path)?;
-    let (topic, samples) = match channel {
+    let (topic, mut samples) = match channel {
         BagChannel::Friction => (JOINT_STATES, measured(path, &bag)?),
         BagChannel::Voltage => (RIG_MEASUREMENT, driven(path, &bag, |voltage, _| voltage)?),
         BagChannel::Driving(motor) => {
             (RIG_MEASUREMENT, driven(path, &bag, |voltage, velocity| motor.torque(voltage, velocity))?)
         }
     };
+    // A bag is in the order of its log; what counts is when the sample was taken.
+    samples.sort_by_key(|sample| sample.stamp);
     let start = samples.first().map_or(0, |sample| sample.stamp);
-    // Differences of the unsigned stamps lose their sign before the first one.
-    let since = |sample: &Sample| {
-        let t = sample.stamp.abs_diff(start) as f64 * 1e-9;
-        if sample.stamp < start { -t } else { t }
-    };
+    let since = |sample: &Sample| sample.stamp.saturating_sub(start) as f64 * 1e-9;
     Ok(Track {
         topic,
         time: samples.iter().map(since).collect(),

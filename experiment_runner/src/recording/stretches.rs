@@ -1,10 +1,9 @@
 //! A recording of friction: stretches and steady points, from a CSV file or a bag.
 //!
-//! A file may hold many runs: it is cut where the time jumps by more than five usual steps (a lost sample is no pause and is refused). Runs at a constant
+//! A file may hold many runs: it is cut at pauses, gaps and changes of the rate ([`timing`](super::timing)). Runs at a constant
 //! velocity become steady points, without their first fifth and last tenth, as in the thesis's experiment 1. A CSV file without a time column
 //! is read as steady points.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
@@ -21,12 +20,12 @@ use super::column::{Channel, axis_of};
 use super::drive_error::DriveError;
 use super::rosbag::{self, BagChannel};
 use super::table::{self, Columns, Header, Motion, damaged};
-use super::timing::even_step;
-use super::{AxisKind, RecordingError};
+use super::timing::{EvenStretch, TOLERANCE, Timing};
+use super::{AxisKind, Irregularities, RecordingError};
 
 mod pieces;
 
-use pieces::{cropped, runs, steady_part};
+use pieces::{cropped, steady_part};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
@@ -59,7 +58,7 @@ pub struct Preparation {
     pub torque: TorqueSource,
     /// The drive, for every source but a sensor.
     pub drive: Option<DriveConstants>,
-    /// How far a time step may be from the usual one, as a fraction.
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction.
     pub tolerance: f64,
 }
 
@@ -85,7 +84,7 @@ impl Default for Preparation {
             outliers: None,
             torque: TorqueSource::default(),
             drive: None,
-            tolerance: 0.05,
+            tolerance: TOLERANCE,
         }
     }
 }
@@ -120,14 +119,16 @@ pub struct FrictionRecording {
     pub outliers: Vec<Outlier>,
     /// What the errors of the drive's constants do to the friction, constant by constant; empty with a torque sensor.
     pub drive_errors: Vec<DriveError>,
-    /// Pieces too short to be used.
-    pub left_out: usize,
+    /// What was uneven about the times.
+    pub irregularities: Irregularities,
 }
 
 /// What was read, before it is cut.
 struct Samples {
     time: Vec<f64>,
     position: Option<Vec<f64>>,
+    /// Step of the encoder that the position comes from.
+    step: Option<f64>,
     velocity: Option<Vec<f64>>,
     force: Vec<f64>,
 }
@@ -144,8 +145,13 @@ pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<Frictio
             _ => BagChannel::Friction,
         };
         let track = rosbag::track(path, channel)?;
-        let samples =
-            Samples { time: track.time, position: None, velocity: Some(track.velocity), force: track.force };
+        let samples = Samples {
+            time: track.time,
+            position: None,
+            step: None,
+            velocity: Some(track.velocity),
+            force: track.force,
+        };
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
         return cut(path, &samples, Some(AxisKind::Rotary), how, place);
     }
@@ -166,6 +172,7 @@ fn parse(
     let rows = table::rows(path, bytes, columns, Motion::Both)?;
     let samples = Samples {
         time: rows.time.clone(),
+        step: rows.position.as_deref().and_then(step_of),
         position: rows.position.clone(),
         velocity: rows.velocity.clone(),
         force: rows.force.clone(),
@@ -238,7 +245,7 @@ fn points(
         axis,
         outliers: Vec::new(),
         drive_errors,
-        left_out: 0,
+        irregularities: Irregularities::default(),
     })
 }
 
@@ -252,6 +259,7 @@ fn cut(
     how: &Preparation,
     place: impl Fn(usize) -> String,
 ) -> Result<FrictionRecording, RecordingError> {
+    let timing = Timing::of(path, &samples.time, how.tolerance, place)?.longer_than(path, SHORTEST)?;
     let mut found = FrictionRecording {
         path: path.into(),
         points: Vec::new(),
@@ -260,21 +268,10 @@ fn cut(
         axis,
         outliers: Vec::new(),
         drive_errors: how.drive_errors(),
-        left_out: 0,
+        irregularities: timing.irregularities,
     };
-    let runs = runs(&samples.time);
-    let alone = runs.len() == 1;
-    for run in runs {
-        if run.len() < SHORTEST && !alone {
-            found.left_out += 1;
-            continue;
-        }
-        let first = run.start;
-        let dt = even_step(path, &samples.time[run.clone()], how.tolerance, |index| place(first + index))?;
-        if run.len() < SHORTEST {
-            return Err(RecordingError::TooShort { path: path.into(), found: run.len(), needed: SHORTEST });
-        }
-        let (stretch, constants) = prepare(samples, run, dt, how, &mut found)
+    for even in &timing.stretches {
+        let (stretch, constants) = prepare(samples, even, how, &mut found)
             .map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
         let steady = steady_part(&stretch);
         for (error, constant) in found.drive_errors.iter_mut().zip(constants) {
@@ -291,34 +288,32 @@ fn cut(
             None => found.stretches.push(stretch),
         }
     }
-    if found.points.is_empty() && found.stretches.is_empty() {
-        return Err(RecordingError::TooShort { path: path.into(), found: found.samples, needed: SHORTEST });
-    }
     Ok(found)
 }
 
 fn prepare(
     samples: &Samples,
-    run: Range<usize>,
-    dt: f64,
+    even: &EvenStretch,
     how: &Preparation,
     found: &mut FrictionRecording,
 ) -> Result<(Stretch, Vec<ConstantError>), IdentError> {
+    let dt = even.time_step;
     let mut clean = |channel: &'static str, values: &[f64]| -> Result<Vec<f64>, IdentError> {
         let Some(hampel) = how.outliers else { return Ok(values.to_vec()) };
         let cleaned = hampel.clean(values)?;
         found.outliers.extend(cleaned.replaced.iter().map(|replaced| Outlier {
             channel,
-            time: samples.time[run.start + replaced.index],
+            time: even.start + replaced.index as f64 * dt,
             measured: replaced.measured,
             by: replaced.by,
         }));
         Ok(cleaned.signal)
     };
-    let slice = |values: &Option<Vec<f64>>| values.as_ref().map(|values| values[run.clone()].to_vec());
-    let column = clean("force", &samples.force[run.clone()])?;
-    let velocity = slice(&samples.velocity).map(|values| clean("velocity", &values)).transpose()?;
-    let position = slice(&samples.position).map(|values| clean("position", &values)).transpose()?;
+    let column = clean("force", &even.channel(&samples.force, None))?;
+    let velocity = samples.velocity.as_ref().map(|values| even.channel(values, None));
+    let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
+    let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
+    let position = position.map(|values| clean("position", &values)).transpose()?;
     // An encoder's steps are no motion: beside a measured velocity such a position says little, alone its path between the counts is used.
     let step = position.as_deref().and_then(step_of);
     let position = match (position, step, &velocity) {
@@ -327,7 +322,7 @@ fn prepare(
         (position, ..) => position,
     };
 
-    let filter = SavitzkyGolay::new(3, frame(dt, run.len()))?;
+    let filter = SavitzkyGolay::new(3, frame(dt, even.len()))?;
     let rate = 1.0 / dt;
     let smooth = |signal: &[f64]| -> Result<Vec<f64>, IdentError> {
         match how.smoothing {
@@ -367,6 +362,9 @@ fn prepare(
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
     if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {
         stretch.before = Before::Rested;
+    } else if even.after_gap {
+        // The motion went on while nothing was recorded.
+        stretch.before = Before::Slid;
     }
     let thinned = |error: ConstantError| Ok(ConstantError { torque: thin(error.torque)?, ..error });
     let errors = friction.constants.into_iter().map(thinned).collect::<Result<_, IdentError>>()?;

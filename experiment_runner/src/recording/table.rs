@@ -8,8 +8,8 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::column::{Channel, axis_of, unit_factor};
-use super::timing::even_step;
-use super::{AxisKind, ChannelSource, Column, Recording, RecordingError, Sources};
+use super::timing::Timing;
+use super::{AxisKind, ChannelSource, Column, RecordedStretch, Recording, RecordingError, Sources};
 
 /// Which columns hold what; what is not named is recognised.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Columns {
     pub force: Option<Column>,
 }
 
-/// Reads a CSV file. Time steps may deviate by `tolerance`, a fraction, from the usual one.
+/// Reads a CSV file. Time steps may deviate by `tolerance`, a fraction, from the usual one; [`timing`](super::timing) says what becomes of others.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
@@ -65,13 +65,15 @@ pub(super) struct Found {
 /// The part of [`read`] that does not touch the disk.
 fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
     let rows = rows(path, bytes, columns, Motion::One)?;
-    let time_step = even_step(path, &rows.time, tolerance, |index| rows.place(index))?;
+    let timing = Timing::of(path, &rows.time, tolerance, |index| rows.place(index))?.of_one_rate();
     Ok(Recording {
         path: path.into(),
-        time_step,
-        position: rows.position,
-        velocity: rows.velocity,
-        force: rows.force,
+        time_step: timing.stretches[0].time_step,
+        position: rows.position.map(|position| super::position_of(&timing, &position)),
+        velocity: rows.velocity.map(|velocity| super::all_stretches(&timing, &velocity, None)),
+        force: super::all_stretches(&timing, &rows.force, None),
+        stretches: RecordedStretch::of(&timing, 0),
+        irregularities: timing.irregularities,
         axis: rows.axis,
         friction_only: false,
         sources: rows.sources,
@@ -314,8 +316,7 @@ mod tests {
             ("t_s,position_m,force_N\n0,1,\n", &["line 2", "force_N"]),
             ("t_s,position_m,force_N\n0,1,2\n1,2\n", &["line 3", "2 fields", "3"]),
             ("t_s,force_N,force_N,position_m\n0,1,2,3\n", &["2 columns", "force_N"]),
-            ("t_s,position_m,force_N\n0,1,2\n1,1,2\n3,1,2\n4,1,2\n5,1,2\n", &["line 4", "2 s", "5 %"]),
-            ("t_s,position_m,force_N\n0,1,2\n2,1,2\n1,1,2\n", &["line 4", "does not increase"]),
+            ("t_s,position_m,force_N\n0,1,2\n2,1,2\n1,1,2\n", &["line 4", "runs backwards"]),
             ("t_s,position_m,force_N\n0,1,2\n", &["1 samples"]),
         ] {
             let message = message(text);

@@ -1,8 +1,281 @@
-//! Are the samples evenly spaced?
+//! When the samples were taken: the evenly sampled stretches of a recording, and what was uneven about it.
+//!
+//! The usual step is the median. A sample whose step is within the tolerance of it stays as it is. Where one came late, or up to two are missing, the recording is
+//! bridged: what lies off the even grid is read between its neighbours. A longer step cuts the recording in two, and so does a lasting change of the rate; a
+//! sample with the time of the one before is dropped. Filters, derivatives and initial states never reach across a cut. Everything is counted ([`Irregularities`]).
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::RecordingError;
+use super::irregularities::Irregularities;
+
+/// Steps up to so many usual ones are bridged: two samples are missing at most.
+const BRIDGED: f64 = 3.0;
+/// A longer step without samples is a pause between two runs, and nothing is missing \[s\].
+const PAUSE: f64 = 0.5;
+/// Steps over which a rate is told.
+const WINDOW: usize = 20;
+/// Steps that a change of the rate must last.
+const LASTING: usize = 5;
+/// A median that differs by more is another rate, as a fraction.
+const OTHER_RATE: f64 = 0.2;
+/// Samples without which there is no sampling period.
+const NEEDED: usize = 3;
+/// How far a time step may be from the usual one where nothing else is said, as a fraction.
+pub const TOLERANCE: f64 = 0.05;
+
+/// Where a sample on the even grid is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Place {
+    /// The recorded sample at or before it.
+    index: usize,
+    /// Which one follows that; samples may have been dropped between.
+    next: usize,
+    /// How far on the way to the next one it lies, from 0.
+    part: f64,
+}
+
+/// An evenly sampled stretch of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvenStretch {
+    /// Time of its first sample \[s\].
+    pub start: f64,
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// The recording was going on before it, and broke off.
+    pub after_gap: bool,
+    places: Vec<Place>,
+}
+
+impl EvenStretch {
+    /// Samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// A channel of the recording on the even grid. What was recorded on the grid comes out bit by bit.
+    ///
+    /// `step` is that of a quantiser, if the channel comes from one: what is read between two samples keeps to its steps.
+    #[must_use]
+    pub fn channel(&self, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
+        let value = |index: usize| recorded.get(index).copied().unwrap_or_default();
+        let read = |place: &Place| {
+            let here = value(place.index);
+            if place.part == 0.0 {
+                return here;
+            }
+            let between = place.part * (value(place.next) - here);
+            here + step.map_or(between, |step| (between / step).round() * step)
+        };
+        self.places.iter().map(read).collect()
+    }
+}
+
+/// The stretches of a recording with what was uneven.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timing {
+    /// In the order of time; one at least.
+    pub stretches: Vec<EvenStretch>,
+    /// What was uneven.
+    pub irregularities: Irregularities,
+}
+
+impl Timing {
+    /// Tells the stretches of a recording apart. `time` is in the order of time; steps within `tolerance` (a fraction) of the usual one are even. `place` says where sample `i`
+    /// stands, as in `line 17`.
+    ///
+    /// # Errors
+    /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`].
+    pub fn of(
+        path: &Path,
+        time: &[f64],
+        tolerance: f64,
+        place: impl Fn(usize) -> String,
+    ) -> Result<Self, RecordingError> {
+        let mut kept: Vec<usize> = Vec::with_capacity(time.len());
+        for (index, &now) in time.iter().enumerate() {
+            match kept.last().map(|&last| time[last]) {
+                Some(before) if now < before => {
+                    let place = place(index);
+                    return Err(RecordingError::TimeOrder { path: path.into(), place, before, time: now });
+                }
+                Some(before) if now == before => {}
+                _ => kept.push(index),
+            }
+        }
+        let mut irregularities =
+            Irregularities { repeated: time.len() - kept.len(), ..Irregularities::default() };
+        let times: Vec<f64> = kept.iter().map(|&index| time[index]).collect();
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut stretches = Vec::new();
+        for (samples, after_gap) in cut(&steps, tolerance, &mut irregularities) {
+            if samples.len() < NEEDED {
+                irregularities.leave_out(samples.len());
+                continue;
+            }
+            stretches.push(even(&kept, &times, samples, tolerance, after_gap, &mut irregularities));
+        }
+        if stretches.is_empty() {
+            return Err(RecordingError::TooShort { path: path.into(), found: times.len(), needed: NEEDED });
+        }
+        irregularities.stretches = stretches.len();
+        Ok(Self { stretches, irregularities })
+    }
+
+    /// Without the stretches that have fewer than `shortest` samples.
+    ///
+    /// # Errors
+    /// [`RecordingError::TooShort`] if none is left.
+    pub fn longer_than(mut self, path: &Path, shortest: usize) -> Result<Self, RecordingError> {
+        let longest = self.stretches.iter().map(EvenStretch::len).max().unwrap_or(0);
+        if longest < shortest {
+            return Err(RecordingError::TooShort { path: path.into(), found: longest, needed: shortest });
+        }
+        self.stretches.retain(|stretch| {
+            let long = stretch.len() >= shortest;
+            if !long {
+                self.irregularities.leave_out(stretch.len());
+            }
+            long
+        });
+        self.irregularities.stretches = self.stretches.len();
+        Ok(self)
+    }
+
+    /// Only the stretches with the rate that most samples have, all with their mean sampling period; the others are counted.
+    #[must_use]
+    pub fn of_one_rate(mut self) -> Self {
+        let samples_like = |one: &EvenStretch| -> usize {
+            let like = self.stretches.iter().filter(|other| alike(one.time_step, other.time_step));
+            like.map(EvenStretch::len).sum()
+        };
+        // Of equals the faster one.
+        let best = self
+            .stretches
+            .iter()
+            .map(|one| (samples_like(one), one.time_step))
+            .max_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
+        let Some((_, usual)) = best else { return self };
+        let (mut steps, mut seconds) = (0, 0.0);
+        self.stretches.retain(|stretch| {
+            let like = alike(stretch.time_step, usual);
+            if like {
+                steps += stretch.len() - 1;
+                seconds += stretch.time_step * (stretch.len() - 1) as f64;
+            } else {
+                self.irregularities.other_rate += 1;
+                self.irregularities.other_rate_samples += stretch.len();
+            }
+            like
+        });
+        if self.stretches.len() > 1 {
+            let mean = seconds / steps as f64;
+            self.stretches.iter_mut().for_each(|stretch| stretch.time_step = mean);
+        }
+        self.irregularities.stretches = self.stretches.len();
+        self
+    }
+}
+
+fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() <= OTHER_RATE * a.min(b)
+}
+
+/// Where the recording is cut: ranges of samples, and whether each begins behind a gap.
+fn cut(steps: &[f64], tolerance: f64, found: &mut Irregularities) -> Vec<(Range<usize>, bool)> {
+    let ahead = |from: usize| median(&steps[from..(from + WINDOW).min(steps.len())]);
+    let mut parts = Vec::new();
+    let (mut first, mut after_gap) = (0, false);
+    let mut usual = if steps.is_empty() { f64::INFINITY } else { ahead(0) };
+    for (k, &step) in steps.iter().enumerate() {
+        if (step - usual).abs() <= tolerance * usual {
+            continue;
+        }
+        let gap = step > (BRIDGED + tolerance) * usual;
+        let lasting = steps.len() - k >= LASTING;
+        if !gap && !(lasting && (ahead(k) - usual).abs() > OTHER_RATE * usual) {
+            continue;
+        }
+        parts.push((first..k + 1, after_gap));
+        first = k + 1;
+        after_gap = false;
+        if step > PAUSE.max(BRIDGED * usual) {
+            found.pauses += 1;
+        } else if gap {
+            found.gaps += 1;
+            found.missing += (step / usual).round() as usize - 1;
+            after_gap = true;
+        } else {
+            found.rate_changes += 1;
+            after_gap = true;
+        }
+        if first < steps.len() {
+            usual = ahead(first);
+        }
+    }
+    parts.push((first..steps.len() + 1, after_gap));
+    parts
+}
+
+/// One stretch on its grid.
+fn even(
+    kept: &[usize],
+    times: &[f64],
+    samples: Range<usize>,
+    tolerance: f64,
+    after_gap: bool,
+    found: &mut Irregularities,
+) -> EvenStretch {
+    let (first, last) = (samples.start, samples.end - 1);
+    let steps: Vec<f64> = times[samples.clone()].windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&steps);
+    let near = tolerance * usual;
+    let whole = |k: usize| Place { index: kept[k], next: kept[k], part: 0.0 };
+    if steps.iter().all(|step| (step - usual).abs() <= near) {
+        // The mean does not suffer from the rounding of the single times.
+        let time_step = (times[last] - times[first]) / (last - first) as f64;
+        let places = samples.map(whole).collect();
+        return EvenStretch { start: times[first], time_step, after_gap, places };
+    }
+    let mut places = vec![whole(first)];
+    let (mut now, mut k, mut read_between) = (times[first], first, 0);
+    while now + usual <= times[last] + near {
+        let next = now + usual;
+        while k < last && times[k + 1] <= next {
+            k += 1;
+        }
+        if next - times[k] <= near && times[k] > now {
+            places.push(whole(k));
+            now = times[k];
+        } else if k < last && times[k + 1] - next <= near {
+            k += 1;
+            places.push(whole(k));
+            now = times[k];
+        } else if k < last {
+            let part = (next - times[k]) / (times[k + 1] - times[k]);
+            places.push(Place { index: kept[k], next: kept[k + 1], part });
+            read_between += 1;
+            now = next;
+        } else {
+            break;
+        }
+    }
+    let unused = samples.len() - (places.len() - read_between);
+    let moved = unused.min(read_between);
+    found.moved += moved;
+    found.filled += read_between - moved;
+    found.dropped += unused - moved;
+    let time_step = (now - times[first]) / (places.len() - 1).max(1) as f64;
+    EvenStretch { start: times[first], time_step, after_gap, places }
+}
 
 /// The sampling period of `time` \[s\], if every step is within `tolerance` (a fraction) of the median step.
 ///
@@ -16,7 +289,6 @@ pub fn even_step(
     tolerance: f64,
     place: impl Fn(usize) -> String,
 ) -> Result<f64, RecordingError> {
-    const NEEDED: usize = 3;
     let n = time.len();
     if n < NEEDED {
         return Err(RecordingError::TooShort { path: path.into(), found: n, needed: NEEDED });
@@ -30,9 +302,7 @@ pub fn even_step(
             time: time[index + 1],
         });
     }
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted[sorted.len() / 2];
+    let usual = median(&steps);
     if let Some(index) = steps.iter().position(|step| (step - usual).abs() > tolerance * usual) {
         return Err(RecordingError::Uneven {
             path: path.into(),
@@ -46,33 +316,27 @@ pub fn even_step(
     Ok((time[n - 1] - time[0]) / (n - 1) as f64)
 }
 
+/// The tolerance on the command line.
+///
+/// # Errors
+/// A sentence about what was expected.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if (0.0..=0.5).contains(&value) => Ok(value),
+        _ => Err("expected a fraction of the usual time step from 0 to 0.5, as in 0.05".to_owned()),
+    }
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
 /// Six significant digits, for messages.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn step(time: &[f64]) -> Result<f64, RecordingError> {
-        even_step(Path::new("x.csv"), time, 0.05, |index| format!("line {}", index + 2))
-    }
-
-    #[test]
-    fn rounding_of_printed_times_is_averaged_out() {
-        let time: Vec<_> = (0..1000).map(|i| (i as f64 * 0.012345 * 1e3).round() / 1e3).collect();
-        let even = even_step(Path::new("x.csv"), &time, 0.1, |_| String::new()).unwrap();
-        assert!((even - 0.012345).abs() < 1e-6);
-    }
-
-    #[test]
-    fn gaps_and_reversals_are_placed() {
-        let gap = step(&[0.0, 0.1, 0.2, 0.4, 0.5]).unwrap_err().to_string();
-        assert!(gap.contains("line 5") && gap.contains("0.2 s") && gap.contains("5 %"), "{gap}");
-        let back = step(&[0.0, 0.1, 0.2, 0.15, 0.3]).unwrap_err().to_string();
-        assert!(back.contains("line 5") && back.contains("0.15"), "{back}");
-        assert!(matches!(step(&[0.0, 0.1, 0.1]), Err(RecordingError::TimeOrder { .. })));
-        assert!(matches!(step(&[0.0, 0.1]), Err(RecordingError::TooShort { found: 2, .. })));
-    }
-}
+mod tests;

@@ -31,7 +31,7 @@ mod structure;
 pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
-pub(crate) use regressors::read as read_between;
+pub(crate) use regressors::{LONGEST_DELAY, read as read_between, rows_of};
 pub use shape::{PositionScale, Shape};
 pub use structure::{AxisStructure, UnknownStructure};
 

@@ -9,11 +9,11 @@ use nalgebra::{DMatrix, DVector};
 use super::AxisStructure;
 use super::shape::{PositionScale, Shape, ShapeTerm};
 use crate::IdentError;
-use crate::conditioning::Conditioned;
+use crate::conditioning::{Conditioned, Piece};
 use crate::zero_phase::LowPass;
 
 /// Longest delay that is considered, in samples.
-pub(super) const LONGEST_DELAY: usize = 10;
+pub(crate) const LONGEST_DELAY: usize = 10;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +53,7 @@ impl<'a> Regressors<'a> {
         if structure.needs_position() && recording.position.is_none() {
             return Err(IdentError::NoPosition { structure });
         }
-        let rows = recording.force.len().saturating_sub(LONGEST_DELAY + 2).div_ceil(factor);
+        let rows: usize = recording.pieces.iter().map(|piece| rows_of(piece, factor)).sum();
         let needed = 4 * structure.parameters();
         if rows < needed {
             return Err(IdentError::TooFewSamples {
@@ -74,7 +74,7 @@ impl<'a> Regressors<'a> {
             force: DVector::zeros(0),
         };
         let force = made.smooth(recording.force.clone())?;
-        made.force = DVector::from_iterator(rows, (0..rows).map(|k| force[k * factor]));
+        made.force = DVector::from_vec(made.read(&force, 0.0));
         made.fixed = made.fixed_columns()?;
         Ok(made)
     }
@@ -92,9 +92,7 @@ impl<'a> Regressors<'a> {
         let columns: Vec<&Vec<f64>> = columns.collect();
         let mut matrix = DMatrix::zeros(self.rows(), columns.len());
         for (mut to, from) in matrix.column_iter_mut().zip(columns) {
-            for (k, value) in to.iter_mut().enumerate() {
-                *value = read(from, (k * self.recording.decimate) as f64 + delay);
-            }
+            to.copy_from_slice(&self.read(from, delay));
         }
         Ok(matrix)
     }
@@ -123,9 +121,7 @@ impl<'a> Regressors<'a> {
             change.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += weight * (b - a));
         }
         let change = self.smooth(change)?;
-        let delay = self.advance(before);
-        let at = |k: usize| read(&change, (k * self.recording.decimate) as f64 + delay);
-        Ok(DVector::from_iterator(self.rows(), (0..self.rows()).map(at)))
+        Ok(DVector::from_vec(self.read(&change, self.advance(before))))
     }
 
     /// The unfiltered columns that a nonlinear parameter changes.
@@ -145,19 +141,31 @@ impl<'a> Regressors<'a> {
     /// Time since the recording's first sample \[s\], of each row.
     pub fn time(&self) -> Vec<f64> {
         let Conditioned { time_step, first, decimate, .. } = *self.recording;
-        (0..self.rows()).map(|k| (first + k * decimate) as f64 * time_step).collect()
+        let of = |piece: &Piece| {
+            let start = piece.start;
+            (0..rows_of(piece, decimate)).map(move |k| start + (first + k * decimate) as f64 * time_step)
+        };
+        self.recording.pieces.iter().flat_map(of).collect()
     }
 
     /// Velocity of each row, as it is when the force acts.
     pub fn velocity(&self, shape: &Shape) -> Vec<f64> {
-        let delay = self.advance(shape);
-        let at = |k: usize| (k * self.recording.decimate) as f64 + delay;
-        (0..self.rows()).map(|k| read(&self.recording.velocity, at(k))).collect()
+        self.read(&self.recording.velocity, self.advance(shape))
+    }
+
+    /// A column on the kept rows, read `delay` samples later, never beyond its own stretch.
+    fn read(&self, column: &[f64], delay: f64) -> Vec<f64> {
+        let factor = self.recording.decimate;
+        let of = |piece: &Piece| {
+            let own = column.get(piece.kept.clone()).unwrap_or_default();
+            (0..rows_of(piece, factor)).map(move |k| read(own, (k * factor) as f64 + delay))
+        };
+        self.recording.pieces.iter().flat_map(of).collect()
     }
 
     fn smooth(&self, column: Vec<f64>) -> Result<Vec<f64>, IdentError> {
         match &self.filter {
-            Some(filter) => filter.filter(&column),
+            Some(filter) => self.recording.by_piece(&column, |piece| filter.filter(piece)),
             None => Ok(column),
         }
     }
@@ -233,13 +241,17 @@ impl<'a> Regressors<'a> {
         if !self.structure.presliding {
             return velocity.iter().map(|&v| sign(v)).collect();
         }
-        let mut z = velocity.first().map_or(0.0, |&v| sign(v));
-        let step = |&v: &f64| {
-            let limit = v.signum();
-            z = limit + (z - limit) * (-v.abs() * time_step / displacement).exp();
-            z
+        // The bristle of each stretch begins at its own end of the curve.
+        let along = |piece: &Piece| {
+            let own = velocity.get(piece.kept.clone()).unwrap_or_default();
+            let mut z = own.first().map_or(0.0, |&v| sign(v));
+            own.iter().map(move |&v: &f64| {
+                let limit = v.signum();
+                z = limit + (z - limit) * (-v.abs() * time_step / displacement).exp();
+                z
+            })
         };
-        velocity.iter().map(step).collect()
+        self.recording.pieces.iter().flat_map(along).collect()
     }
 
     fn update_harmonic(&mut self, shape: &Shape) -> Result<(), IdentError> {
@@ -261,6 +273,11 @@ impl<'a> Regressors<'a> {
             position.iter().map(|x| angle(x).sin()).collect(),
         ]
     }
+}
+
+/// Rows that a stretch gives: its end is left to the longest delay.
+pub(crate) fn rows_of(piece: &Piece, factor: usize) -> usize {
+    piece.kept.len().saturating_sub(LONGEST_DELAY + 2).div_ceil(factor)
 }
 
 /// A column between its samples, by the cubic through the four around it.

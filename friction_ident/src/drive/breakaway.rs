@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::conditioning::Conditioned;
+use crate::conditioning::{Conditioned, Piece};
 
 /// One start of motion out of rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,8 +30,15 @@ const START: f64 = 1.0;
 /// where friction hardly falls with speed this is the sliding level, and where it falls much the axis jumps and it is the breakaway level itself. It contains the
 /// voltage that accelerates the axis, `T` times the rate of the voltage.
 pub fn breakaways(recording: &Conditioned) -> Vec<Breakaway> {
+    let fastest = recording.velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    recording.pieces.iter().flat_map(|piece| within(recording, piece, fastest)).collect()
+}
+
+/// Those within one stretch of it.
+fn within(recording: &Conditioned, piece: &Piece, fastest: f64) -> Vec<Breakaway> {
     let Conditioned { velocity, force, time_step, first, .. } = recording;
-    let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let velocity = velocity.get(piece.kept.clone()).unwrap_or_default();
+    let force = force.get(piece.kept.clone()).unwrap_or_default();
     let (still, moving) = (0.01 * fastest, 0.05 * fastest);
     let samples = |seconds: f64| (seconds / time_step).ceil() as usize;
     let mut found = Vec::new();
@@ -54,7 +61,7 @@ pub fn breakaways(recording: &Conditioned) -> Vec<Breakaway> {
             let (gain, rise) = (at(velocity, k + ahead) - v, at(force, k + ahead) - at(force, k));
             let voltage = at(force, k) - v * rise / gain;
             if rate.abs() < SLOW && voltage * direction > 0.0 {
-                found.push(Breakaway { time: (first + last) as f64 * time_step, voltage, direction });
+                found.push(Breakaway { time: piece.start + (first + last) as f64 * time_step, voltage, direction });
             }
         }
     }

@@ -5,18 +5,20 @@ use serde::Serialize;
 
 use super::constants::{Calibration, Known};
 use super::{Breakaway, breakaways};
-use crate::axis_structure::{AxisStructure, AxisUnits, fit_structure, read_between};
+use crate::axis_structure::{AxisStructure, AxisUnits, fit_structure, LONGEST_DELAY, read_between, rows_of};
 use crate::bounded::Minimum;
-use crate::conditioning::{Conditioned, Conditioning, Signals, condition};
+use crate::conditioning::{Conditioned, Conditioning, Piece, Signals, condition_stretches};
 use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 use crate::residual_whiteness::effective_share;
 use crate::zero_phase::LowPass;
 use crate::{Ending, IdentError, least_squares};
 
-/// What was recorded of a drive, all channels at the same instants. A voltage that is held over a sample stands at its beginning.
+/// What was recorded of a drive without a gap, all channels at the same instants. A voltage that is held over a sample stands at its beginning.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveRecording<'a> {
+    /// Time of the first sample \[s\].
+    pub start: f64,
     /// Sampling period \[s\].
     pub time_step: f64,
     /// Motor voltage \[V\].
@@ -50,30 +52,30 @@ pub struct DriveFit {
     pub notes: Vec<String>,
 }
 
-/// Identifies a drive.
+/// Identifies a drive from the stretches of a recording, all of one sampling period; neither filters nor the delay reach across the gaps between them.
 ///
 /// # Errors
 /// [`IdentError`] for recordings that are too short, not finite, without motion, or that do not excite the drive.
-pub fn fit_drive(
-    recording: &DriveRecording,
+pub fn fit_drive<'a>(
+    recording: &[DriveRecording<'a>],
     how: &Conditioning,
     calibration: Option<&Calibration>,
     units: &AxisUnits,
 ) -> Result<DriveFit, IdentError> {
-    let signals = Signals {
-        time_step: recording.time_step,
-        position: recording.position,
-        velocity: recording.velocity,
-        force: recording.voltage,
+    let signals = |stretch: &DriveRecording<'a>| {
+        let DriveRecording { start, time_step, voltage, position, velocity, .. } = *stretch;
+        (start, Signals { time_step, position, velocity, force: voltage })
     };
-    let conditioned = condition(&signals, how)?;
-    let fitted = match recording.friction {
-        Some(friction) => with_torque(&conditioned, friction)?,
+    let conditioned = condition_stretches(&recording.iter().map(signals).collect::<Vec<_>>(), how)?;
+    let friction: Option<Vec<&[f64]>> = recording.iter().map(|stretch| stretch.friction).collect();
+    let sensor = friction.is_some();
+    let fitted = match friction {
+        Some(friction) => with_torque(&conditioned, &friction)?,
         None => without_torque(&conditioned)?,
     };
     let found = breakaways(&conditioned);
     let mut report = Report { source: &fitted.estimates, made: Vec::new() };
-    let notes = report.fill(calibration, &found, units, recording.friction.is_some());
+    let notes = report.fill(calibration, &found, units, sensor);
     let made = report.made;
     let (correlation, covariance) = (Vec::new(), Vec::new());
     let Fitted { estimates, time, measured, predicted, share } = fitted;
@@ -114,28 +116,19 @@ fn without_torque(recording: &Conditioned) -> Result<Fitted, IdentError> {
 }
 
 /// `u = inertia w' + back_emf w + volts_per_torque F + offset`, all but the voltage read `delay` later.
-fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, IdentError> {
+fn with_torque(recording: &Conditioned, friction: &[&[f64]]) -> Result<Fitted, IdentError> {
     let Conditioned { time_step, first, velocity, acceleration, force, decimate, .. } = recording;
-    let kept = *first..first + force.len();
-    let friction = friction.get(kept).ok_or(IdentError::UnequalLengths {
-        channel: "the friction torque",
-        found: friction.len(),
-        expected: force.len() + 2 * first,
-    })?;
-    if let Some(index) = friction.iter().position(|value| !crate::finite::usable(*value)) {
-        let value = friction[index];
-        return Err(IdentError::NotFinite { channel: "the friction torque", index: first + index, value });
-    }
+    let friction = measured_friction(recording, friction)?;
     let filter = match decimate {
         1 => None,
         factor => Some(LowPass::chebyshev(8, 0.05, 0.4 / *factor as f64, 1.0)?),
     };
     let smooth = |column: &[f64]| match &filter {
-        Some(filter) => filter.filter(column),
+        Some(filter) => recording.by_piece(column, |piece| filter.filter(piece)),
         None => Ok(column.to_vec()),
     };
-    const LONGEST: usize = 10;
-    let rows = force.len().saturating_sub(LONGEST + 2).div_ceil(*decimate);
+    let pieces = &recording.pieces;
+    let rows: usize = pieces.iter().map(|piece| rows_of(piece, *decimate)).sum();
     if rows < 40 {
         return Err(IdentError::TooFewSamples {
             what: "the regression, after trimming and decimation,",
@@ -144,13 +137,21 @@ fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, Iden
             lower: "the trim or the decimation",
         });
     }
-    let voltage = smooth(force)?;
-    let y = DVector::from_iterator(rows, (0..rows).map(|k| voltage[k * decimate]));
-    let columns = [smooth(acceleration)?, smooth(velocity)?, smooth(friction)?];
+    let read = |column: &[f64], delay: f64| -> Vec<f64> {
+        let of = |piece: &Piece| {
+            let own = column.get(piece.kept.clone()).unwrap_or_default();
+            (0..rows_of(piece, *decimate)).map(move |k| read_between(own, (k * decimate) as f64 + delay))
+        };
+        pieces.iter().flat_map(of).collect()
+    };
+    let y = DVector::from_vec(read(&smooth(force)?, 0.0));
+    let columns = [smooth(acceleration)?, smooth(velocity)?, smooth(&friction)?];
     let matrix = |delay: f64| {
-        DMatrix::from_fn(rows, 4, |k, j| {
-            columns.get(j).map_or(1.0, |column| read_between(column, (k * decimate) as f64 + delay))
-        })
+        let mut matrix = DMatrix::from_element(rows, 4, 1.0);
+        for (j, column) in columns.iter().enumerate() {
+            matrix.column_mut(j).copy_from_slice(&read(column, delay));
+        }
+        matrix
     };
     const NAMES: [(&str, &str, &str); 5] = [
         ("inertia", "V s^2", "steps and fast changes of the voltage"),
@@ -169,12 +170,12 @@ fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, Iden
             IdentError::Columns { names: names.map(|name| name.0.to_owned()).collect() }
         })
     };
-    let delay = golden(0.0, LONGEST as f64, |delay| {
+    let delay = golden(0.0, LONGEST_DELAY as f64, |delay| {
         solve(delay).map_or(f64::INFINITY, |solution| solution.residual.norm_squared())
     });
     let solution = solve(delay)?;
     let h = 1e-2;
-    let (before, after) = ((delay - h).max(0.0), (delay + h).min(LONGEST as f64));
+    let (before, after) = ((delay - h).max(0.0), (delay + h).min(LONGEST_DELAY as f64));
     let slope = (matrix(after) - matrix(before)) * &solution.x / ((after - before) * time_step);
     let design = matrix(delay);
     let mut jacobian = DMatrix::zeros(rows, 5);
@@ -182,7 +183,7 @@ fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, Iden
     jacobian.set_column(4, &-slope);
     let mut x = solution.x.as_slice().to_vec();
     x.push(delay * time_step);
-    let at_bound = delay < 1e-3 || delay > LONGEST as f64 - 1e-3;
+    let at_bound = delay < 1e-3 || delay > LONGEST_DELAY as f64 - 1e-3;
     let share = effective_share(solution.residual.as_slice());
     let minimum = Minimum {
         x,
@@ -194,13 +195,37 @@ fn with_torque(recording: &Conditioned, friction: &[f64]) -> Result<Fitted, Iden
         ending: Ending::Converged,
     };
     let unknowns = NAMES.map(|(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy });
+    let time = |piece: &Piece| {
+        let start = piece.start;
+        (0..rows_of(piece, *decimate)).map(move |k| start + (first + k * decimate) as f64 * time_step)
+    };
     Ok(Fitted {
         estimates: Estimates::linearised(&minimum, &unknowns, share),
-        time: (0..rows).map(|k| (first + k * decimate) as f64 * time_step).collect(),
+        time: pieces.iter().flat_map(time).collect(),
         measured: y.as_slice().to_vec(),
         predicted: (design * &solution.x).as_slice().to_vec(),
         share,
     })
+}
+
+/// The friction torque on the kept samples of every stretch.
+fn measured_friction(recording: &Conditioned, friction: &[&[f64]]) -> Result<Vec<f64>, IdentError> {
+    const CHANNEL: &str = "the friction torque";
+    let mut kept = Vec::with_capacity(recording.force.len());
+    for piece in &recording.pieces {
+        let all = friction.get(piece.stretch).copied().unwrap_or_default();
+        let own = all.get(recording.first..recording.first + piece.kept.len());
+        kept.extend_from_slice(own.ok_or(IdentError::UnequalLengths {
+            channel: CHANNEL,
+            found: all.len(),
+            expected: piece.kept.len() + 2 * recording.first,
+        })?);
+    }
+    if let Some(index) = kept.iter().position(|value| !crate::finite::usable(*value)) {
+        let value = kept[index];
+        return Err(IdentError::NotFinite { channel: CHANNEL, index: recording.first + index, value });
+    }
+    Ok(kept)
 }
 
 /// The least value of a function with one valley (Kiefer 1953).

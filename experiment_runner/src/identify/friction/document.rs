@@ -3,7 +3,8 @@
 //! ```text
 //! format                  "frictionlab-friction-identification"; format_version, program_version
 //! axis                    "linear" or "rotary"
-//! files, validation       file, samples, points, stretches, outliers (channel, time, measured, by), pieces_left_out,
+//! files, validation       file, samples, points, stretches, outliers (channel, time, measured, by), pieces_left_out, timing (what was
+//!                         uneven and what was done: repeated, moved, filled, dropped, gaps, missing, pauses, rate_changes, stretches, too_short),
 //!                         added_uncertainty (rms, largest) of the friction by the drive's constants; null with a torque sensor
 //! recordings              of each kind: points or samples fitted to, and held out
 //! settings                models, asymmetric, elements, joint, inertia, damping_ratio, torque_source, drive_constants
@@ -92,7 +93,8 @@ fn source(source: &Source) -> Value {
         "points": source.points,
         "stretches": source.stretches,
         "outliers": source.outliers,
-        "pieces_left_out": source.left_out,
+        "pieces_left_out": source.irregularities.too_short,
+        "timing": source.irregularities,
         "added_uncertainty": source.added,
     })
 }

@@ -21,7 +21,7 @@ use friction_ident::staged::rms_of_kind;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::{AnyModel, ModelName};
 
-use crate::recording::AxisKind;
+use crate::recording::{AxisKind, Irregularities};
 use crate::recording::drive_error::AddedUncertainty;
 use crate::recording::stretches::{FrictionRecording, Preparation};
 
@@ -107,8 +107,8 @@ pub struct Source {
     pub outliers: Vec<crate::recording::stretches::Outlier>,
     /// What the errors of the drive's constants add to the friction.
     pub added: Option<AddedUncertainty>,
-    /// Pieces too short to be used.
-    pub left_out: usize,
+    /// What was uneven about the times.
+    pub irregularities: Irregularities,
 }
 
 impl From<&FrictionRecording> for Source {
@@ -120,7 +120,7 @@ impl From<&FrictionRecording> for Source {
             stretches: recording.stretches.len(),
             outliers: recording.outliers.clone(),
             added: AddedUncertainty::of(&recording.drive_errors),
-            left_out: recording.left_out,
+            irregularities: recording.irregularities,
         }
     }
 }

@@ -248,7 +248,7 @@ fn files(found: &FrictionIdentification) -> Table {
             source.points.to_string(),
             source.stretches.to_string(),
             source.outliers.len().to_string(),
-            source.left_out.to_string(),
+            source.irregularities.too_short.to_string(),
         ]
     };
     let fitted = found.files.iter().map(|source| row("fitted", source));

@@ -102,7 +102,7 @@ pub fn identify(
                 .to_owned(),
         );
     }
-    notes.extend(wording::source_notes(files, settings));
+    notes.extend(wording::source_notes(files.iter().chain(validation), settings));
     notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
     Ok(FrictionIdentification {
         settings: settings.clone(),
@@ -275,7 +275,7 @@ mod tests {
             axis: None,
             outliers: Vec::new(),
             drive_errors: Vec::new(),
-            left_out: 0,
+            irregularities: Default::default(),
         }
     }
 

@@ -138,7 +138,7 @@ pub(super) fn unseen_kinds(data: &FrictionData, held_out: &FrictionData) -> Opti
 }
 
 /// What is to be said about the files.
-pub(super) fn source_notes(files: &[FrictionRecording], settings: &Settings) -> Vec<String> {
+pub(super) fn source_notes<'a>(files: impl Iterator<Item = &'a FrictionRecording>, settings: &Settings) -> Vec<String> {
     let mut notes = Vec::new();
     let unit = settings.axis.force_unit();
     for file in files {
@@ -150,12 +150,7 @@ pub(super) fn source_notes(files: &[FrictionRecording], settings: &Settings) -> 
                 file.outliers.len()
             ));
         }
-        if file.left_out > 0 {
-            notes.push(format!(
-                "{path}: {} pieces between pauses were too short and were left out.",
-                file.left_out
-            ));
-        }
+        notes.extend(file.irregularities.describe().map(|said| format!("{path}: {said}")));
         if let Some(added) = AddedUncertainty::of(&file.drive_errors) {
             notes.push(format!(
                 "{path}: the friction is {}; the standard errors of the drive's constants add {} {unit} (root mean square) to it, {} {unit} at \

@@ -1,27 +1,8 @@
-//! Where a recording is cut: at pauses, and at what is steady of a run at a constant velocity.
+//! What is steady of a run at a constant velocity.
 
 use std::ops::Range;
 
 use friction_ident::Stretch;
-
-/// Steps longer than this many usual ones are pauses between runs.
-const PAUSE: f64 = 5.0;
-
-/// Where the runs are: ranges of samples without a pause in them.
-pub(super) fn runs(time: &[f64]) -> Vec<Range<usize>> {
-    let mut runs = Vec::new();
-    let mut first = 0;
-    for k in 1..time.len() {
-        let before = k - 1 - first;
-        let usual = if before > 0 { (time[k - 1] - time[first]) / before as f64 } else { f64::INFINITY };
-        if time[k] - time[k - 1] > PAUSE * usual {
-            runs.push(first..k);
-            first = k;
-        }
-    }
-    runs.push(first..time.len());
-    runs
-}
 
 /// The part of a run at a constant velocity that has settled; none if the velocity is not constant.
 pub(super) fn steady_part(stretch: &Stretch) -> Option<Range<usize>> {

@@ -40,12 +40,36 @@ fn runs_with_pauses_between_them_become_points_and_stretches() {
 }
 
 #[test]
-fn a_lost_sample_is_refused_and_a_pause_is_not() {
+fn a_lost_sample_is_filled_in_and_lost_ones_cut_the_run() {
     let header = "t_s,velocity_rad_s,torque_Nm\n";
-    let mut lines: Vec<String> = run(0.0, 1.0, 0.5).lines().map(str::to_owned).collect();
-    lines.remove(1000);
-    let message = parsed(&[header, &lines.join("\n")].concat()).unwrap_err().to_string();
-    assert!(message.contains("line 1002") && message.contains("0.002 s"), "{message}");
+    let whole: Vec<String> = run(0.0, 1.0, 0.5).lines().map(str::to_owned).collect();
+    let without = |lost: std::ops::Range<usize>| {
+        let mut lines = whole.clone();
+        lines.drain(lost);
+        parsed(&[header, &lines.join("\n")].concat()).unwrap()
+    };
+    let found = without(1000..1001);
+    assert_eq!((found.stretches.len(), found.irregularities.filled), (1, 1));
+    assert_eq!(found.stretches[0].len(), 3000);
+    let found = without(1000..1010);
+    assert_eq!(found.stretches.iter().map(Stretch::len).collect::<Vec<_>>(), [1000, 1990]);
+    assert_eq!((found.irregularities.gaps, found.irregularities.missing), (1, 10));
+    assert_eq!(found.stretches.iter().map(|s| s.before).collect::<Vec<_>>(), [Before::Rested, Before::Slid]);
+}
+
+/// The velocity jumps where samples are lost; a filter that ran across would bend it on both sides.
+#[test]
+fn no_filter_reaches_across_a_gap() {
+    let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
+    for k in 0..2000 {
+        let t = f64::from(k) * 1e-3 + if k < 1000 { 0.0 } else { 0.05 };
+        let v = if k < 1000 { 1.0 + 0.5 * (9.0 * t).sin() } else { -2.0 + 0.5 * (9.0 * t).sin() };
+        writeln!(text, "{t:.4},{v:.9},{:.9}", 0.1 * v.signum()).unwrap();
+    }
+    let found = parsed(&text).unwrap();
+    let [before, after] = &found.stretches[..] else { panic!("{}", found.stretches.len()) };
+    assert!(before.velocity.iter().all(|v| (0.49..1.51).contains(v)));
+    assert!(after.velocity.iter().all(|v| (-2.51..-1.49).contains(v)));
 }
 
 #[test]

@@ -1,0 +1,110 @@
+//! What was uneven about the times of a recording, in numbers and in words.
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+/// What was uneven about the times of a recording, and what was done about it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Irregularities {
+    /// Samples dropped because they have the time of the one before.
+    pub repeated: usize,
+    /// Samples that came late or early, read between their neighbours instead.
+    pub moved: usize,
+    /// Missing samples, one or two at a time, filled in between their neighbours.
+    pub filled: usize,
+    /// Samples that came between two others where one is usual.
+    pub dropped: usize,
+    /// Gaps at which the recording was split.
+    pub gaps: usize,
+    /// Samples missing in them.
+    pub missing: usize,
+    /// Pauses of more than half a second: one run ends there, the next begins.
+    pub pauses: usize,
+    /// Lasting changes of the rate without a pause.
+    pub rate_changes: usize,
+    /// Stretches that are left.
+    pub stretches: usize,
+    /// Stretches too short to be used.
+    pub too_short: usize,
+    /// Samples in them.
+    pub too_short_samples: usize,
+    /// Stretches at another rate than most samples have, where one rate is needed.
+    pub other_rate: usize,
+    /// Samples in them.
+    pub other_rate_samples: usize,
+}
+
+impl Irregularities {
+    /// Counts a stretch that is too short.
+    pub(super) fn leave_out(&mut self, samples: usize) {
+        self.too_short += 1;
+        self.too_short_samples += samples;
+    }
+
+    /// In words, as in `3 gaps, 12 samples missing; split into 4 stretches`; none where nothing is to be said: pauses between runs are as they should be.
+    #[must_use]
+    pub fn describe(&self) -> Option<String> {
+        let mut parts: Vec<String> = Vec::new();
+        if self.repeated > 0 {
+            parts.push(format!("{} dropped", count(self.repeated, "repeated sample")));
+        }
+        if self.moved > 0 {
+            let came = count(self.moved, "sample");
+            parts.push(format!("{came} came late or early and {} between the neighbours", read(self.moved)));
+        }
+        if self.filled > 0 {
+            let were = if self.filled == 1 { "was" } else { "were" };
+            parts.push(format!(
+                "{} {were} filled in between the neighbours",
+                count(self.filled, "missing sample")
+            ));
+        }
+        if self.dropped > 0 {
+            parts.push(format!("{} between two others dropped", count(self.dropped, "sample")));
+        }
+        let mut cuts = String::new();
+        if self.gaps > 0 {
+            // Writing to a string cannot fail.
+            let _ = write!(cuts, "{}, {} missing", count(self.gaps, "gap"), count(self.missing, "sample"));
+        }
+        if self.rate_changes > 0 {
+            let comma = if cuts.is_empty() { "" } else { "; " };
+            let _ = write!(cuts, "{comma}{}", count(self.rate_changes, "change of the sampling rate"));
+        }
+        if !cuts.is_empty() {
+            let _ = write!(cuts, "; split into {}", count(self.split_into(), "stretch"));
+            parts.push(cuts);
+        }
+        if self.too_short > 0 {
+            let what = count(self.too_short, "stretch");
+            let samples = count(self.too_short_samples, "sample");
+            parts.push(format!("{what} too short to be used, with {samples}, left out"));
+        }
+        if self.other_rate > 0 {
+            let what = count(self.other_rate, "stretch");
+            let samples = count(self.other_rate_samples, "sample");
+            parts.push(format!("{what} at another rate than most samples have, with {samples}, left out"));
+        }
+        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+    }
+
+    /// Stretches that the cuts made, used or not.
+    const fn split_into(&self) -> usize {
+        self.stretches + self.too_short + self.other_rate
+    }
+}
+
+fn read(samples: usize) -> &'static str {
+    if samples == 1 { "was read" } else { "were read" }
+}
+
+/// `1 gap`, `2 gaps`.
+fn count(number: usize, what: &str) -> String {
+    match (number, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "stretch") => format!("{number} stretches"),
+        (_, "change of the sampling rate") => format!("{number} changes of the sampling rate"),
+        _ => format!("{number} {what}s"),
+    }
+}

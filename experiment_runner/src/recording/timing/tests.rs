@@ -1,0 +1,195 @@
+use proptest::prelude::*;
+
+use super::*;
+
+fn step(time: &[f64]) -> Result<f64, RecordingError> {
+    even_step(Path::new("x.csv"), time, 0.05, |index| format!("line {}", index + 2))
+}
+
+fn timing(time: &[f64]) -> Timing {
+    Timing::of(Path::new("x.csv"), time, TOLERANCE, |index| format!("line {}", index + 2)).unwrap()
+}
+
+/// Times one millisecond apart.
+fn cycles(count: usize) -> Vec<f64> {
+    (0..count).map(|k| k as f64 * 1e-3).collect()
+}
+
+/// What a straight line in time becomes.
+fn line(stretch: &EvenStretch, time: &[f64]) -> Vec<f64> {
+    stretch.channel(time, None)
+}
+
+#[test]
+fn rounding_of_printed_times_is_averaged_out() {
+    let time: Vec<_> = (0..1000).map(|i| (i as f64 * 0.012345 * 1e3).round() / 1e3).collect();
+    let even = even_step(Path::new("x.csv"), &time, 0.1, |_| String::new()).unwrap();
+    assert!((even - 0.012345).abs() < 1e-6);
+    let found = Timing::of(Path::new("x.csv"), &time, 0.1, |_| String::new()).unwrap();
+    assert_eq!((found.stretches.len(), found.stretches[0].time_step), (1, even));
+    assert_eq!(found.irregularities.describe(), None);
+}
+
+#[test]
+fn gaps_and_reversals_are_placed_where_nothing_else_is_accepted() {
+    let gap = step(&[0.0, 0.1, 0.2, 0.4, 0.5]).unwrap_err().to_string();
+    assert!(gap.contains("line 5") && gap.contains("0.2 s") && gap.contains("5 %"), "{gap}");
+    assert!(!gap.contains("resample"), "no command does that: {gap}");
+    let back = step(&[0.0, 0.1, 0.2, 0.15, 0.3]).unwrap_err().to_string();
+    assert!(back.contains("line 5") && back.contains("0.15"), "{back}");
+    assert!(matches!(step(&[0.0, 0.1, 0.1]), Err(RecordingError::TimeOrder { .. })));
+    assert!(matches!(step(&[0.0, 0.1]), Err(RecordingError::TooShort { found: 2, .. })));
+}
+
+#[test]
+fn an_even_recording_comes_out_as_it_is() {
+    let time = cycles(500);
+    let found = timing(&time);
+    let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
+    assert_eq!(stretch.time_step, step(&time).unwrap());
+    assert_eq!(line(stretch, &time), time);
+    assert_eq!(found.irregularities, Irregularities { stretches: 1, ..Irregularities::default() });
+}
+
+#[test]
+fn one_late_cycle_is_put_in_its_place() {
+    let mut time = cycles(500);
+    time[200] += 4e-4;
+    let found = timing(&time);
+    let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
+    assert_eq!((stretch.len(), found.irregularities.moved, found.irregularities.filled), (500, 1, 0));
+    for (k, t) in line(stretch, &time).into_iter().enumerate() {
+        assert!((t - k as f64 * 1e-3).abs() < 1e-12, "{k}: {t}");
+    }
+    assert!(found.irregularities.describe().unwrap().contains("1 sample came late or early"));
+}
+
+#[test]
+fn a_cycle_that_came_late_with_the_next_ones_at_its_heels_is_put_in_its_place() {
+    let mut time = cycles(500);
+    // Cycles 200 to 202 run when 202 is due.
+    (time[200], time[201], time[202]) = (0.202, 0.20201, 0.20202);
+    let found = timing(&time);
+    let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
+    assert_eq!((stretch.len(), found.irregularities.moved), (500, 2));
+}
+
+#[test]
+fn up_to_two_missing_samples_are_filled_in() {
+    for missing in [1, 2] {
+        let mut time = cycles(500);
+        time.drain(200..200 + missing);
+        let found = timing(&time);
+        let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
+        assert_eq!((stretch.len(), found.irregularities.filled), (500, missing));
+        assert!((stretch.time_step - 1e-3).abs() < 1e-12);
+        for (k, t) in line(stretch, &time).into_iter().enumerate() {
+            assert!((t - k as f64 * 1e-3).abs() < 1e-12, "{k}: {t}");
+        }
+    }
+}
+
+#[test]
+fn a_longer_gap_cuts_the_recording_and_is_counted() {
+    let mut time = cycles(1000);
+    time.drain(700..709);
+    time.drain(200..203);
+    let found = timing(&time);
+    assert_eq!(found.stretches.iter().map(EvenStretch::len).collect::<Vec<_>>(), [200, 497, 291]);
+    assert_eq!(found.stretches.iter().map(|s| s.after_gap).collect::<Vec<_>>(), [false, true, true]);
+    let said = found.irregularities.describe().unwrap();
+    assert!(said.contains("2 gaps, 12 samples missing; split into 3 stretches"), "{said}");
+}
+
+#[test]
+fn a_pause_is_no_loss() {
+    let time: Vec<f64> = cycles(300).into_iter().chain(cycles(300).iter().map(|t| t + 5.0)).collect();
+    let found = timing(&time);
+    assert_eq!((found.stretches.len(), found.irregularities.pauses, found.irregularities.gaps), (2, 1, 0));
+    assert!(!found.stretches[1].after_gap);
+    assert_eq!(found.irregularities.describe(), None, "runs with pauses between them are as they should be");
+}
+
+#[test]
+fn repeated_stamps_are_dropped_and_counted() {
+    let mut time = cycles(100);
+    time.insert(50, time[49]);
+    time.insert(50, time[49]);
+    let found = timing(&time);
+    assert_eq!((found.stretches.len(), found.stretches[0].len(), found.irregularities.repeated), (1, 100, 2));
+    assert!(found.irregularities.describe().unwrap().contains("2 repeated samples"));
+}
+
+#[test]
+fn a_change_of_the_rate_tells_parts_apart() {
+    let mut time = vec![0.0];
+    for (count, step) in [(100, 0.02), (400, 0.001), (50, 0.01), (300, 0.001), (50, 0.0015)] {
+        for _ in 0..count {
+            time.push(time.last().unwrap() + step);
+        }
+    }
+    let found = timing(&time);
+    let steps: Vec<f64> = found.stretches.iter().map(|s| (s.time_step * 1e5).round() / 1e5).collect();
+    assert_eq!(steps, [0.02, 0.001, 0.01, 0.001, 0.0015], "{:?}", found.irregularities);
+    let fast = found.of_one_rate();
+    assert_eq!(fast.stretches.len(), 2);
+    assert_eq!(fast.irregularities.other_rate, 3);
+    assert!((fast.stretches[1].time_step - 1e-3).abs() < 1e-9);
+    assert!(fast.irregularities.describe().unwrap().contains("at another rate"));
+}
+
+#[test]
+fn short_stretches_are_left_out_and_counted() {
+    let mut time = cycles(300);
+    time.drain(110..120);
+    time.drain(90..100);
+    let found = timing(&time).longer_than(Path::new("x.csv"), 12).unwrap();
+    assert_eq!(found.stretches.len(), 2);
+    assert_eq!((found.irregularities.too_short, found.irregularities.too_short_samples), (1, 10));
+    let error = timing(&cycles(8)).longer_than(Path::new("x.csv"), 12).unwrap_err();
+    assert!(matches!(error, RecordingError::TooShort { found: 8, needed: 12, .. }));
+}
+
+#[test]
+fn what_is_read_between_two_counts_of_an_encoder_is_a_count() {
+    let mut time = cycles(100);
+    let counts: Vec<f64> = (0..100).map(|k| f64::from(k / 7) * 0.25).collect();
+    let mut recorded = counts.clone();
+    time.remove(50);
+    recorded.remove(50);
+    let found = timing(&time);
+    let read = found.stretches[0].channel(&recorded, Some(0.25));
+    assert!(read.iter().all(|x| (x / 0.25).fract() == 0.0), "{read:?}");
+}
+
+#[test]
+fn the_tolerance_has_a_sane_range() {
+    assert_eq!(tolerance("0.1"), Ok(0.1));
+    for wrong in ["-0.1", "0.6", "nan", "x"] {
+        assert!(tolerance(wrong).unwrap_err().contains("from 0 to 0.5"), "{wrong}");
+    }
+}
+
+proptest! {
+    /// Whatever the steps are: nothing panics, every stretch is even, a straight line stays one, and its samples lie within the recording.
+    #[test]
+    fn any_steps_become_even_stretches(steps in proptest::collection::vec(0u32..2000, 3..300)) {
+        let mut time = vec![0.0];
+        for step in steps {
+            // Mostly one step of a millisecond, with whatever else between.
+            let step = if step < 1500 { 1e-3 } else { f64::from(step - 1500) * 2e-5 };
+            time.push(time.last().unwrap() + step);
+        }
+        if let Ok(found) = Timing::of(Path::new("x.csv"), &time, TOLERANCE, |_| String::new()) {
+            for stretch in &found.stretches {
+                let even = stretch.channel(&time, None);
+                prop_assert!(stretch.time_step > 0.0);
+                for pair in even.windows(2) {
+                    prop_assert!((pair[1] - pair[0] - stretch.time_step).abs() <= 0.11 * stretch.time_step, "{pair:?}");
+                }
+                prop_assert!(even.iter().all(|t| *t >= 0.0 && t <= time.last().unwrap()));
+            }
+            let _ = found.of_one_rate();
+        }
+    }
+}
