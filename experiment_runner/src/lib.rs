@@ -3,6 +3,7 @@
 pub mod bag;
 pub mod characterise;
 pub mod cli;
+mod commented_yaml;
 pub mod compensation;
 pub mod constant_velocity;
 pub mod control_loop;

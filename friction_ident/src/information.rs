@@ -52,6 +52,33 @@ impl Difference {
     }
 }
 
+/// Errors that differ by less are as good as equal, as a ratio: nobody would notice, whichever model compensates.
+pub const AS_GOOD: f64 = 1.1;
+
+/// How a model stands beside the best one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Standing {
+    /// The two cannot be told apart: their difference lies within its uncertainty, and it is small.
+    Alike,
+    /// The data show that it is worse.
+    Worse,
+    /// Its error is larger by more than a little, but the difference lies within its uncertainty: these data do not decide.
+    Undecided,
+}
+
+impl Standing {
+    /// From the root mean squares of both and whether their difference lies `within` its uncertainty.
+    pub fn of(error: f64, best: f64, within: bool) -> Self {
+        match within {
+            false => Self::Worse,
+            // What is not a number is not small.
+            true if error <= AS_GOOD * best => Self::Alike,
+            true => Self::Undecided,
+        }
+    }
+}
+
 /// Compares two models' residuals on the same samples, paired over `blocks` contiguous blocks: neighbouring samples are alike, blocks
 /// are nearly independent. Needs two blocks of at least one sample; otherwise the standard error is infinite.
 pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Difference {
@@ -109,6 +136,18 @@ mod tests {
         // Twice the samples by counting each twice is no more evidence.
         let doubled = Information::new(0.25, 200, 0.5, 3);
         assert!((doubled.aic - found.aic).abs() < 1e-12);
+    }
+
+    /// The difference of two and a half times and of fifteen times the error may be uncertain, small it is not.
+    #[test]
+    fn a_large_difference_is_never_called_none() {
+        assert_eq!(Standing::of(1.05, 1.0, true), Standing::Alike);
+        assert_eq!(Standing::of(2.4, 1.0, true), Standing::Undecided);
+        assert_eq!(Standing::of(15.0, 1.0, true), Standing::Undecided);
+        assert_eq!(Standing::of(15.0, 1.0, false), Standing::Worse);
+        assert_eq!(Standing::of(1.05, 1.0, false), Standing::Worse);
+        assert_eq!(Standing::of(f64::NAN, 1.0, true), Standing::Undecided);
+        assert_eq!(Standing::of(0.0, 0.0, true), Standing::Alike);
     }
 
     #[test]

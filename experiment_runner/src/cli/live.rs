@@ -48,9 +48,10 @@ pub struct LiveArgs {
     /// The observer's friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub model: ModelName,
-    /// Parameters of the observer's model: a parameters.yaml of an earlier run [default: the thesis's test bed]
+    /// Parameters of the observer's model and of the controller: a parameters.yaml of `run` or `identify`, a controller.yaml of `design`. May be given several
+    /// times; of a value that several files have the last counts [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
-    pub parameters: Option<PathBuf>,
+    pub parameters: Vec<PathBuf>,
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
@@ -190,7 +191,8 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         ModeArg::Position => ControlMode::Position,
     };
     let mut controller = ControllerOptions::default();
-    super::run::controller(args.parameters.as_deref(), &mut controller)?;
+    let given = super::run::given(&args.parameters)?;
+    given.controller.apply(&mut controller);
     let test_bed = TestBed {
         simulation: SimulationOptions {
             period: 1.0 / f64::from(args.rate.unwrap_or(RATE)),
@@ -209,7 +211,8 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
         mode,
         reference: reference(args)?,
         observer: args.model,
-        models: super::run::compensators(args.parameters.as_deref())?,
+        models: given.compensators,
+        origins: given.origins,
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,

@@ -21,8 +21,7 @@ use crate::progress::{Progress, about};
 use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
 use crate::rig::{RigChoice, read_calibration};
 use crate::run::{
-    self, Compensators, Experiment, Pace, RecordPolicy, RunError, RunOptions, Status, read_controller,
-    read_parameter_file, shipped,
+    self, Experiment, Given, Origin, Pace, RecordPolicy, RunError, RunOptions, Status, shipped,
 };
 use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 
@@ -75,9 +74,10 @@ pub struct RunArgs {
     /// model shows the lag of the thesis's figures, ten times that of the test bed's set
     #[arg(long, value_name = "FILE")]
     pub plant_parameters: Option<PathBuf>,
-    /// Parameters of the compensating models: a parameters.yaml of an earlier run [default: the thesis's test bed]
+    /// Parameters of the compensating models and of the controller: a parameters.yaml of `run` or `identify`, a controller.yaml of `design`. May be given several
+    /// times; of a value that several files have the last counts [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
-    pub parameters: Option<PathBuf>,
+    pub parameters: Vec<PathBuf>,
     /// A short protocol to try things out: 20 velocities of 6 s, 2 repetitions
     #[arg(long)]
     pub quick: bool,
@@ -236,10 +236,21 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         ..Default::default()
     };
     let mut controller = ControllerOptions::default();
-    self::controller(args.parameters.as_deref(), &mut controller)?;
+    let Given { compensators, controller: gains, mut origins, .. } = given(&args.parameters)?;
+    gains.apply(&mut controller);
+    let option = |name: &str| Origin::Option { option: name.to_owned() };
+    match (&args.drive, args.time_constant) {
+        (Some(file), _) => {
+            origins.set("rig_driver.drive", Origin::File { file: file.display().to_string() });
+        }
+        (None, TimeConstantArg::Datasheet) => origins.set("rig_driver.drive", option("--time-constant")),
+        (None, TimeConstantArg::Thesis) => {}
+    }
+    if args.voltage_limit != SimulationOptions::default().voltage_limit {
+        origins.set("rig_driver.voltage_limit", option("--voltage-limit"));
+    }
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
     let estimator = EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
-    let compensators = compensators(args.parameters.as_deref())?;
     let mut constant_velocity =
         if args.quick { ConstantVelocityProtocol::quick() } else { ConstantVelocityProtocol::default() };
     let mut velocity_tracking = TrackingProtocol::velocity();
@@ -276,6 +287,7 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         models,
         means,
         compensators,
+        origins,
         seed: args.seed,
         pace: if args.real_time { Pace::RealTime } else { Pace::Offline },
         record: args.record.unwrap_or(match args.rig {
@@ -399,25 +411,18 @@ fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
     file::read(&text, Some(args.plant)).map_err(say)
 }
 
-/// The models of a parameter file, or the test bed's where none is given.
-pub(super) fn compensators(file: Option<&Path>) -> Result<Compensators, BadInput> {
-    Ok(file.map(|file| from_parameter_file(file, read_parameter_file)).transpose()?.unwrap_or_default())
-}
-
-/// Sets in `options` what a parameter file says of the controller.
-pub(super) fn controller(file: Option<&Path>, options: &mut ControllerOptions) -> Result<(), BadInput> {
-    let found = file.map(|file| from_parameter_file(file, read_controller)).transpose()?.flatten();
-    found.iter().for_each(|parameters| parameters.apply(options));
-    Ok(())
-}
-
-fn from_parameter_file<T>(file: &Path, read: impl Fn(&str) -> Result<T, String>) -> Result<T, BadInput> {
-    let say = |what: String| {
-        BadInput(format!(
-            "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` writes it",
-            file.display()
-        ))
-    };
-    let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
-    read(&text).map_err(say)
+/// What the parameter files say together, later ones above earlier ones.
+pub(super) fn given(files: &[PathBuf]) -> Result<Given, BadInput> {
+    let mut given = Given::default();
+    for file in files {
+        let say = |what: String| {
+            BadInput(format!(
+                "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` and `identify` write it, or a controller.yaml of `design`",
+                file.display()
+            ))
+        };
+        let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
+        given.take(&file.display().to_string(), &text).map_err(say)?;
+    }
+    Ok(given)
 }

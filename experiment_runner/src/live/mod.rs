@@ -50,7 +50,7 @@ use crate::{
     messages::CycleTopics,
     output::OutputFile,
     rig::{Opened, RigChoice},
-    run::{Compensators, GIVEN_PARAMETERS, render_parameter_file},
+    run::{Compensators, Origins, render_parameter_file},
     test_bed::TestBed,
     waveform::Waveform,
 };
@@ -88,6 +88,8 @@ pub struct LiveOptions {
     pub observer: ModelName,
     /// Every model with the parameters that the observer knows of it.
     pub models: Compensators,
+    /// Where the parameters come from that are no defaults.
+    pub origins: Origins,
     /// By what means the estimate enters the command; none for not at all.
     pub means: Option<Means>,
     /// The bench's period was asked for by name: a device with another one is refused.
@@ -240,9 +242,11 @@ impl LiveOptions {
     fn bag(&self) -> Result<(BagWriter, CycleTopics), LiveError> {
         let mut bag = BagWriter::create(&self.out.join("bag"), BagOptions::default())?;
         bag.metadata("frictionlab", self.metadata())?;
-        let parameters = render_parameter_file(&self.test_bed, &self.models, self.observer, GIVEN_PARAMETERS)
+        let given = (&self.test_bed, &self.models, self.observer);
+        let name = format!("`live` in {}", self.out.display());
+        let parameters = render_parameter_file(given, &self.origins, None, &name)
             .map_err(|error| LiveError::ParameterFile(Box::new(error)))?;
-        bag.attach("parameters.yaml", "application/yaml", parameters.as_bytes())?;
+        bag.attach("parameters.yaml", "application/yaml", parameters.text.as_bytes())?;
         let topics = CycleTopics::open(&mut bag)?;
         Ok((bag, topics))
     }

@@ -115,7 +115,7 @@ pub enum RecordingError {
         found: String,
     },
     /// Time stands still or runs backwards.
-    #[error("{place} of {}: time runs backwards or stands still, {time} s comes after {before} s; expected the samples in the order of time", path.display())]
+    #[error("{place} of {}: time does not increase, {time} s comes after {before} s; expected the samples in the order of time", path.display())]
     TimeOrder {
         /// The file.
         path: PathBuf,

@@ -316,7 +316,7 @@ mod tests {
             ("t_s,position_m,force_N\n0,1,\n", &["line 2", "force_N"]),
             ("t_s,position_m,force_N\n0,1,2\n1,2\n", &["line 3", "2 fields", "3"]),
             ("t_s,force_N,force_N,position_m\n0,1,2,3\n", &["2 columns", "force_N"]),
-            ("t_s,position_m,force_N\n0,1,2\n2,1,2\n1,1,2\n", &["line 4", "runs backwards"]),
+            ("t_s,position_m,force_N\n0,1,2\n2,1,2\n1,1,2\n", &["line 4", "does not increase"]),
             ("t_s,position_m,force_N\n0,1,2\n", &["1 samples"]),
         ] {
             let message = message(text);

@@ -277,6 +277,8 @@ impl<'a> Bench<'a> {
         };
         let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
             delivered += 1;
+            #[cfg(test)]
+            stop_after::count(self.cancel);
             deliver(job, result)
         });
         let Err(error) = completion else { return completion };
@@ -315,4 +317,32 @@ fn lend(
     let (controller, estimator) = bed.settings(mode, means, nodes.period());
     let wanted = Wanted { controller: &controller, estimator: &estimator, model };
     Ok(Box::new(nodes.lend(wanted, task)?))
+}
+
+/// A stop in the middle of a run, for tests: after so many jobs of whatever experiment.
+#[cfg(test)]
+pub(super) mod stop_after {
+    use std::cell::Cell;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    thread_local!(static LEFT: Cell<Option<usize>> = const { Cell::new(None) });
+
+    /// Stops the next run of this thread once `jobs` are delivered, or not at all.
+    pub fn set(jobs: Option<usize>) {
+        LEFT.set(jobs);
+    }
+
+    /// Jobs that are left until the stop.
+    pub fn left() -> Option<usize> {
+        LEFT.get()
+    }
+
+    pub(super) fn count(cancel: &AtomicBool) {
+        if let Some(left) = LEFT.get() {
+            LEFT.set(Some(left.saturating_sub(1)));
+            if left <= 1 {
+                cancel.store(true, Ordering::Relaxed);
+            }
+        }
+    }
 }

@@ -165,7 +165,9 @@ pub fn execute_in(
     }
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
-    let parameters = parameter_file::render(options, &models, chosen)?;
+    let name = format!("`run {}` in {}", options.experiment.as_str(), folder.display());
+    let parameters = parameter_file::render(options, &models, chosen, identification.as_ref(), &name)?;
+    let (parameters, origin) = (parameters.text, parameters.origins);
     recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
     let bag = recorder.finish()?;
     let wall_seconds = started.elapsed().as_secs_f64();
@@ -178,6 +180,7 @@ pub fn execute_in(
         status: if ended.is_some() { Status::Interrupted } else { status },
         ended,
         options: options.clone(),
+        origin,
         constant_velocity: steady,
         identification,
         characterisation,

@@ -16,10 +16,13 @@ mod error;
 mod excited;
 mod execute;
 mod options;
+mod origin;
 mod page;
 mod parameter_file;
 mod recorder;
 mod results;
+#[cfg(test)]
+mod provenance_tests;
 #[cfg(test)]
 mod supervision_tests;
 pub mod terminal;
@@ -32,7 +35,8 @@ pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
 pub use execute::{Outcome, check, check_options, execute, execute_in};
 pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
+pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
-pub(crate) use parameter_file::{GIVEN as GIVEN_PARAMETERS, render_bed as render_parameter_file};
-pub use parameter_file::{read as read_parameter_file, read_controller};
-pub use results::{Comparison, RunResults, Status, TaskComparison};
+pub(crate) use parameter_file::render_bed as render_parameter_file;
+pub use parameter_file::{Given, read as read_parameter_file, read_controller};
+pub use results::{Comparison, Identification, RunResults, Status, TaskComparison};

@@ -4,7 +4,7 @@ use friction_model::ModelName;
 use rig_driver::Calibration;
 use serde::{Deserialize, Serialize};
 
-use super::Compensators;
+use super::{Compensators, Origins};
 use crate::characterise::TorqueReading;
 use crate::compensation::{Arm, Means, thesis_tables};
 use crate::constant_velocity::SteadyJob;
@@ -179,6 +179,9 @@ pub struct RunOptions {
     pub means: Vec<Means>,
     /// Parameters of the compensating models; identified static parameters take their place where the run identifies.
     pub compensators: Compensators,
+    /// Where the parameters come from that are no defaults; `run.json` has it as `origin`.
+    #[serde(skip)]
+    pub origins: Origins,
     /// Seed of everything random.
     pub seed: u64,
     /// How fast it goes.
@@ -305,6 +308,7 @@ pub(super) mod tests {
             means: vec![Means::Feedback],
             models: vec![ModelName::LuGre, ModelName::Proposed],
             compensators: Compensators::default(),
+            origins: Origins::default(),
             seed: 1,
             pace: Pace::Offline,
             record: RecordPolicy::Thinned,

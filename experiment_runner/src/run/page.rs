@@ -150,18 +150,27 @@ fn parameter_table(found: &Identification) -> Table {
 
 /// Points of both sets, the fitted curve with its band, and the truth; below, the same without the viscous part.
 fn stribeck_figure(results: &RunResults) -> Figure {
-    let f_v = results.identification.as_ref().map_or(0.0, |found| found.fit.parameters.f_v);
+    let points = "Mean friction torque against mean velocity, with half the distance of the quartiles of the repetitions";
+    let mut panels =
+        vec![Panel { y_label: "friction [N m]".to_owned(), traces: stribeck_traces(results, 0.0) }];
+    let caption = match &results.identification {
+        Some(found) => {
+            let f_v = found.fit.parameters.f_v;
+            let traces = stribeck_traces(results, f_v);
+            panels.push(Panel { y_label: "friction - f_v v [N m]".to_owned(), traces });
+            format!(
+                "{points}; the fitted curve and where it lies with 95 % confidence. Below without the viscous part f_v v, with the fitted f_v = {f_v:.5} N m s/rad: the \
+                 fall from static to kinetic friction."
+            )
+        }
+        None => format!("{points}. No curve was fitted."),
+    };
     Figure {
         title: "Stribeck curve".to_owned(),
-        caption: "Mean friction torque against mean velocity, with half the distance of the quartiles of the repetitions; the fitted curve and where it \
-                  lies with 95 % confidence. Below without the viscous part f_v v: the fall from static to kinetic friction."
-            .to_owned(),
+        caption,
         x_label: "velocity [rad/s]".to_owned(),
         log_x: true,
-        panels: vec![
-            Panel { y_label: "friction [N m]".to_owned(), traces: stribeck_traces(results, 0.0) },
-            Panel { y_label: "friction - f_v v [N m]".to_owned(), traces: stribeck_traces(results, f_v) },
-        ],
+        panels,
     }
 }
 
@@ -187,6 +196,7 @@ fn stribeck_traces(results: &RunResults, viscous: f64) -> Vec<Drawn> {
             *torque -= viscous * v;
         }
         let name = match set {
+            _ if fit.is_none() => format!("set {}", set + 1),
             0 => "set 1: identification".to_owned(),
             _ => format!("set {}: validation", set + 1),
         };
@@ -247,9 +257,17 @@ fn how(results: &RunResults) -> String {
             p.repetitions,
             p.sets
         );
-        text += "The observers compensate with the static parameters identified above; stiffness, damping and lag, which constant velocities do not \
-                 show, are those the run was given. ";
     }
+    let compensated = results.comparisons().next().is_some();
+    text += match (&results.identification, compensated) {
+        (Some(_), true) => {
+            "The observers compensate with the static parameters identified above; stiffness, damping and lag, which constant velocities do not \
+             show, are those the run was given. "
+        }
+        (None, true) => "The observers compensate with the parameters that the run was given. ",
+        (None, false) if options.experiment.identifies() => "Nothing was identified. ",
+        _ => "",
+    };
     text += "Sensors have noise and converter steps; the observers run on the tachometer.";
     text
 }
@@ -273,7 +291,7 @@ fn model_table(results: &RunResults, models: &Compensators) -> Table {
         .collect();
     Table {
         title: "Observers".to_owned(),
-        caption: "Parameters in N m, rad and s, as in parameters.yaml.".to_owned(),
+        caption: "Parameters in N m, rad and s, as in parameters.yaml, which says where each comes from.".to_owned(),
         columns: vec!["model".to_owned(), "parameters".to_owned()],
         rows,
         highlight: None,

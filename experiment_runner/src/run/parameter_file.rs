@@ -1,4 +1,4 @@
-//! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file.
+//! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file. Behind each value stands where it comes from.
 
 use std::collections::BTreeMap;
 
@@ -6,15 +6,19 @@ use controller::ControllerOptions;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::DriveParameters;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
 
-use super::{Compensators, ControllerParameters, RunError, RunOptions};
+use super::origin::{Origin, Origins};
+use super::{Compensators, ControllerParameters, Identification, RunError, RunOptions};
+use crate::commented_yaml;
+use crate::rig::RigChoice;
 use crate::test_bed::TestBed;
 
 /// The file: node name, then `ros__parameters`.
 #[derive(Debug, Serialize)]
 struct File<'a> {
     #[serde(rename = "/friction_observer")]
-    friction_observer: Node<BTreeMap<&'a str, Entry>>,
+    friction_observer: Node<BTreeMap<&'a str, Value>>,
     #[serde(rename = "/controller")]
     controller: Node<ControllerParameters>,
     #[serde(rename = "/rig_driver")]
@@ -27,14 +31,6 @@ struct Node<P> {
     parameters: P,
 }
 
-/// `model: proposed`, or `proposed: {...}`.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-#[serde(untagged)]
-enum Entry {
-    Choice(ModelName),
-    Parameters(serde_json::Value),
-}
-
 #[derive(Debug, Serialize)]
 struct RigNode<'a> {
     drive: &'a DriveParameters,
@@ -42,46 +38,55 @@ struct RigNode<'a> {
     period: f64,
 }
 
-/// Where the parameters come from, if nothing was identified.
-pub(crate) const GIVEN: &str = "the parameters this run was given";
+/// A parameter file as text, and where each of its values comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Written {
+    /// The file.
+    pub text: String,
+    /// Each value's origin.
+    pub origins: Origins,
+}
 
-/// The file as text: `chosen` is the observer's model, all models stand with their parameters.
+/// The file of a run: `chosen` is the observer's model, all models stand with their parameters. `found` is what the run identified, if it did; `name` tells the
+/// run.
 pub(super) fn render(
     options: &RunOptions,
     models: &Compensators,
     chosen: ModelName,
-) -> Result<String, RunError> {
-    let origin = if options.experiment.identifies() {
-        "static parameters identified by this run; stiffness, damping and lag as given to it"
-    } else {
-        GIVEN
-    };
-    render_bed(&options.test_bed, models, chosen, origin)
+    found: Option<&Identification>,
+    name: &str,
+) -> Result<Written, RunError> {
+    let mut origins = options.origins.clone();
+    if options.rig != RigChoice::Simulated {
+        for own in ["rig_driver.voltage_limit", "rig_driver.period"] {
+            origins.set(own, Origin::Rig);
+        }
+    }
+    render_bed((&options.test_bed, models, chosen), &origins, found, name)
 }
 
-/// The same for any run on `test_bed`; `origin` says where the parameters come from.
+/// The same for any run on a test bed; `origins` says where what it was given comes from.
 ///
 /// # Errors
 /// As for [`render`].
 pub(crate) fn render_bed(
-    test_bed: &TestBed,
-    models: &Compensators,
-    chosen: ModelName,
-    origin: &str,
-) -> Result<String, RunError> {
-    let mut observer = BTreeMap::from([("model", Entry::Choice(chosen))]);
-    let mut asymmetric = serde_json::Map::new();
+    (test_bed, models, chosen): (&TestBed, &Compensators, ModelName),
+    origins: &Origins,
+    found: Option<&Identification>,
+    name: &str,
+) -> Result<Written, RunError> {
+    let mut observer = BTreeMap::from([("model", json!(chosen))]);
+    let mut asymmetric = Map::new();
     for name in ModelName::ALL {
-        let model = models.get(name);
-        let mut described = serde_json::to_value(model).map_err(|e| describe(&e))?;
-        if let Some(both) = described.get_mut("asymmetric").and_then(serde_json::Value::as_object_mut) {
+        let mut described = described(&models.get(name))?;
+        if let Some(both) = described.get_mut("asymmetric").and_then(Value::as_object_mut) {
             asymmetric.append(both);
         } else {
-            observer.insert(name.as_str(), Entry::Parameters(described[name.as_str()].take()));
+            observer.insert(name.as_str(), described[name.as_str()].take());
         }
     }
     if !asymmetric.is_empty() {
-        observer.insert("asymmetric", Entry::Parameters(asymmetric.into()));
+        observer.insert("asymmetric", asymmetric.into());
     }
     let simulation = &test_bed.simulation;
     let file = File {
@@ -100,23 +105,250 @@ pub(crate) fn render_bed(
             },
         },
     };
-    let yaml = serde_saphyr::to_string(&file).map_err(|e| describe(&e))?;
-    Ok(format!("# frictionlab {}: {origin}.\n{yaml}", env!("CARGO_PKG_VERSION")))
+    let tree = match serde_json::to_value(&file) {
+        Ok(Value::Object(tree)) => tree,
+        Ok(_) => return Err(describe(&"it is no map")),
+        Err(error) => return Err(describe(&error)),
+    };
+    let mut known = origins.clone();
+    known.set("controller.voltage_limit", origins.of("rig_driver.voltage_limit"));
+    known.set("controller.volts_per_newton_metre", Origin::Drive);
+    known.set("friction_observer.model", Origin::Option { option: "--model".to_owned() });
+    let mut each = Origins::default();
+    for (path, _) in commented_yaml::leaves(&tree) {
+        let path = plain(&path);
+        let origin = found.and_then(|found| identified(found, &path)).unwrap_or_else(|| known.of(&path));
+        each.set(path, origin);
+    }
+    let yaml = commented_yaml::render(&tree, &|path| each.of(&plain(path)).to_string());
+    let version = env!("CARGO_PKG_VERSION");
+    let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let identified = if each.any_identified() {
+        "static parameters of the models were identified by it"
+    } else {
+        "nothing was identified by it"
+    };
+    let text = format!(
+        "# Parameters of {name}, frictionlab {version}; {identified}.\n# Behind each value stands where it comes from.\n{yaml}"
+    );
+    Ok(Written { text, origins: each })
+}
+
+/// Where a value comes from that the fit of the Stribeck curve touched.
+fn identified(found: &Identification, path: &str) -> Option<Origin> {
+    let within = path.strip_prefix("friction_observer.")?;
+    let name = within.rsplit('.').next()?;
+    let level = |name: &str| found.parameters.iter().find(|parameter| parameter.name == name);
+    if let Some(parameter) = level(name) {
+        let doubtful = parameter.estimate.unidentifiable.is_some();
+        return Some(if doubtful { Origin::NotIdentifiable } else { Origin::Identified });
+    }
+    match name {
+        "f_h" => Some(Origin::InProportion { to: "f_s".to_owned() }),
+        "z_ba" => Some(Origin::InProportion { to: "f_c".to_owned() }),
+        "delta" => Some(Origin::Fixed),
+        _ => None,
+    }
+}
+
+/// The path of a value without the node's slash and `ros__parameters`.
+fn plain(path: &str) -> String {
+    path.trim_start_matches('/').replacen(".ros__parameters", "", 1)
+}
+
+fn described(model: &AnyModel) -> Result<Value, RunError> {
+    serde_json::to_value(model).map_err(|error| describe(&error))
 }
 
 fn describe(error: &dyn std::fmt::Display) -> RunError {
     RunError::Describe { what: "YAML", detail: error.to_string() }
 }
 
+/// What parameter files say together.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Given {
+    /// The models; what no file names keeps the test bed's parameters.
+    pub compensators: Compensators,
+    /// The controller, as far as a file speaks of it.
+    pub controller: ControllerParameters,
+    /// Where each value comes from that is no default.
+    pub origins: Origins,
+    /// The controller as it is after the files so far, defaults included.
+    tree: Map<String, Value>,
+}
+
+impl Given {
+    /// Takes a file in: of a value that several files have the last counts. `name` is the file as it was named.
+    ///
+    /// # Errors
+    /// A sentence about what is wrong in the text.
+    pub fn take(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let tree = tree(text)?;
+        let observer = node(&tree, "friction_observer").or_else(|| node(&tree, "**"));
+        let controller = node(&tree, "controller");
+        if observer.is_none() && controller.is_none() {
+            return Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned());
+        }
+        let from = Origin::File { file: name.to_owned() };
+        observer.map_or(Ok(()), |node| self.take_models(node, &from))?;
+        controller.map_or(Ok(()), |node| self.take_controller(node, &from))
+    }
+
+    fn take_models(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
+        let entries =
+            node.as_object().ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
+        for (key, value) in entries {
+            if key == "model" {
+                let name = value.as_str().ok_or("`model` must be the name of a model")?;
+                name.parse::<ModelName>().map_err(|e| e.to_string())?;
+            } else if key == "asymmetric" {
+                let both = value.as_object().ok_or("`asymmetric` must be a map of models")?;
+                for (name, sides) in both {
+                    let name: ModelName =
+                        name.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
+                    self.take_sides(name, sides, from)?;
+                }
+            } else {
+                let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
+                self.take_model(name, value, from)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// One parameter set for both directions.
+    fn take_model(&mut self, name: ModelName, value: &Value, from: &Origin) -> Result<(), String> {
+        let mut before = described(&self.compensators.get(name)).map_err(|e| e.to_string())?;
+        if before.get("asymmetric").is_some() {
+            // What one direction had is no start for both.
+            before = described(&AnyModel::test_bed(name)).map_err(|e| e.to_string())?;
+        }
+        let base = before.get_mut(name.as_str()).map(Value::take).unwrap_or_default();
+        let path = format!("friction_observer.{name}");
+        self.origins.clear(&format!("friction_observer.asymmetric.{name}"));
+        self.set_model(name.as_str(), &base, value, |merged| json!({ name.as_str(): merged }))?;
+        self.came_from(&path, value, from);
+        Ok(())
+    }
+
+    /// A parameter set for each direction.
+    fn take_sides(&mut self, name: ModelName, sides: &Value, from: &Origin) -> Result<(), String> {
+        let before = described(&self.compensators.get(name)).map_err(|e| e.to_string())?;
+        let both = before.get("asymmetric").and_then(|models| models.get(name.as_str()));
+        let base = match (both, before.get(name.as_str())) {
+            (Some(sides), _) => sides.clone(),
+            (None, Some(one)) => json!({ "forward": one, "backward": one }),
+            (None, None) => Value::Null,
+        };
+        let path = format!("friction_observer.asymmetric.{name}");
+        if both.is_none() {
+            let symmetric = format!("friction_observer.{name}");
+            for side in ["forward", "backward"] {
+                let own = commented_yaml::leaves(base[side].as_object().unwrap_or(&Map::new()))
+                    .into_iter()
+                    .map(|(leaf, _)| (format!("{path}.{side}.{leaf}"), self.origins.of(&format!("{symmetric}.{leaf}"))))
+                    .collect::<Vec<_>>();
+                own.into_iter().for_each(|(leaf, origin)| self.origins.set(leaf, origin));
+            }
+            self.origins.clear(&symmetric);
+        }
+        let wrapped = |merged| json!({ "asymmetric": { name.as_str(): merged } });
+        self.set_model("asymmetric", &base, sides, wrapped)?;
+        self.came_from(&path, sides, from);
+        Ok(())
+    }
+
+    /// Takes a model in whose parameters are those of `base` but for what `value` says; where these do not go together, those of `value` alone.
+    fn set_model(
+        &mut self,
+        key: &str,
+        base: &Value,
+        value: &Value,
+        wrapped: impl Fn(Value) -> Value,
+    ) -> Result<(), String> {
+        let read = |tree: Value| {
+            serde_json::from_value::<AnyModel>(wrapped(tree)).map_err(|e| format!("in `{key}`: {e}"))
+        };
+        let alone = read(value.clone());
+        let model = match (read(merged(base, value)), alone) {
+            (Ok(model), _) | (Err(_), Ok(model)) => model,
+            (Err(error), Err(_)) => return Err(error),
+        };
+        self.compensators.set(model);
+        Ok(())
+    }
+
+    fn take_controller(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
+        let entries =
+            node.as_object().ok_or("`ros__parameters` of controller must be a map of parameters")?;
+        if entries.contains_key("lag") && entries.contains_key("pi") {
+            return Err(
+                "in `controller`: both `lag` and `pi` are given; velocity has one law, leave one out"
+                    .to_owned(),
+            );
+        }
+        if self.tree.is_empty()
+            && let Ok(Value::Object(defaults)) =
+                serde_json::to_value(ControllerParameters::of(&ControllerOptions::default()))
+        {
+            self.tree = defaults;
+        }
+        for (key, value) in entries {
+            for (law, other) in [("lag", "pi"), ("pi", "lag")] {
+                if key == law {
+                    self.tree.remove(other);
+                    self.origins.clear(&format!("controller.{other}"));
+                }
+            }
+            let gains = ["lag", "pi", "pid"].contains(&key.as_str());
+            let before = self.tree.get(key).cloned().unwrap_or_default();
+            let path = format!("controller.{key}");
+            if gains {
+                self.tree.insert(key.clone(), merged(&before, value));
+                self.came_from(&path, value, from);
+            } else {
+                self.tree.insert(key.clone(), value.clone());
+                self.origins.clear(&path);
+                self.origins.set(path, from.clone());
+            }
+        }
+        self.controller = ControllerParameters::read(&Value::Object(self.tree.clone()))?;
+        Ok(())
+    }
+
+    /// Notes that every value of `value`, which stands at `path`, comes from there.
+    fn came_from(&mut self, path: &str, value: &Value, from: &Origin) {
+        let Some(map) = value.as_object() else { return };
+        for (leaf, _) in commented_yaml::leaves(map) {
+            self.origins.set(format!("{path}.{leaf}"), from.clone());
+        }
+    }
+}
+
+/// `base` with the values of `over` in place of its own, map by map.
+fn merged(base: &Value, over: &Value) -> Value {
+    match (base, over) {
+        (Value::Object(base), Value::Object(over)) => {
+            let mut both = base.clone();
+            for (key, value) in over {
+                let before = both.get(key).cloned().unwrap_or_default();
+                both.insert(key.clone(), merged(&before, value));
+            }
+            Value::Object(both)
+        }
+        _ => over.clone(),
+    }
+}
+
 /// Parameters of each node of a file.
-type Tree = BTreeMap<String, Node<serde_json::Value>>;
+type Tree = BTreeMap<String, Node<Value>>;
 
 fn tree(text: &str) -> Result<Tree, String> {
     serde_saphyr::from_str(text)
         .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))
 }
 
-fn node<'a>(tree: &'a Tree, name: &str) -> Option<&'a serde_json::Value> {
+fn node<'a>(tree: &'a Tree, name: &str) -> Option<&'a Value> {
     tree.iter().find(|(found, _)| found.trim_start_matches('/') == name).map(|(_, node)| &node.parameters)
 }
 
@@ -135,37 +367,9 @@ pub fn read_controller(text: &str) -> Result<Option<ControllerParameters>, Strin
 /// # Errors
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str) -> Result<Compensators, String> {
-    let tree = tree(text)?;
-    let Some(node) = node(&tree, "friction_observer").or_else(|| node(&tree, "**")) else {
-        return if node(&tree, "controller").is_some() {
-            Ok(Compensators::default())
-        } else {
-            Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned())
-        };
-    };
-    let entries =
-        node.as_object().ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
-    let mut models = Compensators::default();
-    for (key, value) in entries {
-        if key == "model" {
-            let name = value.as_str().ok_or("`model` must be the name of a model")?;
-            name.parse::<ModelName>().map_err(|e| e.to_string())?;
-            continue;
-        }
-        let take = |file: serde_json::Value| {
-            serde_json::from_value::<AnyModel>(file).map_err(|e| format!("in `{key}`: {e}"))
-        };
-        if key == "asymmetric" {
-            let both = value.as_object().ok_or("`asymmetric` must be a map of models")?;
-            for (name, sides) in both {
-                models.set(take(serde_json::json!({ "asymmetric": { name: sides } }))?);
-            }
-        } else {
-            let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
-            models.set(take(serde_json::json!({ name.as_str(): value }))?);
-        }
-    }
-    Ok(models)
+    let mut given = Given::default();
+    given.take("the file", text)?;
+    Ok(given.compensators)
 }
 
 #[cfg(test)]
@@ -179,7 +383,7 @@ mod tests {
     fn what_is_written_reads_back() {
         let found = StribeckValues { f_s: 0.2, f_c: 0.1, v_s: 0.3, f_v: 0.05, delta: 2.0 };
         let models = Compensators::default().with_static(&found).unwrap();
-        let text = render(&options(), &models, ModelName::Proposed).unwrap();
+        let text = render(&options(), &models, ModelName::Proposed, None, "this run").unwrap().text;
         assert!(text.contains("/friction_observer:\n  ros__parameters:\n"), "{text}");
         assert!(text.contains("model: proposed"), "{text}");
         assert_eq!(read(&text).unwrap(), models);
@@ -192,7 +396,7 @@ mod tests {
             let weaker = AnyModel::test_bed(name).scaled("f_v", 0.5).unwrap();
             models.set(AnyModel::asymmetric(&AnyModel::test_bed(name), &weaker).unwrap());
         }
-        let text = render(&options(), &models, ModelName::LuGre).unwrap();
+        let text = render(&options(), &models, ModelName::LuGre, None, "this run").unwrap().text;
         assert!(text.contains("    asymmetric:\n      lugre:\n        forward:\n"), "{text}");
         assert_eq!(read(&text).unwrap(), models);
     }
@@ -212,5 +416,110 @@ mod tests {
             let message = read(text).unwrap_err();
             assert!(message.contains(said), "{text}: {message}");
         }
+    }
+
+    /// The files that the commands write, each of which changes something.
+    fn files() -> [(&'static str, String); 3] {
+        let found = StribeckValues { f_s: 0.2, f_c: 0.1, v_s: 0.3, f_v: 0.05, delta: 2.0 };
+        let models = Compensators::default().with_static(&found).unwrap();
+        let run = render(&options(), &models, ModelName::Proposed, None, "runs/all-1").unwrap().text;
+        let design =
+            "/controller:\n  ros__parameters:\n    pi:\n      k_p: 2.0\n      k_i: 30.0\n".to_owned();
+        let identify = "/friction_observer:\n  ros__parameters:\n    model: lugre\n    lugre:\n      f_s: 0.3\n      f_c: 0.15\n";
+        [("run", run), ("design", design), ("identify", identify.to_owned())]
+    }
+
+    #[test]
+    fn files_of_run_design_and_identify_go_together_in_any_order() {
+        let files = files();
+        for (i, (first, earlier)) in files.iter().enumerate() {
+            for (second, later) in files.iter().skip(i + 1).chain(&files[..i]) {
+                let mut given = Given::default();
+                given.take(first, earlier).unwrap();
+                given.take(second, later).unwrap();
+                let wins = |name: &str, over: &str| {
+                    (*first == name && *second != over) || *second == name || (*first == name && *second == name)
+                };
+                let all = [*first, *second];
+                let mut options = ControllerOptions::default();
+                given.controller.apply(&mut options);
+                let pi = matches!(options.velocity, controller::VelocityLaw::Pi(gains) if gains.k_i == 30.0);
+                assert_eq!(pi, all.contains(&"design") && wins("design", "run"), "{all:?}");
+                let lugre = given.compensators.get(ModelName::LuGre);
+                let level = match all {
+                    _ if all.contains(&"identify") && wins("identify", "run") => 0.3,
+                    _ if all.contains(&"run") => 0.2,
+                    _ => AnyModel::test_bed(ModelName::LuGre).parameter("f_s").unwrap(),
+                };
+                assert_eq!(lugre.parameter("f_s"), Some(level), "{all:?}");
+                // What the later file does not name stays.
+                if all.contains(&"run") {
+                    assert_eq!(lugre.parameter("f_v"), Some(0.05), "{all:?}");
+                    assert_eq!(given.compensators.get(ModelName::Proposed).parameter("f_s"), Some(0.2));
+                }
+                // Each origin names the file whose value it is.
+                for (path, origin) in given.origins.iter() {
+                    let Origin::File { file } = origin else { panic!("{path}: {origin:?}") };
+                    assert!(all.contains(&file.as_str()), "{path}: {file}");
+                }
+                let of = |path: &str| given.origins.of(path).to_string();
+                if level == 0.3 {
+                    assert_eq!(of("friction_observer.lugre.f_s"), "from identify");
+                }
+                if pi {
+                    assert_eq!(of("controller.pi.k_i"), "from design");
+                    assert_eq!(given.origins.of("controller.lag.k_p"), Origin::Default);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_one_value_the_last_file_counts_and_the_others_stay() {
+        let file = |body: &str| format!("/controller:\n  ros__parameters:\n{body}");
+        let mut given = Given::default();
+        given.take("a", &file("    pid: {k_p: 6.0, k_i: 11.0, k_d: 0.1}\n")).unwrap();
+        given.take("b", &file("    pid: {k_i: 12.0}\n    compensation_scale: 0.5\n")).unwrap();
+        let pid = given.controller.pid.unwrap();
+        assert_eq!((pid.k_p, pid.k_i, pid.k_d), (6.0, 12.0, 0.1));
+        assert_eq!(given.origins.of("controller.pid.k_p").to_string(), "from a");
+        assert_eq!(given.origins.of("controller.pid.k_i").to_string(), "from b");
+        let message = given.take("c", &file("    pid: {k_i: -1.0}\n")).unwrap_err();
+        assert!(message.contains("k_i"), "{message}");
+    }
+
+    #[test]
+    fn a_model_for_each_direction_and_one_for_both_replace_one_another() {
+        let file = |body: &str| format!("/friction_observer:\n  ros__parameters:\n{body}");
+        let sides = file("    asymmetric:\n      lugre:\n        forward: {f_v: 0.01}\n        backward: {f_v: 0.02}\n");
+        let both = file("    lugre: {f_v: 0.03}\n");
+        let mut given = Given::default();
+        given.take("both", &both).unwrap();
+        given.take("sides", &sides).unwrap();
+        let described = described(&given.compensators.get(ModelName::LuGre)).unwrap();
+        assert_eq!(described["asymmetric"]["lugre"]["backward"]["f_v"], 0.02);
+        given.take("both", &both).unwrap();
+        assert_eq!(given.compensators.get(ModelName::LuGre).parameter("f_v"), Some(0.03));
+        assert_eq!(given.origins.iter().count(), 1, "{:?}", given.origins);
+    }
+
+    #[test]
+    fn every_value_of_the_file_says_where_it_comes_from() {
+        let mut options = options();
+        options.origins.set("controller.pid", Origin::File { file: "controller.yaml".to_owned() });
+        let written =
+            render(&options, &Compensators::default(), ModelName::Proposed, None, "runs/all-1").unwrap();
+        let mut values = 0;
+        for line in written.text.lines().filter(|line| !line.starts_with('#')) {
+            let (_, value) = line.split_once(':').unwrap();
+            if !value.trim().is_empty() {
+                values += 1;
+                let (_, said) = value.split_once("  # ").unwrap_or_else(|| panic!("{line}"));
+                assert!(!said.contains("identified"), "{line}");
+            }
+        }
+        assert_eq!(values, written.origins.iter().count());
+        assert!(written.text.contains("k_p: 5.7517  # from controller.yaml"), "{}", written.text);
+        assert!(written.text.contains("nothing was identified by it"));
     }
 }

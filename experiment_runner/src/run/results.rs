@@ -5,7 +5,7 @@ use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::Serialize;
 
-use super::{Characterisation, RunOptions};
+use super::{Characterisation, Origins, RunOptions};
 use crate::compensation::thesis_tables::ThesisTables;
 use crate::compensation::{Arm, LimitCycle};
 use crate::constant_velocity::SteadyRun;
@@ -33,6 +33,8 @@ pub struct RunResults {
     pub ended: Option<String>,
     /// What was asked for.
     pub options: RunOptions,
+    /// Where each value of `parameters.yaml` comes from.
+    pub origin: Origins,
     /// Points at constant velocity.
     pub constant_velocity: Vec<SteadyRun>,
     /// The Stribeck curve through them.

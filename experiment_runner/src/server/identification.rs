@@ -53,7 +53,7 @@ fn fit(result: &ModelResult) -> ModelFit {
         fit_error: result.fit.all,
         validation_error: result.held_out.map_or(f64::NAN, |errors| errors.all),
         parameters: u32::try_from(result.found.information.parameters).unwrap_or(u32::MAX),
-        tie: result.tie,
+        tie: result.tie(),
     }
 }
 

@@ -5,6 +5,7 @@ mod terminal;
 
 use std::sync::atomic::AtomicBool;
 
+use friction_ident::information::Standing;
 use friction_ident::starting_model::breakaway_reach;
 use friction_ident::truth_matrix::{MODELS, Trial, try_models};
 use friction_ident::{IdentError, StagedOptions};
@@ -81,9 +82,17 @@ impl Row {
         Some(Cell {
             held_out: [*errors.first()?, errors[errors.len() / 2], *errors.last()?],
             first: of_model.iter().filter(|(place, _)| *place == 0).count(),
-            tied: of_model.iter().filter(|(place, trial)| *place == 0 || trial.behind.is_tie()).count(),
+            tied: self.trials.iter().filter(|trials| tied(trials, model)).count(),
         })
     }
+}
+
+/// Whether a model is the best of these trials or cannot be told from it.
+fn tied(trials: &[Trial], model: ModelName) -> bool {
+    let (Some(best), Some(own)) = (trials.first(), trials.iter().find(|trial| trial.model == model)) else {
+        return false;
+    };
+    Standing::of(own.held_out, best.held_out, own.behind.is_tie()) == Standing::Alike
 }
 
 /// How far the test bed's contact bends [rad], for truths without pre-sliding.

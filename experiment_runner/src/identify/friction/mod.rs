@@ -16,7 +16,7 @@ mod wording;
 
 use std::path::PathBuf;
 
-use friction_ident::information::Difference;
+use friction_ident::information::{Difference, Standing};
 use friction_ident::staged::rms_of_kind;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::{AnyModel, ModelName};
@@ -76,10 +76,22 @@ pub struct ModelResult {
     pub difference: Difference,
     /// The same of the logarithms of the blocks' mean squares.
     pub ratio: Difference,
-    /// Whether it cannot be told from the first.
-    pub tie: bool,
+    /// Whether it can be told from the first.
+    pub standing: Standing,
     /// What the errors of the drive's constants add to the parameters; none with a torque sensor.
     pub from_drive: Option<from_drive::FromDrive>,
+}
+
+impl ModelResult {
+    /// Root mean square error by which it is judged: on the recordings held out where there are any [N or N m].
+    pub fn error(&self) -> f64 {
+        self.held_out.unwrap_or(self.fit).all
+    }
+
+    /// Whether it cannot be told from the first.
+    pub fn tie(&self) -> bool {
+        self.standing == Standing::Alike
+    }
 }
 
 /// By what the models stand in order.
@@ -152,13 +164,20 @@ impl FrictionIdentification {
     /// The model to use: of the first and those that cannot be told from it the one with the fewest parameters, the better one of two alike.
     pub fn chosen(&self) -> Option<&ModelResult> {
         let first = self.models.first()?;
-        let tied = self.models.iter().skip(1).filter(|result| result.tie);
+        let tied = self.models.iter().skip(1).filter(|result| result.tie());
         std::iter::once(first).chain(tied).min_by_key(|result| result.found.information.parameters)
     }
 
     /// The result of a model.
     pub fn model(&self, name: ModelName) -> Option<&ModelResult> {
         self.models.iter().find(|result| result.found.name == name)
+    }
+
+    /// Recordings held out: steady points, and stretches without a gap.
+    pub fn recordings_held_out(&self) -> usize {
+        self.held_out.as_ref().map_or(0, |data| {
+            data.points.len() + data.pre_sliding.len() + data.lag.len() + data.mixed.len()
+        })
     }
 
     /// Samples and points fitted to, of one kind.

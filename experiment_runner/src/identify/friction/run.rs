@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use friction_ident::information::{Difference, Information, paired_difference, paired_ratio};
+use friction_ident::information::{Difference, Information, Standing, paired_difference, paired_ratio};
 use friction_ident::staged::residuals;
 use friction_ident::{
     DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch, identify_model,
@@ -231,7 +231,7 @@ fn ranked(
                 held_out: tried,
                 difference: none,
                 ratio: none,
-                tie: false,
+                standing: Standing::Alike,
                 from_drive,
             };
             (score, there.unwrap_or(here), result)
@@ -239,10 +239,8 @@ fn ranked(
         .collect();
     // The sort is stable: equals keep the order in which they were asked for.
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((best_score, best)) = scored.first().map(|(score, residuals, _)| (*score, residuals.clone()))
-    else {
-        return Vec::new();
-    };
+    let first = scored.first().map(|(score, residuals, result)| (*score, residuals.clone(), result.error()));
+    let Some((best_score, best, best_error)) = first else { return Vec::new() };
     scored
         .into_iter()
         .enumerate()
@@ -250,12 +248,13 @@ fn ranked(
             if place > 0 {
                 result.difference = paired_difference(&residuals, &best, BLOCKS);
                 result.ratio = paired_ratio(&residuals, &best, BLOCKS);
-                result.tie = match criterion {
+                let within = match criterion {
                     Criterion::HeldOut => {
                         result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
                     }
                     Criterion::Bic => score - best_score < BIC_NOTICEABLE,
                 };
+                result.standing = Standing::of(result.error(), best_error, within);
             }
             result
         })

@@ -1,5 +1,6 @@
 //! What the page, the terminal and the document say alike.
 
+use friction_ident::information::Standing;
 use friction_ident::{Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
@@ -76,9 +77,14 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
     if place == 0 {
         return "first".to_owned();
     }
-    match (result.tie, found.criterion) {
-        (true, _) => "cannot be told from the first".to_owned(),
-        (false, Criterion::HeldOut) => {
+    let first = found.models.first().map_or(f64::NAN, ModelResult::error);
+    let times = format!("{} times its error", significant(result.error() / first));
+    match (result.standing, found.criterion) {
+        (Standing::Alike, _) => format!("cannot be told from the first ({times})"),
+        (Standing::Undecided, criterion) => {
+            undecided(&significant(result.error() / first), criterion, found.recordings_held_out())
+        }
+        (Standing::Worse, Criterion::HeldOut) => {
             let times =
                 |errors: f64| significant((result.ratio.mean + errors * result.ratio.standard_error).exp());
             format!(
@@ -88,9 +94,27 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
                 times(2.0)
             )
         }
-        (false, Criterion::Bic) => {
+        (Standing::Worse, Criterion::Bic) => {
             let first = found.models.first().map_or(0.0, |first| first.found.information.bic);
             format!("BIC higher by {}", significant(result.found.information.bic - first))
+        }
+    }
+}
+
+/// Recordings below which nothing is to be told from their scatter.
+const FEW: usize = 3;
+
+/// Why a model with a clearly larger error is not called worse.
+fn undecided(times: &str, criterion: Criterion, held_out: usize) -> String {
+    let error = format!("{times} times the error of the first");
+    match (criterion, held_out) {
+        (Criterion::Bic, _) => format!("{error}, but too few independent samples to tell"),
+        (Criterion::HeldOut, 1) => format!("{error}, but too few recordings to tell: 1 held out"),
+        (Criterion::HeldOut, n) if n < FEW => {
+            format!("{error}, but too few recordings to tell: {n} held out")
+        }
+        (Criterion::HeldOut, _) => {
+            format!("{error}, but better in parts: the recordings held out do not decide")
         }
     }
 }
@@ -100,12 +124,13 @@ pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
     match found.criterion {
         Criterion::HeldOut => {
             "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
-             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors."
+             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a tenth \
+             larger, cannot be told from the first; with a larger error the recordings do not decide."
         }
         Criterion::Bic => {
             "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
              residuals of the best fit tell. A \
-             difference below 2 is no difference. The errors are those of the fit."
+             difference below 2 is no difference where the error is at most a tenth larger. The errors are those of the fit."
         }
     }
 }
@@ -167,6 +192,18 @@ pub(super) fn source_notes<'a>(files: impl Iterator<Item = &'a FrictionRecording
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_large_error_is_said_with_the_reason_why_nothing_is_told_from_it() {
+        for times in ["2.400", "15.00"] {
+            let one = undecided(times, Criterion::HeldOut, 1);
+            assert!(one.contains("too few recordings to tell: 1 held out") && one.contains(times), "{one}");
+            assert!(undecided(times, Criterion::HeldOut, 2).contains("2 held out"));
+            assert!(undecided(times, Criterion::HeldOut, 40).contains("do not decide"));
+            assert!(undecided(times, Criterion::Bic, 0).contains("too few independent samples"));
+            assert!(!one.contains("cannot be told"));
+        }
+    }
 
     #[test]
     fn numbers_have_four_significant_digits() {
