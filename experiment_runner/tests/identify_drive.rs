@@ -60,6 +60,7 @@ fn record(model: AnyModel, seed: u64) -> DrivenRecording {
         axis: Some(AxisKind::Rotary),
         stretches: RecordedStretch::whole(31_999),
         irregularities: Irregularities::default(),
+        one_cycle_in: 1,
     }
 }
 

@@ -15,8 +15,10 @@ use tempfile::TempDir;
 
 /// One control cycle.
 struct Cycle {
-    /// When it ran [s].
+    /// When the machine ran it [s].
     time: f64,
+    /// When it was by the rig's own clock [s].
+    rig_time: f64,
     velocity: f64,
     /// Voltage of the cycle before [V].
     voltage: f64,
@@ -41,6 +43,7 @@ fn cycles() -> Vec<Cycle> {
         rig.apply(excitation(time)).unwrap();
         Cycle {
             time,
+            rig_time: time,
             velocity: seen.tachometer_velocity,
             voltage: seen.voltage_applied,
             torque: seen.torque,
@@ -56,12 +59,13 @@ fn of_a_busy_machine(mut cycles: Vec<Cycle>) -> Vec<Cycle> {
     for (from, lost) in [(14_000, 5), (11_000, 4), (10_000, 2), (6_000, 1), (3_000, 3)] {
         cycles.drain(from..from + lost);
     }
-    let Cycle { time, velocity, voltage, torque } = cycles[200];
-    cycles.insert(200, Cycle { time, velocity, voltage, torque });
+    let Cycle { time, rig_time, velocity, voltage, torque } = cycles[200];
+    cycles.insert(200, Cycle { time, rig_time, velocity, voltage, torque });
     cycles
 }
 
-fn bag(folder: &Path, cycles: &[Cycle]) -> PathBuf {
+/// A bag with the stamps of the machine alone, or with the time of the rig too.
+fn bag(folder: &Path, cycles: &[Cycle], by_rig: bool) -> PathBuf {
     let dir = folder.join("bag");
     let mut bag = BagWriter::create(&dir, BagOptions::default()).unwrap();
     for cycle in cycles {
@@ -79,6 +83,7 @@ fn bag(folder: &Path, cycles: &[Cycle]) -> PathBuf {
             tachometer_velocity: cycle.velocity,
             voltage_applied: cycle.voltage,
             torque: cycle.torque,
+            rig_time: if by_rig { cycle.rig_time } else { 0.0 },
             ..RigMeasurement::default()
         };
         bag.write("/rig_measurement", stamp, &rig).unwrap();
@@ -124,7 +129,7 @@ const SAID: &str = "3 gaps, 12 samples missing; split into 4 stretches";
 fn a_drive_is_identified_from_a_bag_with_late_and_missing_cycles_as_from_a_whole_one() {
     let folder = folder();
     let here = folder.path();
-    bag(here, &of_a_busy_machine(cycles()));
+    bag(here, &of_a_busy_machine(cycles()), false);
     let said = ok(here, &["identify-drive", "bag", "--gear-ratio", "70", "--out", "found"]);
     assert!(said.contains(SAID), "{said}");
     assert!(said.contains("1 repeated sample dropped"), "{said}");
@@ -138,6 +143,24 @@ fn a_drive_is_identified_from_a_bag_with_late_and_missing_cycles_as_from_a_whole
         let value = estimate["value"].as_f64().unwrap();
         assert!((value / truth - 1.0).abs() < 0.01, "{name}: {value}");
     }
+}
+
+/// Every cycle of a busy machine is late by something; the rig knows better.
+#[test]
+fn late_stamps_cost_nothing_where_the_rig_tells_its_time() {
+    let folder = folder();
+    let here = folder.path();
+    let mut cycles = of_a_busy_machine(cycles());
+    for (k, cycle) in cycles.iter_mut().enumerate() {
+        cycle.time = cycle.rig_time + (k * 7919 % 997) as f64 * 3e-7;
+    }
+    bag(here, &cycles, true);
+    let said = ok(here, &["identify-drive", "bag", "--gear-ratio", "70", "--out", "found"]);
+    assert!(said.contains(SAID) && !said.contains("came late"), "{said}");
+    let axis = ok(here, &["identify", "bag", "--torque-from-voltage", "--out", "axis"]);
+    assert!(axis.contains(SAID) && !axis.contains("came late"), "{axis}");
+    let friction = ok(here, &["identify", "bag", "--model", "stribeck", "--no-joint", "--out", "friction"]);
+    assert!(friction.contains(SAID) && !friction.contains("came late"), "{friction}");
 }
 
 #[test]
@@ -156,7 +179,7 @@ fn a_drive_is_identified_from_a_table_with_late_and_missing_cycles() {
 fn friction_and_inertia_are_identified_from_a_bag_with_late_and_missing_cycles() {
     let folder = folder();
     let here = folder.path();
-    bag(here, &of_a_busy_machine(cycles()));
+    bag(here, &of_a_busy_machine(cycles()), false);
     let said = ok(here, &["identify", "bag", "--torque-from-voltage", "--out", "axis"]);
     assert!(said.contains(SAID), "{said}");
     let document = json(&here.join("axis/identification.json"));
@@ -181,6 +204,10 @@ fn the_thinned_bag_of_a_run_is_identified() {
     ok(here, &["run", "--quick", "--quiet", "--out", "run"]);
     let said = ok(here, &["identify-drive", "run/bag", "--gear-ratio", "70", "--out", "drive"]);
     assert!(said.contains("at another rate than most samples have"), "{said}");
+    assert!(!said.contains("one control cycle in"), "{said}");
+    ok(here, &["run", "constant-velocity", "--quick", "--quiet", "--out", "steady"]);
+    let said = ok(here, &["identify-drive", "steady/bag", "--gear-ratio", "70", "--out", "steady-drive"]);
+    assert!(said.contains("one control cycle in 20 was recorded"), "{said}");
     ok(here, &["identify", "run/bag", "--torque-from-voltage", "--out", "axis"]);
     ok(here, &["identify", "run/bag", "--model", "stribeck", "--no-joint", "--out", "friction"]);
 }

@@ -261,7 +261,7 @@ impl AxisFit {
 /// ```
 ///
 /// # Errors
-/// [`IdentError::NotExcited`] with the terms the motion does not show, [`IdentError::NegativeInertia`],
+/// [`IdentError::NotExcited`] with the terms the motion does not show, [`IdentError::NegativeInertia`] where it is clearly below zero,
 /// [`IdentError::ZeroForce`], [`IdentError::TooFewSamples`].
 pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
     let terms = model.terms();
@@ -296,9 +296,11 @@ pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, Id
             standard_error: (variance * solution.inverse_normal[(i, i)]).sqrt(),
         })
         .collect();
-    if let Some(inertia) =
-        terms.iter().find(|estimate| estimate.term == AxisTerm::Inertia && estimate.value <= 0.0)
-    {
+    // One that the recording does not determine may come out on either side of zero.
+    let negative = |estimate: &&TermEstimate| {
+        estimate.term == AxisTerm::Inertia && estimate.value <= -2.0 * estimate.standard_error
+    };
+    if let Some(inertia) = terms.iter().find(negative) {
         return Err(IdentError::NegativeInertia {
             value: inertia.value,
             standard_error: inertia.standard_error,

@@ -62,6 +62,13 @@ pub fn identify(
             .map_err(|error| (recording.path.clone(), error))?;
         let uneven = recording.irregularities.describe();
         fit.notes.extend(uneven.map(|said| format!("{}: {said}", recording.path.display())));
+        if recording.one_cycle_in > 1 {
+            fit.notes.push(format!(
+                "{}: one control cycle in {} was recorded, and the voltage between is not known: only what is steady can be trusted. `--record full` keeps every cycle.",
+                recording.path.display(),
+                recording.one_cycle_in
+            ));
+        }
         timing.push(recording.irregularities);
         fits.push((recording.path.clone(), fit));
     }

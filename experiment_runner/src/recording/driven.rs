@@ -7,11 +7,10 @@ use msgs::friction_msgs::RigMeasurement;
 
 use super::column::{Channel, axis_of};
 use super::table::{Found, Header, damaged, open};
+use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::timing::Timing;
 use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
 use crate::bag::BagReader;
-
-const RIG_MEASUREMENT: &str = "/rig_measurement";
 
 /// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a sample stands at its beginning.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +31,8 @@ pub struct DrivenRecording {
     pub stretches: Vec<RecordedStretch>,
     /// What was uneven.
     pub irregularities: Irregularities,
+    /// The recording keeps one control cycle in so many; one where it keeps all, or does not tell.
+    pub one_cycle_in: u64,
     /// Kind of axis as the names tell it.
     pub axis: Option<AxisKind>,
 }
@@ -116,6 +117,7 @@ fn from_table(
         axis,
         stretches: RecordedStretch::of(&timing, 0),
         irregularities: timing.irregularities,
+        one_cycle_in: 1,
     })
 }
 
@@ -137,7 +139,10 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
     messages.sort_by_key(|(_, rig)| rig.header.stamp.to_nanos());
     let start = messages.first().map_or(0, |(_, rig)| rig.header.stamp.to_nanos());
     let since = |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
-    let time: Vec<f64> = messages.iter().map(|(_, rig)| since(rig)).collect();
+    let cycles: Vec<(u64, f64)> =
+        messages.iter().map(|(_, rig)| (rig.header.stamp.to_nanos(), rig.rig_time)).collect();
+    let time = rig_clock::times(&cycles)
+        .unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
     let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
     let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
     // The voltage of a sample stands in the next one of its own stretch; the last one has none.
@@ -159,5 +164,20 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
         axis: Some(AxisKind::Rotary),
         stretches: RecordedStretch::of(&timing, 1),
         irregularities: timing.irregularities,
+        one_cycle_in: one_cycle_in(&messages, &timing),
     })
+}
+
+/// How many control cycles lie between two samples of the rate that is used, by the number of the cycle.
+fn one_cycle_in(messages: &[(u64, RigMeasurement)], timing: &Timing) -> u64 {
+    let mut steps: Vec<u64> = timing
+        .stretches
+        .iter()
+        .filter_map(|stretch| {
+            let (first, next) = stretch.first_two()?;
+            Some(messages.get(next)?.1.cycle.saturating_sub(messages.get(first)?.1.cycle))
+        })
+        .collect();
+    steps.sort_unstable();
+    steps.get(steps.len() / 2).copied().unwrap_or(1).max(1)
 }

@@ -4,17 +4,18 @@
 //! inertia in it to be found), or the driving torque worked out from the voltage of `/rig_measurement`:
 //! `(A Km / Ra) (u - A Km w)`, which drives inertia and friction together.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use msgs::friction_msgs::RigMeasurement;
 use msgs::sensor_msgs::JointState;
 
+use super::rig_clock::{self, RIG_MEASUREMENT};
 use super::timing::Timing;
 use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError, Sources};
 use crate::bag::BagReader;
 
 const JOINT_STATES: &str = "/joint_states";
-const RIG_MEASUREMENT: &str = "/rig_measurement";
 
 /// What turns a motor's voltage and speed into the torque at the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +92,7 @@ pub(super) enum BagChannel {
 /// What was recorded, at whatever times.
 pub(super) struct Track {
     pub topic: &'static str,
-    /// Seconds since the first message.
+    /// Times [s], by the rig's own clock where the bag has it.
     pub time: Vec<f64>,
     /// From the tachometer [rad/s].
     pub velocity: Vec<f64>,
@@ -113,9 +114,14 @@ pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, Recording
     samples.sort_by_key(|sample| sample.stamp);
     let start = samples.first().map_or(0, |sample| sample.stamp);
     let since = |sample: &Sample| sample.stamp.saturating_sub(start) as f64 * 1e-9;
+    let clock = rig_clock::of_bag(&bag)?;
+    let by_rig = |clock: HashMap<u64, f64>| -> Option<Vec<f64>> {
+        samples.iter().map(|sample| clock.get(&sample.stamp).copied()).collect()
+    };
+    let time = clock.and_then(by_rig).unwrap_or_else(|| samples.iter().map(since).collect());
     Ok(Track {
         topic,
-        time: samples.iter().map(since).collect(),
+        time,
         velocity: samples.iter().map(|sample| sample.velocity).collect(),
         force: samples.iter().map(|sample| sample.torque).collect(),
     })

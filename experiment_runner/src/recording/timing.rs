@@ -55,6 +55,12 @@ impl EvenStretch {
         self.places.len()
     }
 
+    /// The first two recorded samples of it.
+    pub(super) fn first_two(&self) -> Option<(usize, usize)> {
+        let [first, next, ..] = &self.places[..] else { return None };
+        (next.part == 0.0).then_some((first.index, next.index))
+    }
+
     /// Whether there is no sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {
