@@ -151,8 +151,9 @@ fn late_stamps_cost_nothing_where_the_rig_tells_its_time() {
     let folder = folder();
     let here = folder.path();
     let mut cycles = of_a_busy_machine(cycles());
-    for (k, cycle) in cycles.iter_mut().enumerate() {
-        cycle.time = cycle.rig_time + (k * 7919 % 997) as f64 * 3e-7;
+    for cycle in &mut cycles {
+        let late = (cycle.rig_time * 1e3).round() as u32 * 7919 % 997;
+        cycle.time = cycle.rig_time + f64::from(late) * 3e-7;
     }
     bag(here, &cycles, true);
     let said = ok(here, &["identify-drive", "bag", "--gear-ratio", "70", "--out", "found"]);
