@@ -136,7 +136,7 @@ fn a_drive_is_identified_from_a_bag_with_late_and_missing_cycles_as_from_a_whole
     let document = json(&here.join("found/identification-drive.json"));
     assert_eq!(document["recordings"][0]["timing"]["missing"], 12);
     assert_eq!(document["recordings"][0]["timing"]["filled"], 3);
-    let page = fs::read_to_string(here.join("found/identification-drive.html")).unwrap();
+    let page = fs::read_to_string(here.join("found/report.html")).unwrap();
     assert!(page.contains(SAID));
     for (name, truth) in [("gain", 1.862_54), ("time_constant", 0.023_88), ("inertia", 2.647_57e-3)] {
         let estimate = document["estimates"].as_array().unwrap().iter().find(|e| e["name"] == name).unwrap();

@@ -81,22 +81,27 @@ pub(crate) fn of_rig_driver<T: DeserializeOwned>(text: &str, section: &str, who:
 
 /// The file as text.
 pub fn render(found: &Identified) -> String {
-    let mut text = format!("# Drive identified by frictionlab {}.\n", env!("CARGO_PKG_VERSION"));
+    let mut text = format!(
+        "# A drive fitted by frictionlab {}. Behind each value stands where it comes from.\n",
+        env!("CARGO_PKG_VERSION")
+    );
     // Writing to a string cannot fail.
     for [name, value, unit, interval, verdict] in super::rows(&found.estimates) {
         let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
     }
     match DriveConstants::of(found) {
         Some(DriveConstants { parameters: p }) => {
-            let _ = write!(
-                text,
-                "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: {}\n      gear_ratio: {}\n      \
-                 armature_resistance: {}\n      inertia: {}\n",
-                number(p.motor_constant),
-                number(p.gear_ratio),
-                number(p.armature_resistance),
-                number(p.inertia)
-            );
+            let by_sensor = found.value("back_emf").is_some() && found.value("volts_per_torque").is_some();
+            let motor = if by_sensor { "identified, with the gear ratio that was given" } else { "given" };
+            text.push_str("/rig_driver:\n  ros__parameters:\n    drive:\n");
+            for (name, value, from) in [
+                ("motor_constant", p.motor_constant, motor),
+                ("gear_ratio", p.gear_ratio, "given"),
+                ("armature_resistance", p.armature_resistance, if by_sensor { "identified" } else { "given" }),
+                ("inertia", p.inertia, "identified"),
+            ] {
+                let _ = writeln!(text, "      {name}: {}  # {from}", number(value));
+            }
         }
         None => text.push_str(
             "# No /rig_driver here: the motor's constants (--gear-ratio, --motor-constant, --resistance) or a torque sensor are needed.\n",
@@ -104,7 +109,7 @@ pub fn render(found: &Identified) -> String {
     }
     text.push_str("/drive_identification:\n  ros__parameters:\n");
     for estimate in found.estimates.iter().filter(|estimate| estimate.is_identified()) {
-        let _ = writeln!(text, "    {}: {}", estimate.name, number(estimate.value));
+        let _ = writeln!(text, "    {}: {}  # identified", estimate.name, number(estimate.value));
     }
     text
 }

@@ -186,6 +186,9 @@ impl Given {
         let tree = tree(text)?;
         let observer = node(&tree, "friction_observer").or_else(|| node(&tree, "**"));
         let controller = node(&tree, "controller");
+        if observer.is_none() && controller.is_none() && node(&tree, "rig_driver").is_some() {
+            return Err("it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it".to_owned());
+        }
         if observer.is_none() && controller.is_none() {
             return Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned());
         }
@@ -405,7 +408,8 @@ mod tests {
     fn a_file_with_a_mistake_says_where() {
         for (text, said) in [
             ("a: 1", "ros__parameters"),
-            ("/rig_driver:\n  ros__parameters:\n    x: 1.0\n", "friction_observer"),
+            ("/rig_driver:\n  ros__parameters:\n    x: 1.0\n", "--drive"),
+            ("/plotter:\n  ros__parameters:\n    x: 1.0\n", "friction_observer"),
             ("/friction_observer:\n  ros__parameters:\n    model: lugri\n", "lugri"),
             ("/friction_observer:\n  ros__parameters:\n    lugre:\n      f_s: -1.0\n", "lugre"),
             (
