@@ -5,8 +5,8 @@ use std::process::Command;
 
 use experiment_runner::drive::parameters::{DriveConstants, render};
 use experiment_runner::drive::{Identified, identify};
-use experiment_runner::recording::{AxisKind, Irregularities, RecordedStretch};
 use experiment_runner::recording::driven::DrivenRecording;
+use experiment_runner::recording::{AxisKind, Irregularities, RecordedStretch};
 use friction_ident::drive::{Calibration, Known};
 use friction_model::{AnyModel, ModelName};
 use rig_driver::SimulationOptions;

@@ -235,7 +235,10 @@ fn what_was_designed_and_what_was_identified_go_into_one_run() {
     let folder = folder();
     let here = folder.path();
     ok(here, &["run", "constant-velocity", "--quick", "--quiet", "--out", "run"]);
-    ok(here, &["design", "velocity", "--steady-state-error", "0.01", "--crossover", "110", "--out", "design"]);
+    ok(
+        here,
+        &["design", "velocity", "--steady-state-error", "0.01", "--crossover", "110", "--out", "design"],
+    );
     let points = "velocity_rad_s,torque_Nm\n0.05,0.1\n0.1,0.098\n0.3,0.1\n0.5,0.109\n1.0,0.13\n2.0,0.17\n3.0,0.21\n4.0,0.25\n-0.05,-0.1\n-0.3,-0.1\n-1.0,-0.13\n-3.0,-0.21\n";
     fs::write(here.join("points.csv"), points).unwrap();
     ok(here, &["identify", "points.csv", "--model", "coulomb_viscous", "--out", "identified"]);
@@ -259,7 +262,8 @@ fn what_was_designed_and_what_was_identified_go_into_one_run() {
         let document = json(&here.join(&name).join("run.json"));
         let origin = |path: &str| document["origin"][path]["file"].as_str().map(str::to_owned);
         let of = |file: &str| [first, second].contains(&file);
-        let later = |a: &str, b: &str| if of(a) && (second == a || !of(b)) { Some(a.to_owned()) } else { None };
+        let later =
+            |a: &str, b: &str| if of(a) && (second == a || !of(b)) { Some(a.to_owned()) } else { None };
         let lag = later(design, run).or(later(run, design));
         assert_eq!(origin("controller.lag.k_p"), lag, "{first}, {second}");
         let level = later(identified, run).or(later(run, identified));

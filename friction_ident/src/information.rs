@@ -53,7 +53,7 @@ impl Difference {
 }
 
 /// Errors that differ by less are as good as equal, as a ratio: nobody would notice, whichever model compensates.
-pub const AS_GOOD: f64 = 1.1;
+pub const AS_GOOD: f64 = 1.2;
 
 /// How a model stands beside the best one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -13,8 +13,8 @@ use serde_json::json;
 
 use crate::identify::quantity::with_error;
 use crate::identify::structure::units;
-use crate::recording::{AxisKind, Irregularities, RecordedStretch};
 use crate::recording::driven::DrivenRecording;
+use crate::recording::{AxisKind, Irregularities, RecordedStretch};
 
 /// A drive found in one or several recordings.
 #[derive(Debug, Clone)]

@@ -6,8 +6,8 @@ use csv::StringRecord;
 use msgs::friction_msgs::RigMeasurement;
 
 use super::column::{Channel, axis_of};
-use super::table::{Found, Header, damaged, open};
 use super::rig_clock::{self, RIG_MEASUREMENT};
+use super::table::{Found, Header, damaged, open};
 use super::timing::Timing;
 use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
 use crate::bag::BagReader;
@@ -104,8 +104,7 @@ fn from_table(
     }
     let [time, voltage, position, velocity, friction] = values;
     let time = time.unwrap_or_default();
-    let timing =
-        Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
+    let timing = Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
     let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
     Ok(DrivenRecording {
         path: path.into(),
@@ -141,8 +140,8 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
     let since = |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
     let cycles: Vec<(u64, f64)> =
         messages.iter().map(|(_, rig)| (rig.header.stamp.to_nanos(), rig.rig_time)).collect();
-    let time = rig_clock::times(&cycles)
-        .unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
+    let time =
+        rig_clock::times(&cycles).unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
     let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
     let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
     // The voltage of a sample stands in the next one of its own stretch; the last one has none.

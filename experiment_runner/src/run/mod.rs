@@ -19,10 +19,10 @@ mod options;
 mod origin;
 mod page;
 mod parameter_file;
-mod recorder;
-mod results;
 #[cfg(test)]
 mod provenance_tests;
+mod recorder;
+mod results;
 #[cfg(test)]
 mod supervision_tests;
 pub mod terminal;

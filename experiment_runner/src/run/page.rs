@@ -291,7 +291,8 @@ fn model_table(results: &RunResults, models: &Compensators) -> Table {
         .collect();
     Table {
         title: "Observers".to_owned(),
-        caption: "Parameters in N m, rad and s, as in parameters.yaml, which says where each comes from.".to_owned(),
+        caption: "Parameters in N m, rad and s, as in parameters.yaml, which says where each comes from."
+            .to_owned(),
         columns: vec!["model".to_owned(), "parameters".to_owned()],
         rows,
         highlight: None,

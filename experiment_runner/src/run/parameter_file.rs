@@ -187,7 +187,8 @@ impl Given {
         let observer = node(&tree, "friction_observer").or_else(|| node(&tree, "**"));
         let controller = node(&tree, "controller");
         if observer.is_none() && controller.is_none() && node(&tree, "rig_driver").is_some() {
-            return Err("it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it".to_owned());
+            return Err("it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it"
+                .to_owned());
         }
         if observer.is_none() && controller.is_none() {
             return Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned());
@@ -249,7 +250,9 @@ impl Given {
             for side in ["forward", "backward"] {
                 let own = commented_yaml::leaves(base[side].as_object().unwrap_or(&Map::new()))
                     .into_iter()
-                    .map(|(leaf, _)| (format!("{path}.{side}.{leaf}"), self.origins.of(&format!("{symmetric}.{leaf}"))))
+                    .map(|(leaf, _)| {
+                        (format!("{path}.{side}.{leaf}"), self.origins.of(&format!("{symmetric}.{leaf}")))
+                    })
                     .collect::<Vec<_>>();
                 own.into_iter().for_each(|(leaf, origin)| self.origins.set(leaf, origin));
             }
@@ -442,7 +445,9 @@ mod tests {
                 given.take(first, earlier).unwrap();
                 given.take(second, later).unwrap();
                 let wins = |name: &str, over: &str| {
-                    (*first == name && *second != over) || *second == name || (*first == name && *second == name)
+                    (*first == name && *second != over)
+                        || *second == name
+                        || (*first == name && *second == name)
                 };
                 let all = [*first, *second];
                 let mut options = ControllerOptions::default();
@@ -495,7 +500,9 @@ mod tests {
     #[test]
     fn a_model_for_each_direction_and_one_for_both_replace_one_another() {
         let file = |body: &str| format!("/friction_observer:\n  ros__parameters:\n{body}");
-        let sides = file("    asymmetric:\n      lugre:\n        forward: {f_v: 0.01}\n        backward: {f_v: 0.02}\n");
+        let sides = file(
+            "    asymmetric:\n      lugre:\n        forward: {f_v: 0.01}\n        backward: {f_v: 0.02}\n",
+        );
         let both = file("    lugre: {f_v: 0.03}\n");
         let mut given = Given::default();
         given.take("both", &both).unwrap();

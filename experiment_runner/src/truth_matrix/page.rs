@@ -50,7 +50,7 @@ fn held_out(matrix: &Matrix) -> Table {
     Table {
         title: "Held-out error, rms [1e-3 N m]".to_owned(),
         caption: "Median over the seeds, lowest and highest in brackets. A star marks the model that was best under most seeds, a tilde one that could not be told from the \
-                  best under at least half of them (an error at most a tenth larger, and a difference within two standard errors, paired over blocks)."
+                  best under at least half of them (an error at most a fifth larger, and a difference within two standard errors, paired over blocks)."
             .to_owned(),
         columns,
         rows,

@@ -61,7 +61,11 @@ fn within(recording: &Conditioned, piece: &Piece, fastest: f64) -> Vec<Breakaway
             let (gain, rise) = (at(velocity, k + ahead) - v, at(force, k + ahead) - at(force, k));
             let voltage = at(force, k) - v * rise / gain;
             if rate.abs() < SLOW && voltage * direction > 0.0 {
-                found.push(Breakaway { time: piece.start + (first + last) as f64 * time_step, voltage, direction });
+                found.push(Breakaway {
+                    time: piece.start + (first + last) as f64 * time_step,
+                    voltage,
+                    direction,
+                });
             }
         }
     }

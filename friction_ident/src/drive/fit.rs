@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::constants::{Calibration, Known};
 use super::{Breakaway, breakaways};
-use crate::axis_structure::{AxisStructure, AxisUnits, fit_structure, LONGEST_DELAY, read_between, rows_of};
+use crate::axis_structure::{AxisStructure, AxisUnits, LONGEST_DELAY, fit_structure, read_between, rows_of};
 use crate::bounded::Minimum;
 use crate::conditioning::{Conditioned, Conditioning, Piece, Signals, condition_stretches};
 use crate::confidence::student_95;

@@ -21,9 +21,9 @@ use friction_ident::staged::rms_of_kind;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::{AnyModel, ModelName};
 
-use crate::recording::{AxisKind, Irregularities};
 use crate::recording::drive_error::AddedUncertainty;
 use crate::recording::stretches::{FrictionRecording, Preparation};
+use crate::recording::{AxisKind, Irregularities};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,9 +175,9 @@ impl FrictionIdentification {
 
     /// Recordings held out: steady points, and stretches without a gap.
     pub fn recordings_held_out(&self) -> usize {
-        self.held_out.as_ref().map_or(0, |data| {
-            data.points.len() + data.pre_sliding.len() + data.lag.len() + data.mixed.len()
-        })
+        self.held_out
+            .as_ref()
+            .map_or(0, |data| data.points.len() + data.pre_sliding.len() + data.lag.len() + data.mixed.len())
     }
 
     /// Samples and points fitted to, of one kind.

@@ -124,13 +124,13 @@ pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
     match found.criterion {
         Criterion::HeldOut => {
             "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
-             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a tenth \
+             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a fifth \
              larger, cannot be told from the first; with a larger error the recordings do not decide."
         }
         Criterion::Bic => {
             "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
              residuals of the best fit tell. A \
-             difference below 2 is no difference where the error is at most a tenth larger. The errors are those of the fit."
+             difference below 2 is no difference where the error is at most a fifth larger. The errors are those of the fit."
         }
     }
 }
@@ -163,7 +163,10 @@ pub(super) fn unseen_kinds(data: &FrictionData, held_out: &FrictionData) -> Opti
 }
 
 /// What is to be said about the files.
-pub(super) fn source_notes<'a>(files: impl Iterator<Item = &'a FrictionRecording>, settings: &Settings) -> Vec<String> {
+pub(super) fn source_notes<'a>(
+    files: impl Iterator<Item = &'a FrictionRecording>,
+    settings: &Settings,
+) -> Vec<String> {
     let mut notes = Vec::new();
     let unit = settings.axis.force_unit();
     for file in files {
