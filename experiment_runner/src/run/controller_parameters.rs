@@ -113,7 +113,7 @@ impl ControllerParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::parameter_file::read_controller;
+    use crate::run::given::read_controller;
 
     #[test]
     fn a_file_of_the_controller_alone_is_read() {

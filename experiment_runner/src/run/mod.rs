@@ -15,6 +15,7 @@ mod controller_parameters;
 mod error;
 mod excited;
 mod execute;
+mod given;
 mod options;
 mod origin;
 mod page;
@@ -34,9 +35,9 @@ pub use compensators::Compensators;
 pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
 pub use execute::{Outcome, check, check_options, execute, execute_in};
+pub use given::{Given, read as read_parameter_file, read_controller};
 pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
 pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
 pub(crate) use parameter_file::render_bed as render_parameter_file;
-pub use parameter_file::{Given, read as read_parameter_file, read_controller};
 pub use results::{Comparison, Identification, RunResults, Status, TaskComparison};
