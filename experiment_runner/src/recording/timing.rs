@@ -206,8 +206,8 @@ fn cut(steps: &[f64], tolerance: f64, found: &mut Irregularities) -> Vec<(Range<
             continue;
         }
         let gap = step > (BRIDGED + tolerance) * usual;
-        let lasting = steps.len() - k >= LASTING;
-        if !gap && !(lasting && (ahead(k) - usual).abs() > OTHER_RATE * usual) {
+        let other_rate = || steps.len() - k >= LASTING && (ahead(k) - usual).abs() > OTHER_RATE * usual;
+        if !(gap || other_rate()) {
             continue;
         }
         parts.push((first..k + 1, after_gap));

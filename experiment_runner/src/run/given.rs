@@ -277,11 +277,7 @@ mod tests {
                 let mut given = Given::default();
                 given.take(first, earlier).unwrap();
                 given.take(second, later).unwrap();
-                let wins = |name: &str, over: &str| {
-                    (*first == name && *second != over)
-                        || *second == name
-                        || (*first == name && *second == name)
-                };
+                let wins = |name: &str, over: &str| *second == name || (*first == name && *second != over);
                 let all = [*first, *second];
                 let mut options = ControllerOptions::default();
                 given.controller.apply(&mut options);
