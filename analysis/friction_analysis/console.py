@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from collections.abc import Callable
+from typing import TextIO
 
 
 class AnalysisError(Exception):
@@ -43,3 +45,25 @@ def conclude(work: Callable[[], int]) -> int:
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+class Progress:
+    """Tells on standard error how far work is: one line that changes on a terminal, a line now and then elsewhere."""
+
+    def __init__(self, what: str, stream: TextIO | None = None, every: float = 2.0) -> None:
+        self._what = what
+        self._stream = stream or sys.stderr
+        self._every = 0.1 if self._stream.isatty() else every
+        self._told = time.monotonic()
+        self._line = False
+
+    def __call__(self, share: float) -> None:
+        """`share` is done, 0 to 1."""
+        if time.monotonic() - self._told >= self._every or (share >= 1.0 and self._line):
+            self._told = time.monotonic()
+            self._line = share < 1.0
+            text = f"{self._what}: {100.0 * share:.0f} %"
+            if self._stream.isatty():
+                print(f"\r{text:<60}", end="" if share < 1.0 else "\n", file=self._stream, flush=True)
+            else:
+                print(text, file=self._stream, flush=True)

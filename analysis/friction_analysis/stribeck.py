@@ -104,3 +104,42 @@ def block_means(table: pd.DataFrame, width: float) -> pd.DataFrame:
     means = numbers.groupby(blocks).mean()
     means.index = pd.Index((means.index.to_numpy(dtype=np.float64) + 0.5) * width, name="t_s")
     return means
+
+
+def steady_point(table: pd.DataFrame, travel: float) -> tuple[float, float, float] | None:
+    """Mean velocity, mean torque and the torque's standard deviation of a run at constant velocity.
+
+    The first fifth and the last tenth do not count; nothing where less than `travel` [rad] is left.
+    """
+    time = np.asarray(table.index, dtype=np.float64)
+    if len(time) < 20:
+        return None
+    length = time[-1] - time[0]
+    kept = table[(time >= time[0] + 0.2 * length) & (time <= time[-1] - 0.1 * length)]
+    velocity, torque = (kept[name].to_numpy(dtype=np.float64) for name in ("velocity_rad_s", "torque_Nm"))
+    if len(kept) < 5 or not abs(velocity.mean()) * 0.7 * length > travel:
+        return None
+    return float(velocity.mean()), float(torque.mean()), float(torque.std())
+
+
+def sliding(table: pd.DataFrame, width: float, travel: float) -> pd.DataFrame:
+    """Means over blocks of `width` [s] of velocity and torque while the shaft slides.
+
+    Left out are blocks slower than three times their own noise, and the first `travel` [rad] after each such block and each
+    turn.
+    """
+    velocity = table["velocity_rad_s"].to_numpy(dtype=np.float64)
+    means = block_means(table, width)
+    if len(means) < 2 or len(velocity) < 3:
+        return means.iloc[:0]
+    # The noise is what neighbouring samples differ by; motion differs by far less.
+    noise = 1.4826 * float(np.median(np.abs(np.diff(velocity)))) / np.sqrt(2.0)
+    threshold = 3.0 * noise / np.sqrt(max(1.0, len(velocity) / len(means)))
+    speed = means["velocity_rad_s"].to_numpy(dtype=np.float64)
+    direction = np.where(np.abs(speed) > threshold, np.sign(speed), 0.0)
+    time = np.asarray(means.index, dtype=np.float64)
+    way = np.concatenate([[0.0], np.cumsum(np.abs(speed[1:]) * np.minimum(np.diff(time), 2.0 * width))])
+    turned = np.concatenate([[True], direction[1:] != direction[:-1]])
+    since = way - np.maximum.accumulate(np.where(turned, way, 0.0))
+    kept: pd.DataFrame = means[(direction != 0.0) & (since >= travel)]
+    return kept

@@ -5,7 +5,7 @@ import pytest
 from conftest import DEFINITIONS, START
 
 from friction_analysis import BagError, read_bag
-from friction_analysis.bag import COLUMNS
+from friction_analysis.rows import COLUMNS
 from friction_analysis.table import main, read_table
 from friction_analysis.topics import topic_name
 
