@@ -42,13 +42,23 @@ impl Interval {
     }
 }
 
+/// A relative error in words: per cent as long as these say something, `more than 10 times its value` beyond.
+pub(crate) fn of_its_value(relative_error: f64) -> String {
+    const SENSIBLE: f64 = 10.0;
+    if relative_error <= SENSIBLE {
+        format!("{:.0} % of its value", 100.0 * relative_error)
+    } else {
+        format!("more than {SENSIBLE:.0} times its value")
+    }
+}
+
 /// Why the data do not determine a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[serde(tag = "reason", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
     /// The standard error is more than half the value.
-    #[error("its standard error is {:.0} % of its value", 100.0 * relative_error)]
+    #[error("its standard error is {}", of_its_value(*relative_error))]
     LargeError {
         /// Standard error over value.
         relative_error: f64,
@@ -333,6 +343,14 @@ mod tests {
     use super::*;
     use crate::bounded::{Bound, Patience, Residuals, minimise};
     use std::ops::ControlFlow;
+
+    #[test]
+    fn an_error_beyond_sense_is_told_in_times() {
+        let doubt = |relative_error| Doubt::LargeError { relative_error }.to_string();
+        assert_eq!(doubt(0.62), "its standard error is 62 % of its value");
+        assert_eq!(doubt(3_222_979.53), "its standard error is more than 10 times its value");
+        assert_eq!(doubt(f64::INFINITY), "its standard error is more than 10 times its value");
+    }
 
     /// `a + b t + c t` (or a third column of its own) against given data.
     struct Line<'a> {

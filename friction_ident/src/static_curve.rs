@@ -115,7 +115,7 @@ impl StribeckValues {
 #[non_exhaustive]
 pub enum Unidentifiable {
     /// The standard error is more than half the value.
-    #[error("its standard error is {:.0} % of its value", 100.0 * relative_error)]
+    #[error("its standard error is {}", crate::estimate::of_its_value(*relative_error))]
     LargeError {
         /// Standard error over value.
         relative_error: f64,
