@@ -2,8 +2,15 @@
 // (which points, which colour a series has); this file only says it in plotly's words.
 'use strict';
 (() => {
-  const SYMBOLS = ['circle', 'square', 'diamond', 'triangle-up', 'cross', 'triangle-down'];
-  const DASHES = { solid: 'solid', dashed: 'dash', dotted: 'dot', faint: 'solid' };
+  const SYMBOLS = ['circle', 'square', 'diamond', 'triangle-up', 'cross', 'triangle-down', 'x', 'star'];
+  // Strokes of the looks, and those that a line asks for by itself.
+  const STROKES = ['solid', 'dash', 'dot', 'dashdot', 'longdash', 'longdashdot'];
+  const DASHES = { dashed: 'dash', dotted: 'dot', faint: 'solid' };
+  const PATTERNS = ['', '/', '.', 'x', '-', '|'];
+  // From so many series on, lines carry their marker here and there.
+  const MANY_SERIES = 8;
+  // Of an arrow on a path [px], and strokes [px].
+  const ARROW = 11, STROKE = 1.8, THIN = 1.1;
   const CONFIG = {
     responsive: true,
     displaylogo: false,
@@ -44,9 +51,25 @@
     return { x, y };
   };
 
-  const toPlotly = (trace, index, all, colour) => {
+  // 'velocity [rad/s]' as quantity and unit.
+  const parts = (label) => {
+    const found = /^(.*?)\s*\[([^\]]*)\]$/.exec(label);
+    const [quantity, unit] = found ? [found[1], found[2]] : [label, ''];
+    return { quantity: plain(quantity), unit: unit && unit !== '-' ? ' ' + plain(unit) : '' };
+  };
+
+  // What the box at a point says: quantities with their units, percent signs not taken for placeholders.
+  const reading = (figure, panel) => {
+    const x = parts(figure.x_label), y = parts(figure.y_labels[panel]);
+    const value = `${y.quantity} %{y:.5~g}${y.unit}`;
+    if (figure.categories.length) return `%{customdata}: ${value}`;
+    return figure.back_and_forth ? `${x.quantity} %{x:.5~g}${x.unit}<br>${value}` : value;
+  };
+
+  const toPlotly = (trace, index, all, colour, figure) => {
     const own = trace.colour < 0 ? colour('ink') : colour('c' + trace.colour);
     const common = {
+      hovertemplate: `${reading(figure, trace.panel)}<extra>${plain(trace.name)}</extra>`,
       type: 'scatter',
       name: plain(trace.name),
       legendgroup: trace.name,
@@ -56,21 +79,42 @@
     };
     if (trace.kind === 'band') {
       return { ...common, ...outline(trace), mode: 'lines', line: { width: 0 }, fill: 'toself',
-        fillcolor: faded(own, 0.2), hoverinfo: 'skip' };
+        fillcolor: faded(own, 0.2), hoverinfo: 'skip', hovertemplate: undefined };
     }
     const data = { ...common, x: trace.x, y: trace.y };
+    if (figure.categories.length) {
+      data.customdata = trace.x.map((x) => (x === null ? '' : plain(figure.categories[Math.round(x)])));
+    }
+    if (trace.kind === 'bars') {
+      return { ...data, type: 'bar', width: 0.92 * trace.width,
+        marker: { color: faded(own, 0.85), line: { color: own, width: 1 },
+          pattern: { shape: PATTERNS[trace.stroke], fgcolor: colour('paper'), size: 6 } } };
+    }
+    const symbol = trace.colour < 0 ? 'circle-open' : SYMBOLS[trace.marker];
+    const stroke = DASHES[trace.style] ?? STROKES[trace.stroke];
     if (trace.kind === 'points') {
       const many = trace.x.length > 200;
       return { ...data, mode: 'markers',
         marker: { color: own, size: many ? 4 : 6.5, opacity: many ? 0.55 : 0.9,
-          symbol: trace.colour < 0 ? 'circle-open' : SYMBOLS[trace.colour] },
+          symbol },
         error_y: trace.error
           ? { type: 'data', array: trace.error, color: own, thickness: 1, width: 2.5 } : undefined };
     }
     const faint = trace.style === 'faint';
-    return { ...data, mode: 'lines', connectgaps: false,
-      line: { color: faint ? faded(own, 0.4) : own, width: faint ? 0.9 : 1.8,
-        dash: DASHES[trace.style], simplify: false } };
+    const marked = new Set(all.map((other) => other.name)).size > MANY_SERIES && !faint && trace.kind !== 'loop';
+    return { ...data, mode: marked ? 'lines+markers' : 'lines', connectgaps: false,
+      ...(marked ? { marker: { color: own, symbol, size: 6, maxdisplayed: 9 } } : {}),
+      line: { color: faint ? faded(own, 0.4) : own, width: faint ? 0.9 : trace.kind === 'loop' ? THIN : STROKE,
+        dash: stroke, simplify: false } };
+  };
+
+  // The arrows of a path: each a marker that points away from the point before it.
+  const arrowsOf = (trace, drawn) => {
+    const points = trace.arrows.flatMap((arrow) => [...arrow, [null, null]]);
+    return { ...drawn, x: points.map((p) => p[0]), y: points.map((p) => p[1]), mode: 'markers', showlegend: false,
+      hoverinfo: 'skip', hovertemplate: undefined, meta: 'arrows',
+      marker: { symbol: 'arrow', angleref: 'previous', color: drawn.line.color,
+        size: points.map((_, i) => (i % 3 === 1 ? ARROW : 0)), line: { width: 0 } } };
   };
 
   // A logarithmic axis: over many decades each is marked, in plain numbers where these are short.
@@ -85,6 +129,7 @@
     const traces = figure.traces;
     const count = Math.max(1, figure.y_labels.length);
     const gap = count > 1 ? 0.055 : 0;
+    const x = parts(figure.x_label);
     const height = (1 - gap * (count - 1)) / count;
     const axis = {
       gridcolor: colour('grid'), linecolor: colour('rule'), showline: true, zeroline: true,
@@ -96,7 +141,7 @@
       paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
       margin: { l: 70, r: 44, t: 40, b: 52 },
       modebar: { orientation: 'v', bgcolor: 'rgba(0,0,0,0)', color: faded(colour('muted'), 0.7), activecolor: colour('accent') },
-      hovermode: figure.back_and_forth ? 'closest' : 'x unified',
+      hovermode: figure.back_and_forth || figure.categories.length ? 'closest' : 'x unified',
       hoversubplots: 'axis',
       hoverlabel: { bgcolor: colour('paper'), bordercolor: colour('rule'), font: { color: colour('ink'), size: 12 } },
       showlegend: new Set(traces.map((t) => t.name)).size > 1,
@@ -104,7 +149,11 @@
         bgcolor: 'rgba(0,0,0,0)', font: { size: 12.5 } },
       xaxis: { ...axis, ...(figure.log_x ? decades(traces) : {}), title: { text: plain(figure.x_label), standoff: 8 },
         anchor: count > 1 ? 'y' + count : 'y',
-        showspikes: !figure.back_and_forth, spikemode: 'across', spikethickness: 1, spikedash: 'dot',
+        unifiedhovertitle: { text: `${x.quantity} %{x:.5~g}${x.unit}` },
+        ...(figure.categories.length ? { tickmode: 'array', tickvals: figure.categories.map((_, i) => i),
+          ticktext: figure.categories.map(plain), range: [-0.5, figure.categories.length - 0.5],
+          zeroline: false, showgrid: false } : {}),
+        showspikes: !figure.back_and_forth && !figure.categories.length, spikemode: 'across', spikethickness: 1, spikedash: 'dot',
         spikecolor: colour('muted'), spikesnap: 'hovered data' },
     };
     figure.y_labels.forEach((label, panel) => {
@@ -121,9 +170,18 @@
     const number = place.id.slice('plot-'.length);
     const figure = JSON.parse(document.getElementById('data-' + number).textContent);
     const colour = colours();
-    const traces = figure.traces.map((trace, i, all) => toPlotly(trace, i, all, colour));
-    return Plotly.react(place, traces, { ...layoutOf(figure, colour), ...size },
+    const traces = figure.traces.flatMap((trace, i, all) => {
+      const drawn = toPlotly(trace, i, all, colour, figure);
+      return trace.arrows ? [drawn, arrowsOf(trace, drawn)] : [drawn];
+    });
+    const done = Plotly.react(place, traces, { ...layoutOf(figure, colour), ...size },
       { ...CONFIG, toImageButtonOptions: { ...CONFIG.toImageButtonOptions, filename: 'figure-' + number } });
+    // With these a printer may scale the drawing to the sheet, whatever that is.
+    place.querySelectorAll('.main-svg').forEach((svg) => {
+      svg.setAttribute('viewBox', `0 0 ${svg.getAttribute('width')} ${svg.getAttribute('height')}`);
+    });
+    place.style.setProperty('--shape', `${place._fullLayout.width} / ${place._fullLayout.height}`);
+    return done;
   };
 
   const places = [...document.querySelectorAll('.plot')];
@@ -147,7 +205,7 @@
   const lay = (printing) => {
     document.documentElement.toggleAttribute('data-print', printing);
     places.forEach((place, i) => {
-      const size = printing ? { width: 680, height: 0.78 * onScreen[i] } : {};
+      const size = printing ? { width: 680, height: 0.7 * onScreen[i] } : {};
       place.style.height = (size.height ?? onScreen[i]) + 'px';
       draw(place, size);
     });

@@ -24,6 +24,7 @@ pub mod messages;
 pub mod models;
 #[cfg(feature = "ros")]
 pub mod nodes;
+pub mod numbers;
 pub mod output;
 pub mod paced;
 pub mod profile;

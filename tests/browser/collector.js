@@ -18,9 +18,9 @@
     const inked = (group) => [...group.querySelectorAll('path')].some((path) => (path.getAttribute('d') || '').length > 4);
     return {
       expected: data.traces.filter(shown).length,
-      drawn: [...place.querySelectorAll('.scatterlayer .trace')].filter(inked).length
-        // Plotly keeps filled bands in a layer of their own when they have no edge.
-        ,
+      // The arrows of a path are a trace of their own to plotly.
+      drawn: [...place.querySelectorAll('.scatterlayer .trace, .barlayer .trace')]
+        .filter((group) => group.__data__?.[0]?.trace?.meta !== 'arrows').filter(inked).length,
       axis_titles: [...place.querySelectorAll('.xtitle, .ytitle, .y2title, .y3title, .y4title, .y5title, .y6title')].map((title) => title.textContent),
     };
   });

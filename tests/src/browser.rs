@@ -66,6 +66,14 @@ impl Browser {
     /// # Panics
     /// When the browser does not start, end, or report.
     pub fn load(&self, html: &str, probe: &str) -> Seen {
+        self.load_at(1200, html, probe)
+    }
+
+    /// The same in a window that is `width` CSS pixels wide.
+    ///
+    /// # Panics
+    /// When the browser does not start, end, or report.
+    pub fn load_at(&self, width: u32, html: &str, probe: &str) -> Seen {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let copy = folder.path().join("page.html");
         let collector = COLLECTOR.replace("/*PROBE*/", probe);
@@ -74,7 +82,8 @@ impl Browser {
         std::fs::write(&copy, format!("{before}<script>{collector}</script>{after}"))
             .expect("writing the copy");
 
-        let (status, dom, log) = self.run(&copy, folder.path(), &["--dump-dom", "--window-size=1200,900"]);
+        let window = format!("--window-size={width},900");
+        let (status, dom, log) = self.run(&copy, folder.path(), &["--dump-dom", &window]);
         let report = dom
             .rsplit_once("<script type=\"application/json\" id=\"collected\">")
             .and_then(|(_, rest)| rest.split_once("</script>"))

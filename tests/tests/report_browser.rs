@@ -76,7 +76,7 @@ fn the_report_of_a_run_draws_everything() {
     assert!(run.status.success(), "{}: {}", run.status, String::from_utf8_lossy(&run.stderr));
     let html = std::fs::read_to_string(out.join("report.html")).expect("the run leaves report.html");
     let seen = browser
-        .load(&html, "return [...document.querySelectorAll('caption')].map((c) => c.textContent).join();");
+        .load(&html, "return [...document.querySelectorAll('.caption')].map((c) => c.textContent).join();");
     assert_sound(&seen);
     let titles: Vec<&str> = seen.figures.iter().flat_map(|f| &f.axis_titles).map(String::as_str).collect();
     for label in ["velocity [rad/s]", "time [s]", "friction torque [N m]"] {
@@ -107,9 +107,67 @@ fn figures_answer_the_mouse() {
     // Nothing that would send a figure somewhere.
     assert_eq!(seen.probe["buttons"], "Download plot, Zoom, Pan, Zoom in, Zoom out, Reset axes");
     let hover = seen.probe["hover"].as_str().unwrap_or_default();
+    // Quantities with their units, and the time at which they are read.
+    for said in ["velocity", "rad/s", "friction", "N m", "time", " s"] {
+        assert!(hover.contains(said), "{said} is not in the readout: {hover}");
+    }
     for series in ["reference", "Proposed", "estimated"] {
         assert!(hover.contains(series), "{series} is not in the readout: {hover}");
     }
+}
+
+/// A table comes whole, with one head, and a figure with its series, axes and categories.
+#[test]
+fn figures_and_tables_are_saved_as_csv() {
+    let Some(browser) = browser() else { return };
+    let page = demonstration::demonstration();
+    let seen = browser.load(&render_page(&page), include_str!("../browser/csv.js"));
+    assert_sound(&seen);
+    let files = seen.probe.as_object().expect("a file for each button");
+    let counted = |wanted: fn(&Block) -> bool| page.blocks.iter().filter(|block| wanted(block)).count();
+    let (figures, tables) = (
+        counted(|block| matches!(block, Block::Figure(_))),
+        counted(|block| matches!(block, Block::Table(_))),
+    );
+    assert_eq!(files.len(), figures + tables, "{:?}", files.keys());
+    let text = |name: &str| files[name].as_str().unwrap_or_default().trim_start_matches('\u{feff}');
+
+    // The last table is wider than the page and stands there in parts.
+    let wide: Vec<&str> = text(&format!("table-{tables}.csv")).split("\r\n").collect();
+    let columns = friction_model::ModelName::ALL.len() + 1;
+    assert_eq!(wide.len(), 4, "{wide:?}");
+    let with_comma =
+        friction_model::ModelName::ALL.iter().filter(|model| model.title().contains(',')).count();
+    assert_eq!(wide[0].split(',').count(), columns + with_comma, "{}", wide[0]);
+    assert!(wide[0].starts_with("plant,root mean square of Coulomb [N m],"), "{}", wide[0]);
+    assert!(
+        wide[2].starts_with("\"a plant with a comma, and a long name\",1.0000e-3,2.0000e-3,"),
+        "{}",
+        wide[2]
+    );
+    let parameters = text("table-1.csv");
+    assert!(parameters.contains("\r\nStribeck velocity v_s,rad/s,0.141,0.0153,10.9\r\n"), "{parameters}");
+
+    let bars = text(&format!("figure-{figures}.csv"));
+    assert!(bars.starts_with("panel,series,kind of motion,value,half_error_bar,upper_edge\r\n"), "{bars}");
+    assert!(bars.contains("rms [N m],LuGre,\"slow, \"\"creeping\"\"\",0.1,,\r\n"), "{bars}");
+    assert!(bars.contains("rms [N m],Proposed,reversing,,,\r\n"), "{bars}");
+    assert!(bars.contains("share [%],Proposed,fast,59,,\r\n"), "{bars}");
+    let stribeck = text("figure-1.csv");
+    assert!(stribeck.lines().any(|line| line.starts_with("torque [N m],measured,0.03,")), "{stribeck:.300}");
+}
+
+/// No two of the models look alike, in the browser's own words.
+#[test]
+fn every_model_has_its_own_look() {
+    let Some(browser) = browser() else { return };
+    let probe = "const plot = [...document.querySelectorAll('.plot')].at(-2); const models = plot._fullData; \
+                 return { models: models.length, lines: new Set(models.map((t) => t.line.color + t.line.dash)).size, \
+                 markers: new Set(models.map((t) => t.marker.color + t.marker.symbol)).size };";
+    let seen = browser.load(&render_page(&demonstration::demonstration()), probe);
+    assert_sound(&seen);
+    let models = friction_model::ModelName::ALL.len();
+    assert_eq!(seen.probe, serde_json::json!({ "models": models, "lines": models, "markers": models }));
 }
 
 /// Labels are text, whatever they contain.

@@ -44,7 +44,7 @@ fn one_command_does_the_whole_job() {
     let output = run(&["--quick"], &out);
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(said.contains("times real time") && said.contains("report.html"), "{said}");
+    assert!(said.contains("as fast as real time") && said.contains("report.html"), "{said}");
 
     let found = results(&out);
     assert_eq!(found["status"], "complete");

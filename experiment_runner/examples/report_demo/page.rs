@@ -1,6 +1,9 @@
 //! A page of made-up results: every kind of block, trace and oddity that a report can have.
 
-use experiment_runner::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
+use experiment_runner::report::figure::{
+    Block, Figure, FileLink, LineStyle, Mark, Page, Panel, Table, Trace,
+};
+use friction_model::ModelName;
 
 /// Parameters of the thesis's test bed: static and kinetic friction [N m], Stribeck velocity [rad/s],
 /// viscous friction [N m s/rad].
@@ -35,6 +38,15 @@ pub fn demonstration() -> Page {
             Block::Figure(hysteresis()),
             Block::Heading("Frequency response".into()),
             Block::Figure(frequency_response()),
+            Block::Heading("Every model".into()),
+            Block::Text("`frictionlab models` lists them; no two look alike.".into()),
+            Block::Figure(every_model()),
+            Block::Figure(categories()),
+            Block::Table(wide()),
+            Block::Files(vec![
+                FileLink { path: "bag/".into(), what: "the recording: `ros2 bag` opens it".into() },
+                FileLink { path: "odd name #1.csv".into(), what: "a table".into() },
+            ]),
         ],
     }
 }
@@ -166,7 +178,7 @@ fn hysteresis() -> Figure {
         x_label: "deflection [rad]".into(),
         panels: vec![Panel {
             y_label: "torque [N m]".into(),
-            traces: vec![Trace::Line { name: "Proposed".into(), x: path, y: force, style: LineStyle::Solid }],
+            traces: vec![Trace::Loop { name: "Proposed".into(), x: path, y: force }],
         }],
         ..Figure::default()
     }
@@ -187,6 +199,72 @@ fn frequency_response() -> Figure {
             Panel { y_label: "gain [dB]".into(), traces: vec![line(w.iter().map(|&w| gain(w)).collect())] },
             Panel { y_label: "phase [°]".into(), traces: vec![line(w.iter().map(|&w| phase(w)).collect())] },
         ],
+    }
+}
+
+fn every_model() -> Figure {
+    let x: Vec<f64> = (0..60).map(|i| 0.05 * f64::from(i)).collect();
+    let curve = |place: usize| x.iter().map(|x| place as f64 + (x + 0.2 * place as f64).sin()).collect();
+    let traces = ModelName::ALL.iter().enumerate().map(|(place, model)| Trace::Line {
+        name: model.title().into(),
+        x: x.clone(),
+        y: curve(place),
+        style: LineStyle::Solid,
+    });
+    Figure {
+        title: "All models at once".into(),
+        caption: "Made-up curves.".into(),
+        x_label: "time [s]".into(),
+        panels: vec![Panel { y_label: "friction [N m]".into(), traces: traces.collect() }],
+        ..Figure::default()
+    }
+}
+
+fn categories() -> Figure {
+    let bars = |name: &str, y: [f64; 3], mark| Trace::Categories {
+        name: name.into(),
+        x: ["slow, \"creeping\"", "fast", "reversing"].map(String::from).to_vec(),
+        y: y.to_vec(),
+        mark,
+    };
+    Figure {
+        title: "Errors by kind of motion".into(),
+        caption: "Made-up errors.".into(),
+        x_label: "kind of motion".into(),
+        panels: vec![
+            Panel {
+                y_label: "rms [N m]".into(),
+                traces: vec![
+                    bars("LuGre", [0.1, 0.2, 0.4], Mark::Bar),
+                    bars("Proposed", [0.1, 0.15, f64::NAN], Mark::Bar),
+                ],
+            },
+            Panel {
+                y_label: "share [%]".into(),
+                traces: vec![
+                    bars("LuGre", [40.0, 41.0, 42.0], Mark::Marker),
+                    bars("Proposed", [60.0, 59.0, 58.0], Mark::Marker),
+                ],
+            },
+        ],
+        ..Figure::default()
+    }
+}
+
+/// More columns than a sheet of paper is wide, with heads of many words.
+fn wide() -> Table {
+    let names = ModelName::ALL.map(|model| format!("root mean square of {} [N m]", model.title()));
+    Table {
+        title: "A table wider than the page".into(),
+        caption: "Its first column stands in each part.".into(),
+        columns: std::iter::once("plant".to_owned()).chain(names).collect(),
+        rows: ["LuGre", "a plant with a comma, and a long name"]
+            .map(|plant| {
+                let cells = (0..ModelName::ALL.len()).map(|i| format!("{:.4e}", 1e-3 * (i + 1) as f64));
+                std::iter::once(plant.to_owned()).chain(cells).collect()
+            })
+            .to_vec(),
+        highlight: None,
     }
 }
 

@@ -16,7 +16,7 @@ use super::saying::Saying;
 use crate::compensation::additions::{RETUNED_POSITION, RETUNED_VELOCITY};
 use crate::design::{DesignOptions, Worth, assess, document, page, parameters, summary};
 use crate::drive::linear::KnownDrive;
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 
 /// Design the linear controller, or assess gains of your own
 ///
@@ -168,7 +168,7 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
     let folder = shared.to.reserve("design")?;
     let json = format!("{:#}\n", document(&found));
     folder.write(&[
-        ("report.html", render_page(&page(&found))),
+        ("report.html", render_page(&linked(page(&found), ["controller.yaml", "design.json"]))),
         ("controller.yaml", parameters(&found.options)),
         ("design.json", json.clone()),
     ])?;

@@ -10,7 +10,7 @@ use super::saying::Saying;
 use super::{Interrupted, interruption, model_name};
 use crate::features::{FeaturesOptions, compute, page, summary};
 use crate::progress::Progress;
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 
 /// Draw what tells friction models apart, in one report
 ///
@@ -62,7 +62,10 @@ pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
         return Err(Interrupted("stopped before the end; nothing was written".to_owned()).into());
     };
     let json = serde_json::to_string(&results).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&results))), ("features.json", json.clone())])?;
+    folder.write(&[
+        ("report.html", render_page(&linked(page(&results), ["features.json"]))),
+        ("features.json", json.clone()),
+    ])?;
     let text = format!("{}\nReport  {}\n", summary(&results), folder.join("report.html").display());
     args.saying.result(args.quiet, &json, &text)
 }

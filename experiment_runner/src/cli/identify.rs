@@ -197,7 +197,13 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     }
     let files = [
         ("identification.json", document),
-        ("report.html", crate::report::render_page(&page)),
+        (
+            "report.html",
+            crate::report::render_page(&crate::report::linked(
+                page,
+                ["parameters.yaml", "identification.json"],
+            )),
+        ),
         ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
     ];
     let folder = args.to.reserve("identify")?;

@@ -11,7 +11,7 @@ use crate::drive::{identify, page::page, parameters};
 use crate::recording::driven::{self, DrivenColumns};
 use crate::recording::timing::{TOLERANCE, tolerance};
 use crate::recording::{AxisKind, Column};
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 
 /// Find a drive's constants from its voltage and motion
 ///
@@ -160,7 +160,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     let files = [
         ("drive.yaml", parameters::render(&found)),
         ("identification-drive.json", found.document()),
-        ("report.html", render_page(&page(&found))),
+        ("report.html", render_page(&linked(page(&found), ["drive.yaml", "identification-drive.json"]))),
     ];
     folder.write(&files)?;
     let names = files.each_ref().map(|(name, _)| *name).join(", ");

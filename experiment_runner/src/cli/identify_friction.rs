@@ -247,7 +247,7 @@ pub(crate) fn identify(
     let page = friction::page::page(&found, args.friction.thesis_tables);
     let contents = [
         friction::document::render(&found),
-        crate::report::render_page(&page),
+        crate::report::render_page(&crate::report::linked(page, ["parameters.yaml", "identification.json"])),
         friction::parameters::render(&found)?,
     ];
     let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();

@@ -128,7 +128,13 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
 
     let files = [
         ("servo.json", document::render(&found, &train, &held_out)),
-        ("report.html", crate::report::render_page(&page::page(&found, &train, &held_out))),
+        (
+            "report.html",
+            crate::report::render_page(&crate::report::linked(
+                page::page(&found, &train, &held_out),
+                ["servo.json"],
+            )),
+        ),
     ];
     folder.write(&files)?;
     let report = folder.join("report.html");

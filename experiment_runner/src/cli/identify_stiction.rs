@@ -100,7 +100,13 @@ pub fn execute(args: &IdentifyStictionArgs) -> anyhow::Result<()> {
     let found = identify(&tables, &settings).map_err(|error| BadInput(error.to_string()))?;
     let files = [
         ("stiction.json", document::render(&found, &tables)),
-        ("report.html", crate::report::render_page(&page::page(&found, &tables))),
+        (
+            "report.html",
+            crate::report::render_page(&crate::report::linked(
+                page::page(&found, &tables),
+                ["stiction.json"],
+            )),
+        ),
     ];
     let folder = args.to.reserve("identify-stiction")?;
     folder.write(&files)?;

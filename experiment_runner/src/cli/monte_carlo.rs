@@ -15,7 +15,7 @@ use crate::compensation::monte_carlo::{
 };
 use crate::compensation::{Arm, Means};
 use crate::progress::{Progress, about};
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 
 /// Compensate with wrong parameters, a thousand times
 ///
@@ -85,9 +85,9 @@ pub struct MonteCarloArgs {
 /// [`Task`] on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 enum TaskArg {
-    /// r = .30 sin(.107 t) rad/s, 58.7 s
+    /// r = 0.30 sin(0.107 t) rad/s, 58.7 s
     VelocityTracking,
-    /// r = 1.0 sin(.546 t) rad, 20 s
+    /// r = 1.0 sin(0.546 t) rad, 20 s
     PositionTracking,
     /// One after the other
     #[default]
@@ -121,7 +121,10 @@ pub fn execute(args: &MonteCarloArgs) -> anyhow::Result<()> {
     progress.finish();
     let study = study?;
     let json = serde_json::to_string(&study).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&study))), ("monte-carlo.json", json.clone())])?;
+    folder.write(&[
+        ("report.html", render_page(&linked(page(&study), ["monte-carlo.json"]))),
+        ("monte-carlo.json", json.clone()),
+    ])?;
     let runs = study.runs();
     let text = format!(
         "{}{runs} runs in {seconds:.1} s, {:.0} a second on {} threads\nReport  {}\n",

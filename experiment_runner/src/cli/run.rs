@@ -70,7 +70,7 @@ pub struct RunArgs {
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
-    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it. With tau = .0111 the proposed
+    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it. With tau = 0.0111 the proposed
     /// model shows the lag of the thesis's figures, ten times that of the test bed's set
     #[arg(long, value_name = "FILE")]
     pub plant_parameters: Option<PathBuf>,
@@ -135,10 +135,10 @@ pub enum TorqueSourceArg {
 /// [`TimeConstant`] on the command line.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub enum TimeConstantArg {
-    /// T = .02388 s
+    /// T = 0.02388 s
     #[default]
     Thesis,
-    /// T = .01734 s
+    /// T = 0.01734 s
     Datasheet,
 }
 

@@ -10,7 +10,7 @@ use super::destination::ToFolder;
 use super::saying::Saying;
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::progress::Progress;
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 use crate::truth_matrix::{MatrixOptions, compute, page, summary};
 
 /// See how far a ranking of models can be trusted
@@ -84,7 +84,10 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     progress.finish();
     let matrix = matrix?;
     let json = serde_json::to_string_pretty(&matrix).context("cannot describe the results")?;
-    folder.write(&[("report.html", render_page(&page(&matrix))), ("truth-matrix.json", json.clone())])?;
+    folder.write(&[
+        ("report.html", render_page(&linked(page(&matrix), ["truth-matrix.json"]))),
+        ("truth-matrix.json", json.clone()),
+    ])?;
     let text = format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display());
     args.saying.result(args.quiet, &json, &text)?;
     if matrix.stopped {

@@ -3,6 +3,7 @@
 use super::Assessment;
 use super::terminal::{gains, law_name, margin_rows, step_rows, verdicts, worth_rows};
 use super::worth::sentences;
+use crate::numbers::plain;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 
 /// The page.
@@ -60,10 +61,10 @@ pub fn page(found: &Assessment) -> Page {
         title: format!("Design: {}", law_name(&options.linear.law)),
         subtitle: format!(
             "K = {} rad/s per V, T = {} s, {} V per N m, period {} s; from {}; frictionlab {}",
-            drive.gain,
-            drive.time_constant,
-            options.volts_per_newton_metre,
-            options.period,
+            plain(drive.gain, 6),
+            plain(drive.time_constant, 6),
+            plain(options.volts_per_newton_metre, 6),
+            plain(options.period, 6),
             options.asked,
             env!("CARGO_PKG_VERSION")
         ),
@@ -75,11 +76,19 @@ fn line(name: &str, x: &[f64], y: &[f64], style: LineStyle) -> Trace {
     Trace::Line { name: name.to_owned(), x: x.to_vec(), y: y.to_vec(), style }
 }
 
+/// How much of the response is worth a picture [s]: what moves. The slow end, in which a lag or an integral creeps into the last
+/// two per cent, is in the table.
+fn shown(found: &Assessment) -> f64 {
+    const RISES: f64 = 8.0;
+    let first = found.figures.first().map(|(_, figures)| figures);
+    let settled = first.and_then(|figures| figures.settling_time).unwrap_or(f64::INFINITY);
+    let rise = first.and_then(|figures| figures.rise_time).unwrap_or(f64::INFINITY);
+    (1.2 * settled).min(RISES * rise).max(0.0)
+}
+
 fn step(found: &Assessment) -> Figure {
     let response = &found.response;
-    // The slow end of a lag is not worth nine tenths of the picture.
-    let settled = found.figures.first().and_then(|(_, figures)| figures.settling_time);
-    let samples = settled.map_or(usize::MAX, |seconds| (3.0 * seconds / response.period).ceil() as usize + 2);
+    let samples = (shown(found) / response.period).ceil() as usize + 2;
     let time: Vec<f64> =
         (0..response.output.len().min(samples)).map(|k| k as f64 * response.period).collect();
     let n = time.len();

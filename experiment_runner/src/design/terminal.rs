@@ -1,5 +1,6 @@
 //! An assessment in words and figures, for the terminal and for the tables of the page.
 
+use crate::numbers::plain;
 use controller::VelocityLaw;
 use controller::design::LoopLaw;
 use controller::design::frequency::Margins;
@@ -122,14 +123,15 @@ pub fn summary(found: &Assessment) -> String {
     let mut text = format!(
         "{} for K = {} rad/s per V, T = {} s, from {}\n",
         law_name(&found.options.linear.law),
-        drive.gain,
-        drive.time_constant,
+        plain(drive.gain, 6),
+        plain(drive.time_constant, 6),
         found.options.asked
     );
     for [name, value] in gains(&found.options.linear.law).iter().chain(&step_rows(found)) {
         text += &format!("  {name:<32} {value}\n");
     }
-    text += &format!("  {:<32} {:<18} sampled at {} s\n", "margins", "continuous", found.options.period);
+    let period = plain(found.options.period, 6);
+    text += &format!("  {:<32} {:<18} sampled at {period} s\n", "margins", "continuous");
     for [name, continuous, sampled] in margin_rows(found) {
         text += &format!("  {name:<32} {continuous:<18} {sampled}\n");
     }

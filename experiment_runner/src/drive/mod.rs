@@ -11,8 +11,8 @@ use friction_ident::drive::{Calibration, DriveFit, DriveRecording, combine, fit_
 use friction_ident::{Conditioning, Estimate, IdentError, Verdict};
 use serde_json::json;
 
-use crate::identify::quantity::with_error;
 use crate::identify::structure::units;
+use crate::numbers::value_and_error as with_error;
 use crate::recording::driven::DrivenRecording;
 use crate::recording::{AxisKind, Irregularities, RecordedStretch};
 

@@ -1,6 +1,7 @@
 //! `identification-drive.html`.
 
 use super::{Identified, rows};
+use crate::numbers;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 
 /// The page.
@@ -63,9 +64,8 @@ pub fn page(found: &Identified) -> Page {
     Page {
         title: "Identified drive".to_owned(),
         subtitle: format!(
-            "{} recording{}; frictionlab {}",
-            found.fits.len(),
-            if found.fits.len() == 1 { "" } else { "s" },
+            "{}; frictionlab {}",
+            numbers::count(found.fits.len(), "recording"),
             env!("CARGO_PKG_VERSION")
         ),
         blocks,

@@ -5,7 +5,6 @@ use friction_model::AnyModel;
 
 use super::ModelFeatures;
 use crate::report::figure::{Figure, LineStyle, Panel, Trace};
-use crate::report::palette::COLOURS;
 
 /// Models without pre-sliding are drawn above, those with bristles below.
 fn panels(
@@ -17,7 +16,7 @@ fn panels(
         let traces: Vec<Trace> = models
             .iter()
             .filter(|model| model.has_bristles() == bristles)
-            .filter_map(|model| trace(model).map(|(x, y)| of_model(models, model, x, y)))
+            .filter_map(|model| trace(model).map(|(x, y)| of_model(model, x, y)))
             .collect();
         Panel { y_label: format!("{title}: {y_label}"), traces }
     };
@@ -31,11 +30,14 @@ fn line(name: &str, x: Vec<f64>, y: Vec<f64>) -> Trace {
     Trace::Line { name: name.to_owned(), x, y, style: LineStyle::Solid }
 }
 
-/// A line of one of many models: where the colours begin anew, the stroke changes.
-fn of_model(models: &[ModelFeatures], model: &ModelFeatures, x: Vec<f64>, y: Vec<f64>) -> Trace {
-    let place = models.iter().position(|other| other.features.name == model.features.name).unwrap_or(0);
-    let style = [LineStyle::Solid, LineStyle::Dashed, LineStyle::Dotted][place / COLOURS % 3];
-    Trace::Line { name: model.features.name.title().to_owned(), x, y, style }
+/// A line of one of many models.
+fn of_model(model: &ModelFeatures, x: Vec<f64>, y: Vec<f64>) -> Trace {
+    line(model.features.name.title(), x, y)
+}
+
+/// A loop of one of many models.
+fn loop_of(model: &ModelFeatures, x: Vec<f64>, y: Vec<f64>) -> Trace {
+    Trace::Loop { name: model.features.name.title().to_owned(), x, y }
 }
 
 fn scaled(values: &[f64], factor: f64) -> Vec<f64> {
@@ -83,7 +85,7 @@ pub(super) fn memory(models: &[ModelFeatures]) -> Figure {
                 let found = model.features.non_local_memory.as_ref()?;
                 let x = scaled(&found.course.displacement, 1.0 / found.amplitude);
                 let y = scaled(&found.course.friction, 1.0 / found.tips[0]);
-                Some(of_model(models, model, x, y))
+                Some(loop_of(model, x, y))
             })
             .collect(),
     };
@@ -131,7 +133,7 @@ pub(super) fn breakaway_rates(models: &[ModelFeatures]) -> Figure {
                 let x = found.iter().map(|b| b.rate).collect();
                 let lowest = found.first().and_then(of).unwrap_or(f64::NAN);
                 let y = found.iter().map(|b| 100.0 * (of(b).unwrap_or(f64::NAN) / lowest - 1.0)).collect();
-                of_model(models, model, x, y)
+                of_model(model, x, y)
             })
             .collect(),
     };
@@ -165,7 +167,7 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Figure {
             let x = there.clone().chain(there.rev()).collect();
             let y =
                 above(&course.growing).into_iter().chain(above(&course.falling).into_iter().rev()).collect();
-            Some(of_model(models, model, x, y))
+            Some(loop_of(model, x, y))
         })
         .collect();
     Figure {
@@ -187,7 +189,7 @@ pub(super) fn lag_areas(models: &[ModelFeatures]) -> Figure {
         .map(|model| {
             let found = &model.features.test_bed_lag;
             let (x, y) = found.iter().map(|lag| (lag.frequency, 1e6 * lag.area)).unzip();
-            of_model(models, model, x, y)
+            of_model(model, x, y)
         })
         .collect();
     Figure {
@@ -245,7 +247,7 @@ pub(super) fn describing(models: &[ModelFeatures]) -> Figure {
                 let scale = |k: usize| model.describing.amplitude[k];
                 // Times the amplitude: forces, which stay on one scale over the decades.
                 let y = of(model).iter().enumerate().map(|(k, n)| n * scale(k)).collect();
-                of_model(models, model, model.describing.amplitude.clone(), y)
+                of_model(model, model.describing.amplitude.clone(), y)
             })
             .collect(),
     };

@@ -335,7 +335,7 @@ pub(super) fn limit_cycle(study: &LimitCycleStudy) -> Table {
     let row = |a: &str, b: String| vec![a.to_owned(), b];
     Table {
         title: "Limit cycle of the position loop".to_owned(),
-        caption: "m x'' = -6 x' - 3 x - 4 int(x - 1) - F, F_s = 1 N, F_c = .6 N. Hunting is not a cycle that a describing function can predict: the mass rests for most of the \
+        caption: "m x'' = -6 x' - 3 x - 4 int(x - 1) - F, F_s = 1 N, F_c = 0.6 N. Hunting is not a cycle that a describing function can predict: the mass rests for most of the \
                   period, and no sine does."
             .to_owned(),
         columns: vec!["how".to_owned(), "limit cycle".to_owned()],
@@ -343,7 +343,7 @@ pub(super) fn limit_cycle(study: &LimitCycleStudy) -> Table {
             row("simulated", simulated),
             row("describing function of the model", cycles(&study.predicted.cycles)),
             row("describing function as printed (3.63), wrong", cycles(&study.predicted_as_printed.cycles)),
-            row("printed in the thesis, not reproducible", "A .0787 m, w 2.35 rad/s; simulated A .0930 m, w .3927 rad/s".to_owned()),
+            row("printed in the thesis, not reproducible", "A 0.0787 m, w 2.35 rad/s; simulated A 0.0930 m, w 0.3927 rad/s".to_owned()),
         ],
         highlight: Some(0),
     }

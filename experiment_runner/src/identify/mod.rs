@@ -7,7 +7,6 @@ pub mod document;
 pub mod friction;
 pub mod page;
 pub mod parameters;
-pub mod quantity;
 pub mod structure;
 pub mod structure_page;
 pub mod terminal;

@@ -2,9 +2,9 @@
 
 use friction_ident::{AxisTerm, Prediction};
 
-use super::quantity::with_error;
 use super::terminal::{equation, hertz};
 use super::{Identification, ModelResult, unit};
+use crate::numbers::value_and_error as with_error;
 use crate::recording::Recording;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::quantity::with_error;
 use super::{Identification, ModelResult, unit};
+use crate::numbers::value_and_error as with_error;
 use crate::recording::Recording;
 
 /// A summary for people: parameters with standard errors, errors, notes.

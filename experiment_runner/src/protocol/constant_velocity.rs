@@ -24,7 +24,7 @@ pub struct ConstantVelocityProtocol {
 }
 
 impl Default for ConstantVelocityProtocol {
-    /// The full protocol: 80 velocities (30 in .03 to .5, 50 in .55 to 4 rad/s), 15 s each of which 10.5 s count, 10
+    /// The full protocol: 80 velocities (30 in 0.03 to 0.5, 50 in 0.55 to 4 rad/s), 15 s each of which 10.5 s count, 10
     /// repetitions, two sets.
     fn default() -> Self {
         let mut velocities = spaced(0.03, 0.5, 30);
@@ -101,7 +101,7 @@ impl TryFrom<Sheet> for ConstantVelocityProtocol {
                 "duration",
                 sheet.duration,
                 format!(
-                    "longer by .05 s or more than what is dropped, {} and {}",
+                    "longer by 0.05 s or more than what is dropped, {} and {}",
                     sheet.drop_first, sheet.drop_last
                 ),
             ));

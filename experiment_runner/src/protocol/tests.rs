@@ -47,7 +47,7 @@ fn every_mistake_gets_its_sentence() {
             Kind::ConstantVelocity,
             "duration: 15 s",
             "duration: 4 s",
-            "longer by .05 s or more than what is dropped",
+            "longer by 0.05 s or more than what is dropped",
         ),
         (
             Kind::ConstantVelocity,

@@ -36,7 +36,7 @@ pub struct TrackingProtocol {
 }
 
 impl TrackingProtocol {
-    /// Velocity tracking of the thesis's Table 6.5: one period of r = .30 sin(.107 t) rad/s, 5 repetitions.
+    /// Velocity tracking of the thesis's Table 6.5: one period of r = 0.30 sin(0.107 t) rad/s, 5 repetitions.
     #[must_use]
     pub fn velocity() -> Self {
         Self {
@@ -48,7 +48,7 @@ impl TrackingProtocol {
         }
     }
 
-    /// Position tracking of the thesis's Table 6.7: 20 s of r = 1.0 sin(.546 t) rad, 5 repetitions.
+    /// Position tracking of the thesis's Table 6.7: 20 s of r = 1.0 sin(0.546 t) rad, 5 repetitions.
     #[must_use]
     pub fn position() -> Self {
         Self {

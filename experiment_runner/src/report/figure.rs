@@ -52,6 +52,27 @@ pub enum Trace {
         /// Half length of each error bar.
         error: Option<Vec<f64>>,
     },
+    /// A path that is gone through once in its order, a loop above all: a thin line with arrows in its direction.
+    Loop {
+        /// Legend.
+        name: String,
+        /// Horizontal values.
+        x: Vec<f64>,
+        /// Vertical values; a value that is not finite breaks the path.
+        y: Vec<f64>,
+    },
+    /// Values of categories, side by side with those of the panel's other series. The figure's horizontal axis has the names of
+    /// all categories, in the order in which they come first.
+    Categories {
+        /// Legend.
+        name: String,
+        /// The category of each value.
+        x: Vec<String>,
+        /// The values; one that is not finite is not drawn.
+        y: Vec<f64>,
+        /// How they are drawn.
+        mark: Mark,
+    },
     /// A filled band between two curves.
     Band {
         /// Legend.
@@ -65,11 +86,22 @@ pub enum Trace {
     },
 }
 
+/// How a value of a category is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mark {
+    /// A bar from zero.
+    #[default]
+    Bar,
+    /// A marker, where zero is not on the axis.
+    Marker,
+}
+
 /// Stroke of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LineStyle {
-    /// Continuous.
+    /// The series' own stroke, continuous for most.
     #[default]
     Solid,
     /// Dashed: references and targets.
@@ -109,6 +141,17 @@ pub enum Block {
     Figure(Figure),
     /// A table.
     Table(Table),
+    /// Links to files beside the page.
+    Files(Vec<FileLink>),
+}
+
+/// A file or folder beside the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileLink {
+    /// Its path from the page's folder.
+    pub path: String,
+    /// What it holds.
+    pub what: String,
 }
 
 /// A whole page.
@@ -123,11 +166,15 @@ pub struct Page {
 }
 
 impl Trace {
-    /// The legend entry. Series of one name have one colour on the whole page and, within a figure, one
+    /// The legend entry. Series of one name have one look on the whole page and, within a figure, one
     /// entry that shows and hides them together.
     pub fn name(&self) -> &str {
         match self {
-            Trace::Line { name, .. } | Trace::Points { name, .. } | Trace::Band { name, .. } => name,
+            Trace::Line { name, .. }
+            | Trace::Points { name, .. }
+            | Trace::Loop { name, .. }
+            | Trace::Categories { name, .. }
+            | Trace::Band { name, .. } => name,
         }
     }
 }

@@ -18,6 +18,28 @@ pub(super) fn escape(text: &str) -> String {
     out
 }
 
+/// Text for reading: escaped, with what stands between two backticks set as code.
+pub(super) fn prose(text: &str) -> String {
+    let escaped = escape(text);
+    let parts: Vec<&str> = escaped.split('`').collect();
+    let mut out = String::with_capacity(escaped.len());
+    for (index, part) in parts.iter().enumerate() {
+        let closed = index + 1 < parts.len();
+        match (index % 2 == 1, closed) {
+            (false, _) => out.push_str(part),
+            (true, true) => {
+                let _ = write!(out, "<code>{part}</code>");
+            }
+            // A single backtick is itself.
+            (true, false) => {
+                out.push('`');
+                out.push_str(part);
+            }
+        }
+    }
+    out
+}
+
 /// JSON as it may stand inside a `<script>` element.
 ///
 /// In JSON these characters can only occur within strings, where the escape means the same; without it a
@@ -43,6 +65,13 @@ mod tests {
     #[test]
     fn markup_becomes_text() {
         assert_eq!(escape(r#"<b a='1' c="2">&amp;"#), "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;amp;");
+    }
+
+    #[test]
+    fn backticks_become_code() {
+        assert_eq!(prose("run `a <b>` or `c`"), "run <code>a &lt;b&gt;</code> or <code>c</code>");
+        assert_eq!(prose("a ` alone"), "a ` alone");
+        assert_eq!(prose("`whole`"), "<code>whole</code>");
     }
 
     #[test]

@@ -4,11 +4,15 @@
 //! drawn. [`render_page`] turns them into one HTML file that needs no network and no other file.
 
 pub mod figure;
+pub mod files;
 mod html;
 mod page;
-pub(crate) mod palette;
+mod palette;
+mod path;
 mod plot;
+pub mod smooth;
 mod table;
 mod thin;
 
+pub use files::linked;
 pub use page::render_page;

@@ -2,14 +2,15 @@
 
 use std::fmt::Write;
 
-use super::figure::{Block, Figure, Page};
-use super::html::{escape, escape_json};
+use super::figure::{Block, Figure, FileLink, Page};
+use super::html::{escape, escape_json, prose};
 use super::palette::Palette;
 use super::plot::Plot;
 use super::table;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 const SCRIPT: &str = include_str!("../../assets/report.js");
+const CSV: &str = include_str!("../../assets/csv.js");
 const PLOTLY: &str = include_str!("../../assets/plotly-basic.min.js");
 const PLOTLY_LICENSE: &str = include_str!("../../assets/plotly-LICENSE.txt");
 
@@ -20,7 +21,7 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 
 
 /// Stands before the first figure.
 const HINT: &str = "<p class=\"hint\">In every figure: drag to zoom, double-click to reset, point to read values, \
-                    click a legend entry to hide or show it. Series of one name have one colour throughout.</p>\n\
+                    click a legend entry to hide or show it. A series looks the same throughout: colour, stroke and marker.</p>\n\
                     <noscript><p class=\"note\">The figures are drawn by a script inside this file; \
                     scripts are switched off in this browser.</p></noscript>\n";
 
@@ -63,6 +64,9 @@ pub fn render_page(page: &Page) -> String {
         env!("CARGO_PKG_VERSION"),
         if body.figures > 0 { "; figures by plotly.js (MIT)" } else { "" },
     );
+    if body.figures + body.tables > 0 {
+        let _ = write!(out, "<script>\n{CSV}</script>\n");
+    }
     if body.figures > 0 {
         let _ = write!(
             out,
@@ -87,22 +91,37 @@ impl Body {
     fn block(&mut self, block: &Block, palette: &Palette) {
         match block {
             Block::Heading(text) => {
-                self.headings.push(escape(text));
+                self.headings.push(prose(text));
                 let _ =
-                    writeln!(self.html, "<h2 id=\"section-{}\">{}</h2>", self.headings.len(), escape(text));
+                    writeln!(self.html, "<h2 id=\"section-{}\">{}</h2>", self.headings.len(), prose(text));
             }
             Block::Text(text) => {
-                let _ = writeln!(self.html, "<p class=\"text\">{}</p>", escape(text));
+                let _ = writeln!(self.html, "<p class=\"text\">{}</p>", prose(text));
             }
             Block::Note(text) => {
-                let _ = writeln!(self.html, "<p class=\"note\" role=\"note\">{}</p>", escape(text));
+                let _ = writeln!(self.html, "<p class=\"note\" role=\"note\">{}</p>", prose(text));
             }
             Block::Figure(figure) => self.figure(figure, palette),
             Block::Table(t) => {
                 self.tables += 1;
                 self.html.push_str(&table::render(t, self.tables));
             }
+            Block::Files(files) => self.files(files),
         }
+    }
+
+    fn files(&mut self, files: &[FileLink]) {
+        self.html.push_str("<ul class=\"files\" aria-label=\"Files beside this page\">\n");
+        for file in files {
+            let _ = writeln!(
+                self.html,
+                "<li><a href=\"{}\">{}</a> {}</li>",
+                escape(&address(&file.path)),
+                escape(&file.path),
+                prose(&file.what)
+            );
+        }
+        self.html.push_str("</ul>\n");
     }
 
     fn figure(&mut self, figure: &Figure, palette: &Palette) {
@@ -119,12 +138,13 @@ impl Body {
             "<figure id=\"figure-{number}\" aria-labelledby=\"caption-{number}\">\n\
              <div class=\"plot\" id=\"plot-{number}\" style=\"height:{height}px\" role=\"img\" aria-label=\"{label}\">\
              </div>\n\
-             <figcaption id=\"caption-{number}\"><b>Figure {number}. {title}.</b> {caption}{remarks}</figcaption>\n\
+             <figcaption id=\"caption-{number}\"><b>Figure {number}. {title}.</b> {caption}{remarks} \
+             <button type=\"button\" class=\"csv\" data-figure=\"{number}\">Save as CSV</button></figcaption>\n\
              <script type=\"application/json\" id=\"data-{number}\">{json}</script>\n</figure>\n",
             height = height(figure.panels.len()),
             label = escape(&plot.description()),
-            title = escape(figure.title.trim_end_matches('.')),
-            caption = escape(&figure.caption),
+            title = prose(figure.title.trim_end_matches('.')),
+            caption = prose(&figure.caption),
             json = escape_json(&plot.json()),
         );
     }
@@ -141,6 +161,19 @@ impl Body {
         out.push_str("</ol></nav>\n");
         out
     }
+}
+
+/// A relative path as an address: what stands for something else in one is encoded.
+fn address(path: &str) -> String {
+    let mut out = String::from("./");
+    for byte in path.bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte) {
+            out.push(char::from(byte));
+        } else {
+            let _ = write!(out, "%{byte:02X}");
+        }
+    }
+    out
 }
 
 /// Height of a figure in pixels, fixed before it is drawn so that the page does not jump.
@@ -197,9 +230,9 @@ mod tests {
     fn no_text_becomes_markup() {
         let html = render_page(&nasty_page());
         assert!(!html.contains("<img"), "an element got through");
-        // Data, library, our script: each opened and closed once, none closed by a label.
-        assert_eq!(html.matches("<script").count(), 3);
-        assert_eq!(html.matches("</script").count(), 3);
+        // Data, library, our scripts: each opened and closed once, none closed by a label.
+        assert_eq!(html.matches("<script").count(), 4);
+        assert_eq!(html.matches("</script").count(), 4);
         assert_eq!(html.matches("&lt;/script&gt;").count(), html.matches("&lt;img").count());
         assert!(html.matches("&lt;img").count() >= 13);
     }
@@ -214,7 +247,7 @@ mod tests {
         let html = render_page(&nasty_page());
         assert!(html.contains("Content-Security-Policy\" content=\"default-src 'none';"));
         for remote in ["<link", "src=\"http", "@import", "url("] {
-            assert!(!STYLE.contains(remote) && !SCRIPT.contains(remote), "{remote}");
+            assert!([STYLE, SCRIPT, CSV].iter().all(|text| !text.contains(remote)), "{remote}");
         }
         assert!(!PLOTLY.contains("</script"), "the library would end its own element");
     }
@@ -225,6 +258,19 @@ mod tests {
         let html = render_page(&page);
         assert!(!html.contains("<script"));
         assert!(html.len() < 20_000);
+    }
+
+    #[test]
+    fn files_are_linked_by_their_address() {
+        let files = vec![FileLink { path: "odd \"name\"#1.csv".into(), what: "a `table`".into() }];
+        let page = Page { title: "t".into(), blocks: vec![Block::Files(files)], ..Page::default() };
+        let html = render_page(&page);
+        assert!(
+            html.contains(
+                "<a href=\"./odd%20%22name%22%231.csv\">odd &quot;name&quot;#1.csv</a> a <code>table</code>"
+            ),
+            "{html}"
+        );
     }
 
     #[test]

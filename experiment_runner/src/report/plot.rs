@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::figure::{Figure, LineStyle, Trace};
+use super::figure::{Figure, LineStyle, Mark, Trace};
 use super::palette::{self, Palette};
-use super::thin;
+use super::{path, thin};
 
 /// Most points drawn of one trace: several for each pixel column of a wide figure, so that some zooming
 /// shows more, while a page of many figures stays quick.
@@ -18,6 +18,8 @@ pub(super) struct Plot<'a> {
     /// The curve runs back and forth in x (a closed loop): one vertical readout would make no sense.
     back_and_forth: bool,
     y_labels: Vec<&'a str>,
+    /// Names on the horizontal axis, where it has categories; their values are at 0, 1, ...
+    categories: Vec<&'a str>,
     traces: Vec<Drawn<'a>>,
     /// What the reader must know about the drawing itself.
     #[serde(skip)]
@@ -30,6 +32,8 @@ struct Drawn<'a> {
     panel: usize,
     name: &'a str,
     colour: i32,
+    stroke: usize,
+    marker: usize,
     style: LineStyle,
     x: Vec<f64>,
     /// The line; the lower edge of a band.
@@ -40,7 +44,16 @@ struct Drawn<'a> {
     /// The upper edge of a band.
     #[serde(skip_serializing_if = "Option::is_none")]
     upper: Option<Vec<f64>>,
+    /// Places of a path's arrows: those before and those at the tips.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    arrows: Vec<[[f64; 2]; 2]>,
+    /// Width of a bar, as a share of a category.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
 }
+
+/// Share of a category that its values take up together.
+const FILLED: f64 = 0.8;
 
 impl<'a> Plot<'a> {
     pub(super) fn of(figure: &'a Figure, palette: &Palette) -> Self {
@@ -49,6 +62,7 @@ impl<'a> Plot<'a> {
             log_x: figure.log_x,
             back_and_forth: figure.panels.iter().flat_map(|p| &p.traces).any(runs_back),
             y_labels: figure.panels.iter().map(|p| p.y_label.as_str()).collect(),
+            categories: categories(figure),
             traces: Vec::new(),
             remarks: Vec::new(),
         };
@@ -61,7 +75,22 @@ impl<'a> Plot<'a> {
                 .map(move |(trace, series)| (number, trace, series))
         });
         for (panel, trace, series) in traces {
-            let colour = palette.colour(series).code();
+            let look = palette.look(series);
+            let (colour, stroke, marker) = (look.colour(), look.stroke(), look.marker());
+            if let Trace::Categories { x, y, mark, .. } = trace {
+                let (x, width) = plot.side_by_side(figure, trace, x);
+                plot.traces.push(Drawn {
+                    kind: match mark {
+                        Mark::Bar => "bars",
+                        Mark::Marker => "points",
+                    },
+                    x,
+                    y: y.iter().map(|&value| rounded(value, 7)).collect(),
+                    width: Some(width),
+                    ..Drawn::of(panel, trace, (colour, stroke, marker))
+                });
+                continue;
+            }
             let (kind, style, columns) = columns(trace);
             let n = columns.iter().map(|c| c.len()).min().unwrap_or(0);
             if columns.iter().any(|c| c.len() != n) {
@@ -87,7 +116,10 @@ impl<'a> Plot<'a> {
             let (error, upper) = if kind == "band" { (None, third) } else { (third, None) };
             // Horizontal values are often a small stretch far from zero, so they keep more digits.
             let (x, y) = (pick(columns[0], 10), pick(columns[1], 7));
-            plot.traces.push(Drawn { kind, panel, name: trace.name(), colour, style, x, y, error, upper });
+            let arrows = if kind == "loop" { path::arrows(&x, &y) } else { Vec::new() };
+            let arrows = arrows.into_iter().map(|(from, to)| [[x[from], y[from]], [x[to], y[to]]]).collect();
+            let drawn = Drawn::of(panel, trace, (colour, stroke, marker));
+            plot.traces.push(Drawn { kind, style, x, y, error, upper, arrows, ..drawn });
         }
         if let Some((from, to)) = longest {
             plot.remarks.push(format!(
@@ -95,6 +127,22 @@ impl<'a> Plot<'a> {
             ));
         }
         plot
+    }
+
+    /// Horizontal places of the values of a categorical trace, beside those of the other series, and their width.
+    fn side_by_side(&self, figure: &Figure, trace: &Trace, names: &[String]) -> (Vec<f64>, f64) {
+        let mut series: Vec<&str> = Vec::new();
+        for other in figure.panels.iter().flat_map(|panel| &panel.traces) {
+            if matches!(other, Trace::Categories { .. }) && !series.contains(&other.name()) {
+                series.push(other.name());
+            }
+        }
+        let width = FILLED / series.len().max(1) as f64;
+        let own = series.iter().position(|name| *name == trace.name()).unwrap_or(0) as f64;
+        let shift = (own + 0.5) * width - 0.5 * FILLED;
+        let place = |name: &String| self.categories.iter().position(|known| known == name);
+        let places = names.iter().map(|name| place(name).map_or(f64::NAN, |at| at as f64 + shift));
+        (places.map(|place| rounded(place, 7)).collect(), width)
     }
 
     /// The figure in words, for those who cannot see it.
@@ -120,6 +168,42 @@ impl<'a> Plot<'a> {
     }
 }
 
+impl<'a> Drawn<'a> {
+    /// A trace without its points.
+    fn of(panel: usize, trace: &'a Trace, (colour, stroke, marker): (i32, usize, usize)) -> Self {
+        Drawn {
+            kind: "line",
+            panel,
+            name: trace.name(),
+            colour,
+            stroke,
+            marker,
+            style: LineStyle::Solid,
+            x: Vec::new(),
+            y: Vec::new(),
+            error: None,
+            upper: None,
+            arrows: Vec::new(),
+            width: None,
+        }
+    }
+}
+
+/// All categories of a figure, in the order in which they come first.
+fn categories(figure: &Figure) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for trace in figure.panels.iter().flat_map(|panel| &panel.traces) {
+        if let Trace::Categories { x, .. } = trace {
+            for name in x {
+                if !names.contains(&name.as_str()) {
+                    names.push(name);
+                }
+            }
+        }
+    }
+    names
+}
+
 /// Kind, style and columns of a trace: x, y and, where there is one, error or upper edge.
 fn columns(trace: &Trace) -> (&'static str, LineStyle, Vec<&[f64]>) {
     match trace {
@@ -129,12 +213,15 @@ fn columns(trace: &Trace) -> (&'static str, LineStyle, Vec<&[f64]>) {
             columns.extend(error.as_deref());
             ("points", LineStyle::Solid, columns)
         }
+        Trace::Loop { x, y, .. } => ("loop", LineStyle::Solid, vec![x, y]),
+        // Their horizontal values are names; see `side_by_side`.
+        Trace::Categories { y, .. } => ("bars", LineStyle::Solid, vec![y, y]),
         Trace::Band { x, lower, upper, .. } => ("band", LineStyle::Solid, vec![x, lower, upper]),
     }
 }
 
 fn runs_back(trace: &Trace) -> bool {
-    let Trace::Line { x, .. } = trace else { return false };
+    let (Trace::Line { x, .. } | Trace::Loop { x, .. }) = trace else { return false };
     !x.iter().filter(|v| v.is_finite()).is_sorted()
 }
 
@@ -214,6 +301,36 @@ mod tests {
         assert_eq!(signal["back_and_forth"], false);
         let hysteresis = plot(&figure(vec![line(vec![0.0, 1.0, 0.0], vec![0.0; 3])])).0;
         assert_eq!(hysteresis["back_and_forth"], true);
+    }
+
+    #[test]
+    fn a_path_has_arrows_in_its_direction() {
+        let x: Vec<f64> = (0..=200).map(|i| (f64::from(i) * 0.0314).cos()).collect();
+        let y: Vec<f64> = (0..=200).map(|i| (f64::from(i) * 0.0314).sin()).collect();
+        let path = Trace::Loop { name: "loop".into(), x, y };
+        let (json, _) = plot(&figure(vec![path, line(vec![0.0], vec![0.0])]));
+        assert_eq!(json["back_and_forth"], true);
+        assert!(json["traces"][0]["arrows"].as_array().unwrap().len() > 2);
+        assert!(json["traces"][1]["arrows"].is_null(), "a line has none");
+    }
+
+    #[test]
+    fn categories_stand_side_by_side() {
+        let bars = |name: &str, x: &[&str], mark| Trace::Categories {
+            name: name.into(),
+            x: x.iter().map(|&name| name.to_owned()).collect(),
+            y: vec![1.0; x.len()],
+            mark,
+        };
+        let (json, _) = plot(&figure(vec![
+            bars("a", &["slow", "fast"], Mark::Bar),
+            bars("b", &["fast", "back"], Mark::Marker),
+        ]));
+        assert_eq!(json["categories"], serde_json::json!(["slow", "fast", "back"]));
+        assert_eq!(json["traces"][0]["x"], serde_json::json!([-0.2, 0.8]));
+        assert_eq!(json["traces"][1]["x"], serde_json::json!([1.2, 2.2]));
+        assert_eq!(json["traces"][0]["kind"], "bars");
+        assert_eq!(json["traces"][1]["kind"], "points");
     }
 
     #[test]

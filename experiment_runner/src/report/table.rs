@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::figure::Table;
-use super::html::escape;
+use super::html::{escape, prose};
 
 /// A table with its caption; columns of numbers are set so that decimal points stand below each other.
 ///
@@ -16,33 +16,82 @@ pub(super) fn render(table: &Table, number: usize) -> String {
     let columns: Vec<Column> =
         (0..width).map(|c| Column::of(table.rows.iter().map(|row| cell(row, c)))).collect();
 
+    let head = |c: usize| table.columns.get(c).map_or("", String::as_str);
+    let widths: Vec<usize> = columns.iter().enumerate().map(|(c, column)| column.width(head(c))).collect();
+    let dense = widths.iter().sum::<usize>() > ROOMY;
+
     let mut out = String::new();
     // Writing to a String cannot fail, hence the results are let go.
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<div class=\"table\" id=\"table-{number}\" role=\"region\" tabindex=\"0\" aria-label=\"Table {number}: {title}\">\
-         <table><caption><b>Table {number}. {title}.</b> {caption}</caption>\n<thead><tr>",
+        "<div class=\"table{class}\" id=\"table-{number}\" role=\"region\" tabindex=\"0\" aria-label=\"Table {number}: {title}\">\
+         <p class=\"caption\" id=\"table-caption-{number}\"><b>Table {number}. {title}.</b> {caption} \
+         <button type=\"button\" class=\"csv\" data-table=\"{number}\">Save as CSV</button></p>",
+        class = match (dense, table.rows.len() > LONG) {
+            (false, false) => "",
+            (false, true) => " long",
+            (true, false) => " dense",
+            (true, true) => " dense long",
+        },
         title = escape(table.title.trim_end_matches('.')),
-        caption = escape(&table.caption),
+        caption = prose(&table.caption),
     );
-    for (c, column) in columns.iter().enumerate() {
-        let head = table.columns.get(c).map_or("", String::as_str);
-        let _ = write!(out, "<th scope=\"col\"{}>{}</th>", column.class(), escape(head));
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    for (r, row) in table.rows.iter().enumerate() {
-        let best = table.highlight == Some(r);
-        out.push_str(if best { "<tr class=\"best\">" } else { "<tr>" });
-        for (c, column) in columns.iter().enumerate() {
-            let text = cell(row, c);
-            let mark = if best && c == 0 { "<span class=\"hidden\"> (set apart)</span>" } else { "" };
-            let _ =
-                write!(out, "<td{}>{}{}{mark}</td>", column.class(), escape(&text), column.padding(&text));
+    for part in parts(&widths) {
+        let _ = write!(out, "<table aria-labelledby=\"table-caption-{number}\">\n<thead><tr>");
+        for &c in &part {
+            let _ = write!(out, "<th scope=\"col\"{}>{}</th>", columns[c].class(), headed(head(c)));
         }
-        out.push_str("</tr>\n");
+        out.push_str("</tr></thead>\n<tbody>\n");
+        for (r, row) in table.rows.iter().enumerate() {
+            let best = table.highlight == Some(r);
+            out.push_str(if best { "<tr class=\"best\">" } else { "<tr>" });
+            for &c in &part {
+                let column = &columns[c];
+                let text = cell(row, c);
+                let mark = if best && c == 0 { "<span class=\"hidden\"> (set apart)</span>" } else { "" };
+                let _ =
+                    write!(out, "<td{}>{}{}{mark}</td>", column.class(), prose(&text), column.padding(&text));
+            }
+            out.push_str("</tr>\n");
+        }
+        out.push_str("</tbody></table>\n");
     }
-    out.push_str("</tbody></table></div>\n");
+    out.push_str("</div>\n");
     out
+}
+
+/// Widths, in characters, up to which a table is set in the usual size, and in the small one, so that it fits A4.
+const ROOMY: usize = 84;
+const NARROW: usize = 108;
+
+/// Rows from which on a table may run over the end of a page.
+const LONG: usize = 12;
+
+/// The columns of each part of a table that is wider than the page: the first column stands in each of them.
+fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let first = widths.first().copied().unwrap_or(0);
+    let mut room = 0;
+    for (c, &width) in widths.iter().enumerate() {
+        match parts.last_mut() {
+            Some(part) if width <= room => part.push(c),
+            None => parts.push(vec![c]),
+            Some(_) => {
+                parts.push(vec![0, c]);
+                room = NARROW.saturating_sub(first);
+            }
+        }
+        room = if c == 0 { NARROW.saturating_sub(width) } else { room.saturating_sub(width) };
+    }
+    parts
+}
+
+/// A column's head; its unit stays together.
+fn headed(head: &str) -> String {
+    match head.split_once('[').filter(|(before, _)| !before.is_empty()) {
+        Some((before, unit)) => format!("{}<span class=\"unit\">[{}</span>", prose(before), escape(unit)),
+        None => prose(head),
+    }
 }
 
 /// Characters of a text that is kept on one line: those of an interval.
@@ -55,17 +104,37 @@ struct Column {
     short: bool,
     /// Most digits behind a decimal point among its plain numbers.
     decimals: usize,
+    /// Characters of the longest cell, and of the longest word.
+    longest: (usize, usize),
 }
+
+/// Lines that a head may have.
+const HEAD_LINES: usize = 3;
+
+/// Characters that a column of sentences has at least.
+const SENTENCE: usize = 24;
+
+/// Characters that the space between two columns is worth.
+const BETWEEN: usize = 3;
+
+/// Characters of a word that is broken where the line ends: of a path, say.
+const BROKEN: usize = 28;
 
 impl Column {
     fn of(cells: impl Iterator<Item = String>) -> Self {
         let cells: Vec<String> = cells.filter(|c| !c.is_empty() && !is_dash(c)).collect();
-        let mut column = Column { numeric: false, short: false, decimals: 0 };
+        let longest = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
+        let word =
+            cells.iter().flat_map(|cell| cell.split_whitespace()).map(|word| word.chars().count()).max();
+        let longest = (longest, word.unwrap_or(0));
+        let mut column = Column { numeric: false, short: false, decimals: 0, longest };
         for cell in &cells {
             if !is_number(cell) {
+                column.numeric = false;
+                column.decimals = 0;
                 let short = cells.iter().all(|cell| cell.chars().count() <= ONE_LINE)
                     && cells.iter().any(|cell| cell.contains(' '));
-                return Column { numeric: false, short, decimals: 0 };
+                return Column { short, ..column };
             }
             column.numeric = true;
             column.decimals = column.decimals.max(decimals(cell).unwrap_or(0));
@@ -73,8 +142,20 @@ impl Column {
         column
     }
 
+    /// How wide it is at least, in characters, the space behind it included.
+    fn width(&self, head: &str) -> usize {
+        let (longest, word) = self.longest;
+        let cells =
+            if self.numeric || self.short { longest } else { longest.min(SENTENCE).max(word.min(BROKEN)) };
+        let (text, unit) = head.split_once('[').unwrap_or((head, ""));
+        let words = text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
+        let head = head.chars().count().div_ceil(HEAD_LINES).max(words).max(unit.chars().count() + 1);
+        cells.max(head) + BETWEEN
+    }
+
     fn class(&self) -> &'static str {
         match (self.numeric, self.short) {
+            (false, false) if self.longest.1 > BROKEN => " class=\"broken\"",
             (true, _) => " class=\"num\"",
             (false, true) => " class=\"short\"",
             (false, false) => "",
@@ -133,6 +214,33 @@ mod tests {
         assert!(html.contains("<td>a</td><td class=\"num\">1.25</td>"), "{html}");
         assert!(html.contains("<td class=\"num\">-10\u{2008}\u{2007}\u{2007}</td>"), "{html}");
         assert!(html.contains("<td class=\"num\">-</td>"), "{html}");
+    }
+
+    #[test]
+    fn a_table_that_is_wider_than_the_page_comes_in_parts() {
+        let names: Vec<String> = (0..30).map(|i| format!("column {i} [N m]")).collect();
+        let cells: Vec<String> = (0..30).map(|i| format!("1.234e-{i}")).collect();
+        let wide = Table { columns: names, rows: vec![cells], ..Table::default() };
+        let html = render(&wide, 1);
+        assert!(html.contains("class=\"table dense\""), "{html}");
+        let tables = html.matches("<table").count();
+        assert!(tables > 2, "{tables}");
+        assert_eq!(html.matches("<th ").count(), 30 + tables - 1, "the first column stands in each part");
+        assert_eq!(html.matches("Save as CSV").count(), 1);
+        // A short one is one.
+        assert_eq!(render(&table(&[&["a", "1"]]), 1).matches("<table").count(), 1);
+        assert!(render(&Table::default(), 1).contains("Table 1"));
+        for part in parts(&[10, 50, 50, 200, 5]) {
+            assert_eq!(part[0], 0);
+        }
+        assert_eq!(parts(&[10, 50, 50, 200, 5]), [vec![0, 1], vec![0, 2], vec![0, 3], vec![0, 4]]);
+    }
+
+    #[test]
+    fn units_and_code_are_set_as_such() {
+        let html = render(&table(&[&["`--quick`", "1"]]), 1);
+        assert!(html.contains("<code>--quick</code>") && !html.contains('`'), "{html}");
+        assert!(html.contains("mse <span class=\"unit\">[N² m²]</span>"), "{html}");
     }
 
     #[test]

@@ -3,8 +3,9 @@
 use friction_ident::TorqueSource;
 
 use super::characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
+use super::sequence_page::smoothed;
 use crate::characterise::Measured;
-use crate::report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
+use crate::report::figure::{Block, Figure, Panel, Table, Trace};
 
 /// Sections of the experiments that were run.
 pub(super) fn blocks(found: &Characterisation, source: TorqueSource) -> Vec<Block> {
@@ -16,8 +17,8 @@ pub(super) fn blocks(found: &Characterisation, source: TorqueSource) -> Vec<Bloc
         blocks.push(Block::Figure(lag_figure(&found.lag)));
         if found.lag.iter().any(|figures| !figures.visible()) {
             blocks.push(Block::Note(
-                "A loop whose area is not clear of its uncertainty is not visible in this run. The test bed's set with a lag of .0011 s has loops \
-                 ten times smaller than the thesis's figures, which need .0111 s: `--plant-parameters` takes a file with it."
+                "A loop whose area is not clear of its uncertainty is not visible in this run. The test bed's set with a lag of 0.0011 s has loops \
+                 ten times smaller than the thesis's figures, which need 0.0111 s: `--plant-parameters` takes a file with it."
                     .to_owned(),
             ));
         }
@@ -52,7 +53,7 @@ fn caption(source: TorqueSource) -> String {
         ),
     };
     format!(
-        "Mean over the repetitions, its standard error, and lower quartile, median and upper quartile of the repetitions. {from}"
+        "Mean over the repetitions, its standard error, and the middle half of the repetitions, between their quartiles. {from}"
     )
 }
 
@@ -66,12 +67,12 @@ fn cells(figure: &Measured, digits: usize) -> [String; 4] {
         0 => format!("{value:.3e}"),
         _ => format!("{value:.digits$}"),
     };
-    let [lower, median, upper] = figure.quartiles.map(number);
+    let [lower, _, upper] = figure.quartiles.map(number);
     [
         number(figure.mean),
         figure.standard_error.map_or("-".to_owned(), |error| format!("{error:.1e}")),
-        format!("{lower} / {median} / {upper}"),
-        if figure.systematic == 0.0 { "0".to_owned() } else { format!("{:.1e}", figure.systematic) },
+        format!("{lower} to {upper}"),
+        if figure.systematic == 0.0 { "-".to_owned() } else { format!("{:.1e}", figure.systematic) },
     ]
 }
 
@@ -94,7 +95,7 @@ fn lag_table(lag: &[LagFigures], source: TorqueSource) -> Table {
             "frequency [rad/s]",
             "area [N m rad/s]",
             "standard error",
-            "quartiles",
+            "middle half",
             "by constants",
             "by noise",
             "periods",
@@ -108,7 +109,7 @@ fn lag_table(lag: &[LagFigures], source: TorqueSource) -> Table {
 /// The loops, and below how far the torque lies above that at the same velocity on the way back.
 fn lag_figure(lag: &[LagFigures]) -> Figure {
     let name = |figures: &LagFigures| format!("{} rad/s", figures.frequency);
-    let line = |name, x: &[f64], y| Trace::Line { name, x: x.to_vec(), y, style: LineStyle::Solid };
+    let line = |name, x: &[f64], y| Trace::Loop { name, x: x.to_vec(), y };
     let loops = lag.iter().map(|figures| line(name(figures), &figures.velocity, figures.torque.clone()));
     let widths = lag.iter().map(|figures| line(name(figures), &figures.velocity, half_widths(figures)));
     Figure {
@@ -157,12 +158,12 @@ fn breakaway_table(title: &str, figures: &[BreakawayFigures], source: TorqueSour
             "rate [N m/s]",
             "torque [N m]",
             "standard error",
-            "quartiles",
+            "middle half",
             "by constants",
             "peak [N m]",
             "displacement [rad]",
             "standard error",
-            "quartiles",
+            "middle half",
         ]),
         rows: rows.collect(),
         highlight: None,
@@ -171,10 +172,12 @@ fn breakaway_table(title: &str, figures: &[BreakawayFigures], source: TorqueSour
 
 fn path_figure(found: &Characterisation) -> Figure {
     let (x, y) = found.path.clone();
-    let line = Trace::Line { name: "nested path".to_owned(), x, y, style: LineStyle::Solid };
+    let (x, y) = (smoothed(&x), smoothed(&y));
+    let line = Trace::Loop { name: "nested path".to_owned(), x, y };
     Figure {
         title: "Hysteresis before sliding".to_owned(),
-        caption: "Friction torque over displacement along the nested path, mean over the repetitions."
+        caption: "Friction torque over displacement along the nested path, mean over the repetitions and over some \
+                  hundredths of the way on each side of a point; arrows show the direction."
             .to_owned(),
         x_label: "displacement [rad]".to_owned(),
         log_x: false,
@@ -201,10 +204,10 @@ fn closure_table(closures: &[ClosureFigures]) -> Table {
             "level [N m]",
             "gap [rad]",
             "standard error",
-            "quartiles",
+            "middle half",
             "work [J]",
             "standard error",
-            "quartiles",
+            "middle half",
             "by constants",
         ]),
         rows: rows.collect(),

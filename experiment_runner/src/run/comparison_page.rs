@@ -5,6 +5,7 @@ use controller::ControlMode;
 use super::results::Comparison;
 use super::trace::Trace;
 use crate::compensation::Arm;
+use crate::numbers;
 use crate::report::figure::{Figure, LineStyle, Panel, Table, Trace as Drawn};
 
 /// The figures of every compensation.
@@ -15,38 +16,44 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
     };
     let repetitions = comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0);
     // A single repetition has no scatter to show.
-    let spread = |value: String, deviation: String| {
-        if repetitions > 1 { format!("{value} ± {deviation}") } else { value }
+    let spread = |value: f64, deviation: f64| {
+        let value = numbers::significant(value, 4);
+        if repetitions > 1 && deviation > 0.0 {
+            format!("{value} ± {}", numbers::plain(deviation, 1))
+        } else {
+            value
+        }
     };
     let of = if repetitions > 1 {
         format!("Mean over {repetitions} repetitions ± standard deviation")
     } else {
         "One repetition".to_owned()
     };
+    let known = comparison.runs.iter().any(|run| run.torque_error.is_some());
     let hunting = comparison.rows.iter().any(|row| row.limit_cycle.is_some());
     let mut columns = vec![
         "compensation".to_owned(),
         format!("mse [{square}]"),
+        "smaller by [%]".to_owned(),
         format!("largest error [{unit}]"),
-        "mse better by [%]".to_owned(),
-        "largest error better by [%]".to_owned(),
-        format!("mse as measured [{square}]"),
-        "rms voltage [V]".to_owned(),
-        "rms torque error against the sensor [N m]".to_owned(),
-        "against the true friction [N m]".to_owned(),
+        "smaller by [%]".to_owned(),
+        "voltage [V]".to_owned(),
+        "torque off by [N m]".to_owned(),
     ];
     let mut caption = format!(
-        "{of}. {} Improvements are against the linear controller alone.",
-        if comparison.runs.iter().any(|run| run.torque_error.is_some()) {
-            "Errors are those of the shaft itself, which the simulated rig knows; the mean square as measured contains the sensor's noise. The plant's friction is one \
+        "{of}. {} How much smaller is against the linear controller alone. Voltage: root mean square. Torque: root mean square of \
+         the estimate minus {}.",
+        if known {
+            "Errors are those of the shaft itself, which the simulated rig knows. The plant's friction is one \
              of the models: a ranking among observers says which is nearest to that plant, no more."
         } else {
             "Errors are as measured, the sensor's noise included."
-        }
+        },
+        if known { "the true friction" } else { "what the torque sensor shows" },
     );
     if hunting {
-        columns.push("limit cycle: amplitude, period".to_owned());
-        caption += " A limit cycle is read in the last three fifths of the run: half the distance of the extremes, and the mean time between rises \
+        columns.push("limit cycle".to_owned());
+        caption += " A limit cycle, amplitude and period, is read in the last three fifths of the run: half the distance of the extremes, and the mean time between rises \
                     through the middle.";
     }
     let rows = comparison
@@ -54,7 +61,7 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
         .iter()
         .map(|row| {
             let percent =
-                |value: f64| if row.arm == Arm::None { "-".to_owned() } else { format!("{value:.1}") };
+                |value: f64| if row.arm == Arm::None { "-".to_owned() } else { numbers::smaller_by(value) };
             // Without compensation an observer runs too, but nobody listens to it.
             let torque = |rms: Option<f64>| match rms.filter(|_| row.arm != Arm::None) {
                 Some(rms) => format!("{rms:.4}"),
@@ -62,14 +69,12 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
             };
             let mut cells = vec![
                 row.arm.to_string(),
-                spread(format!("{:.3e}", row.mse), format!("{:.0e}", row.mse_deviation)),
-                spread(format!("{:.4}", row.max_error), format!("{:.4}", row.max_error_deviation)),
+                spread(row.mse, row.mse_deviation),
                 percent(row.mse_improvement),
+                spread(row.max_error, row.max_error_deviation),
                 percent(row.max_error_improvement),
-                format!("{:.3e}", row.mse_measured),
-                spread(format!("{:.3}", row.effort), format!("{:.3}", row.effort_deviation)),
-                torque(Some(row.torque_residual)),
-                torque(row.torque_error),
+                spread(row.effort, row.effort_deviation),
+                torque(if known { row.torque_error } else { Some(row.torque_residual) }),
             ];
             if hunting {
                 cells.push(row.limit_cycle.map_or("none".to_owned(), |cycle| {
@@ -93,17 +98,42 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
     }
 }
 
+/// Until when a task is worth a picture [s]: of a step, while the slowest response is more than a twentieth of it away, and as long again;
+/// of any other motion to its end.
+fn worth_showing(traces: &[(Arm, Trace)]) -> f64 {
+    const SETTLED: f64 = 0.05;
+    let Some((_, first)) = traces.first() else { return f64::INFINITY };
+    // The reference may begin at zero.
+    let level = first.reference.last().copied().unwrap_or(0.0);
+    let is_step = level != 0.0 && first.reference.iter().skip(1).all(|&reference| reference == level);
+    let moving = |trace: &Trace| {
+        let away = trace.error.iter().rposition(|error| error.abs() > SETTLED * level.abs());
+        away.and_then(|last| trace.t.get(last)).copied().unwrap_or(0.0)
+    };
+    let longest = traces.iter().map(|(_, trace)| moving(trace)).fold(0.0, f64::max);
+    if is_step && longest > 0.0 { 2.0 * longest } else { f64::INFINITY }
+}
+
 /// Reference, response, error, friction and voltage over time.
 pub(super) fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Trace)]) -> Figure {
     let (quantity, unit) = match mode {
         ControlMode::Velocity => ("velocity", "rad/s"),
         ControlMode::Position => ("position", "rad"),
     };
-    let line = |name: String, trace: &Trace, y: &[f64], style| Drawn::Line {
-        name,
-        x: trace.t.clone(),
-        y: y.to_vec(),
-        style,
+    let until = worth_showing(traces);
+    let line = |name: String, trace: &Trace, y: &[f64], style| {
+        let shown = trace.t.partition_point(|&t| t <= until).min(y.len());
+        Drawn::Line { name, x: trace.t[..shown].to_vec(), y: y[..shown].to_vec(), style }
+    };
+    let whole = traces.iter().filter_map(|(_, trace)| trace.t.last()).fold(0.0, |a: f64, t| a.max(*t));
+    let part = if until < whole {
+        format!(
+            " Shown are the first {} of {} s; nothing but noise comes after.",
+            numbers::plain(until, 2),
+            numbers::plain(whole, 3)
+        )
+    } else {
+        String::new()
     };
     let mut response = Vec::new();
     let mut error = Vec::new();
@@ -128,9 +158,10 @@ pub(super) fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Tr
     }
     Figure {
         title: format!("{title} over time"),
-        caption: "First repetition of each compensation: reference and response, error of the shaft, friction as measured, as it truly is \
-                  and as each observer estimates it, and the voltage of the motor."
-            .to_owned(),
+        caption: format!(
+            "First repetition of each compensation: reference and response, error of the shaft, friction as measured, as it truly is \
+             and as each observer estimates it, and the voltage of the motor.{part}"
+        ),
         x_label: "time [s]".to_owned(),
         log_x: false,
         panels: vec![
@@ -139,5 +170,41 @@ pub(super) fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Tr
             Panel { y_label: "friction torque [N m]".to_owned(), traces: friction },
             Panel { y_label: "voltage [V]".to_owned(), traces: voltage },
         ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(response: impl Fn(f64) -> f64, reference: impl Fn(f64) -> f64) -> (Arm, Trace) {
+        let t: Vec<f64> = (0..3000).map(|k| 0.01 * f64::from(k)).collect();
+        let trace = Trace {
+            reference: t.iter().map(|&t| reference(t)).collect(),
+            response: t.iter().map(|&t| response(t)).collect(),
+            error: t.iter().map(|&t| reference(t) - response(t)).collect(),
+            friction_measured: vec![0.1; t.len()],
+            friction_true: vec![0.1; t.len()],
+            friction_estimated: vec![0.1; t.len()],
+            voltage: vec![1.0; t.len()],
+            t,
+        };
+        (Arm::None, trace)
+    }
+
+    #[test]
+    fn of_a_step_that_settles_soon_the_beginning_is_shown() {
+        let fast = trace(|t| 1.0 - (-t / 0.1).exp(), |_| 1.0);
+        let figure = tracking_figure("Regulation", ControlMode::Velocity, &[fast]);
+        let Some(Drawn::Line { x, y, .. }) = figure.panels[1].traces.first() else { panic!("no error") };
+        assert!((0.3..1.0).contains(&x[x.len() - 1]), "{}", x[x.len() - 1]);
+        assert_eq!(x.len(), y.len());
+        assert!(figure.caption.contains("of 30 s"), "{}", figure.caption);
+        // What hunts, and what follows a moving reference, is shown to its end.
+        for whole in [trace(|t| 1.0 - 0.2 * t.sin(), |_| 1.0), trace(|t| t.sin(), |t| 1.01 * t.sin())] {
+            let figure = tracking_figure("Tracking", ControlMode::Velocity, &[whole]);
+            let Some(Drawn::Line { x, .. }) = figure.panels[1].traces.first() else { panic!("no error") };
+            assert_eq!(x.len(), 3000);
+        }
     }
 }

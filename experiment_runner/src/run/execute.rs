@@ -24,7 +24,7 @@ use crate::control_loop::EPOCH_NS;
 use crate::output::{OutputError, is_empty_or_missing, write_all};
 use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::report::render_page;
+use crate::report::{linked, render_page};
 use crate::rig::RigChoice;
 use crate::sequencer::Completion;
 
@@ -196,15 +196,17 @@ pub fn execute_in(
         },
         timing: Timing { wall_seconds, rig_seconds, times_real_time: rig_seconds / wall_seconds },
     };
-    let report = render_page(&page::build(&results, &models, &sorted.traces));
     let json = serde_json::to_string_pretty(&results)
         .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
-    let mut files = vec![("parameters.yaml", parameters), ("report.html", report), ("run.json", json)];
+    let mut files = vec![("parameters.yaml", parameters), ("run.json", json)];
     let tables = &results.characterisation.records;
     files.extend(tables.iter().map(|(name, record)| (name.as_str(), record.csv())));
     if options.experiment == Experiment::Characterise && !results.constant_velocity.is_empty() {
         files.push(("steady_points.csv", steady_points(&results.constant_velocity)));
     }
+    let page = page::build(&results, &models, &sorted.traces);
+    let report = render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
+    files.push(("report.html", report));
     write_all(folder, &files)?;
     progress.finish();
     Ok(Outcome { results, folder: folder.to_owned() })

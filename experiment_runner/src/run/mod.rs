@@ -24,6 +24,7 @@ mod parameter_file;
 mod provenance_tests;
 mod recorder;
 mod results;
+mod sequence_page;
 #[cfg(test)]
 mod supervision_tests;
 pub mod terminal;

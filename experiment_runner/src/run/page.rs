@@ -10,6 +10,7 @@ use super::trace::Trace;
 use crate::characterise::Measured;
 use crate::compensation::{Arm, thesis_tables};
 use crate::constant_velocity::SteadyRun;
+use crate::numbers;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
 use crate::rig::RigChoice;
 
@@ -35,6 +36,9 @@ pub(super) fn build(
         blocks.extend(results.added_to_points().map(Block::Note));
     }
     blocks.extend(super::characterisation_page::blocks(&results.characterisation, options.torque.source));
+    blocks.extend(options.sequence.iter().flat_map(|protocol| {
+        super::sequence_page::blocks(&protocol.name, protocol.repetitions, &results.characterisation)
+    }));
     for (name, comparison) in results.comparisons() {
         let title = capitalised(name);
         let of_task = traces.iter().find(|(other, _)| other == name).map_or(&[][..], |(_, traces)| traces);
@@ -89,17 +93,24 @@ fn summary(results: &RunResults) -> Block {
         text += &match best.arm {
             Arm::None => format!("No compensation improved {name}. "),
             arm => format!(
-                "In {name} {arm} does best: mean square error {:.1} % below, largest error {:.1} % below that of the \
-                 linear controller alone. ",
-                best.mse_improvement, best.max_error_improvement
+                "In {name} {arm} does best: mean square error {}, largest error {} that of the linear controller alone. ",
+                below(best.mse_improvement),
+                below(best.max_error_improvement)
             ),
         };
     }
-    text += &format!(
-        "{:.0} s of rig time took {:.1} s, {:.0} times real time.",
-        results.timing.rig_seconds, results.timing.wall_seconds, results.timing.times_real_time
-    );
+    text += &format!("{}.", numbers::rig_time(results.timing.rig_seconds, results.timing.wall_seconds));
     Block::Text(text)
+}
+
+/// An improvement in words: `12.0 % below`, `3.1 % above`, `as large as`.
+fn below(percent: f64) -> String {
+    match numbers::smaller_by(percent) {
+        same if same == "0.0" => "as large as".to_owned(),
+        worse if worse.ends_with("larger") => format!("{worse} than"),
+        worse if worse.starts_with('-') => format!("{} % above", worse.trim_start_matches('-')),
+        better => format!("{better} % below"),
+    }
 }
 
 fn parameter_table(found: &Identification) -> Table {
@@ -108,11 +119,13 @@ fn parameter_table(found: &Identification) -> Table {
         .iter()
         .map(|p| {
             let estimate = &p.estimate;
-            let error = estimate.standard_error.map_or("-".to_owned(), |e| format!("{e:.2e}"));
-            let interval = estimate.interval.map_or("-".to_owned(), |(a, b)| format!("{a:.5} … {b:.5}"));
+            let (number, error) =
+                numbers::value_and_error(estimate.value, estimate.standard_error.unwrap_or(f64::NAN));
+            let error = if error.is_empty() { "-".to_owned() } else { error };
+            let interval = estimate.interval.map_or("-".to_owned(), |(a, b)| format!("{a:.5} to {b:.5}"));
             let value = match estimate.unidentifiable {
                 Some(reason) => format!("not identifiable: {reason}"),
-                None => format!("{:.5}", estimate.value),
+                None => number,
             };
             let deviation = match (p.truth, estimate.unidentifiable) {
                 (Some(truth), None) => {
@@ -243,19 +256,19 @@ fn how(results: &RunResults) -> String {
         simulation.drive.gain(),
         simulation.drive.time_constant(),
         simulation.drive.friction_volts(simulation.friction_coupling),
-        simulation.voltage_limit,
+        numbers::plain(simulation.voltage_limit, 6),
         1.0 / simulation.period
     );
     if options.experiment.identifies() {
         text += &format!(
-            "Constant velocities: {} from {} to {} rad/s, {} s each of which {} s count, {} repetitions, {} sets. ",
+            "Constant velocities: {} from {} to {} rad/s, {} s each of which {} s count, {}, {}. ",
             p.velocities.len(),
-            p.velocities.first().copied().unwrap_or_default(),
-            p.velocities.last().copied().unwrap_or_default(),
-            p.duration,
-            p.duration - p.drop_first - p.drop_last,
-            p.repetitions,
-            p.sets
+            numbers::plain(p.velocities.first().copied().unwrap_or_default(), 6),
+            numbers::plain(p.velocities.last().copied().unwrap_or_default(), 6),
+            numbers::plain(p.duration, 6),
+            numbers::plain(p.duration - p.drop_first - p.drop_last, 6),
+            numbers::count(p.repetitions as usize, "repetition"),
+            numbers::count(p.sets as usize, "set")
         );
     }
     let compensated = results.comparisons().next().is_some();
@@ -282,7 +295,9 @@ fn model_table(results: &RunResults, models: &Compensators) -> Table {
             let parameters = serde_json::to_value(models.get(name)).unwrap_or_default();
             let text = parameters[name.as_str()].as_object().map_or(String::new(), |map| {
                 map.iter()
-                    .map(|(key, value)| format!("{key} = {:.6}", value.as_f64().unwrap_or(f64::NAN)))
+                    .map(|(key, value)| {
+                        format!("{key} = {}", numbers::plain(value.as_f64().unwrap_or(f64::NAN), 6))
+                    })
                     .collect::<Vec<_>>()
                     .join(", ")
             });

@@ -3,6 +3,7 @@
 use super::{Characterisation, Comparison, Outcome};
 use crate::characterise::Measured;
 use crate::compensation::thesis_tables;
+use crate::numbers;
 
 /// What was found, for the terminal.
 #[must_use]
@@ -14,9 +15,10 @@ pub fn summary(outcome: &Outcome) -> String {
         for p in &found.parameters {
             text += &match (p.estimate.unidentifiable, p.estimate.standard_error) {
                 (Some(reason), _) => format!("  {:<4} not identifiable from these data: {reason}\n", p.name),
-                (None, Some(error)) => {
+                (None, Some(error)) if error > 0.0 => {
                     format!("  {:<4} {:.5} ± {error:.0e} {}\n", p.name, p.estimate.value, p.unit)
                 }
+                (None, Some(_)) => format!("  {:<4} {:.5} {}\n", p.name, p.estimate.value, p.unit),
                 (None, None) => {
                     format!("  {:<4} {:.5} {} (at its bound)\n", p.name, p.estimate.value, p.unit)
                 }
@@ -31,10 +33,8 @@ pub fn summary(outcome: &Outcome) -> String {
     text += &results.thesis_tables.as_ref().map_or(String::new(), thesis_tables::page::text);
     let megabytes = results.bag.bytes as f64 * 1e-6;
     text += &format!(
-        "{:.0} s of rig time in {:.1} s: {:.0} times real time\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",
-        results.timing.rig_seconds,
-        results.timing.wall_seconds,
-        results.timing.times_real_time,
+        "{}\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",
+        numbers::rig_time(results.timing.rig_seconds, results.timing.wall_seconds),
         outcome.folder.join("report.html").display(),
         outcome.folder.join(results.bag.folder).display(),
         results.bag.messages,
@@ -45,8 +45,8 @@ pub fn summary(outcome: &Outcome) -> String {
 /// The uncertainty, where there is one: a single repetition on a torque sensor has none to tell.
 fn plus_minus(figure: &Measured) -> String {
     match figure.uncertainty() {
-        0.0 => String::new(),
-        uncertainty => format!(" ± {uncertainty:.0e}"),
+        uncertainty if uncertainty > 0.0 => format!(" ± {uncertainty:.0e}"),
+        _ => String::new(),
     }
 }
 
@@ -85,15 +85,17 @@ fn table(title: &str, comparison: &Comparison) -> String {
     let names: Vec<String> = comparison.rows.iter().map(|row| row.arm.to_string()).collect();
     let width = names.iter().map(String::len).chain([title.len(), 18]).max().unwrap_or(18) + 2;
     let mut text = format!("{title:<width$}{:>12}{:>9}{:>14}{:>9}\n", "mse", "better", "max error", "better");
-    // Adding zero makes of -0 a 0.
-    let rounded = |percent: f64| (percent * 10.0).round() / 10.0 + 0.0;
+    let better = |percent: f64| match numbers::smaller_by(percent) {
+        text if text.ends_with("larger") => text.replace("larger", "worse"),
+        number => format!("{number} %"),
+    };
     for (name, row) in names.iter().zip(&comparison.rows) {
         text += &format!(
-            "  {name:<inner$}{:>12.3e}{:>7.1} %{:>14.4}{:>7.1} %\n",
+            "  {name:<inner$}{:>12.3e}{:>9}{:>14.4}{:>9}\n",
             row.mse,
-            rounded(row.mse_improvement),
+            better(row.mse_improvement),
             row.max_error,
-            rounded(row.max_error_improvement),
+            better(row.max_error_improvement),
             inner = width - 2,
         );
         if let Some(cycle) = row.limit_cycle {

@@ -4,8 +4,9 @@ use friction_ident::servo::TIME_STEP;
 
 use super::terminal::{number, quartiles, range, verdict};
 use super::{PEER_RATE, ServoIdentification};
+use crate::numbers;
 use crate::recording::servo_log::NamedServoLog;
-use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
+use crate::report::figure::{Block, Figure, LineStyle, Mark, Page, Panel, Table, Trace};
 
 /// The page.
 pub fn page(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[NamedServoLog]) -> Page {
@@ -13,8 +14,8 @@ pub fn page(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[Na
     let mut blocks = vec![
         Block::Text(format!(
             "A servo with a pendulum was simulated again and again with other parameters until its position followed the logs. \
-             Mean position error over {} searches, median (quartiles): {} mrad on the logs fitted{}.",
-            found.seeds.len(),
+             Mean position error over {}, median (quartiles): {} mrad on the logs fitted{}.",
+            numbers::searches(found.seeds.len()),
             quartiles(&found.train),
             found.held_out.as_ref().map_or_else(String::new, |held| format!(
                 ", {} mrad on the logs held out, which no search saw",
@@ -44,10 +45,16 @@ pub fn page(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[Na
     Page {
         title: "Identified servo".to_owned(),
         subtitle: format!(
-            "level {}, seeds {} to {}, least training error at seed {}; frictionlab {}",
+            "level {}, {}, least training error at seed {}; frictionlab {}",
             found.settings.level.name(),
-            found.settings.first_seed,
-            found.settings.first_seed + (found.seeds.len() as u64).saturating_sub(1),
+            match found.seeds.len() {
+                0 | 1 => format!("seed {}", found.settings.first_seed),
+                several => format!(
+                    "seeds {} to {}",
+                    found.settings.first_seed,
+                    found.settings.first_seed + (several as u64 - 1)
+                ),
+            },
             best.seed,
             env!("CARGO_PKG_VERSION")
         ),
@@ -98,9 +105,13 @@ fn logs(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[NamedS
 }
 
 fn spread(found: &ServoIdentification) -> Figure {
-    let seeds: Vec<f64> = found.seeds.iter().map(|result| result.seed as f64).collect();
-    let points =
-        |name: &str, y: Vec<f64>| Trace::Points { name: name.to_owned(), x: seeds.clone(), y, error: None };
+    let seeds: Vec<String> = found.seeds.iter().map(|result| result.seed.to_string()).collect();
+    let points = |name: &str, y: Vec<f64>| Trace::Categories {
+        name: name.to_owned(),
+        x: seeds.clone(),
+        y,
+        mark: Mark::Marker,
+    };
     let mut traces =
         vec![points("fitted", found.seeds.iter().map(|result| 1e3 * result.found.error).collect())];
     if found.held_out.is_some() {

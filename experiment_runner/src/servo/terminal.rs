@@ -6,6 +6,7 @@ use friction_ident::servo::Quartiles;
 use friction_ident::{Estimate, Verdict};
 
 use super::{PEER_RATE, ServoIdentification};
+use crate::numbers;
 
 /// A summary for people: errors, speed, parameters.
 pub fn render(found: &ServoIdentification) -> String {
@@ -13,10 +14,10 @@ pub fn render(found: &ServoIdentification) -> String {
     // Writing to a string cannot fail, hence the ignored results.
     let _ = writeln!(
         text,
-        "level {}: {} parameters, {} searches of {} evaluations{}",
+        "level {}: {}, {} of {} evaluations{}",
         found.settings.level.name(),
-        found.estimates.parameters.len(),
-        found.seeds.len(),
+        numbers::count(found.estimates.parameters.len(), "parameter"),
+        numbers::searches(found.seeds.len()),
         found.settings.effort.evaluations,
         if found.stopped { ", stopped before the end" } else { "" }
     );

@@ -3,8 +3,10 @@
 use friction_ident::{Estimate, IdentError};
 
 use super::{Settings, StictionIdentification, UNKNOWN, voltages};
+use crate::numbers;
 use crate::recording::stiction_table::StictionTable;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
+use crate::report::smooth::one_cycle;
 use crate::servo::terminal::{number, range, verdict};
 
 /// The page.
@@ -47,7 +49,11 @@ pub fn page(found: &StictionIdentification, tables: &[StictionTable]) -> Page {
     }
     Page {
         title: "Friction from the stiction limit cycle".to_owned(),
-        subtitle: format!("{} recordings; frictionlab {}", tables.len(), env!("CARGO_PKG_VERSION")),
+        subtitle: format!(
+            "{}; frictionlab {}",
+            numbers::count(tables.len(), "recording"),
+            env!("CARGO_PKG_VERSION")
+        ),
         blocks,
     }
 }
@@ -148,21 +154,22 @@ fn range_of(table: &StictionTable, settings: &Settings) -> std::ops::Range<usize
 }
 
 fn cycle(table: &StictionTable, settings: &Settings) -> Figure {
-    let range = range_of(table, settings);
+    let all = range_of(table, settings);
+    let one = one_cycle(table.angle.get(all.clone()).unwrap_or(&[]));
+    let range = all.start + one.start..all.start + one.end;
     Figure {
         title: "Voltage against displacement in the limit cycle".to_owned(),
         caption:
-            "Vertical strokes are rest: the voltage moves and the axis does not. Between them it slides."
+            "One cycle, the last of the largest. Vertical strokes are rest: the voltage moves and the axis does not. Between them it slides."
                 .to_owned(),
         x_label: "angle [rad]".to_owned(),
         log_x: false,
         panels: vec![Panel {
             y_label: "voltage [V]".to_owned(),
-            traces: vec![Trace::Line {
-                name: "limit cycle".to_owned(),
+            traces: vec![Trace::Loop {
+                name: "one cycle".to_owned(),
                 x: table.angle.get(range.clone()).unwrap_or(&[]).to_vec(),
                 y: table.voltage.get(range).unwrap_or(&[]).to_vec(),
-                style: LineStyle::Faint,
             }],
         }],
     }

@@ -135,7 +135,7 @@ pub fn compute(
     })
 }
 
-/// The test bed's model with the lag of the thesis's Table 4.8, .0111 s, where it has one: that of Table 4.13 is shorter than the sampling period.
+/// The test bed's model with the lag of the thesis's Table 4.8, 0.0111 s, where it has one: that of Table 4.13 is shorter than the sampling period.
 fn visible(name: ModelName) -> AnyModel {
     let model = AnyModel::test_bed(name);
     let mut parameters = model.parameters();

@@ -4,7 +4,8 @@ use friction_ident::stretch::StretchKind;
 use friction_model::ModelName;
 
 use super::{Matrix, Row};
-use crate::report::figure::{Block, Figure, Page, Panel, Table, Trace};
+use crate::numbers;
+use crate::report::figure::{Block, Figure, Mark, Page, Panel, Table, Trace};
 
 /// The page.
 #[must_use]
@@ -28,8 +29,10 @@ pub fn page(matrix: &Matrix) -> Page {
     Page {
         title: "Truth by model".to_owned(),
         subtitle: format!(
-            "noise {} N m, {} seeds; frictionlab {}",
-            matrix.noise, matrix.seeds, matrix.program_version
+            "noise {} N m, {}; frictionlab {}",
+            matrix.noise,
+            numbers::count(matrix.seeds as usize, "seed"),
+            matrix.program_version
         ),
         blocks,
     }
@@ -81,25 +84,20 @@ fn picture(matrix: &Matrix) -> Figure {
         .iter()
         .map(|&model| {
             let cells: Vec<_> = matrix.rows.iter().map(|row| row.cell(model)).collect();
-            Trace::Points {
+            Trace::Categories {
                 name: model.title().to_owned(),
-                x: (1..=cells.len()).map(|i| i as f64).collect(),
+                x: matrix.rows.iter().map(|row| row.truth.title().to_owned()).collect(),
                 y: cells
                     .iter()
                     .map(|cell| cell.map_or(f64::NAN, |cell| (1e3 * cell.held_out[1]).log10()))
                     .collect(),
-                error: None,
+                mark: Mark::Marker,
             }
         })
         .collect();
-    let order: Vec<_> =
-        matrix.rows.iter().enumerate().map(|(i, row)| format!("{} {}", i + 1, row.truth.title())).collect();
     Figure {
         title: "Which model fits the friction of which".to_owned(),
-        caption: format!(
-            "Truths: {}. The lowest point above each number should be the truth itself.",
-            order.join(", ")
-        ),
+        caption: "The lowest point above each truth should be the truth itself.".to_owned(),
         x_label: "truth".to_owned(),
         log_x: false,
         panels: vec![Panel { y_label: "log10 of the held-out rms [1e-3 N m]".to_owned(), traces }],

@@ -1,13 +1,14 @@
 //! The matrix as text.
 
 use super::{Matrix, page};
+use crate::numbers;
 
 /// One line a truth.
 #[must_use]
 pub fn summary(matrix: &Matrix) -> String {
     let mut text = format!(
-        "Held-out error, rms [1e-3 N m], median of {} seeds (* best, ~ cannot be told from it)\n\n",
-        matrix.seeds
+        "Held-out error, rms [1e-3 N m], median of {} (* best, ~ cannot be told from it)\n\n",
+        numbers::count(matrix.seeds as usize, "seed")
     );
     text += &format!("{:22}", "truth \\ model");
     for model in &matrix.models {

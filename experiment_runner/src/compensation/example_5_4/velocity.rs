@@ -10,10 +10,10 @@ use super::models::{ExampleModel, with_contact};
 use crate::tracking::SquareMean;
 
 /// `J w' = u - F`, output `w + d`, `u = -(P e + I int e) + F^` with `e = w + d`, `d = H(s) n` with
-/// `H(s) = (1/40) s^2 / (s + .2)^4` (thesis eq. 5.77).
+/// `H(s) = (1/40) s^2 / (s + 0.2)^4` (thesis eq. 5.77).
 ///
 /// The thesis says neither J nor how its white noise was sampled. J = 1 kg m^2 is well determined by its printed errors; the noise,
-/// of unit variance, is held for half a second, which they leave open between .5 and 2 s.
+/// of unit variance, is held for half a second, which they leave open between 0.5 and 2 s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityExample {
     /// Inertia J [kg m^2].

@@ -5,6 +5,7 @@ use friction_model::ModelName;
 use super::terminal::capitalised;
 use super::{Cell, Setting, Sharing, Study, Task};
 use crate::compensation::{Arm, Means};
+use crate::numbers;
 use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
 
 /// The page.
@@ -36,7 +37,7 @@ pub fn page(study: &Study) -> Page {
             cell.plant.title()
         )));
         blocks.push(Block::Table(worth(study, cell)));
-        blocks.extend(distributions(study, cell).map(Block::Figure));
+        blocks.push(Block::Figure(distributions(study, cell)));
         blocks.extend(rankings(study, cell).map(Block::Table));
     }
     for task in Task::ALL {
@@ -45,8 +46,8 @@ pub fn page(study: &Study) -> Page {
     Page {
         title: "What compensation is worth".to_owned(),
         subtitle: format!(
-            "{} draws, errors within ± {:.0} %, seed {}; frictionlab {}",
-            study.draws,
+            "{}, errors within ± {:.0} %, seed {}; frictionlab {}",
+            numbers::count(study.draws as usize, "draw"),
             100.0 * errors.fraction,
             errors.seed,
             study.program_version
@@ -90,9 +91,9 @@ fn worth(study: &Study, cell: &Cell) -> Table {
     Table {
         title: "How many times smaller the mean square of the error becomes".to_owned(),
         caption: format!(
-            "Percentiles of (linear controller alone) / (compensated) over {} draws, pairs under the same noise. Alone: mean square {:.3e} ({unit})^2, largest error {:.4} {unit}, \
+            "Percentiles of (linear controller alone) / (compensated) over {}, pairs under the same noise. Alone: mean square {:.3e} ({unit})^2, largest error {:.4} {unit}, \
              {:.3} V rms. Without any friction the same controller has {:.3e} ({unit})^2, {:.1} times less: that part is the controller's own lag behind the reference.",
-            cell.draws.len(),
+            numbers::count(cell.draws.len(), "draw"),
             alone.mse.median,
             median_max_error(cell),
             alone.effort,
@@ -113,8 +114,8 @@ fn median_max_error(cell: &Cell) -> f64 {
     .median
 }
 
-/// One figure a technique over models; those that need none share one.
-fn distributions(study: &Study, cell: &Cell) -> impl Iterator<Item = Figure> {
+/// One panel a technique over models; those that need none share one. All have the same axes.
+fn distributions(study: &Study, cell: &Cell) -> Figure {
     let mut groups: Vec<(Option<Means>, Vec<usize>)> = Vec::new();
     for (index, arm) in study.arms.iter().enumerate().skip(1) {
         let means = arm.means().filter(|means| means.needs_model());
@@ -123,7 +124,7 @@ fn distributions(study: &Study, cell: &Cell) -> impl Iterator<Item = Figure> {
             None => groups.push((means, vec![index])),
         }
     }
-    groups.into_iter().map(|(means, arms)| {
+    let panels = groups.into_iter().map(|(means, arms)| {
         let traces = arms
             .iter()
             .map(|&index| {
@@ -140,30 +141,26 @@ fn distributions(study: &Study, cell: &Cell) -> impl Iterator<Item = Figure> {
                 }
             })
             .collect();
-        Figure {
-            title: format!(
-                "{} on {}: {}",
-                capitalised(cell.task.title()),
-                cell.plant.title(),
-                means.map_or("techniques without a model", Means::as_str)
-            ),
-            caption: "Share of the draws in which the mean square became smaller by less than the factor below. Further right is better; left of 1 is worse than no compensation. \
-                      A steep line does not depend on the parameters."
-                .to_owned(),
-            x_label: "times smaller [-]".to_owned(),
-            log_x: true,
-            panels: vec![Panel { y_label: "share of the draws [%]".to_owned(), traces }],
-        }
-    })
+        Panel { y_label: format!("{} [%]", means.map_or("without a model", Means::as_str)), traces }
+    });
+    Figure {
+        title: format!("{} on {}", capitalised(cell.task.title()), cell.plant.title()),
+        caption: "Share of the draws in which the mean square became smaller by less than the factor below, a panel a technique. Further right is better; left of 1 is worse \
+                  than no compensation. A steep line does not depend on the parameters."
+            .to_owned(),
+        x_label: "times smaller [-]".to_owned(),
+        log_x: true,
+        panels: panels.collect(),
+    }
 }
 
 fn rankings(study: &Study, cell: &Cell) -> impl Iterator<Item = Table> {
     study.rankings(cell).into_iter().map(|ranking| Table {
         title: format!("The models of {} in order", ranking.means.as_str()),
         caption: format!(
-            "Over {} draws {} orders occurred. By chance alone each model would be first in {:.1} % of them.",
-            ranking.draws,
-            ranking.orders,
+            "Over {} {} occurred. By chance alone each model would be first in {:.1} % of them.",
+            numbers::count(ranking.draws as usize, "draw"),
+            numbers::count(ranking.orders as usize, "order"),
             100.0 / ranking.standings.len() as f64
         ),
         columns: ["model", "first [%]", "standard error [%]", "mean place", "behind the best, median"]

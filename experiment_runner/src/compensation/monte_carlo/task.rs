@@ -8,9 +8,9 @@ use crate::protocol::TrackingProtocol;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
-    /// r = .30 sin(.107 t) rad/s for 58.7 s under the lag compensator (thesis Table 6.5).
+    /// r = 0.30 sin(0.107 t) rad/s for 58.7 s under the lag compensator (thesis Table 6.5).
     VelocityTracking,
-    /// r = 1.0 sin(.546 t) rad for 20 s under the PID (thesis Table 6.7).
+    /// r = 1.0 sin(0.546 t) rad for 20 s under the PID (thesis Table 6.7).
     PositionTracking,
 }
 

@@ -19,10 +19,10 @@ pub fn summary(study: &Study) -> String {
 fn worth(study: &Study, cell: &Cell) -> String {
     let alone = cell.worth(0);
     let mut text = format!(
-        "{} on {}, {} draws: linear controller alone {:.3e} ({:.3} V), without friction {:.3e} ({:.1} times less)\n",
+        "{} on {}, {}: linear controller alone {:.3e} ({:.3} V), without friction {:.3e} ({:.1} times less)\n",
         capitalised(cell.task.title()),
         cell.plant.title(),
-        cell.draws.len(),
+        crate::numbers::count(cell.draws.len(), "draw"),
         alone.mse.median,
         alone.effort,
         cell.floor.mse,
@@ -54,7 +54,11 @@ fn worth(study: &Study, cell: &Cell) -> String {
 fn standings(study: &Study, cell: &Cell) -> String {
     let mut text = String::new();
     for ranking in study.rankings(cell) {
-        text += &format!("  first by {}, {} orders: ", ranking.means.as_str(), ranking.orders);
+        text += &format!(
+            "  first by {}, {}: ",
+            ranking.means.as_str(),
+            crate::numbers::count(ranking.orders as usize, "order")
+        );
         let shares: Vec<String> = ranking
             .standings
             .iter()

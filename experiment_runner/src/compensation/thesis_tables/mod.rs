@@ -143,7 +143,7 @@ fn velocity_columns(example: &Example, printed: &PrintedTable) -> Vec<Column> {
     };
     vec![
         column(printed, "plant: proposed, k = 0", of(false)),
-        column(printed, "plant: the observer's own model, k = .035", of(true)),
+        column(printed, "plant: the observer's own model, k = 0.035", of(true)),
     ]
 }
 
@@ -162,7 +162,7 @@ fn position_columns(example: &Example, printed: &PrintedTable) -> Vec<Column> {
     };
     vec![
         column(printed, "plant: proposed, k = 0, 20 s", of(false, 20.0)),
-        column(printed, "plant: the observer's own model, k = .002, 50 s", of(true, 50.0)),
+        column(printed, "plant: the observer's own model, k = 0.002, 50 s", of(true, 50.0)),
     ]
 }
 

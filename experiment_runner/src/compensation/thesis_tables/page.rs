@@ -4,7 +4,7 @@ use super::super::matrix::{MODELS, MatrixRow};
 use super::super::thesis_rig::ThesisTask;
 use super::printed::{ImprovementOf, PrintedRow, Scheme};
 use super::{Cell, FilledTable, ThesisTables, notes};
-use crate::report::figure::{Block, Figure, Panel, Table, Trace};
+use crate::report::figure::{Block, Figure, Mark, Panel, Table, Trace};
 
 /// The section of a report.
 #[must_use]
@@ -198,23 +198,19 @@ fn matrix(rows: &[MatrixRow], task: ThesisTask) -> Table {
 fn matrix_figure(rows: &[MatrixRow]) -> Figure {
     let panel = |task: ThesisTask| {
         let of_task: Vec<_> = rows.iter().filter(|row| row.task == task).collect();
-        let traces = MODELS.map(|model| Trace::Points {
-            name: format!("{} observer", model.title()),
-            x: (1..=of_task.len()).map(|plant| plant as f64).collect(),
+        let traces = MODELS.map(|model| Trace::Categories {
+            name: model.title().to_owned(),
+            x: of_task.iter().map(|row| row.plant.title().to_owned()).collect(),
             y: of_task.iter().map(|row| row.relative(model).unwrap_or(f64::NAN)).collect(),
-            error: None,
+            mark: Mark::Marker,
         });
         Panel { y_label: format!("{}, relative mse", task.title()), traces: traces.to_vec() }
     };
-    let plants: Vec<_> =
-        MODELS.iter().zip(1..).map(|(model, index)| format!("{index} {}", model.title())).collect();
     Figure {
         title: "Plant by observer".to_owned(),
-        caption: format!(
-            "Mean square error relative to that of the linear controller alone, in the thesis's units without noise. Plants: {}.",
-            plants.join(", ")
-        ),
-        x_label: "plant".to_owned(),
+        caption: "Mean square error with each observer relative to that of the linear controller alone, in the thesis's units without noise."
+            .to_owned(),
+        x_label: "friction of the plant".to_owned(),
         log_x: false,
         panels: ThesisTask::ALL.map(panel).to_vec(),
     }

@@ -5,7 +5,11 @@ use friction_ident::starting_model::breakaway_reach;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
 use super::{FrictionIdentification, KINDS, ModelResult, band};
-use crate::report::figure::{Figure, LineStyle, Panel, Trace};
+use crate::report::figure::{Figure, LineStyle, Mark, Panel, Trace};
+use crate::report::smooth::{moving_mean, one_cycle};
+
+/// The series of what was measured.
+const MEASURED: &str = "measured";
 
 /// Models drawn over a recording: more hide one another.
 const DRAWN: usize = 4;
@@ -116,19 +120,42 @@ fn recording(
         }
         _ => (time(), "time [s]".to_owned(), "Mixed motion"),
     };
-    let mut traces = vec![line("measured", x.clone(), stretch.friction.clone(), LineStyle::Faint)];
+    let path = matches!(kind, StretchKind::PreSliding | StretchKind::Lag);
+    // Of a motion that repeats one cycle is shown, and of what is measured the mean over some neighbours.
+    let cycle = if path { one_cycle(&x) } else { 0..stretch.len() };
+    let half = if path { cycle.len() / 200 } else { 0 };
+    let course = |values: &[f64]| moving_mean(&values[cycle.clone()], half);
+    let drawn_as = |name: &str, values: &[f64]| {
+        if path {
+            Trace::Loop { name: name.to_owned(), x: course(&x), y: course(values) }
+        } else {
+            line(
+                name,
+                x.clone(),
+                values.to_vec(),
+                if name == MEASURED { LineStyle::Faint } else { LineStyle::Solid },
+            )
+        }
+    };
+    let mut traces = vec![drawn_as(MEASURED, &stretch.friction)];
     // A model without bristles only jumps from level to level here and would hide the others.
     let shows = |result: &&ModelResult| {
         kind != StretchKind::PreSliding || breakaway_reach(&result.found.model).is_some()
     };
     for result in drawn(found).filter(shows) {
-        let predicted = predict(&result.found.model, stretch);
-        traces.push(line(result.found.name.as_str(), x.clone(), predicted, LineStyle::Solid));
+        traces.push(drawn_as(result.found.name.as_str(), &predict(&result.found.model, stretch)));
     }
+    let part = match (path, cycle.len() < stretch.len()) {
+        (true, true) => {
+            format!(" Shown is one cycle of it, each point the mean of {} samples.", 2 * half + 1)
+        }
+        (true, false) if half > 0 => format!(" Each point is the mean of {} samples.", 2 * half + 1),
+        _ => String::new(),
+    };
     Some(Figure {
         title: format!("{title}, {name}"),
         caption: format!(
-            "The longest recording of this kind, {} samples, and the first models in order.",
+            "The longest recording of this kind, {} samples, and the first models in order.{part}",
             stretch.len()
         ),
         x_label,
@@ -187,34 +214,21 @@ pub fn errors(found: &FrictionIdentification) -> Option<Figure> {
     let of = |result: &ModelResult| result.held_out.unwrap_or(result.fit);
     let present: Vec<usize> =
         (0..KINDS.len()).filter(|&k| found.models.iter().any(|r| of(r).kinds[k].is_some())).collect();
-    let width = 0.8 / found.models.len().max(1) as f64;
-    let traces: Vec<Trace> = found
-        .models
-        .iter()
-        .enumerate()
-        .map(|(place, result)| {
-            let (mut x, mut y) = (Vec::new(), Vec::new());
-            for (group, &k) in present.iter().enumerate() {
-                let Some(rms) = of(result).kinds[k] else { continue };
-                let left = (group + 1) as f64 - 0.4 + place as f64 * width;
-                let right = left + 0.85 * width;
-                x.extend([left, left, right, right, f64::NAN]);
-                y.extend([0.0, rms, rms, 0.0, f64::NAN]);
-            }
-            line(result.found.name.as_str(), x, y, LineStyle::Solid)
-        })
-        .collect();
-    let groups: Vec<String> = present
-        .iter()
-        .enumerate()
-        .map(|(group, &k)| format!("{} {}", group + 1, KINDS[k].describe()))
-        .collect();
+    let bars = |result: &ModelResult| Trace::Categories {
+        name: result.found.name.as_str().to_owned(),
+        x: present.iter().map(|&k| KINDS[k].describe().to_owned()).collect(),
+        y: present.iter().map(|&k| of(result).kinds[k].unwrap_or(f64::NAN)).collect(),
+        mark: Mark::Bar,
+    };
     let set = if found.held_out.is_some() { "held out" } else { "fitted" };
-    (!groups.is_empty()).then(|| Figure {
+    (!present.is_empty()).then(|| Figure {
         title: format!("Error of each model on each kind of recording, {set}"),
-        caption: format!("Root mean square of predicted minus measured friction. {}.", groups.join(", ")),
-        x_label: groups.join("; "),
+        caption: "Root mean square of predicted minus measured friction.".to_owned(),
+        x_label: "kind of recording".to_owned(),
         log_x: false,
-        panels: vec![Panel { y_label: format!("rms [{}]", found.settings.axis.force_unit()), traces }],
+        panels: vec![Panel {
+            y_label: format!("rms [{}]", found.settings.axis.force_unit()),
+            traces: found.models.iter().map(bars).collect(),
+        }],
     })
 }

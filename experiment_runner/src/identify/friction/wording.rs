@@ -5,7 +5,7 @@ use friction_ident::{Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
 use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
-use crate::identify::quantity::with_error;
+use crate::numbers::{self, value_and_error as with_error};
 use crate::recording::drive_error::AddedUncertainty;
 use crate::recording::stretches::FrictionRecording;
 
@@ -61,15 +61,7 @@ pub(super) fn verdict(estimate: &Estimate) -> String {
 
 /// Four significant digits.
 pub(super) fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if (-3..6).contains(&exponent) {
-        format!("{value:.*}", (3 - exponent).max(0) as usize)
-    } else {
-        format!("{value:.3e}")
-    }
+    numbers::significant(value, 4)
 }
 
 /// What a model's place is worth.
@@ -205,20 +197,6 @@ mod tests {
             assert!(undecided(times, Criterion::HeldOut, 40).contains("do not decide"));
             assert!(undecided(times, Criterion::Bic, 0).contains("too few independent samples"));
             assert!(!one.contains("cannot be told"));
-        }
-    }
-
-    #[test]
-    fn numbers_have_four_significant_digits() {
-        for (value, text) in [
-            (0.0994, "0.09940"),
-            (16.469, "16.47"),
-            (1234567.0, "1.235e6"),
-            (0.0, "0"),
-            (2e-7, "2.000e-7"),
-            (-12345.0, "-12345"),
-        ] {
-            assert_eq!(significant(value), text);
         }
     }
 }
