@@ -33,6 +33,10 @@ impl Rig for Paced {
         self.rig.period()
     }
 
+    fn voltage_range(&self) -> f64 {
+        self.rig.voltage_range()
+    }
+
     fn keeps_time(&self) -> bool {
         self.rig.keeps_time()
     }

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use experiment_runner::rig::{
-    Findings, Procedure, RigChoice, RigSetupError, Session, read_calibration, render_calibration,
+    Findings, Procedure, RigChoice, RigSetup, RigSetupError, Session, read_calibration, render_calibration,
     run_procedure,
 };
 use friction_model::{AnyModel, ModelName};
@@ -15,7 +15,8 @@ const BREAKAWAY: f64 = 0.4814;
 fn set_up(wiring: &str, calibration: Option<Calibration>, seed: u64) -> Result<Findings, RigSetupError> {
     let wiring = (!wiring.is_empty()).then(|| wiring.parse::<Miswiring>().unwrap());
     let plant = AnyModel::test_bed(ModelName::Proposed);
-    let opened = RigChoice::Simulated.open(plant, seed, wiring, calibration)?;
+    let opened =
+        RigChoice::Simulated.open(plant, seed, wiring, RigSetup { calibration, ..Default::default() })?;
     let stop = AtomicBool::new(false);
     run_procedure(&mut Session::new(opened, 2.0, &stop)?, &Procedure::default(), |_| {})
 }
@@ -103,7 +104,9 @@ fn plugs_that_are_out_are_named() {
 
 #[test]
 fn a_session_stops_when_it_is_told_to_and_refuses_voltages_above_the_rigs() {
-    let open = || RigChoice::Simulated.open(AnyModel::test_bed(ModelName::LuGre), 1, None, None).unwrap();
+    let open = || {
+        RigChoice::Simulated.open(AnyModel::test_bed(ModelName::LuGre), 1, None, RigSetup::default()).unwrap()
+    };
     let stop = AtomicBool::new(true);
     let mut session = Session::new(open(), 2.0, &stop).unwrap();
     assert_eq!(session.step(|_| 1.0).unwrap_err(), RigSetupError::Stopped);

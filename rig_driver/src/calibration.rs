@@ -151,6 +151,10 @@ impl<R: Rig> Rig for Calibrated<R> {
         self.rig.period()
     }
 
+    fn voltage_range(&self) -> f64 {
+        self.rig.voltage_range()
+    }
+
     fn keeps_time(&self) -> bool {
         self.rig.keeps_time()
     }

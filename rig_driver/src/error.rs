@@ -18,6 +18,16 @@ pub enum RigError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A voltage limit that the rig cannot put out.
+    #[error(
+        "the voltage limit must be at most {range:.4} V, the voltage range of this rig by its own description, but is {limit} V; lower `voltage_limit`"
+    )]
+    BeyondRange {
+        /// The limit that was asked for [V].
+        limit: f64,
+        /// The rig's range [V].
+        range: f64,
+    },
     /// A sensor's parameter lies outside its range.
     #[error(transparent)]
     Sensor(#[from] SensorError),

@@ -8,6 +8,7 @@
 mod calibration;
 mod drift;
 mod drive;
+pub mod emulated;
 mod error;
 mod measurement;
 #[cfg(feature = "msgs")]
@@ -33,6 +34,6 @@ pub use error::RigError;
 pub use measurement::Measurement;
 pub use miswired::{Miswired, Miswiring};
 pub use plant::{Plant, Truth};
-pub use rig::Rig;
+pub use rig::{HIGHEST_VOLTAGE, Rig, VOLTAGE_RANGE};
 pub use sensors::{Channel, SensorError, Sensors};
 pub use simulated::{SimulatedRig, SimulationOptions};

@@ -96,6 +96,10 @@ impl<R: Rig> Rig for Miswired<R> {
         self.rig.period()
     }
 
+    fn voltage_range(&self) -> f64 {
+        self.rig.voltage_range()
+    }
+
     fn keeps_time(&self) -> bool {
         self.rig.keeps_time()
     }

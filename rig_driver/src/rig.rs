@@ -3,12 +3,23 @@
 use crate::safety::{Event, FaultReport, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
+/// Voltage range of a rig whose description does not tell it [V]: that of the converters of the thesis's card.
+pub const VOLTAGE_RANGE: f64 = 10.0;
+
+/// Highest voltage that any rig is driven with, whatever it says of itself [V]: the end of extra-low direct voltage, which may be touched.
+pub const HIGHEST_VOLTAGE: f64 = 60.0;
+
 /// A servo axis that is measured and driven once a control cycle.
 ///
 /// The simulated test bed is lock-step: `apply` advances its time by one period.
 pub trait Rig {
     /// Period of the control cycle [s].
     fn period(&self) -> f64;
+
+    /// Largest magnitude of the motor voltage that the rig can put out, by its own description [V]. The safety layer takes no limit beyond it.
+    fn voltage_range(&self) -> f64 {
+        VOLTAGE_RANGE
+    }
 
     /// Whether the rig has a clock of its own, so that [`wait`](Self::wait) sets the pace and not the caller's clock.
     fn keeps_time(&self) -> bool {
@@ -100,6 +111,10 @@ pub trait Rig {
 impl<R: Rig + ?Sized> Rig for Box<R> {
     fn period(&self) -> f64 {
         (**self).period()
+    }
+
+    fn voltage_range(&self) -> f64 {
+        (**self).voltage_range()
     }
 
     fn keeps_time(&self) -> bool {

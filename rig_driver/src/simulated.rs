@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::safety::{SafetyLimits, Supervised};
 use crate::sensors::quantise;
 use crate::{
-    Drive, FrictionCoupling, FrictionDrift, Measurement, Plant, Rig, RigError, Sensors, TimeConstant, Truth,
+    Drive, FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError, Sensors,
+    TimeConstant, Truth, VOLTAGE_RANGE,
 };
 
 /// Everything a simulated rig is made of, but for its friction model.
@@ -21,8 +22,11 @@ pub struct SimulationOptions {
     pub friction_coupling: FrictionCoupling,
     /// Sensors and converters.
     pub sensors: Sensors,
-    /// Largest magnitude of the motor voltage [V], above zero and at most the card's 10 V.
+    /// Largest magnitude of the motor voltage [V], above zero and at most `voltage_range`.
     pub voltage_limit: f64,
+    /// Largest magnitude that the rig's amplifier can put out [V], above zero and at most [`HIGHEST_VOLTAGE`].
+    #[serde(default = "usual_range")]
+    pub voltage_range: f64,
     /// Period of the control cycle [s], above zero and at most 10 ms.
     pub period: f64,
     /// Integration steps a period.
@@ -37,6 +41,11 @@ pub struct SimulationOptions {
     pub safety: Option<SafetyLimits>,
 }
 
+/// The range of a rig whose description leaves it out.
+const fn usual_range() -> f64 {
+    VOLTAGE_RANGE
+}
+
 impl Default for SimulationOptions {
     /// The SRV-02 with the thesis's time constant at 1 kHz, two integration steps a period, +-6 V (the motor's nominal voltage).
     fn default() -> Self {
@@ -45,6 +54,7 @@ impl Default for SimulationOptions {
             friction_coupling: FrictionCoupling::Physical,
             sensors: Sensors::default(),
             voltage_limit: 6.0,
+            voltage_range: VOLTAGE_RANGE,
             period: 1e-3,
             substeps: 2,
             seed: 1,
@@ -63,8 +73,14 @@ impl SimulationOptions {
         self.sensors.check()?;
         self.friction_drift.map_or(Ok(()), |drift| drift.check())?;
         let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
-        if !(self.voltage_limit > 0.0 && self.voltage_limit <= 10.0) {
-            return error("voltage_limit", self.voltage_limit, "above 0 and at most 10 V, the card's range");
+        if !(self.voltage_range > 0.0 && self.voltage_range <= HIGHEST_VOLTAGE) {
+            return error("voltage_range", self.voltage_range, "above 0 and at most 60 V");
+        }
+        if !(self.voltage_limit > 0.0 && self.voltage_limit.is_finite()) {
+            return error("voltage_limit", self.voltage_limit, "a finite number above 0");
+        }
+        if self.voltage_limit > self.voltage_range {
+            return Err(RigError::BeyondRange { limit: self.voltage_limit, range: self.voltage_range });
         }
         if !(self.period > 0.0 && self.period <= 0.01) {
             return error("period", self.period, "above 0 and at most 0.01 s");
@@ -118,6 +134,10 @@ impl<M: FrictionModel> SimulatedRig<M> {
 impl<M: FrictionModel> Rig for SimulatedRig<M> {
     fn period(&self) -> f64 {
         self.options.period
+    }
+
+    fn voltage_range(&self) -> f64 {
+        self.options.voltage_range
     }
 
     fn measure(&mut self) -> Measurement {

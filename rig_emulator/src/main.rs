@@ -23,6 +23,7 @@ use clap::Parser;
 
 use emulator::Emulator;
 use options::Options;
+use rig_driver::emulated::{self, Announcement};
 
 fn main() -> anyhow::Result<()> {
     let options = Options::parse();
@@ -31,6 +32,15 @@ fn main() -> anyhow::Result<()> {
     ctrlc::set_handler(move || told.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
     let mut emulator = Emulator::new(&options)?;
     let orders = control::listen();
+    // A rig that cannot be announced runs all the same; it is only not listed.
+    let _announced = emulated::folder().and_then(|folder| {
+        let announced = Announcement::new(&folder, emulator.path());
+        announced
+            .inspect_err(|error| {
+                eprintln!("`frictionlab rig list` will not show this rig: {}: {error}", folder.display())
+            })
+            .ok()
+    });
     say(&format!("ready {}", emulator.path().display()));
     emulator.run(&orders, &stop)?;
     let summary = serde_json::to_string_pretty(&emulator.summary()).context("the summary")?;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use friction_model::ModelName;
-use rig_driver::SimulationOptions;
+use rig_driver::{HIGHEST_VOLTAGE, SimulationOptions};
 use rig_protocol::{Channels, Hello, Name};
 
 use crate::line::Odds;
@@ -40,6 +40,9 @@ pub(crate) struct Options {
     /// Period of the device's cycle [us]
     #[arg(long, value_name = "US", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(100..=10_000))]
     pub(crate) period: u32,
+    /// Largest magnitude of the motor voltage that the device puts out, and tells of itself [V]
+    #[arg(long, value_name = "V", default_value_t = 6.0, value_parser = volts)]
+    pub(crate) voltage_range: f64,
     /// The device's limit of a command's validity [us]
     #[arg(long, value_name = "US", default_value_t = 20_000)]
     pub(crate) validity_limit: u32,
@@ -94,6 +97,13 @@ pub(crate) enum Sensor {
     Current,
 }
 
+fn volts(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.1 && value <= HIGHEST_VOLTAGE => Ok(value),
+        _ => Err(format!("a voltage range lies between 0.1 and {HIGHEST_VOLTAGE} V")),
+    }
+}
+
 fn part(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
@@ -107,6 +117,8 @@ impl Options {
         SimulationOptions {
             period: f64::from(self.period) * 1e-6,
             seed: self.seed,
+            voltage_limit: self.voltage_range,
+            voltage_range: self.voltage_range,
             ..SimulationOptions::default()
         }
     }

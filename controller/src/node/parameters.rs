@@ -10,6 +10,9 @@ use crate::{
 const POSITIVE: ValueRange = ValueRange::Double(f64::MIN_POSITIVE, f64::MAX);
 const NON_NEGATIVE: ValueRange = ValueRange::Double(0.0, f64::MAX);
 
+/// Highest voltage limit of any rig [V]: the end of extra-low direct voltage, as the driver has it.
+const HIGHEST_VOLTAGE: f64 = 60.0;
+
 /// Every parameter of the node. Of the velocity laws, the one that the command line gives gains to is the default.
 #[must_use]
 pub fn declarations(given: &[String]) -> Vec<Declaration> {
@@ -83,8 +86,8 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
         double(
             "voltage_limit",
             options.voltage_limit,
-            ValueRange::Double(0.1, 10.0),
-            "Largest magnitude of the command [V]",
+            ValueRange::Double(0.1, HIGHEST_VOLTAGE),
+            "Largest magnitude of the command [V]; the rig's driver cuts it at its own limit",
         ),
         Declaration::integer(
             "tolerated_cycles",

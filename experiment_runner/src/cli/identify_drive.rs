@@ -4,14 +4,16 @@ use std::path::PathBuf;
 
 use friction_ident::drive::{Calibration, Known};
 
-use super::BadInput;
 use super::destination::ToFolder;
 use super::saying::Saying;
-use crate::drive::{identify, page::page, parameters};
+use super::{BadInput, rig_profile};
+use crate::drive::{Identified, identify, page::page, parameters};
+use crate::output::OutputFile;
 use crate::recording::driven::{self, DrivenColumns};
 use crate::recording::timing::{TOLERANCE, tolerance};
 use crate::recording::{AxisKind, Column};
 use crate::report::{linked, render_page};
+use crate::rig::{DriveSheet, RigProfile};
 
 /// Find a drive's constants from its voltage and motion
 ///
@@ -35,6 +37,10 @@ pub struct IdentifyDriveArgs {
 
     #[command(flatten)]
     to: ToFolder,
+
+    /// Rig profile that gets the drive, as `frictionlab rig check --rig-file` writes it; `run` and `live` take the drive from there.
+    #[arg(long, value_name = "FILE")]
+    rig_file: Option<PathBuf>,
 
     /// Print nothing but errors.
     #[arg(long)]
@@ -125,6 +131,12 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
             BadInput(format!("--gear-ratio must be a finite number above zero, but is {ratio}")).into()
         );
     }
+    let profile =
+        args.rig_file.as_deref().map(|file| rig_profile::read(file).map(|read| (file, read))).transpose()?;
+    let profile_file = profile.as_ref().map(|(file, _)| OutputFile::new(file, true)).transpose()?;
+    // Where there is no sensor its channel says zero, which is no friction torque.
+    let senseless =
+        profile.as_ref().is_some_and(|(_, profile)| profile.sensors.is_some_and(|sensors| !sensors.torque));
     let columns = DrivenColumns {
         time: args.time.clone(),
         voltage: args.voltage.clone(),
@@ -136,7 +148,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     for file in &args.files {
         let mut recording =
             driven::read(file, &columns, args.time_tolerance).map_err(|error| BadInput(error.to_string()))?;
-        if args.without_torque {
+        if args.without_torque || senseless {
             recording.friction = None;
         }
         recordings.push(recording);
@@ -163,7 +175,27 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
         ("report.html", render_page(&linked(page(&found), ["drive.yaml", "identification-drive.json"]))),
     ];
     folder.write(&files)?;
+    let told =
+        profile_file.zip(profile).map(|(file, (_, profile))| update(&found, &file, profile)).transpose()?;
     let names = files.each_ref().map(|(name, _)| *name).join(", ");
-    let text = format!("{}\nwritten to {}: {names}\n", found.summary(), folder.path().display());
+    let told = told.map_or(String::new(), |told| told + "\n");
+    let text = format!("{}\nwritten to {}: {names}\n{told}", found.summary(), folder.path().display());
     args.saying.result(args.quiet, &files[1].1, &text)
+}
+
+/// Puts the drive into the rig profile; what was done, in a line.
+fn update(found: &Identified, file: &OutputFile, profile: RigProfile) -> anyhow::Result<String> {
+    let file_name = file.name();
+    let drive = DriveSheet::of(found).ok_or_else(|| {
+        anyhow::anyhow!(
+            "the rig profile {file_name} was left as it is: the data does not tell gain and time constant"
+        )
+    })?;
+    file.write(RigProfile { drive: Some(drive), ..profile }.text().as_bytes())?;
+    let motor = if drive.parameters().is_some() {
+        "with the motor's constants"
+    } else {
+        "without the motor's constants, which `run` and `live` need: a torque sensor, or --gear-ratio, --motor-constant and --resistance, tell them"
+    };
+    Ok(format!("rig profile {file_name}: drive written, {motor}"))
 }

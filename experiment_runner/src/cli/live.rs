@@ -5,13 +5,15 @@ use std::{path::PathBuf, sync::atomic::Ordering};
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::SimulationOptions;
+use rig_driver::{Drive, SimulationOptions};
 
 use super::destination::{RUNS, ToFolder};
+use super::rig_profile::{Chosen, choose};
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::bag::remove;
 use crate::compensation::Means;
 use crate::output::OutputFile;
+use crate::test_bed::nominal_drive;
 use crate::{
     live::{self, LiveError, LiveOptions, Serving},
     protocol::TrackingProtocol,
@@ -34,8 +36,12 @@ use crate::{
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
     /// The rig: `simulated`, `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for another rate than 2000000, or `quanser[:CARD]`
-    #[arg(long, value_name = "RIG", default_value = "simulated")]
-    pub rig: RigChoice,
+    /// [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<RigChoice>,
+    /// Rig profile: address, calibration, limits and drive in one file [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    pub rig_file: Option<PathBuf>,
     /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
@@ -135,7 +141,11 @@ pub enum ReferenceArg {
 /// # Errors
 /// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of `--duration`.
 pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
-    let options = options(args)?;
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
+    let options = options(args, &chosen)?;
+    if let Some(note) = chosen.note.as_ref().filter(|_| !args.quiet) {
+        eprintln!("{note}");
+    }
     let folder = args.to.reserve("live")?;
     if args.to.force {
         remove(&folder.join("bag")).map_err(|error| BadInput(error.to_string()))?;
@@ -155,7 +165,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
         super::offer_recovery(std::path::Path::new(RUNS));
     }
     let report = live::run(&options, &stop, |priority| {
-        let rate = match (args.rate, &args.rig) {
+        let rate = match (args.rate, &chosen.rig) {
             (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => "the device's rate".to_owned(),
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
@@ -185,7 +195,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
+fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
     let mode = match args.mode {
         ModeArg::Velocity => ControlMode::Velocity,
         ModeArg::Position => ControlMode::Position,
@@ -193,19 +203,38 @@ fn options(args: &LiveArgs) -> anyhow::Result<LiveOptions> {
     let mut controller = ControllerOptions::default();
     let given = super::run::given(&args.parameters)?;
     given.controller.apply(&mut controller);
+    let usual = SimulationOptions::default();
+    let limits = chosen.limits(None);
+    let drive = match chosen.drive() {
+        Some(constants) => {
+            Drive::try_from(constants.parameters).map_err(|error| BadInput(error.to_string()))?
+        }
+        None => usual.drive,
+    };
+    let voltage_limit = limits.voltage.unwrap_or(usual.voltage_limit);
+    controller.compensation.volts_per_newton_metre = drive.friction_volts(usual.friction_coupling);
     let test_bed = TestBed {
         simulation: SimulationOptions {
             period: 1.0 / f64::from(args.rate.unwrap_or(RATE)),
-            ..Default::default()
+            drive,
+            voltage_limit,
+            // A real rig tells its own when it is opened, and nothing moves before.
+            voltage_range: usual.voltage_range.max(voltage_limit),
+            ..usual
         },
         friction: AnyModel::test_bed(args.plant),
         controller,
-        estimator: EstimatorOptions::default(),
+        estimator: EstimatorOptions {
+            drive: nominal_drive(&drive, usual.friction_coupling),
+            ..Default::default()
+        },
     };
     Ok(LiveOptions {
         out: PathBuf::new(),
-        rig: args.rig.clone(),
-        calibration: super::run::calibration(&args.rig, args.calibration.as_deref())?,
+        rig: chosen.rig.clone(),
+        calibration: super::run::calibration(chosen, args.calibration.as_deref())?,
+        limits,
+        description: chosen.of_real().and_then(|profile| profile.description.clone()),
         rate_given: args.rate.is_some(),
         test_bed,
         mode,

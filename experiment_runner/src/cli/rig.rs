@@ -1,20 +1,24 @@
 //! `frictionlab rig`: find a rig, look at it, move it a little, calibrate it.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use controller::{ControlMode, Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName};
-use rig_driver::Miswiring;
 use rig_driver::quanser::find_library;
+use rig_driver::{Calibration, Miswiring, emulated};
 
+use super::destination::Force;
+use super::rig_profile::{Chosen, choose};
 use super::{BadInput, Interrupted, interruption, model_name, print};
-use crate::output::write_all;
+use crate::output::{OutputError, OutputFile};
 use crate::rig::{
-    Display, Findings, Procedure, RigChoice, RigSetupError, Session, findings_table, read_calibration,
-    render_calibration, run_procedure, serial_ports,
+    Display, Findings, JogSummary, Procedure, RigChoice, RigDescription, RigLimits, RigProfile, RigSetup,
+    RigSetupError, SensorsPresent, Session, findings_table, read_calibration, render_calibration,
+    run_procedure, serial_ports,
 };
 
 /// Set a rig up: list, check, jog, calibrate
@@ -42,7 +46,7 @@ pub struct RigArgs {
 enum RigCommand {
     /// Show which rigs this machine has
     ///
-    /// The simulated one, devices on serial ports, and Quanser's library if it is installed. Nothing is opened.
+    /// The simulated one, devices on serial ports, emulators that run on this machine, and Quanser's library if it is installed. Nothing is opened.
     List,
     /// Show the channels, then find out whether signs, gains and zeros are right
     ///
@@ -84,18 +88,27 @@ enum RigCommand {
     Calibrate {
         #[command(flatten)]
         which: Which,
-        /// Folder for calibration.yaml
-        #[arg(long, value_name = "DIR", default_value = ".")]
-        out: PathBuf,
+        /// Folder for calibration.yaml [default: this folder; with a rig profile none, the profile has the calibration]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        #[command(flatten)]
+        replace: Force,
     },
 }
 
 /// Which rig, and how.
 #[derive(Debug, clap::Args)]
 struct Which {
-    /// `simulated`, `quanser[:CARD]` or `serial:PORT`
-    #[arg(long, value_name = "RIG", default_value = "simulated")]
-    rig: RigChoice,
+    /// `simulated`, `quanser[:CARD]` or `serial:PORT` [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    rig: Option<RigChoice>,
+    /// Rig profile: address, limits, calibration and drive in one file. `check` and `calibrate` write it, and make it if --rig names the rig
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    rig_file: Option<PathBuf>,
+    /// Voltage limit of this rig [V], at most its own voltage range; `check` and `calibrate` put it into the profile [default: that of the profile, else 6]
+    #[arg(long, value_name = "V")]
+    voltage_limit: Option<f64>,
     /// Highest voltage of all steps [V]
     #[arg(long, value_name = "V", default_value_t = 2.0)]
     max_volts: f64,
@@ -135,14 +148,133 @@ pub fn execute(args: &RigArgs) -> anyhow::Result<()> {
             within("--seconds", *seconds, 0.0, 600.0)?;
             jog(which, *volts, *velocity, *seconds)
         }
-        RigCommand::Calibrate { which, out } => {
-            let found = find(which, None)?;
-            print(&findings_table(&found))?;
-            write_all(out, &[("calibration.yaml", render_calibration(&found, &which.rig))])?;
-            let file = out.join("calibration.yaml");
-            print(&format!("\nCalibration  {}\n", file.display()))
-        }
+        RigCommand::Calibrate { which, out, replace } => calibrate(which, out.as_deref(), replace),
     }
+}
+
+fn calibrate(which: &Which, out: Option<&Path>, replace: &Force) -> anyhow::Result<()> {
+    let place = Place::of(which, true)?;
+    let out = out.or(if place.file.is_none() { Some(Path::new(".")) } else { None });
+    // Before anything moves.
+    let bad = |error: OutputError| BadInput(error.to_string());
+    if let Some(folder) = out {
+        fs::create_dir_all(folder)
+            .map_err(|source| bad(OutputError::Write { path: folder.to_owned(), source }))?;
+    }
+    let name = out.map(|folder| folder.join("calibration.yaml"));
+    let file = name.as_deref().map(|name| replace.file(name)).transpose().map_err(bad)?;
+    let profile = place.writable()?;
+    // Against the readings as they come: what an earlier calibration put right is found once more.
+    let setup = RigSetup { calibration: explicit_calibration(which)?, limits: place.limits(which) };
+    let (found, seen) = find(which, &place, setup, None)?;
+    print(&findings_table(&found))?;
+    print("\n")?;
+    if let Some(file) = file {
+        file.write(render_calibration(&found, &place.chosen.rig).as_bytes())?;
+        print(&format!("Calibration  {}\n", file.name()))?;
+    }
+    place.write(profile, which, &seen, Some(found.calibration()))
+}
+
+/// Which rig a command drives, and which profile it may write.
+struct Place {
+    chosen: Chosen,
+    file: Option<PathBuf>,
+}
+
+/// What an opened rig said of itself.
+struct Seen {
+    description: Option<RigDescription>,
+    sensors: SensorsPresent,
+}
+
+impl Place {
+    /// Of the options; a profile that `creates` may make need not be there.
+    fn of(which: &Which, creates: bool) -> Result<Self, BadInput> {
+        let new = which.rig_file.as_deref().filter(|file| creates && file.symlink_metadata().is_err());
+        let chosen = match (new, &which.rig) {
+            (Some(_), Some(rig @ RigChoice::Nodes { .. })) => {
+                return Err(BadInput(format!("{rig} is driven by its nodes and has no profile")));
+            }
+            (Some(_), Some(rig)) => Chosen { rig: rig.clone(), profile: None, note: None },
+            (Some(file), None) => {
+                return Err(BadInput(format!(
+                    "there is no rig profile {} yet: name the rig once, as in --rig serial:/dev/ttyACM0 --rig-file {}",
+                    file.display(),
+                    file.display()
+                )));
+            }
+            (None, rig) => choose(rig.as_ref(), which.rig_file.as_deref())?,
+        };
+        if let Some(note) = chosen.note.as_ref().filter(|_| !which.quiet) {
+            eprintln!("{note}");
+        }
+        let used = || chosen.profile.as_ref().map(|(file, _)| file.clone());
+        let file = which.rig_file.clone().or_else(used);
+        Ok(Self { chosen, file })
+    }
+
+    /// The profile, where it is of the rig that is driven.
+    fn profile(&self) -> Option<&RigProfile> {
+        self.chosen.profile()
+    }
+
+    fn limits(&self, which: &Which) -> RigLimits {
+        let limits = self.profile().map(|profile| profile.limits).unwrap_or_default();
+        RigLimits { voltage: which.voltage_limit.or(limits.voltage), ..limits }
+    }
+
+    /// As a check, a jog and a run see the rig: with what is known of it.
+    fn setup(&self, which: &Which) -> Result<RigSetup, BadInput> {
+        let calibration = match explicit_calibration(which)? {
+            None => self.profile().and_then(|profile| profile.calibration),
+            given => given,
+        };
+        Ok(RigSetup { calibration, limits: self.limits(which) })
+    }
+
+    /// The profile's file, if there is to be one: its parts are written anew, and it can be written.
+    fn writable(&self) -> Result<Option<OutputFile>, BadInput> {
+        let folder = self.file.as_deref().and_then(Path::parent);
+        if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            return Err(BadInput(format!("there is no folder {} for the rig profile", folder.display())));
+        }
+        let file = self.file.as_deref().map(|file| OutputFile::new(file, true));
+        file.transpose().map_err(|error| BadInput(error.to_string()))
+    }
+
+    /// Writes the profile, if there is to be one: what was `seen`, the limits, and the calibration that was `found`.
+    fn write(
+        &self,
+        file: Option<OutputFile>,
+        which: &Which,
+        seen: &Seen,
+        found: Option<Calibration>,
+    ) -> anyhow::Result<()> {
+        let Some(file) = file else { return Ok(()) };
+        let before = self.profile().cloned().unwrap_or_else(|| RigProfile::new(self.chosen.rig.clone()));
+        let other = before.description.as_ref().zip(seen.description.as_ref());
+        // The drive of another device is not this one's.
+        let same = other.is_none_or(|(before, seen)| before.differs_from(seen).is_none());
+        let profile = RigProfile {
+            rig: self.chosen.rig.clone(),
+            description: seen.description.clone(),
+            sensors: Some(seen.sensors),
+            limits: self.limits(which),
+            calibration: found.or(before.calibration),
+            drive: before.drive.filter(|_| same),
+        };
+        file.write(profile.text().as_bytes())?;
+        print(&format!("Rig profile  {}: {}, {}\n", file.name(), profile.rig, profile.parts()))
+    }
+}
+
+/// The calibration of `--calibration`.
+fn explicit_calibration(which: &Which) -> Result<Option<Calibration>, BadInput> {
+    let Some(file) = &which.calibration else { return Ok(None) };
+    let bad = |said: String| BadInput(format!("{}: {said}", file.display()));
+    let text = crate::input::text(file).map_err(|error| bad(error.to_string()))?;
+    read_calibration(&text).map(Some).map_err(bad)
 }
 
 /// What this machine has.
@@ -167,22 +299,41 @@ fn list() -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "serial:{}  {product} ({})", name.display(), port.device.display());
     }
-    if ports.is_empty() {
+    let emulated = emulated::folder().map(|folder| emulated::announced(&folder)).unwrap_or_default();
+    for port in &emulated {
+        let _ = writeln!(
+            text,
+            "serial:{}  an emulated rig, by a rig_emulator that runs on this machine",
+            port.display()
+        );
+    }
+    if ports.is_empty() && emulated.is_empty() {
         text += "serial         no serial port with a device on it; plug the board in, and see that your user may open it (group dialout)\n";
     }
     text
 }
 
 fn check(which: &Which, seconds: f64) -> anyhow::Result<()> {
-    let found = find(which, Some(seconds))?;
+    let place = Place::of(which, true)?;
+    let profile = place.writable()?;
+    let (found, seen) = find(which, &place, place.setup(which)?, Some(seconds))?;
     print(&findings_table(&found))?;
+    if profile.is_some() {
+        print("\n")?;
+        place.write(profile, which, &seen, None)?;
+    }
     let wrong = found.verdicts().iter().filter(|verdict| verdict.wrong.is_some()).count();
     anyhow::ensure!(wrong == 0, "{wrong} of {} are wrong, as said above", found.verdicts().len());
     print("\nAll is right.\n")
 }
 
 /// Shows the channels for some seconds, if asked to, and goes through the steps.
-fn find(which: &Which, show: Option<f64>) -> anyhow::Result<Findings> {
+fn find(
+    which: &Which,
+    place: &Place,
+    setup: RigSetup,
+    show: Option<f64>,
+) -> anyhow::Result<(Findings, Seen)> {
     let stop = watch_ctrl_c()?;
     let say = |text: &str| {
         if !which.quiet {
@@ -190,12 +341,12 @@ fn find(which: &Which, show: Option<f64>) -> anyhow::Result<Findings> {
         }
     };
     if let Some(seconds) = show.filter(|_| !which.quiet) {
-        drive(which, &stop, true, |session| {
+        drive(which, place, setup, (&stop, true), |session| {
             say("channels at zero volts; turn the shaft by hand and look");
             session.hold(0.0, seconds).map(drop)
         })?;
     }
-    drive(which, &stop, false, |session| run_procedure(session, &Procedure::default(), say))
+    drive(which, place, setup, (&stop, false), |session| run_procedure(session, &Procedure::default(), say))
 }
 
 fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -> anyhow::Result<()> {
@@ -205,69 +356,100 @@ fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -
     if let Some(velocity) = velocity {
         within("--velocity", velocity.abs(), 0.0, JOG_VELOCITY)?;
     }
+    let place = Place::of(which, false)?;
     let stop = watch_ctrl_c()?;
-    drive(which, &stop, !which.quiet, |session| {
-        let Some(velocity) = velocity else { return session.hold(volts.unwrap_or(0.0), seconds).map(drop) };
-        let options = ControllerOptions {
-            mode: ControlMode::Velocity,
-            period: session.period(),
-            voltage_limit: session.max_volts(),
-            ..ControllerOptions::default()
-        };
-        let mut controller =
-            Controller::new(options).map_err(|error| RigSetupError::NotDriven(error.to_string()))?;
-        let reference = Reference { velocity, ..Reference::default() };
-        for _ in 0..(seconds / session.period()).round() as u64 {
-            session.step(|seen| {
-                let feedback = Feedback {
-                    position: seen.encoder_position,
-                    velocity: seen.tachometer_velocity,
-                    friction: 0.0,
-                    cycle: Some(seen.cycle),
-                };
-                controller.step(&reference, &feedback).total
-            })?;
+    let mut summary = JogSummary::default();
+    let (outcome, _) = drive(which, &place, place.setup(which)?, (&stop, !which.quiet), |session| {
+        let outcome = jogged(session, (volts, velocity), seconds, &mut summary);
+        // What happened until then is told all the same.
+        Ok(outcome)
+    })?;
+    print(&summary.text())?;
+    outcome.map_err(told)
+}
+
+/// Drives the jog, and notes what is seen.
+fn jogged(
+    session: &mut Session<'_>,
+    (volts, velocity): (Option<f64>, Option<f64>),
+    seconds: f64,
+    summary: &mut JogSummary,
+) -> Result<(), RigSetupError> {
+    let cycles = (seconds / session.period()).round() as u64;
+    let Some(velocity) = velocity else {
+        for _ in 0..cycles {
+            summary.add(&session.step(|_| volts.unwrap_or(0.0))?);
         }
-        Ok(())
-    })
+        return Ok(());
+    };
+    let options = ControllerOptions {
+        mode: ControlMode::Velocity,
+        period: session.period(),
+        voltage_limit: session.max_volts(),
+        ..ControllerOptions::default()
+    };
+    let mut controller =
+        Controller::new(options).map_err(|error| RigSetupError::NotDriven(error.to_string()))?;
+    let reference = Reference { velocity, ..Reference::default() };
+    for _ in 0..cycles {
+        let seen = session.step(|seen| {
+            let feedback = Feedback {
+                position: seen.encoder_position,
+                velocity: seen.tachometer_velocity,
+                friction: 0.0,
+                cycle: Some(seen.cycle),
+            };
+            controller.step(&reference, &feedback).total
+        })?;
+        summary.add(&seen);
+    }
+    Ok(())
 }
 
 /// Opens the rig and drives it; afterwards it is at zero volts.
 fn drive<T>(
     which: &Which,
-    stop: &AtomicBool,
-    shown: bool,
+    place: &Place,
+    setup: RigSetup,
+    (stop, shown): (&AtomicBool, bool),
     work: impl FnOnce(&mut Session<'_>) -> Result<T, RigSetupError>,
-) -> anyhow::Result<T> {
-    if which.miswired.is_some() && which.rig != RigChoice::Simulated {
+) -> anyhow::Result<(T, Seen)> {
+    let rig = &place.chosen.rig;
+    if which.miswired.is_some() && *rig != RigChoice::Simulated {
         return Err(
             BadInput("--miswired is for the simulated rig; a real one is wired as it is".to_owned()).into()
         );
     }
-    let calibration = match &which.calibration {
-        None => None,
-        Some(file) => {
-            let bad = |said: String| BadInput(format!("{}: {said}", file.display()));
-            let text = crate::input::text(file).map_err(|error| bad(error.to_string()))?;
-            Some(read_calibration(&text).map_err(bad)?)
-        }
-    };
     let mut display = Display::default();
-    let outcome = which
-        .rig
-        .open(AnyModel::test_bed(which.plant), which.seed, which.miswired, calibration)
-        .and_then(|opened| Session::new(opened, which.max_volts, stop))
-        .and_then(|session| {
+    let outcome =
+        rig.open(AnyModel::test_bed(which.plant), which.seed, which.miswired, setup).and_then(|opened| {
+            let seen = Seen { description: opened.description.clone(), sensors: opened.sensors };
+            let expected = place.profile().and_then(|profile| profile.description.as_ref());
+            // A calibration is found anew; one that is used has to be of this device.
+            if let Some(expected) = expected.filter(|_| setup.calibration.is_some()) {
+                expected.require(rig, seen.description.as_ref())?;
+            }
+            let session = Session::new(opened, which.max_volts, stop)?;
             let mut session = if shown { session.shown(|seen| display.show(seen)) } else { session };
-            work(&mut session)
+            Ok((work(&mut session)?, seen))
         });
     display.end();
-    outcome.map_err(|error| match error {
+    outcome.map_err(told)
+}
+
+/// What the user can mend is wrong input.
+fn told(error: RigSetupError) -> anyhow::Error {
+    match error {
         RigSetupError::Stopped => Interrupted(error.to_string()).into(),
-        RigSetupError::Rig(rig_driver::RigError::OutOfRange { .. } | rig_driver::RigError::Quanser(_))
-        | RigSetupError::NotDriven(_) => BadInput(error.to_string()).into(),
+        RigSetupError::Rig(
+            rig_driver::RigError::OutOfRange { .. }
+            | rig_driver::RigError::BeyondRange { .. }
+            | rig_driver::RigError::Quanser(_),
+        )
+        | RigSetupError::NotDriven(_)
+        | RigSetupError::OtherDevice { .. } => BadInput(error.to_string()).into(),
         error => anyhow::Error::new(error),
-    })
+    }
 }
 
 fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), BadInput> {

@@ -7,9 +7,13 @@ use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{Calibration, Drive, FrictionCoupling, RigError, Sensors, SimulationOptions, TimeConstant};
+use rig_driver::{
+    Calibration, Drive, FrictionCoupling, HIGHEST_VOLTAGE, RigError, Sensors, SimulationOptions,
+    TimeConstant, VOLTAGE_RANGE,
+};
 
 use super::destination::{RUNS, ToFolder};
+use super::rig_profile::{Chosen, choose};
 use super::saying::{Saying, document};
 use super::{BadInput, Interrupted, interruption, model_name};
 use crate::characterise::TorqueReading;
@@ -18,10 +22,12 @@ use crate::drive::parameters::DriveConstants;
 use crate::models::file;
 use crate::output::is_full;
 use crate::progress::{Progress, about};
-use crate::protocol::{CompensationProtocol, ConstantVelocityProtocol, Protocol, TrackingProtocol};
+use crate::protocol::{
+    CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol, TrackingProtocol,
+};
 use crate::rig::{RigChoice, read_calibration};
 use crate::run::{
-    self, Experiment, Given, Origin, Pace, RecordPolicy, RunError, RunOptions, Status, shipped,
+    self, Experiment, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunError, RunOptions, Status, shipped,
 };
 use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 
@@ -37,8 +43,12 @@ pub struct RunArgs {
     pub experiment: Option<Experiment>,
     /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with
     /// their observer and controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C puts the motor at zero volts at once
-    #[arg(long, value_name = "RIG", default_value = "simulated")]
-    pub rig: RigChoice,
+    /// [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<RigChoice>,
+    /// Rig profile: address, calibration, limits and drive in one file [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    pub rig_file: Option<PathBuf>,
     /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
     #[arg(long, value_name = "FILE")]
     pub calibration: Option<PathBuf>,
@@ -48,9 +58,10 @@ pub struct RunArgs {
     /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several times
     #[arg(long, value_name = "FILE")]
     pub protocol: Vec<PathBuf>,
-    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has its voltage or current
-    #[arg(long, value_enum, value_name = "SOURCE", default_value_t)]
-    pub torque_source: TorqueSourceArg,
+    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has its voltage or current [default: sensor, or what the rig profile
+    /// says that there is]
+    #[arg(long, value_enum, value_name = "SOURCE")]
+    pub torque_source: Option<TorqueSourceArg>,
     /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia; they make the
     /// uncertainty of a torque from voltage or current
     #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
@@ -87,9 +98,9 @@ pub struct RunArgs {
     /// How much goes into the bag [default: thinned, and full on a real rig]
     #[arg(long, value_enum)]
     pub record: Option<RecordPolicy>,
-    /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree
-    #[arg(long, value_enum, default_value_t)]
-    pub time_constant: TimeConstantArg,
+    /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree [default: thesis]
+    #[arg(long, value_enum)]
+    pub time_constant: Option<TimeConstantArg>,
     /// Friction as a torque, or taken off the volts as in the thesis's own simulations
     #[arg(long, value_enum, default_value_t)]
     pub friction: FrictionArg,
@@ -103,9 +114,9 @@ pub struct RunArgs {
     /// Sensors without noise and steps, for studies of the models alone
     #[arg(long)]
     pub ideal_sensors: bool,
-    /// Motor voltage limit [V], at most the card's 10 V
-    #[arg(long, value_name = "VOLTS", default_value_t = 6.0)]
-    pub voltage_limit: f64,
+    /// Motor voltage limit [V], at most the rig's own voltage range; 10 V for the simulated one [default: that of the rig profile, else 6]
+    #[arg(long, value_name = "VOLTS")]
+    pub voltage_limit: Option<f64>,
     /// Drive the simulated rig at the pace of the clock, one run after the other; ctrl-C then stops it within a cycle
     #[arg(long)]
     pub real_time: bool,
@@ -170,6 +181,10 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
 
     if !args.quiet {
         super::offer_recovery(Path::new(RUNS));
+        // Read once more for what there is to say; it is what was used.
+        if let Some(note) = choose(args.rig.as_ref(), args.rig_file.as_deref())?.note {
+            eprintln!("{note}");
+        }
     }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
     let outcome = run::execute_in(&options, folder.path(), args.to.force, &progress, &cancel);
@@ -225,14 +240,20 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         (FrictionArg::Physical, false) => FrictionCoupling::Physical,
         (FrictionArg::AsVolts, _) | (_, true) => FrictionCoupling::NewtonMetreAsVolt,
     };
-    let drive = drive(args)?;
-    let calibration = calibration(&args.rig, args.calibration.as_deref())?;
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
+    let rig = chosen.rig.clone();
+    let drive = drive(args, &chosen)?;
+    let calibration = calibration(&chosen, args.calibration.as_deref())?;
+    let limits = chosen.limits(args.voltage_limit);
+    let voltage_limit = limits.voltage.unwrap_or(SimulationOptions::default().voltage_limit);
     let sensors = if args.ideal_sensors { Sensors::ideal() } else { Sensors::default() };
     let simulation = SimulationOptions {
         drive,
         friction_coupling: coupling,
         sensors,
-        voltage_limit: args.voltage_limit,
+        voltage_limit,
+        // A real rig tells its own when it is opened, and nothing moves before.
+        voltage_range: if rig == RigChoice::Simulated { VOLTAGE_RANGE } else { HIGHEST_VOLTAGE },
         ..Default::default()
     };
     let mut controller = ControllerOptions::default();
@@ -270,9 +291,10 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     let experiment = experiment(args, &protocols)?;
     let errors = super::drive_errors::fractions(&args.drive_errors)?;
     let source = match args.torque_source {
-        TorqueSourceArg::Sensor => TorqueSource::Sensor,
-        TorqueSourceArg::Voltage => TorqueSource::Voltage,
-        TorqueSourceArg::Current => TorqueSource::Current,
+        Some(TorqueSourceArg::Sensor) => TorqueSource::Sensor,
+        Some(TorqueSourceArg::Voltage) => TorqueSource::Voltage,
+        Some(TorqueSourceArg::Current) => TorqueSource::Current,
+        None => chosen.torque_source().unwrap_or(TorqueSource::Sensor),
     };
     if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
         let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
@@ -281,8 +303,13 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
     let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
     let mut options = RunOptions {
         experiment,
-        rig: args.rig.clone(),
+        rig: rig.clone(),
+        rig_profile: chosen.profile.as_ref().map(|(file, profile)| ProfileUsed {
+            file: file.clone(),
+            description: profile.description.clone().filter(|_| chosen.of_real().is_some()),
+        }),
         calibration,
+        limits,
         test_bed: TestBed { simulation, friction: plant(args)?, controller, estimator },
         models,
         means,
@@ -290,7 +317,7 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         origins,
         seed: args.seed,
         pace: if args.real_time { Pace::RealTime } else { Pace::Offline },
-        record: args.record.unwrap_or(match args.rig {
+        record: args.record.unwrap_or(match rig {
             RigChoice::Simulated => RecordPolicy::Thinned,
             _ => RecordPolicy::Full,
         }),
@@ -298,6 +325,7 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         varying_velocity,
         pre_sliding,
         breakaway_rate,
+        drive_excitation: DriveExcitationProtocol::shipped()?,
         sequence: None,
         compensation: CompensationProtocol::shipped()?,
         thesis_tables: args.thesis_tables,
@@ -320,6 +348,7 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         options.varying_velocity.repetitions = repetitions;
         options.pre_sliding.repetitions = repetitions;
         options.breakaway_rate.repetitions = repetitions;
+        options.drive_excitation.repetitions = repetitions;
         options.compensation = options.compensation.repeated(repetitions);
     }
     // A file says everything itself: neither --quick nor --repetitions changes it.
@@ -328,9 +357,12 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
 }
 
 /// The drive, as the file says or as the SRV-02 has it.
-fn drive(args: &RunArgs) -> Result<Drive, BadInput> {
+fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Drive, BadInput> {
     let Some(file) = &args.drive else {
-        return Ok(Drive::srv02(match args.time_constant {
+        if let Some(constants) = chosen.drive().filter(|_| args.time_constant.is_none()) {
+            return Drive::try_from(constants.parameters).map_err(|error| BadInput(error.to_string()));
+        }
+        return Ok(Drive::srv02(match args.time_constant.unwrap_or_default() {
             TimeConstantArg::Thesis => TimeConstant::Thesis,
             TimeConstantArg::Datasheet => TimeConstant::Datasheet,
         }));
@@ -342,8 +374,9 @@ fn drive(args: &RunArgs) -> Result<Drive, BadInput> {
 }
 
 /// The calibration of a real rig.
-pub(super) fn calibration(rig: &RigChoice, file: Option<&Path>) -> Result<Option<Calibration>, BadInput> {
-    let Some(file) = file else { return Ok(None) };
+pub(super) fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibration>, BadInput> {
+    let rig = &chosen.rig;
+    let Some(file) = file else { return Ok(chosen.of_real().and_then(|profile| profile.calibration)) };
     if *rig == RigChoice::Simulated {
         let why = "--calibration corrects a real rig; the simulated one's readings are true";
         return Err(BadInput(why.to_owned()));

@@ -7,6 +7,7 @@ use anyhow::Context;
 use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
+use super::rig_profile::{Chosen, choose};
 use crate::rig::RigChoice;
 use crate::server::desk::UsualRig;
 use crate::server::node::Runner;
@@ -27,8 +28,13 @@ pub struct ServeArgs {
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub runs: PathBuf,
     /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
-    #[arg(long, value_name = "RIG", default_value = "simulated")]
-    pub rig: RigChoice,
+    /// [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<RigChoice>,
+    /// Rig profile: address, calibration, limits and drive in one file; it counts for every experiment on its rig [default: rig.yaml of this folder, where --rig names
+    /// the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    pub rig_file: Option<PathBuf>,
     /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those of this axis
     #[arg(long, value_name = "RIGS", value_delimiter = ',', default_value = "simulated,nodes")]
     pub allow_rigs: Vec<RigChoice>,
@@ -53,14 +59,23 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     if !args.quiet {
         super::offer_recovery(&args.runs);
     }
-    while let Some(lost) = serve(args, &discovery, &stop)? {
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
+    if let Some(note) = chosen.note.as_ref().filter(|_| !args.quiet) {
+        super::print(&format!("{note}\n"))?;
+    }
+    while let Some(lost) = serve(args, &chosen, &discovery, &stop)? {
         super::print(&format!("{lost}; experiment_runner starts anew\n"))?;
     }
     Ok(())
 }
 
 /// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
-fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result<Option<Lost>> {
+fn serve(
+    args: &ServeArgs,
+    chosen: &Chosen,
+    discovery: &Discovery,
+    stop: &Stop,
+) -> anyhow::Result<Option<Lost>> {
     let arguments = Arguments::default().or_enclave("/experiment_runner");
     let participant = Participant::join_with(discovery, arguments).map_err(|error| match error {
         mendable if mendable.is_bad_input() => anyhow::Error::new(BadInput(mendable.to_string())),
@@ -68,17 +83,19 @@ fn serve(args: &ServeArgs, discovery: &Discovery, stop: &Stop) -> anyhow::Result
     })?;
     let node = participant.node("experiment_runner")?;
     let usual = UsualRig::default();
-    usual.set(args.rig.clone());
-    let rigs = args.allow_rigs.iter().chain([&args.rig]).cloned().collect();
+    usual.set(chosen.rig.clone());
+    let rigs = args.allow_rigs.iter().chain([&chosen.rig]).cloned().collect();
     let axis = &node.identity().namespace;
     let permissions = Permissions::new(axis, rigs, args.runs.clone(), args.inputs.clone());
+    let profile = chosen.profile.as_ref().filter(|_| chosen.of_real().is_some());
+    let permissions = permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
     let runner = Runner::new(&node, permissions, usual)?;
     let middleware = Watch::start(stop).context("no thread can be started")?;
     if !args.quiet {
         super::print(&format!(
             "experiment_runner is ready on domain {}; experiments run on the rig `{}` unless their request names another; runs go to {}; ctrl-C ends it\n",
             discovery.domain,
-            args.rig,
+            chosen.rig,
             args.runs.display()
         ))?;
     }

@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 
 use super::Identified;
 use crate::identify::parameters::number;
+use crate::rig::RigProfile;
 
 /// The drive's constants for whoever needs them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,11 +44,20 @@ impl DriveConstants {
         Some(Self { parameters })
     }
 
-    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`.
+    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a drive.
     ///
     /// # Errors
     /// A sentence about what is wrong in the text.
     pub fn read(text: &str) -> Result<Self, String> {
+        if is_profile(text) {
+            let drive = RigProfile::read(text)?.drive.ok_or(
+                "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
+            )?;
+            let parameters = drive.parameters().ok_or(
+                "the drive of this rig profile has gain and time constant alone; the motor's constants are needed, which identify-drive finds with a torque sensor or is given",
+            )?;
+            return Ok(Self { parameters });
+        }
         let parameters: DriveParameters = of_rig_driver(
             text,
             "drive",
@@ -56,6 +66,12 @@ impl DriveConstants {
         rig_driver::Drive::try_from(parameters).map_err(|e| format!("in `drive`: {e}"))?;
         Ok(Self { parameters })
     }
+}
+
+/// Whether the text is a rig profile: it has an address.
+fn is_profile(text: &str) -> bool {
+    serde_saphyr::from_str::<BTreeMap<String, serde_json::Value>>(text)
+        .is_ok_and(|keys| keys.contains_key("rig"))
 }
 
 /// The parameters of `/rig_driver` that stand under `section`; `who` writes such a file.

@@ -49,7 +49,7 @@ use crate::{
     bag::{BagOptions, BagWriter},
     messages::CycleTopics,
     output::OutputFile,
-    rig::{Opened, RigChoice},
+    rig::{Opened, RigChoice, RigDescription, RigLimits, RigSetup},
     run::{Compensators, Origins, render_parameter_file},
     test_bed::TestBed,
     waveform::Waveform,
@@ -78,6 +78,10 @@ pub struct LiveOptions {
     pub rig: RigChoice,
     /// What corrects a real rig's readings.
     pub calibration: Option<Calibration>,
+    /// What was set for the rig beside the usual limits.
+    pub limits: RigLimits,
+    /// What the real rig said of itself when its profile was written: another one is refused.
+    pub description: Option<RigDescription>,
     /// The bench: the simulated rig and its friction, and what estimator and controller are made of.
     pub test_bed: TestBed,
     /// What the controller regulates.
@@ -256,7 +260,11 @@ impl LiveOptions {
         if self.rig == RigChoice::Simulated {
             return Ok(None);
         }
-        let opened = self.rig.open(self.test_bed.friction, self.seed, None, self.calibration)?;
+        let setup = RigSetup { calibration: self.calibration, limits: self.limits };
+        let opened = self.rig.open(self.test_bed.friction, self.seed, None, setup)?;
+        if let Some(expected) = &self.description {
+            expected.require(&self.rig, opened.description.as_ref())?;
+        }
         let (period, asked) = (opened.rig.period(), 1.0 / self.test_bed.simulation.period);
         if self.rate_given && (period * asked - 1.0).abs() > 1e-6 {
             return Err(LiveError::Rate { period, asked });

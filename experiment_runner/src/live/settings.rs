@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use controller::{ControlMode, ControllerOptions};
 use friction_model::ModelName;
 use friction_observer::EstimatorOptions;
+use rig_driver::safety::Travel;
 use rig_driver::{Sign, SimulationOptions};
 use ros_node::parameter_file::NodeParameters;
 use ros_node::{Arguments, ParameterValue};
 
 use super::{LiveError, LiveOptions, Serving};
-use crate::rig::RigChoice;
+use crate::rig::{RigChoice, RigLimits};
 
 type Given = BTreeMap<String, ParameterValue>;
 
@@ -55,6 +56,16 @@ fn rig(options: &LiveOptions) -> Given {
     give("rig", ParameterValue::String(options.rig.to_string()));
     give("autostart", ParameterValue::Boolean(true));
     give("voltage_limit", ParameterValue::Double(voltage_limit));
+    let RigLimits { velocity, travel, .. } = options.limits;
+    if let Some(velocity) = velocity {
+        give("safety.velocity", ParameterValue::Double(velocity));
+    }
+    if let Some(Travel { min, max, margin }) = travel {
+        give("safety.travel", ParameterValue::Boolean(true));
+        give("safety.travel_min", ParameterValue::Double(min));
+        give("safety.travel_max", ParameterValue::Double(max));
+        give("safety.travel_margin", ParameterValue::Double(margin));
+    }
     if options.rig == RigChoice::Simulated {
         let model = options.test_bed.friction.name().to_string();
         give("simulated.model", ParameterValue::String(model));

@@ -7,6 +7,7 @@
 mod breakaway_rate;
 mod compensation;
 mod constant_velocity;
+mod drive_excitation;
 mod error;
 mod pre_sliding;
 pub mod quantity;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 pub use breakaway_rate::BreakawayRateProtocol;
 pub use compensation::{CompensationProtocol, CompensationTask};
 pub use constant_velocity::ConstantVelocityProtocol;
+pub use drive_excitation::DriveExcitationProtocol;
 pub use error::ProtocolError;
 pub use pre_sliding::{Displacement, OnsetRule, PreSlidingProtocol, REST};
 pub use sequence::SequenceProtocol;
@@ -41,18 +43,21 @@ pub enum Kind {
     BreakawayRate,
     /// Compensations compared in tracking and regulation.
     Compensation,
+    /// Voltage that shows the drive, for `identify-drive`.
+    DriveExcitation,
     /// A sequence of one's own.
     Sequence,
 }
 
 impl Kind {
     /// Every kind, in the order of the thesis.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::ConstantVelocity,
         Self::VaryingVelocity,
         Self::PreSliding,
         Self::BreakawayRate,
         Self::Compensation,
+        Self::DriveExcitation,
         Self::Sequence,
     ];
 
@@ -65,6 +70,7 @@ impl Kind {
             Self::PreSliding => "pre-sliding",
             Self::BreakawayRate => "breakaway-rate",
             Self::Compensation => "compensation",
+            Self::DriveExcitation => "drive-excitation",
             Self::Sequence => "sequence",
         }
     }
@@ -78,6 +84,7 @@ impl Kind {
             Self::PreSliding => include_str!("../../protocols/pre-sliding.yaml"),
             Self::BreakawayRate => include_str!("../../protocols/breakaway-rate.yaml"),
             Self::Compensation => include_str!("../../protocols/compensation.yaml"),
+            Self::DriveExcitation => include_str!("../../protocols/drive-excitation.yaml"),
             Self::Sequence => include_str!("../../protocols/sequence.yaml"),
         }
     }
@@ -93,6 +100,7 @@ impl Kind {
             Self::Compensation => {
                 "compensations compared in tracking and regulation of velocity and position"
             }
+            Self::DriveExcitation => "voltage that shows the drive, for `identify-drive`",
             Self::Sequence => "an example of a sequence of one's own",
         }
     }
@@ -112,6 +120,8 @@ pub enum Protocol {
     BreakawayRate(BreakawayRateProtocol),
     /// Compensations compared.
     Compensation(CompensationProtocol),
+    /// Voltage that shows the drive.
+    DriveExcitation(DriveExcitationProtocol),
     /// A sequence of one's own.
     Sequence(SequenceProtocol),
 }
@@ -140,6 +150,9 @@ impl Protocol {
                 Self::BreakawayRate(sheet::<breakaway_rate::Sheet>(text, name)?.try_into()?)
             }
             Kind::Compensation => Self::Compensation(sheet::<compensation::Sheet>(text, name)?.try_into()?),
+            Kind::DriveExcitation => {
+                Self::DriveExcitation(sheet::<drive_excitation::Sheet>(text, name)?.try_into()?)
+            }
             Kind::Sequence => Self::Sequence(sheet::<sequence::Sheet>(text, name)?.try_into()?),
         })
     }
@@ -153,6 +166,7 @@ impl Protocol {
             Self::PreSliding(_) => Kind::PreSliding,
             Self::BreakawayRate(_) => Kind::BreakawayRate,
             Self::Compensation(_) => Kind::Compensation,
+            Self::DriveExcitation(_) => Kind::DriveExcitation,
             Self::Sequence(_) => Kind::Sequence,
         }
     }

@@ -1,5 +1,6 @@
 //! A sequence of one's own: holds, ramps, sines, chirps and triangular paths of one quantity.
 
+use rig_driver::HIGHEST_VOLTAGE;
 use serde::{Deserialize, Serialize};
 
 use super::pre_sliding::check_turns;
@@ -64,7 +65,7 @@ impl TryFrom<Sheet> for SequenceProtocol {
         let (dimension, most) = match sheet.drive {
             DrivenQuantity::Velocity => (Dimension::AngularVelocity, 50.0),
             DrivenQuantity::Position => (Dimension::Angle, 1000.0),
-            DrivenQuantity::Voltage => (Dimension::Voltage, 10.0),
+            DrivenQuantity::Voltage => (Dimension::Voltage, HIGHEST_VOLTAGE),
             DrivenQuantity::Torque => (Dimension::Torque, 10.0),
         };
         let mut segments: Vec<Segment> = Vec::new();

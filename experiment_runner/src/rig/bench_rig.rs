@@ -26,6 +26,7 @@ pub struct BenchRig {
     keeper: Option<JoinHandle<()>>,
     period: f64,
     voltage_limit: f64,
+    voltage_range: f64,
     sensors: SensorsPresent,
 }
 
@@ -86,7 +87,7 @@ impl BenchRig {
         let Opened { rig, limits, pace, sensors, .. } = opened;
         let mut rig = Supervised::new(rig, limits)?;
         rig.request(Request::Configure)?;
-        let period = rig.period();
+        let (period, voltage_range) = (rig.period(), rig.voltage_range());
         let paced = Paced { rig, pace, started: Instant::now(), cycles: 0 };
         let home = Arc::new(Home {
             rig: Mutex::new(Some(paced)),
@@ -97,13 +98,19 @@ impl BenchRig {
         let its_home = Arc::clone(&home);
         // In lock-step nothing happens between two turns.
         let keeper = (pace != Pace::LockStep).then(|| thread::spawn(move || its_home.keep()));
-        Ok(Self { home, keeper, period, voltage_limit: limits.voltage, sensors })
+        Ok(Self { home, keeper, period, voltage_limit: limits.voltage, voltage_range, sensors })
     }
 
     /// Period of the cycle [s].
     #[must_use]
     pub const fn period(&self) -> f64 {
         self.period
+    }
+
+    /// What the rig can put out [V].
+    #[must_use]
+    pub const fn voltage_range(&self) -> f64 {
+        self.voltage_range
     }
 
     /// What the safety layer allows [V].
@@ -219,6 +226,10 @@ impl Rig for Turn {
         self.paced.as_ref().map_or(f64::NAN, |paced| paced.rig.period())
     }
 
+    fn voltage_range(&self) -> f64 {
+        self.paced.as_ref().map_or(0.0, |paced| paced.rig.voltage_range())
+    }
+
     /// Waits for the next cycle: whoever drives an experiment need not know that time is real. If no cycle comes the reading is the last one, marked as a fault, and
     /// [`apply`](Rig::apply) says why.
     fn measure(&mut self) -> Measurement {
@@ -276,11 +287,15 @@ mod tests {
     use friction_model::{AnyModel, ModelName};
 
     use super::*;
-    use crate::rig::RigChoice;
+    use crate::rig::{RigChoice, RigSetup};
 
     fn bench(stop: &Arc<AtomicBool>) -> BenchRig {
         let friction = AnyModel::test_bed(ModelName::LuGre);
-        BenchRig::new(RigChoice::Simulated.open(friction, 1, None, None).unwrap(), Arc::clone(stop)).unwrap()
+        BenchRig::new(
+            RigChoice::Simulated.open(friction, 1, None, RigSetup::default()).unwrap(),
+            Arc::clone(stop),
+        )
+        .unwrap()
     }
 
     #[test]

@@ -9,10 +9,11 @@ use rig_driver::quanser::{QuanserOptions, QuanserRig};
 use rig_driver::safety::SafetyLimits;
 use rig_driver::serial::{self, SerialOptions, SerialRig};
 use rig_driver::{Calibrated, Calibration, Miswired, Miswiring, Rig, RigError, SimulationOptions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::RigSetupError;
+use super::description::RigDescription;
 use super::session::Pace;
+use super::{RigLimits, RigSetupError};
 
 /// A rig as it is named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
@@ -91,6 +92,15 @@ impl fmt::Display for RigChoice {
     }
 }
 
+/// How a rig is set up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RigSetup {
+    /// What corrects its readings.
+    pub calibration: Option<Calibration>,
+    /// What an engineer set for it.
+    pub limits: RigLimits,
+}
+
 /// A rig that is open, with the limits that belong to it.
 pub struct Opened {
     /// The rig, raw.
@@ -103,10 +113,13 @@ pub struct Opened {
     pub sensors: SensorsPresent,
     /// What a real rig says of itself, in a line.
     pub about: Option<String>,
+    /// What a device says of itself, number by number.
+    pub description: Option<RigDescription>,
 }
 
 /// Sensors that a rig may lack.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SensorsPresent {
     /// Friction torque.
     pub torque: bool,
@@ -116,7 +129,7 @@ pub struct SensorsPresent {
 
 impl RigChoice {
     /// Opens the rig with the motor at zero volts. The simulated one has friction `friction`, noise of `seed`, and is wired as `wiring`
-    /// says. With a `calibration` its readings are corrected.
+    /// says. A calibration in `setup` corrects its readings.
     ///
     /// # Errors
     /// [`RigSetupError`] says what is missing or refused.
@@ -125,11 +138,14 @@ impl RigChoice {
         friction: AnyModel,
         seed: u64,
         wiring: Option<Miswiring>,
-        calibration: Option<Calibration>,
+        setup: RigSetup,
     ) -> Result<Opened, RigSetupError> {
+        let RigSetup { calibration, limits: set } = setup;
         let opened = match self {
             Self::Simulated => {
-                let options = SimulationOptions { seed, ..SimulationOptions::default() };
+                let usual = SimulationOptions::default();
+                let voltage_limit = SafetyLimits::voltage_within(set.voltage, usual.voltage_range)?;
+                let options = SimulationOptions { seed, voltage_limit, ..usual };
                 let rig = options.build(friction)?;
                 Opened {
                     rig: match wiring {
@@ -140,19 +156,31 @@ impl RigChoice {
                     pace: Pace::LockStep,
                     sensors: SensorsPresent { torque: true, current: true },
                     about: None,
+                    description: None,
                 }
             }
             Self::Nodes { .. } => return Err(RigSetupError::NotDriven("the rig of the running nodes is driven by `frictionlab run --rig nodes`; here a rig of one's own is needed, as in --rig serial:/dev/ttyACM0".to_owned())),
             Self::Quanser { card } => {
-                let options = QuanserOptions { card: card.clone(), ..QuanserOptions::default() };
+                let usual = QuanserOptions { card: card.clone(), ..QuanserOptions::default() };
+                let voltage_limit = SafetyLimits::voltage_within(set.voltage, usual.voltage_range())?;
+                let options = QuanserOptions { voltage_limit, ..usual };
                 let mut limits = SafetyLimits { voltage: options.voltage_limit, ..SafetyLimits::default() };
                 if options.torque.is_none() {
                     limits.sensors.torque_range = None;
                 }
                 let sensors = SensorsPresent { torque: options.torque.is_some(), current: false };
                 let about = format!("Quanser card {} {card}", options.card_type);
+                let description = RigDescription {
+                    name: options.card_type.clone(),
+                    firmware: None,
+                    period: options.period,
+                    voltage_range: options.voltage_range(),
+                    counts_per_turn: options.encoder_counts_per_turn,
+                    scales: None,
+                };
                 let rig = Box::new(QuanserRig::open(options)?);
-                Opened { rig, limits, pace: Pace::Clock, sensors, about: Some(about) }
+                let description = Some(description);
+                Opened { rig, limits, pace: Pace::Clock, sensors, about: Some(about), description }
             }
             Self::Serial { port, baud } => {
                 let options = SerialOptions { baud: *baud, ..SerialOptions::default() };
@@ -163,10 +191,13 @@ impl RigChoice {
                     pace: Pace::Device,
                     sensors: SensorsPresent { torque: channels.torque, current: channels.current },
                     about: Some(about(&rig)),
+                    description: Some(RigDescription::of(rig.hello(), rig.period(), rig.voltage_range())),
                     rig: Box::new(rig),
                 }
             }
         };
+        let limits = set.on(opened.limits, opened.rig.voltage_range())?;
+        let opened = Opened { limits, ..opened };
         Ok(match calibration {
             Some(calibration) => Opened { rig: calibrated(opened.rig, calibration)?, ..opened },
             None => opened,

@@ -47,6 +47,16 @@ pub enum RigSetupError {
         /// What was to be found.
         what: &'static str,
     },
+    /// The device is not the one of the rig profile.
+    #[error(
+        "the device on {rig} is not the one of the rig profile: {what}; nothing has moved. `frictionlab rig calibrate --rig-file FILE` sets the profile up for it"
+    )]
+    OtherDevice {
+        /// Where it is.
+        rig: String,
+        /// In what it differs.
+        what: String,
+    },
     /// Stopped by the user.
     #[error("stopped; the motor is at zero volts and nothing was written")]
     Stopped,

@@ -4,21 +4,29 @@
 
 mod bench_rig;
 mod choice;
+mod description;
 mod error;
 mod findings;
+mod jog;
+mod limits;
 mod parameters;
 mod ports;
 mod procedure;
+mod profile;
 mod regression;
 mod session;
 mod terminal;
 
 pub use bench_rig::{BenchRig, REST};
-pub use choice::{Opened, RigChoice, SensorsPresent};
+pub use choice::{Opened, RigChoice, RigSetup, SensorsPresent};
+pub use description::{RigDescription, Scales};
 pub use error::RigSetupError;
 pub use findings::{Findings, Level, Verdict};
+pub use jog::JogSummary;
+pub use limits::RigLimits;
 pub use parameters::{read as read_calibration, render as render_calibration};
 pub use ports::{SerialPort, serial_ports};
 pub use procedure::{Procedure, run as run_procedure};
+pub use profile::{DriveSheet, PROFILE, RigProfile};
 pub use session::{Pace, Session};
 pub use terminal::{Display, findings_table};

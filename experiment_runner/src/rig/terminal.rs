@@ -7,7 +7,7 @@ use rig_driver::Measurement;
 
 use super::Findings;
 
-/// All channels in one line that is written over ten times a second; a line a second where the output is no terminal.
+/// All channels in one line that is written over ten times a second; a line every half second where the output is no terminal.
 #[derive(Debug)]
 pub struct Display {
     every: f64,
@@ -19,7 +19,9 @@ pub struct Display {
 impl Default for Display {
     fn default() -> Self {
         let terminal = io::stderr().is_terminal();
-        Self { every: if terminal { 0.1 } else { 1.0 }, next: 0.0, terminal, shown: false }
+        // The first cycle shows what was before.
+        let every = if terminal { 0.1 } else { 0.5 };
+        Self { every, next: every, terminal, shown: false }
     }
 }
 

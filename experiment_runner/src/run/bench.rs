@@ -19,7 +19,7 @@ use crate::paced::Paced;
 use crate::profile::Excitation;
 use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::rig::{BenchRig, RigChoice, RigSetupError, SensorsPresent};
+use crate::rig::{BenchRig, Opened, RigChoice, RigSetup, RigSetupError, SensorsPresent};
 use crate::sequencer::{Completion, run_in_order};
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
@@ -63,14 +63,26 @@ pub(super) fn open(
     if let RigChoice::Nodes { namespace } = options.rig.clone() {
         return open_nodes(options, namespace, progress, cancel);
     }
-    let opened = options.rig.open(options.test_bed.friction, options.seed, None, options.calibration)?;
+    let opened = opened(&options)?;
     require_sensors(&options, opened.sensors)?;
     opened.about.iter().for_each(|about| progress.line(about));
     let rig = BenchRig::new(opened, Arc::clone(cancel))?;
     let simulation = &mut options.test_bed.simulation;
     simulation.period = rig.period();
+    simulation.voltage_range = rig.voltage_range();
     simulation.voltage_limit = simulation.voltage_limit.min(rig.voltage_limit());
     Ok((Axis::Real(rig), options))
+}
+
+/// The real rig, open and the one that its profile is of.
+fn opened(options: &RunOptions) -> Result<Opened, RunError> {
+    let setup = RigSetup { calibration: options.calibration, limits: options.limits };
+    let opened = options.rig.open(options.test_bed.friction, options.seed, None, setup)?;
+    let profile = options.rig_profile.as_ref().and_then(|profile| profile.description.as_ref());
+    if let Some(expected) = profile {
+        expected.require(&options.rig, opened.description.as_ref())?;
+    }
+    Ok(opened)
 }
 
 #[cfg(feature = "ros")]
@@ -158,6 +170,10 @@ impl<'a> Bench<'a> {
 
     /// Puts every loop together once, so that a parameter out of range is told before anything is written.
     pub fn check(options: &RunOptions) -> Result<(), RunError> {
+        let (asked, limit) = (options.drive_excitation.highest, options.test_bed.simulation.voltage_limit);
+        if options.experiment.includes(Kind::DriveExcitation) && asked > limit {
+            return Err(RunError::ExcitedTooFar { asked, limit });
+        }
         let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
         for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
             let bed = options.test_bed.with_inverse(protocol.inverse);

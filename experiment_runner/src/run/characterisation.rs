@@ -10,7 +10,7 @@ use crate::characterise::{
     Breakaway, Closure, LagLoop, Measured, NestedPath, find_breakaway, lag_loop, nested_path,
 };
 use crate::profile::{DrivenQuantity, Excitation, Profile};
-use crate::protocol::{Displacement, OnsetRule};
+use crate::protocol::{Displacement, Kind, OnsetRule};
 use crate::sequencer::Completion;
 
 /// Samples of a stretch of varying velocity that its table holds at most.
@@ -147,7 +147,12 @@ impl Bench<'_> {
             .collect();
         groups.push(("chirp".to_owned(), velocity(protocol.chirp())));
         let first = |period: f64| ((protocol.run_in + protocol.drop_first) / period).round() as usize;
-        let series = Series { name: "varying-velocity", stream: 3, displacement: Displacement::Encoder };
+        let series = Series {
+            name: "varying-velocity",
+            stream: 3,
+            displacement: Displacement::Encoder,
+            every_cycle: false,
+        };
         let jobs = repeated(&groups, protocol.repetitions, protocol.feed_forward, None);
         let driven = self.drive(series, jobs, recorder, timeline, |job, channels, friction| {
             let &w = protocol.frequencies.get(job.group)?;
@@ -183,7 +188,12 @@ impl Bench<'_> {
             ("ramp upwards".to_owned(), torque(protocol.ramp(1.0))),
             ("ramp downwards".to_owned(), torque(protocol.ramp(-1.0))),
         ];
-        let series = Series { name: "pre-sliding", stream: 4, displacement: protocol.displacement };
+        let series = Series {
+            name: "pre-sliding",
+            stream: 4,
+            displacement: protocol.displacement,
+            every_cycle: false,
+        };
         let (ramps, mut progressed) = self.breakaways(
             series,
             &groups,
@@ -233,7 +243,12 @@ impl Bench<'_> {
         let sines =
             protocol.frequencies.iter().map(|&w| (format!("sine {w} rad/s"), torque(protocol.sine(w))));
         let groups: Vec<(String, Excitation)> = ramps.chain(sines).collect();
-        let series = Series { name: "breakaway-rate", stream: 6, displacement: protocol.displacement };
+        let series = Series {
+            name: "breakaway-rate",
+            stream: 6,
+            displacement: protocol.displacement,
+            every_cycle: false,
+        };
         let (rates, progressed) = self.breakaways(
             series,
             &groups,
@@ -243,6 +258,37 @@ impl Bench<'_> {
             (recorder, timeline),
         )?;
         found.rates = rates;
+        Ok(progressed)
+    }
+
+    /// Voltage that shows the drive: recorded, no more.
+    pub(super) fn drive_excitation(
+        &self,
+        found: &mut Characterisation,
+        recorder: &mut Recorder,
+        timeline: &mut Timeline,
+    ) -> Result<Progressed, RunError> {
+        let protocol = &self.options.drive_excitation;
+        let name = Kind::DriveExcitation.name();
+        let groups = [(name.to_owned(), protocol.excitation.clone())];
+        let series = Series { name, stream: 8, displacement: Displacement::Encoder, every_cycle: true };
+        let jobs = repeated(&groups, protocol.repetitions, false, Some(protocol.travel));
+        let whole = protocol.excitation.profile.duration();
+        let mut driven = self.drive(series, jobs, recorder, timeline, |job, channels, _| {
+            let seconds = channels.time.last().copied().unwrap_or(0.0);
+            (job.repetition, seconds)
+        })?;
+        for &(repetition, seconds) in driven.of(0) {
+            if seconds < whole - 0.01 {
+                found.notes.push(format!(
+                    "{name}, repetition {}: ended after {seconds:.1} s of {whole:.1} s, where the shaft was {:.2} rad from its start, the protocol's `travel`",
+                    repetition + 1,
+                    protocol.travel
+                ));
+            }
+        }
+        let progressed = Progressed::from(&driven);
+        found.records.extend(driven.means.pop().map(|record| (format!("{name}.csv"), record)));
         Ok(progressed)
     }
 
@@ -257,7 +303,8 @@ impl Bench<'_> {
             return Ok(Progressed { completion: Completion::All, rig_seconds: 0.0 });
         };
         let groups = [(protocol.name.clone(), protocol.excitation.clone())];
-        let series = Series { name: "sequence", stream: 7, displacement: Displacement::Encoder };
+        let series =
+            Series { name: "sequence", stream: 7, displacement: Displacement::Encoder, every_cycle: false };
         let jobs = repeated(&groups, protocol.repetitions, protocol.feed_forward, None);
         let mut driven = self.drive(series, jobs, recorder, timeline, |_, _, _| ())?;
         let progressed = Progressed::from(&driven);

@@ -154,6 +154,8 @@ pub(super) struct Series {
     pub stream: u64,
     /// The sensor of the position.
     pub displacement: Displacement,
+    /// Whether the bag holds every cycle, however it is thinned: what is identified from the bag needs an even, full rate.
+    pub every_cycle: bool,
 }
 
 impl Bench<'_> {
@@ -177,6 +179,7 @@ impl Bench<'_> {
             })
             .collect();
         let every = |job: &ExcitedJob| match (options.record, job.repetition) {
+            _ if series.every_cycle => Some(1),
             (RecordPolicy::Full, _) => Some(1),
             (RecordPolicy::Thinned, 0) => {
                 Some((job.excitation.profile.duration() / period / KEPT_CYCLES).ceil() as u64)

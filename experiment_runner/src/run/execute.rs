@@ -126,6 +126,7 @@ pub fn execute_in(
         (Kind::VaryingVelocity, Bench::varying_velocity as Characterise<'_>),
         (Kind::PreSliding, Bench::pre_sliding),
         (Kind::BreakawayRate, Bench::breakaway_rate),
+        (Kind::DriveExcitation, Bench::drive_excitation),
         (Kind::Sequence, Bench::sequence),
     ] {
         if options.experiment.includes(kind) && going {

@@ -37,7 +37,7 @@ pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
 pub use execute::{Outcome, check, check_options, execute, execute_in};
 pub use given::{Given, read as read_parameter_file, read_controller};
-pub use options::{Experiment, Pace, RecordPolicy, RunOptions, shipped};
+pub use options::{Experiment, Pace, ProfileUsed, RecordPolicy, RunOptions, shipped};
 pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
 pub(crate) use parameter_file::render_bed as render_parameter_file;

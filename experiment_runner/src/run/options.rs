@@ -1,5 +1,7 @@
 //! What a run does.
 
+use std::path::PathBuf;
+
 use friction_model::ModelName;
 use rig_driver::Calibration;
 use serde::{Deserialize, Serialize};
@@ -9,10 +11,10 @@ use crate::characterise::TorqueReading;
 use crate::compensation::{Arm, Means, thesis_tables};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
-    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, Kind, PreSlidingProtocol,
-    Protocol, ProtocolError, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
+    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Kind,
+    PreSlidingProtocol, Protocol, ProtocolError, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
 };
-use crate::rig::RigChoice;
+use crate::rig::{RigChoice, RigDescription, RigLimits};
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
 
@@ -33,6 +35,8 @@ pub enum Experiment {
     PreSliding,
     /// Breakaway against the rate of the torque
     BreakawayRate,
+    /// Voltage that shows the drive: steps, a binary sequence, a chirp, a slow triangle; `identify-drive` reads its bag
+    DriveExcitation,
     /// A sequence of one's own, from `--protocol FILE`
     Sequence,
     /// Compensations compared: tracking and regulation of velocity and position
@@ -71,6 +75,7 @@ impl Experiment {
             Kind::PreSliding => matches!(self, Self::Characterise | Self::PreSliding),
             Kind::BreakawayRate => matches!(self, Self::Characterise | Self::BreakawayRate),
             Kind::Compensation => matches!(self, Self::Compensation),
+            Kind::DriveExcitation => matches!(self, Self::DriveExcitation),
             Kind::Sequence => matches!(self, Self::Sequence),
         }
     }
@@ -84,6 +89,7 @@ impl Experiment {
             Kind::PreSliding => Self::PreSliding,
             Kind::BreakawayRate => Self::BreakawayRate,
             Kind::Compensation => Self::Compensation,
+            Kind::DriveExcitation => Self::DriveExcitation,
             Kind::Sequence => Self::Sequence,
         }
     }
@@ -98,6 +104,7 @@ impl Experiment {
             Self::VaryingVelocity => "varying-velocity",
             Self::PreSliding => "pre-sliding",
             Self::BreakawayRate => "breakaway-rate",
+            Self::DriveExcitation => "drive-excitation",
             Self::Sequence => "sequence",
             Self::Compensation => "compensation",
             Self::VelocityTracking => "velocity-tracking",
@@ -162,6 +169,15 @@ pub enum Pace {
     RealTime,
 }
 
+/// A rig profile that a run uses.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProfileUsed {
+    /// Its file.
+    pub file: PathBuf,
+    /// What the real rig said of itself when the profile was written: another one is refused.
+    pub description: Option<RigDescription>,
+}
+
 /// Everything a run needs to know.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunOptions {
@@ -169,8 +185,13 @@ pub struct RunOptions {
     pub experiment: Experiment,
     /// Which rig. A real one takes the simulated one's place in the bench: its period, and its voltage limit where that is lower.
     pub rig: RigChoice,
+    /// The rig profile that counts; none without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rig_profile: Option<ProfileUsed>,
     /// What corrects a real rig's readings.
     pub calibration: Option<Calibration>,
+    /// What was set for the rig beside the usual limits.
+    pub limits: RigLimits,
     /// The bench.
     pub test_bed: TestBed,
     /// Models that compensate, each compared with none at all.
@@ -196,6 +217,8 @@ pub struct RunOptions {
     pub pre_sliding: PreSlidingProtocol,
     /// Breakaway against the rate of the torque.
     pub breakaway_rate: BreakawayRateProtocol,
+    /// Voltage that shows the drive.
+    pub drive_excitation: DriveExcitationProtocol,
     /// A sequence of one's own.
     pub sequence: Option<SequenceProtocol>,
     /// Where the friction torque of experiments 1 to 4 is from.
@@ -222,6 +245,7 @@ impl RunOptions {
             Protocol::PreSliding(protocol) => self.pre_sliding = protocol,
             Protocol::BreakawayRate(protocol) => self.breakaway_rate = protocol,
             Protocol::Compensation(protocol) => self.compensation = protocol,
+            Protocol::DriveExcitation(protocol) => self.drive_excitation = protocol,
             Protocol::Sequence(protocol) => self.sequence = Some(protocol),
         }
     }
@@ -241,6 +265,7 @@ impl RunOptions {
             (Kind::PreSliding, self.pre_sliding.rig_seconds()),
             (Kind::BreakawayRate, self.breakaway_rate.rig_seconds()),
             (Kind::Compensation, self.compensation.rig_seconds(self.arms())),
+            (Kind::DriveExcitation, self.drive_excitation.rig_seconds()),
             (Kind::Sequence, self.sequence.as_ref().map_or(0.0, SequenceProtocol::rig_seconds)),
         ] {
             if self.experiment.includes(kind) {
@@ -297,7 +322,9 @@ pub(super) mod tests {
         let shipped = shipped().unwrap();
         RunOptions {
             rig: RigChoice::Simulated,
+            rig_profile: None,
             calibration: None,
+            limits: RigLimits::default(),
             experiment: Experiment::All,
             test_bed: TestBed {
                 simulation: Default::default(),
@@ -316,6 +343,7 @@ pub(super) mod tests {
             varying_velocity: shipped.0.quick(),
             pre_sliding: shipped.1.quick(),
             breakaway_rate: shipped.2.quick(),
+            drive_excitation: DriveExcitationProtocol::shipped().unwrap(),
             sequence: None,
             compensation: CompensationProtocol::shipped().unwrap().repeated(1),
             thesis_tables: false,

@@ -22,6 +22,8 @@ pub struct Permissions {
     /// Namespace of the axis.
     axis: String,
     rigs: Vec<RigChoice>,
+    /// A rig with its profile.
+    profile: Option<(RigChoice, PathBuf)>,
     runs: PathBuf,
     inputs: Option<PathBuf>,
 }
@@ -54,7 +56,7 @@ impl Permissions {
     /// Requests to the runner of `axis` may use these `rigs`, write in `runs`, and read there and in `inputs`.
     #[must_use]
     pub fn new(axis: &str, rigs: Vec<RigChoice>, runs: PathBuf, inputs: Option<PathBuf>) -> Self {
-        let mut permissions = Self { axis: axis.to_owned(), rigs: Vec::new(), runs, inputs };
+        let mut permissions = Self { axis: axis.to_owned(), rigs: Vec::new(), runs, inputs, profile: None };
         permissions.rigs = rigs.into_iter().map(|rig| permissions.of_this_axis(rig)).collect();
         permissions
     }
@@ -72,6 +74,18 @@ impl Permissions {
             RigChoice::Nodes { namespace: None } => RigChoice::Nodes { namespace: Some(self.axis.clone()) },
             other => other,
         }
+    }
+
+    /// The same with a profile for one of the rigs.
+    #[must_use]
+    pub fn with_profile(self, profile: Option<(RigChoice, PathBuf)>) -> Self {
+        Self { profile, ..self }
+    }
+
+    /// The profile that counts for `rig`.
+    #[must_use]
+    pub fn profile_of(&self, rig: &RigChoice) -> Option<&Path> {
+        self.profile.as_ref().filter(|(of, _)| of == rig).map(|(_, file)| file.as_path())
     }
 
     /// The rig, with the axis named, if requests may use it.

@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::builder::ValueParser;
 use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
+use rig_driver::safety::SafetyLimits;
 
 use super::Refusal;
 use super::permissions::Permissions;
@@ -12,9 +13,9 @@ use crate::cli::{identify::IdentifyArgs, run::RunArgs};
 use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
-/// Options of `frictionlab run` that a request has fields for, or that are about the terminal.
-pub(super) const NOT_OF_RUN: [&str; 9] =
-    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs"];
+/// Options of `frictionlab run` that a request has fields for, that are about the terminal, or that are for whoever starts the runner.
+pub(super) const NOT_OF_RUN: [&str; 10] =
+    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs", "rig_file"];
 /// The same of `frictionlab identify`.
 const NOT_OF_IDENTIFY: [&str; 9] =
     ["files", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
@@ -87,8 +88,23 @@ impl ExperimentRequest {
         }
         line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides, permissions)?);
         let mut args: RunArgs = parse(&line)?;
-        args.rig = permissions.rig(args.rig)?;
+        let rig = permissions.rig(args.rig.clone().unwrap_or_else(|| usual.clone()))?;
+        raises_no_limit(&args, &rig)?;
+        args.rig_file = permissions.profile_of(&rig).map(Path::to_owned);
+        args.rig = Some(rig);
         crate::cli::run::options(&args).map_err(|error| Refusal::BadRequest(format!("{error:#}")))
+    }
+}
+
+/// Refuses what would raise the limits of a real rig: they are those that it was started with.
+fn raises_no_limit(args: &RunArgs, rig: &RigChoice) -> Result<(), Refusal> {
+    let real = matches!(rig, RigChoice::Serial { .. } | RigChoice::Quanser { .. });
+    let usual = SafetyLimits::default().voltage;
+    match args.voltage_limit.filter(|volts| real && *volts > usual) {
+        None => Ok(()),
+        Some(volts) => Err(Refusal::BadRequest(format!(
+            "voltage_limit must be at most {usual} V on a real rig, but is {volts}: a request does not raise the limits of a real rig"
+        ))),
     }
 }
 

@@ -8,7 +8,8 @@ use super::{
     torque_source::TorqueSource,
 };
 use crate::{
-    Calibrated, Calibration, Drive, DriveParameters, Rig, RigError, Sign, SimulationOptions,
+    Calibrated, Calibration, Drive, DriveParameters, HIGHEST_VOLTAGE, Rig, RigError, Sign, SimulationOptions,
+    VOLTAGE_RANGE,
     quanser::{QuanserOptions, QuanserRig},
     safety::{SafetyLimits, Supervised, Travel},
     serial::{self, SerialOptions, SerialRig},
@@ -88,8 +89,8 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         double(
             "voltage_limit",
             simulation.voltage_limit,
-            ValueRange::Double(0.1, 10.0),
-            "Largest magnitude of the motor voltage [V]",
+            ValueRange::Double(0.1, HIGHEST_VOLTAGE),
+            "Largest magnitude of the motor voltage [V]; at most the range that the rig tells of itself",
         ),
         double("drive.motor_constant", drive.motor_constant, POSITIVE, "Motor torque constant K_m [N m/A]"),
         double("drive.gear_ratio", drive.gear_ratio, POSITIVE, "Gear ratio A from motor to load"),
@@ -250,9 +251,16 @@ impl RigSettings {
             deadband_backward: values.double("calibration.deadband_backward"),
         };
         calibration.check().map_err(told)?;
+        let rig = RigName::read(values.text("rig"))?;
+        let voltage_limit = values.double("voltage_limit");
         let simulation = SimulationOptions {
             drive,
-            voltage_limit: values.double("voltage_limit"),
+            // A real rig tells its range when it is opened.
+            voltage_limit: if rig == RigName::Simulated {
+                voltage_limit
+            } else {
+                voltage_limit.min(VOLTAGE_RANGE)
+            },
             period: values.double("period"),
             substeps: u32::try_from(values.integer("simulated.substeps")).unwrap_or(u32::MAX),
             seed: values.integer("simulated.seed").unsigned_abs(),
@@ -280,13 +288,13 @@ impl RigSettings {
             return Err("use_sim_time must be false: the rig runs by the system's clock, and stamps what it measures with it".into());
         }
         Ok(Self {
-            rig: RigName::read(values.text("rig"))?,
+            rig,
             simulation,
             model: values
                 .text("simulated.model")
                 .parse()
                 .map_err(|e: friction_model::ModelError| e.to_string())?,
-            voltage_limit: values.double("voltage_limit"),
+            voltage_limit,
             limits,
             velocity_given: velocity > 0.0,
             calibration,
@@ -363,7 +371,7 @@ impl RigSettings {
         };
         let simulated = self.rig == RigName::Simulated;
         let limits = SafetyLimits {
-            voltage: fitting.voltage.min(self.voltage_limit),
+            voltage: SafetyLimits::voltage_within(Some(self.voltage_limit), rig.voltage_range())?,
             velocity: if self.velocity_given { self.limits.velocity } else { fitting.velocity },
             cycle_lost: if simulated { fitting.cycle_lost } else { self.limits.cycle_lost },
             motor: fitting.motor,

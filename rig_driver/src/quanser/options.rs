@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::RigError;
+use crate::{HIGHEST_VOLTAGE, RigError, VOLTAGE_RANGE};
 
 /// An analogue input and its scale: `value = scale (volts - offset)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -86,6 +86,13 @@ impl Default for QuanserOptions {
 }
 
 impl QuanserOptions {
+    /// Largest magnitude of the motor voltage that card and amplifier put out [V].
+    #[must_use]
+    pub const fn voltage_range(&self) -> f64 {
+        let range = VOLTAGE_RANGE * self.amplifier_gain.abs();
+        if range < HIGHEST_VOLTAGE { range } else { HIGHEST_VOLTAGE }
+    }
+
     /// Checks every field.
     ///
     /// # Errors
@@ -122,11 +129,11 @@ impl QuanserOptions {
         if !scale(self.amplifier_gain) {
             return error("amplifier_gain", self.amplifier_gain, "a finite number other than zero");
         }
-        if !(self.voltage_limit > 0.0 && self.voltage_limit / self.amplifier_gain.abs() <= 10.0) {
+        if !(self.voltage_limit > 0.0 && self.voltage_limit <= self.voltage_range()) {
             return error(
                 "voltage_limit",
                 self.voltage_limit,
-                "above 0 and, divided by amplifier_gain, at most 10 V, the card's range",
+                "above 0 and, divided by amplifier_gain, at most 10 V, the card's range, and at most 60 V",
             );
         }
         if !(self.period > 0.0 && self.period <= 0.01) {

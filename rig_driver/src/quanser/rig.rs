@@ -148,6 +148,10 @@ impl Rig for QuanserRig {
         self.options.period
     }
 
+    fn voltage_range(&self) -> f64 {
+        self.options.voltage_range()
+    }
+
     fn tell_time(&mut self, now: f64) {
         self.first.get_or_insert(now);
         self.told = Some(now);

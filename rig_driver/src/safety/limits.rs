@@ -171,6 +171,24 @@ impl SafetyLimits {
         }
     }
 
+    /// The voltage limit [V] of a rig with a voltage range of `range` [V]: what was `asked` for, else the usual 6 V. The usual limit and what lies below it are
+    /// cut to a range that is smaller.
+    ///
+    /// # Errors
+    /// [`RigError::BeyondRange`] if more was asked for than the rig can put out; [`RigError::OutOfRange`] if it is no limit.
+    pub fn voltage_within(asked: Option<f64>, range: f64) -> Result<f64, RigError> {
+        let usual = Self::default().voltage;
+        let limit = asked.unwrap_or(usual);
+        if !(limit > 0.0 && limit.is_finite()) {
+            let expected = "a finite number above zero";
+            return Err(RigError::OutOfRange { name: "voltage_limit", value: limit, expected });
+        }
+        if limit > range && limit > usual {
+            return Err(RigError::BeyondRange { limit, range });
+        }
+        Ok(limit.min(range))
+    }
+
     /// The same without the check of encoder against tachometer: while signs and gains are still to be found.
     #[must_use]
     pub const fn before_calibration(mut self) -> Self {

@@ -21,8 +21,12 @@ impl<R: Rig> Supervised<R> {
     /// The rig in state unconfigured: its motor does not move before it is configured and activated.
     ///
     /// # Errors
-    /// [`RigError::OutOfRange`] names the limit that cannot be.
+    /// [`RigError::OutOfRange`] names the limit that cannot be; [`RigError::BeyondRange`] says that the rig cannot put the voltage out.
     pub fn new(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
+        let range = rig.voltage_range();
+        if limits.voltage > range {
+            return Err(RigError::BeyondRange { limit: limits.voltage, range });
+        }
         let supervisor = SafetySupervisor::new(limits, rig.period())?;
         Ok(Self { rig, supervisor, told: None, asked: 0.0, may_move: false })
     }
@@ -156,6 +160,10 @@ impl<R: Rig> Supervised<R> {
 impl<R: Rig> Rig for Supervised<R> {
     fn period(&self) -> f64 {
         self.rig.period()
+    }
+
+    fn voltage_range(&self) -> f64 {
+        self.rig.voltage_range()
     }
 
     fn keeps_time(&self) -> bool {

@@ -22,6 +22,7 @@ use super::{
     scaling::Scaling,
     scheduling,
     stopping::{AGAIN, Next, PATIENCE, Stopping},
+    supervision,
 };
 use crate::{
     Measurement, Rig, RigError,
@@ -397,6 +398,10 @@ impl SerialRig {
 impl Rig for SerialRig {
     fn period(&self) -> f64 {
         self.scaling.period()
+    }
+
+    fn voltage_range(&self) -> f64 {
+        supervision::voltage_range(self.hello())
     }
 
     fn keeps_time(&self) -> bool {
