@@ -2,7 +2,7 @@
 
 use crate::SensorError;
 use crate::quanser::QuanserError;
-use crate::safety::{FaultReport, Refused, State};
+use crate::safety::{Fault, FaultReport, Refused, State};
 
 /// A rig that cannot be built, or a command it refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum RigError {
     },
     /// A voltage limit that the rig cannot put out.
     #[error(
-        "the voltage limit must be at most {range:.4} V, the voltage range of this rig by its own description, but is {limit} V; lower `voltage_limit`"
+        "the voltage limit must be at most {range} V, the voltage range of this rig by its own description, but is {limit} V; lower `voltage_limit`"
     )]
     BeyondRange {
         /// The limit that was asked for [V].
@@ -61,4 +61,38 @@ pub enum RigError {
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),
+}
+
+impl RigError {
+    /// Whether it is the line to the rig, or the time on this machine, that failed, and nothing about the motor: an explicit sequence may open the rig anew and
+    /// begin again. Speed, travel, heat, sensors, an emergency stop, another host and whatever is unknown are no such thing.
+    #[must_use]
+    pub const fn is_of_the_line(&self) -> bool {
+        match self {
+            #[cfg(feature = "serial")]
+            Self::Serial(error) => error.is_of_the_line(),
+            Self::Safety(report) => {
+                matches!(report.fault, Fault::CommandLost | Fault::CycleLost | Fault::CommandsRefused)
+            }
+            _ => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::FAULTS;
+
+    #[test]
+    fn what_is_about_the_motor_is_not_of_the_line() {
+        let of = |fault| {
+            RigError::Safety(FaultReport { fault, time: 0.0, value: 0.0, limit: 0.0 }).is_of_the_line()
+        };
+        let line = [Fault::CommandLost, Fault::CycleLost, Fault::CommandsRefused];
+        for fault in FAULTS.map(|rule| rule.fault) {
+            assert_eq!(of(fault), line.contains(&fault), "{fault:?}");
+        }
+        assert!(!RigError::Stopped.is_of_the_line() && !RigError::NotActive(State::Faulted).is_of_the_line());
+    }
 }

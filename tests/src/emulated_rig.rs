@@ -30,6 +30,8 @@ impl EmulatedRig {
             .arg("--summary")
             .arg(folder.path().join("summary.json"))
             .args(arguments)
+            // It is announced there, and not among the rigs of whoever runs the tests.
+            .env("XDG_RUNTIME_DIR", folder.path())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()

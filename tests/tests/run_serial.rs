@@ -77,9 +77,56 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
     let text = said(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("the run ended early") && text.contains("is gone"), "{text}");
+    assert!(text.contains("did not come back within 30 s"), "{text}");
     assert!(!points(&out).is_empty() && points(&out).len() < 8, "{:?}", points(&out));
     assert!(out.join("bag/metadata.yaml").is_file());
     assert_eq!(rig.finish()["voltage"], 0);
+}
+
+/// A run in which `order` is given to the device in the middle of the third point; what it printed, its exit code and its results.
+fn disturbed(order: &str) -> (String, Option<i32>, Value, Value) {
+    let mut rig = EmulatedRig::start(&[]);
+    let out = rig.folder().join("real");
+    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    rig.wait_for("driven", 2 * 1700 + 500);
+    rig.order(order);
+    let output = child.wait_with_output().expect("it ends");
+    let text = std::fs::read_to_string(out.join("run.json")).expect("run.json");
+    let results = serde_json::from_str(&text).expect("JSON");
+    assert!(out.join("bag/metadata.yaml").is_file());
+    (said(&output), output.status.code(), results, rig.finish())
+}
+
+#[test]
+fn a_line_that_fails_and_comes_back_costs_the_run_at_hand_and_no_more() {
+    // Silent with the port open, the cable out and in, the device started anew.
+    for order in ["hang 600", "unplug 1500", "reboot 500"] {
+        let (text, code, results, summary) = disturbed(order);
+        assert_eq!(code, Some(0), "{order}: {text}");
+        assert_eq!(results["status"], "complete", "{order}");
+        assert_eq!(results["constant_velocity"].as_array().map(Vec::len), Some(8), "{order}");
+        let reconnections = results["reconnections"].as_array().expect("told");
+        // A busy machine may add silences of its own.
+        assert!(!reconnections.is_empty(), "{order}: {results}");
+        assert!(text.contains("was repeated"), "{order}: {text}");
+        assert_eq!((&summary["state"], &summary["voltage"]), (&"inactive".into(), &0.into()));
+    }
+}
+
+#[test]
+fn what_the_device_stopped_the_motor_for_is_never_repeated() {
+    for order in ["fault", "stop"] {
+        let (text, code, results, summary) = disturbed(order);
+        assert_eq!(code, Some(1), "{order}: {text}");
+        assert!(text.contains("the run ended early"), "{order}: {text}");
+        assert_eq!(results["status"], "interrupted", "{order}");
+        assert!(results["constant_velocity"].as_array().expect("points").len() < 8);
+        assert_eq!(summary["voltage"], 0);
+    }
 }
 
 #[test]

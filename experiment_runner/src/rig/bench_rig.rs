@@ -7,14 +7,24 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use rig_driver::safety::{Request, Supervised};
+use rig_driver::safety::{Request, SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
 
 use super::choice::{Opened, SensorsPresent};
 use super::session::Pace;
+use super::{RigDescription, RigSetupError};
 
 /// Time for the shaft to come to rest before each turn [s].
 pub const REST: f64 = 1.0;
+
+/// Longest time in which a line that failed may come back [s].
+pub const PATIENCE: f64 = 30.0;
+
+/// Pause between two attempts to open it.
+const RETRY: Duration = Duration::from_millis(100);
+
+/// Opens the rig once more, as it was opened.
+pub type Reopen = Box<dyn Fn() -> Result<Opened, RigSetupError> + Send + Sync>;
 
 /// The keeper leaves the rig alone for so long after each cycle: whoever wants it gets it then.
 const ASIDE: Duration = Duration::from_micros(200);
@@ -23,11 +33,24 @@ const ASIDE: Duration = Duration::from_micros(200);
 #[derive(Debug)]
 pub struct BenchRig {
     home: Arc<Home>,
-    keeper: Option<JoinHandle<()>>,
+    keeper: Mutex<Option<JoinHandle<()>>>,
+    reopen: Option<Again>,
+    /// The voltage limit holds whatever the device says of itself later.
+    limits: SafetyLimits,
+    description: Option<RigDescription>,
     period: f64,
     voltage_limit: f64,
     voltage_range: f64,
     sensors: SensorsPresent,
+}
+
+/// How the rig is opened once more.
+struct Again(Reopen);
+
+impl std::fmt::Debug for Again {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Again")
+    }
 }
 
 /// Where the rig is between two turns.
@@ -58,6 +81,21 @@ impl std::fmt::Debug for Paced {
 }
 
 impl Paced {
+    /// The rig under its limits, inactive; its winding `rise` above ambient [K], where that is known.
+    fn configured(
+        rig: Box<dyn Rig + Send>,
+        limits: SafetyLimits,
+        pace: Pace,
+        rise: Option<f64>,
+    ) -> Result<Self, RigError> {
+        let mut rig = Supervised::new(rig, limits)?;
+        if let Some(rise) = rise {
+            rig.warm(rise);
+        }
+        rig.request(Request::Configure)?;
+        Ok(Self { rig, pace, started: Instant::now(), cycles: 0 })
+    }
+
     /// Waits for the next cycle and reads it.
     fn cycle(&mut self) -> Result<Measurement, RigError> {
         match self.pace {
@@ -84,21 +122,39 @@ impl BenchRig {
     /// # Errors
     /// [`RigError`] if the limits cannot be or the rig refuses.
     pub fn new(opened: Opened, stop: Arc<AtomicBool>) -> Result<Self, RigError> {
-        let Opened { rig, limits, pace, sensors, .. } = opened;
-        let mut rig = Supervised::new(rig, limits)?;
-        rig.request(Request::Configure)?;
-        let (period, voltage_range) = (rig.period(), rig.voltage_range());
-        let paced = Paced { rig, pace, started: Instant::now(), cycles: 0 };
+        Self::opened(opened, stop, None)
+    }
+
+    /// The same, for a rig that `reopen` opens once more where its line fails.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn reopening(opened: Opened, stop: Arc<AtomicBool>, reopen: Reopen) -> Result<Self, RigError> {
+        Self::opened(opened, stop, Some(Again(reopen)))
+    }
+
+    fn opened(opened: Opened, stop: Arc<AtomicBool>, reopen: Option<Again>) -> Result<Self, RigError> {
+        let Opened { rig, limits, pace, sensors, description, .. } = opened;
+        let paced = Paced::configured(rig, limits, pace, None)?;
+        let (period, voltage_range) = (paced.rig.period(), paced.rig.voltage_range());
         let home = Arc::new(Home {
             rig: Mutex::new(Some(paced)),
             failed: Mutex::new(None),
             stop,
             over: AtomicBool::new(false),
         });
-        let its_home = Arc::clone(&home);
-        // In lock-step nothing happens between two turns.
-        let keeper = (pace != Pace::LockStep).then(|| thread::spawn(move || its_home.keep()));
-        Ok(Self { home, keeper, period, voltage_limit: limits.voltage, voltage_range, sensors })
+        let keeper = Mutex::new(Home::kept(&home, pace));
+        Ok(Self {
+            home,
+            keeper,
+            reopen,
+            limits,
+            description,
+            period,
+            voltage_limit: limits.voltage,
+            voltage_range,
+            sensors,
+        })
     }
 
     /// Period of the cycle [s].
@@ -125,6 +181,58 @@ impl BenchRig {
         self.sensors
     }
 
+    /// Opens the rig anew after its line failed, for up to [`PATIENCE`]: inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a fault
+    /// that is latched in the device is not cleared. The time that it took [s].
+    ///
+    /// # Errors
+    /// Why not, in words: it did not come back, another device came back, the travel is limited, or there is no way to open it.
+    pub fn reconnect(&self) -> Result<f64, String> {
+        let begun = Instant::now();
+        let Some(Again(reopen)) = &self.reopen else { return Err("this rig is not opened again".to_owned()) };
+        if self.limits.travel.is_some() {
+            return Err("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
+        }
+        // A keeper that failed has ended; one that waits for the rig ends as it finds none.
+        self.home.over.store(true, Ordering::Relaxed);
+        if let Some(keeper) = locked(&self.keeper).take() {
+            let _ = keeper.join();
+        }
+        let old = locked(&self.home.rig).take();
+        let rise = old.as_ref().and_then(|old| old.rig.supervisor().rise());
+        // Zero volts, and the end of the session.
+        drop(old);
+        let opened = loop {
+            if self.home.stop.load(Ordering::Relaxed) {
+                return Err(RigError::Stopped.to_string());
+            }
+            match reopen() {
+                Ok(opened) => break opened,
+                Err(error @ RigSetupError::OtherDevice { .. }) => return Err(error.to_string()),
+                Err(error) if begun.elapsed().as_secs_f64() > PATIENCE => {
+                    return Err(format!("it did not come back within {PATIENCE} s: {error}"));
+                }
+                Err(_) => thread::sleep(RETRY),
+            }
+        };
+        if let Some(before) = &self.description {
+            let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
+            if let Some(what) = difference {
+                return Err(format!("another device came back: {what}"));
+            }
+        }
+        if opened.rig.period() != self.period {
+            return Err("another device came back: its cycle is another".to_owned());
+        }
+        let pace = opened.pace;
+        let paced =
+            Paced::configured(opened.rig, self.limits, pace, rise).map_err(|error| error.to_string())?;
+        *locked(&self.home.rig) = Some(paced);
+        locked(&self.home.failed).take();
+        self.home.over.store(false, Ordering::Relaxed);
+        *locked(&self.keeper) = Home::kept(&self.home, pace);
+        Ok(begun.elapsed().as_secs_f64())
+    }
+
     /// The rig for one run: at rest, active, its time and position counted from here.
     ///
     /// # Errors
@@ -149,7 +257,7 @@ impl BenchRig {
 impl Drop for BenchRig {
     fn drop(&mut self) {
         self.home.over.store(true, Ordering::Relaxed);
-        if let Some(keeper) = self.keeper.take() {
+        if let Some(keeper) = locked(&self.keeper).take() {
             // A keeper that panicked has dropped the rig already.
             let _ = keeper.join();
         }
@@ -157,6 +265,12 @@ impl Drop for BenchRig {
 }
 
 impl Home {
+    /// A thread that reads the rig between two turns; none in lock-step, where nothing happens then.
+    fn kept(home: &Arc<Self>, pace: Pace) -> Option<JoinHandle<()>> {
+        let home = Arc::clone(home);
+        (pace != Pace::LockStep).then(|| thread::spawn(move || home.keep()))
+    }
+
     /// Reads the rig at zero volts while nobody has it.
     fn keep(&self) {
         while !self.over.load(Ordering::Relaxed) {

@@ -17,7 +17,7 @@ mod regression;
 mod session;
 mod terminal;
 
-pub use bench_rig::{BenchRig, REST};
+pub use bench_rig::{BenchRig, PATIENCE, REST, Reopen};
 pub use choice::{Opened, RigChoice, RigSetup, SensorsPresent};
 pub use description::{RigDescription, Scales};
 pub use error::RigSetupError;

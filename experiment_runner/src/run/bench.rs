@@ -9,7 +9,8 @@ use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::RigError;
 
-use super::recorder::{Kept, Stream};
+use super::recorder::{Kept, Marks, Stream};
+use super::results::Reconnection;
 use super::{Pace, RunError, RunOptions};
 use crate::compensation::{Arm, Means};
 use crate::control_loop::{ControlLoop, RunningLoop};
@@ -19,7 +20,7 @@ use crate::paced::Paced;
 use crate::profile::Excitation;
 use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::rig::{BenchRig, Opened, RigChoice, RigSetup, RigSetupError, SensorsPresent};
+use crate::rig::{BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent};
 use crate::sequencer::{Completion, run_in_order};
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
@@ -45,7 +46,14 @@ pub(super) struct Bench<'a> {
     stream: Option<Stream>,
     /// Why the rig ended the run.
     ended: Mutex<Option<String>>,
+    /// Marks of what was repeated.
+    marks: Option<Marks>,
+    /// What was repeated because the line to the rig failed.
+    reconnections: Mutex<Vec<Reconnection>>,
 }
+
+/// Runs of one job after which a line that fails again ends the experiment.
+const REPEATS: u32 = 5;
 
 /// Opens the real rig, or finds the nodes, if that was chosen. The options that come back have its period and voltage limit.
 ///
@@ -65,8 +73,10 @@ pub(super) fn open(
     }
     let opened = opened(&options)?;
     require_sensors(&options, opened.sensors)?;
+    let again = options.clone();
     opened.about.iter().for_each(|about| progress.line(about));
-    let rig = BenchRig::new(opened, Arc::clone(cancel))?;
+    let reopen: Reopen = Box::new(move || self::opened(&again));
+    let rig = BenchRig::reopening(opened, Arc::clone(cancel), reopen)?;
     let simulation = &mut options.test_bed.simulation;
     simulation.period = rig.period();
     simulation.voltage_range = rig.voltage_range();
@@ -75,7 +85,7 @@ pub(super) fn open(
 }
 
 /// The real rig, open and the one that its profile is of.
-fn opened(options: &RunOptions) -> Result<Opened, RunError> {
+fn opened(options: &RunOptions) -> Result<Opened, RigSetupError> {
     let setup = RigSetup { calibration: options.calibration, limits: options.limits };
     let opened = options.rig.open(options.test_bed.friction, options.seed, None, setup)?;
     let profile = options.rig_profile.as_ref().and_then(|profile| profile.description.as_ref());
@@ -145,7 +155,16 @@ impl<'a> Bench<'a> {
         progress: &'a Progress,
         cancel: &'a Arc<AtomicBool>,
     ) -> Self {
-        Self { options, axis, progress, cancel, stream: None, ended: Mutex::default() }
+        Self {
+            options,
+            axis,
+            progress,
+            cancel,
+            stream: None,
+            ended: Mutex::default(),
+            marks: None,
+            reconnections: Mutex::default(),
+        }
     }
 
     /// Whether runs take as long as they say.
@@ -154,8 +173,8 @@ impl<'a> Bench<'a> {
     }
 
     /// Runs in real time are recorded there while they go on.
-    pub fn record_to(&mut self, stream: Option<Stream>) {
-        self.stream = stream;
+    pub fn record_to(&mut self, stream: Option<Stream>, marks: Marks) {
+        (self.stream, self.marks) = (stream, Some(marks));
     }
 
     /// What keeps one of `every` so many cycles of a run.
@@ -289,7 +308,7 @@ impl<'a> Bench<'a> {
             if !self.is_simulated() && failed.load(Ordering::Relaxed) {
                 return Err(RigError::Stopped.into());
             }
-            work(job).inspect_err(|_| failed.store(true, Ordering::Relaxed))
+            self.repeated(|| work(job)).inspect_err(|_| failed.store(true, Ordering::Relaxed))
         };
         let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
             delivered += 1;
@@ -298,12 +317,55 @@ impl<'a> Bench<'a> {
             deliver(job, result)
         });
         let Err(error) = completion else { return completion };
-        let Some(said) = error.of_rig().filter(|_| !self.is_simulated()) else { return Err(error) };
-        if *said != RigError::Stopped {
+        let lost = matches!(error, RunError::NotBack { .. });
+        let said = error.of_rig().filter(|_| !self.is_simulated());
+        if said.is_none() && !lost {
+            return Err(error);
+        }
+        if said != Some(&RigError::Stopped) {
             let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
             ended.get_or_insert_with(|| error.to_string());
         }
         Ok(Completion::Cancelled { delivered })
+    }
+
+    /// Does `work`, and once more after the rig was opened anew where its line failed: the run at hand is repeated from rest. The motor has zero volts from the
+    /// failure on, and what is about the motor is never repeated.
+    fn repeated<R>(&self, work: impl Fn() -> Result<R, RunError>) -> Result<R, RunError> {
+        let mut repeats = 0;
+        loop {
+            let error = match work() {
+                Err(error) => error,
+                done => return done,
+            };
+            let Axis::Real(rig) = &self.axis else { return Err(error) };
+            let of_the_line = error.of_rig().is_some_and(RigError::is_of_the_line);
+            if !of_the_line || repeats == REPEATS || self.cancel.load(Ordering::Relaxed) {
+                return Err(error);
+            }
+            repeats += 1;
+            let said = error.to_string();
+            self.progress.line(&format!("{said}: zero volts; waiting up to {PATIENCE} s for the line"));
+            let seconds = match rig.reconnect() {
+                Ok(seconds) => seconds,
+                Err(_) if self.cancel.load(Ordering::Relaxed) => return Err(RigError::Stopped.into()),
+                Err(why) => return Err(RunError::NotBack { said, why }),
+            };
+            self.progress
+                .line(&format!("the line is back after {seconds:.1} s; the run at hand is repeated"));
+            let at = self.now_or(0);
+            if let Some(marks) = &self.marks {
+                marks.repeated(at, self.options.experiment.as_str(), &said)?;
+            }
+            let at_seconds = at as f64 * 1e-9;
+            let mut reconnections = self.reconnections.lock().unwrap_or_else(PoisonError::into_inner);
+            reconnections.push(Reconnection { at: at_seconds, seconds, said });
+        }
+    }
+
+    /// What was repeated until now.
+    pub fn reconnections(&self) -> Vec<Reconnection> {
+        self.reconnections.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Lets the rig go, at zero volts, and says why it ended the run, if it did.

@@ -22,6 +22,14 @@ pub enum RunError {
     /// A constant velocity could not be driven or read.
     #[error(transparent)]
     Steady(#[from] SteadyError),
+    /// The line to the rig failed and did not come back.
+    #[error("{said}; {why}")]
+    NotBack {
+        /// How it failed.
+        said: String,
+        /// Why it could not go on.
+        why: String,
+    },
     /// The rig could not be opened.
     #[error("{0}")]
     Setup(#[from] RigSetupError),

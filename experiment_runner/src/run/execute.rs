@@ -83,7 +83,7 @@ pub fn execute_in(
     let mut bench = Bench::new(options, rig, progress, cancel);
     Bench::check(options)?;
     let mut recorder = Recorder::create(&folder.join(BAG), options, bench.is_real_time())?;
-    bench.record_to(recorder.stream());
+    bench.record_to(recorder.stream(), recorder.marks());
     let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
     let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
@@ -159,6 +159,7 @@ pub fn execute_in(
     }
 
     // The rig is let go before the report is written.
+    let reconnections = bench.reconnections();
     let ended = bench.end().or(unfit);
     let unrecorded = recorder.drain()?;
     if unrecorded > 0 {
@@ -180,6 +181,7 @@ pub fn execute_in(
         program_version: env!("CARGO_PKG_VERSION"),
         status: if ended.is_some() { Status::Interrupted } else { status },
         ended,
+        reconnections,
         options: options.clone(),
         origin,
         constant_velocity: steady,

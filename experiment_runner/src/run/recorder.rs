@@ -102,6 +102,37 @@ struct Writing {
     topics: CycleTopics,
 }
 
+/// Marks in the bag what was repeated.
+pub(super) struct Marks {
+    writing: Arc<Mutex<Writing>>,
+    bag_path: String,
+}
+
+impl Marks {
+    /// Says on `/experiment_status` that what was measured last is not used, because the line failed as `said`, and is measured once more.
+    pub fn repeated(&self, stamp_ns: u64, experiment: &str, said: &str) -> Result<(), RunError> {
+        let stage = format!("the run before this is not used and is repeated: {said}");
+        write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, &stage, 0.0))
+    }
+}
+
+fn write_status(
+    writing: &Mutex<Writing>,
+    bag_path: &str,
+    stamp_ns: u64,
+    (experiment, stage, progress): (&str, &str, f64),
+) -> Result<(), RunError> {
+    let status = ExperimentStatus {
+        header: Header::at(stamp_ns),
+        experiment: experiment.to_owned(),
+        stage: stage.to_owned(),
+        progress,
+        bag_path: bag_path.to_owned(),
+        ..Default::default()
+    };
+    Ok(locked(writing).bag.write(topics::EXPERIMENT_STATUS.name, stamp_ns, &status)?)
+}
+
 /// The bag; what a thread that panicked left of it is whole.
 fn locked(writing: &Mutex<Writing>) -> MutexGuard<'_, Writing> {
     writing.lock().unwrap_or_else(PoisonError::into_inner)
@@ -192,15 +223,12 @@ impl Recorder {
         stage: &str,
         progress: f64,
     ) -> Result<(), RunError> {
-        let status = ExperimentStatus {
-            header: Header::at(stamp_ns),
-            experiment: experiment.to_owned(),
-            stage: stage.to_owned(),
-            progress,
-            bag_path: self.bag_path.clone(),
-            ..Default::default()
-        };
-        Ok(locked(&self.writing).bag.write(topics::EXPERIMENT_STATUS.name, stamp_ns, &status)?)
+        write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, stage, progress))
+    }
+
+    /// What marks repetitions. It must be dropped before the bag is [finished](Self::finish).
+    pub fn marks(&self) -> Marks {
+        Marks { writing: Arc::clone(&self.writing), bag_path: self.bag_path.clone() }
     }
 
     /// Keeps a file with the bag.

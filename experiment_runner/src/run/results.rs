@@ -31,6 +31,9 @@ pub struct RunResults {
     /// Why it ended early: what a real rig said, or why no curve fits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ended: Option<String>,
+    /// How often the line to the rig failed and came back: each time the run at hand was repeated.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reconnections: Vec<Reconnection>,
     /// What was asked for.
     pub options: RunOptions,
     /// Where each value of `parameters.yaml` comes from.
@@ -64,6 +67,21 @@ impl RunResults {
         tracking.chain(self.compensation.iter().map(|task| (task.name.as_str(), &task.comparison)))
     }
 
+    /// What was repeated because the line failed, in words.
+    #[must_use]
+    pub fn repeated(&self) -> Option<String> {
+        let first = self.reconnections.first()?;
+        let times = match self.reconnections.len() {
+            1 => "once".to_owned(),
+            n => format!("{n} times"),
+        };
+        Some(format!(
+            "The line to the rig failed {times} and came back; the run at hand was repeated each time, and what it had measured before is in the bag but in no figure. \
+             The first time: {}.",
+            first.said
+        ))
+    }
+
     /// What a torque without a sensor adds to the uncertainty of the steady points, in words.
     #[must_use]
     pub fn added_to_points(&self) -> Option<String> {
@@ -76,6 +94,17 @@ impl RunResults {
             self.options.torque.source.name()
         ))
     }
+}
+
+/// A line that failed and came back.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reconnection {
+    /// When it was back [s since the Unix epoch].
+    pub at: f64,
+    /// How long the rig was away [s].
+    pub seconds: f64,
+    /// How it failed.
+    pub said: String,
 }
 
 /// The identified curve.

@@ -130,6 +130,21 @@ pub enum SerialError {
     },
 }
 
+impl SerialError {
+    /// Whether it is the line that failed, or the time on this machine, and neither the motor nor somebody else's wish: the line may be opened anew.
+    #[must_use]
+    pub const fn is_of_the_line(&self) -> bool {
+        matches!(
+            self,
+            Self::Silent { .. }
+                | Self::Disconnected { .. }
+                | Self::Restarted { .. }
+                | Self::NoAnswer { .. }
+                | Self::NotActive { state: State::Inactive, cause: Cause::HostLost }
+        )
+    }
+}
+
 const fn name(state: State) -> &'static str {
     match state {
         State::Inactive => "inactive",
