@@ -24,7 +24,7 @@ pub mod monte_carlo;
 pub mod node;
 pub mod protocols;
 pub mod rig;
-mod rig_profile;
+pub(crate) mod rig_profile;
 pub mod run;
 pub mod saying;
 #[cfg(feature = "ros")]

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::{Duration, SystemTime};
 
 use controller::{ControlMode, Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName};
@@ -129,6 +131,11 @@ struct Which {
     #[arg(long, short)]
     quiet: bool,
 }
+
+/// How often the steps are begun again where the line to a device failed.
+const REPEATS: u32 = 3;
+/// Steps that took longer, because the program or its machine was stopped meanwhile, are not: nobody knows who is at the rig by then.
+const LONGEST: Duration = Duration::from_secs(90);
 
 /// Fastest velocity of a jog [rad/s].
 const JOG_VELOCITY: f64 = 2.0;
@@ -346,7 +353,29 @@ fn find(
             session.hold(0.0, seconds).map(drop)
         })?;
     }
-    drive(which, place, setup, (&stop, false), |session| run_procedure(session, &Procedure::default(), say))
+    // What a line that fails costs is the steps at hand: they are begun again, on a serial device whose travel is not limited.
+    let may_repeat = matches!(place.chosen.rig, RigChoice::Serial { .. }) && setup.limits.travel.is_none();
+    let mut repeats = 0;
+    loop {
+        let begun = SystemTime::now();
+        let outcome = drive(which, place, setup, (&stop, false), |session| {
+            run_procedure(session, &Procedure::default(), say)
+        });
+        let of_the_line = |error: &anyhow::Error| match error.downcast_ref::<RigSetupError>() {
+            Some(RigSetupError::Rig(error)) => error.is_of_the_line(),
+            _ => false,
+        };
+        let soon = || begun.elapsed().is_ok_and(|since| since < LONGEST);
+        match outcome {
+            Err(error) if may_repeat && repeats < REPEATS && of_the_line(&error) && soon() => {
+                repeats += 1;
+                eprintln!("{error}: zero volts. The steps begin again; ctrl-C before you touch the rig");
+                // The device's old session ends.
+                thread::sleep(Duration::from_secs(1));
+            }
+            other => return other,
+        }
+    }
 }
 
 fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -> anyhow::Result<()> {
@@ -441,11 +470,10 @@ fn drive<T>(
 fn told(error: RigSetupError) -> anyhow::Error {
     match error {
         RigSetupError::Stopped => Interrupted(error.to_string()).into(),
-        RigSetupError::Rig(
-            rig_driver::RigError::OutOfRange { .. }
-            | rig_driver::RigError::BeyondRange { .. }
-            | rig_driver::RigError::Quanser(_),
-        )
+        RigSetupError::Rig(rig_driver::RigError::BeyondRange { limit, range }) => {
+            BadInput(super::run::beyond_range(limit, range)).into()
+        }
+        RigSetupError::Rig(rig_driver::RigError::OutOfRange { .. } | rig_driver::RigError::Quanser(_))
         | RigSetupError::NotDriven(_)
         | RigSetupError::OtherDevice { .. } => BadInput(error.to_string()).into(),
         error => anyhow::Error::new(error),

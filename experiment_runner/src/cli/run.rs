@@ -25,7 +25,7 @@ use crate::progress::{Progress, about};
 use crate::protocol::{
     CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol, TrackingProtocol,
 };
-use crate::rig::{RigChoice, read_calibration};
+use crate::rig::{RigChoice, RigSetupError, read_calibration};
 use crate::run::{
     self, Experiment, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunError, RunOptions, Status, shipped,
 };
@@ -216,10 +216,21 @@ fn bad_input(error: RunError) -> anyhow::Error {
         RunError::TestBed(TestBedError::Rig(RigError::OutOfRange { name, value, expected })) => {
             BadInput(named_option(name, value, expected)).into()
         }
+        RunError::TestBed(TestBedError::Rig(RigError::BeyondRange { limit, range }))
+        | RunError::Setup(RigSetupError::Rig(RigError::BeyondRange { limit, range })) => {
+            BadInput(beyond_range(limit, range)).into()
+        }
         error @ RunError::Bag(_) if is_full(&error) => anyhow::Error::new(error),
         error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
         error => BadInput(error.to_string()).into(),
     }
+}
+
+/// A voltage limit that the rig cannot put out, by where it is set.
+pub(super) fn beyond_range(limit: f64, range: f64) -> String {
+    format!(
+        "--voltage-limit (or `limits.voltage` of the rig profile) must be at most {range} V, the voltage range of this rig by its own description, but is {limit} V"
+    )
 }
 
 /// A parameter of the rig that is out of range, by the option that sets it.

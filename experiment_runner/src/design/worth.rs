@@ -43,7 +43,13 @@ impl Worth {
         let linear = options.linear;
         let drive = drive(&linear.drive, options.volts_per_newton_metre)?;
         let standard = SimulationOptions::default();
-        let simulation = SimulationOptions { drive, period: options.period, voltage_limit, ..standard };
+        let simulation = SimulationOptions {
+            drive,
+            period: options.period,
+            voltage_limit,
+            voltage_range: standard.voltage_range.max(voltage_limit),
+            ..standard
+        };
         let before = ControllerOptions::default();
         let designed = match linear.law {
             LoopLaw::Velocity(velocity) => ControllerOptions { velocity, ..before },

@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use rig_driver::safety::{Request, SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
@@ -69,6 +69,8 @@ struct Paced {
     pace: Pace,
     started: Instant,
     cycles: u64,
+    /// When the rig was heard last, by a clock that goes on while the machine sleeps.
+    heard: SystemTime,
 }
 
 impl std::fmt::Debug for Paced {
@@ -93,7 +95,7 @@ impl Paced {
             rig.warm(rise);
         }
         rig.request(Request::Configure)?;
-        Ok(Self { rig, pace, started: Instant::now(), cycles: 0 })
+        Ok(Self { rig, pace, started: Instant::now(), cycles: 0, heard: SystemTime::now() })
     }
 
     /// Waits for the next cycle and reads it.
@@ -112,7 +114,13 @@ impl Paced {
                 self.rig.tell_time(self.started.elapsed().as_secs_f64());
             }
         }
+        self.heard = SystemTime::now();
         Ok(self.rig.measure())
+    }
+
+    /// Time since the rig was heard [s]; 0 where the clock was set back.
+    fn silence(heard: SystemTime) -> f64 {
+        heard.elapsed().map_or(0.0, |since| since.as_secs_f64())
     }
 }
 
@@ -181,13 +189,18 @@ impl BenchRig {
         self.sensors
     }
 
-    /// Opens the rig anew after its line failed, for up to [`PATIENCE`]: inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a fault
+    /// Whether it can be opened anew.
+    #[must_use]
+    pub const fn reopens(&self) -> bool {
+        self.reopen.is_some()
+    }
+
+    /// Opens the rig anew after its line failed, up to [`PATIENCE`] after it was heard last: inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a fault
     /// that is latched in the device is not cleared. The time that it took [s].
     ///
     /// # Errors
     /// Why not, in words: it did not come back, another device came back, the travel is limited, or there is no way to open it.
     pub fn reconnect(&self) -> Result<f64, String> {
-        let begun = Instant::now();
         let Some(Again(reopen)) = &self.reopen else { return Err("this rig is not opened again".to_owned()) };
         if self.limits.travel.is_some() {
             return Err("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
@@ -199,6 +212,9 @@ impl BenchRig {
         }
         let old = locked(&self.home.rig).take();
         let rise = old.as_ref().and_then(|old| old.rig.supervisor().rise());
+        let heard = old.as_ref().map_or(SystemTime::UNIX_EPOCH, |old| old.heard);
+        // A program that was stopped, or slept with its machine, must not surprise who stands at the rig by now.
+        let too_late = || Paced::silence(heard) > PATIENCE;
         // Zero volts, and the end of the session.
         drop(old);
         let opened = loop {
@@ -208,12 +224,17 @@ impl BenchRig {
             match reopen() {
                 Ok(opened) => break opened,
                 Err(error @ RigSetupError::OtherDevice { .. }) => return Err(error.to_string()),
-                Err(error) if begun.elapsed().as_secs_f64() > PATIENCE => {
+                Err(error) if too_late() => {
                     return Err(format!("it did not come back within {PATIENCE} s: {error}"));
                 }
                 Err(_) => thread::sleep(RETRY),
             }
         };
+        if too_late() {
+            return Err(format!(
+                "it was not heard for more than {PATIENCE} s, and nobody knows who is at the rig by now"
+            ));
+        }
         if let Some(before) = &self.description {
             let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
             if let Some(what) = difference {
@@ -230,7 +251,7 @@ impl BenchRig {
         locked(&self.home.failed).take();
         self.home.over.store(false, Ordering::Relaxed);
         *locked(&self.keeper) = Home::kept(&self.home, pace);
-        Ok(begun.elapsed().as_secs_f64())
+        Ok(Paced::silence(heard))
     }
 
     /// The rig for one run: at rest, active, its time and position counted from here.

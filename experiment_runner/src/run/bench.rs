@@ -75,8 +75,14 @@ pub(super) fn open(
     require_sensors(&options, opened.sensors)?;
     let again = options.clone();
     opened.about.iter().for_each(|about| progress.line(about));
-    let reopen: Reopen = Box::new(move || self::opened(&again));
-    let rig = BenchRig::reopening(opened, Arc::clone(cancel), reopen)?;
+    let rig = match again.rig {
+        RigChoice::Serial { .. } => {
+            let reopen: Reopen = Box::new(move || self::opened(&again));
+            BenchRig::reopening(opened, Arc::clone(cancel), reopen)?
+        }
+        // A card whose watchdog expired is not driven again by itself.
+        _ => BenchRig::new(opened, Arc::clone(cancel))?,
+    };
     let simulation = &mut options.test_bed.simulation;
     simulation.period = rig.period();
     simulation.voltage_range = rig.voltage_range();
@@ -339,13 +345,13 @@ impl<'a> Bench<'a> {
                 done => return done,
             };
             let Axis::Real(rig) = &self.axis else { return Err(error) };
-            let of_the_line = error.of_rig().is_some_and(RigError::is_of_the_line);
+            let of_the_line = rig.reopens() && error.of_rig().is_some_and(RigError::is_of_the_line);
             if !of_the_line || repeats == REPEATS || self.cancel.load(Ordering::Relaxed) {
                 return Err(error);
             }
             repeats += 1;
             let said = error.to_string();
-            self.progress.line(&format!("{said}: zero volts; waiting up to {PATIENCE} s for the line"));
+            self.progress.line(&format!("{said}: zero volts. It goes on by itself if the line is back within {PATIENCE} s; ctrl-C before you touch the rig"));
             let seconds = match rig.reconnect() {
                 Ok(seconds) => seconds,
                 Err(_) if self.cancel.load(Ordering::Relaxed) => return Err(RigError::Stopped.into()),

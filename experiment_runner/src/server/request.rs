@@ -9,7 +9,7 @@ use rig_driver::safety::SafetyLimits;
 
 use super::Refusal;
 use super::permissions::Permissions;
-use crate::cli::{identify::IdentifyArgs, run::RunArgs};
+use crate::cli::{identify::IdentifyArgs, rig_profile::choose, run::RunArgs};
 use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
@@ -89,23 +89,26 @@ impl ExperimentRequest {
         line.extend(settings(&run_command(), &NOT_OF_RUN, &self.overrides, permissions)?);
         let mut args: RunArgs = parse(&line)?;
         let rig = permissions.rig(args.rig.clone().unwrap_or_else(|| usual.clone()))?;
-        raises_no_limit(&args, &rig)?;
         args.rig_file = permissions.profile_of(&rig).map(Path::to_owned);
         args.rig = Some(rig);
+        raises_no_limit(&args)?;
         crate::cli::run::options(&args).map_err(|error| Refusal::BadRequest(format!("{error:#}")))
     }
 }
 
-/// Refuses what would raise the limits of a real rig: they are those that it was started with.
-fn raises_no_limit(args: &RunArgs, rig: &RigChoice) -> Result<(), Refusal> {
-    let real = matches!(rig, RigChoice::Serial { .. } | RigChoice::Quanser { .. });
-    let usual = SafetyLimits::default().voltage;
-    match args.voltage_limit.filter(|volts| real && *volts > usual) {
-        None => Ok(()),
-        Some(volts) => Err(Refusal::BadRequest(format!(
-            "voltage_limit must be at most {usual} V on a real rig, but is {volts}: a request does not raise the limits of a real rig"
-        ))),
+/// Refuses what would raise the limits of a real rig: they are those of its profile, or the usual ones.
+fn raises_no_limit(args: &RunArgs) -> Result<(), Refusal> {
+    let real = matches!(args.rig, Some(RigChoice::Serial { .. } | RigChoice::Quanser { .. }));
+    let Some(asked) = args.voltage_limit.filter(|_| real) else { return Ok(()) };
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())
+        .map_err(|error| Refusal::BadRequest(error.to_string()))?;
+    let limit = chosen.limits(None).voltage.unwrap_or(SafetyLimits::default().voltage);
+    if asked <= limit {
+        return Ok(());
     }
+    Err(Refusal::BadRequest(format!(
+        "voltage_limit must be at most {limit} V on this rig, but is {asked}: a request does not raise the limits of a real rig"
+    )))
 }
 
 /// The options of `frictionlab identify` that a request stands for. The recordings are there, and no file outside of what is permitted was read.
@@ -275,6 +278,28 @@ mod tests {
         let slow =
             request("all", &[("quick", "false")]).options(&RigChoice::Simulated, &permitted()).unwrap();
         assert_eq!(slow.constant_velocity.duration, 15.0);
+    }
+
+    #[test]
+    fn a_request_does_not_raise_the_limit_of_a_real_rig() {
+        let rig: RigChoice = "serial:/dev/nothing".parse().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("rig.yaml");
+        std::fs::write(&file, "rig: serial:/dev/nothing\nlimits: {voltage: 4.0}\n").unwrap();
+        let without = Permissions::new("/axis_1", vec![rig.clone()], "no-such-folder".into(), None);
+        let with = without.clone().with_profile(Some((rig.clone(), file)));
+        let asked = |volts: &str, permissions: &Permissions| {
+            request("position-tracking", &[("voltage_limit", volts)]).options(&rig, permissions)
+        };
+        for (volts, permissions, allowed) in
+            [("6", &without, true), ("6.5", &without, false), ("4", &with, true), ("6", &with, false)]
+        {
+            assert_eq!(asked(volts, permissions).is_ok(), allowed, "{volts} V");
+        }
+        assert_eq!(request("position-tracking", &[]).options(&rig, &with).unwrap().limits.voltage, Some(4.0));
+        let said =
+            request("position-tracking", &[("rig_file", "mine.yaml")]).options(&rig, &with).unwrap_err();
+        assert!(said.to_string().contains("rig_file"), "{said}");
     }
 
     #[test]
