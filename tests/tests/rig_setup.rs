@@ -18,6 +18,21 @@ fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     said(&output)
 }
 
+/// The same on the emulated device, as often as it takes on a machine that is busy: the emulator, which needs it as much, falls silent then.
+fn succeeds_in_the_end(folder: &Path, arguments: &[&str]) -> String {
+    for _ in 0..20 {
+        let output = frictionlab(folder, arguments);
+        let text = said(&output);
+        if output.status.success() {
+            return text;
+        }
+        let busy =
+            ["no measurement came", "host went silent", "cycle lost", "commands refused", "another host"];
+        assert!(busy.iter().any(|why| text.contains(why)), "{arguments:?}: {text}");
+    }
+    panic!("{arguments:?}: the machine is too busy for a device in real time");
+}
+
 fn refused(folder: &Path, arguments: &[&str]) -> String {
     let output = frictionlab(folder, arguments);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", said(&output));
@@ -76,7 +91,7 @@ fn the_voltage_range_is_the_rigs_own_and_nobody_goes_beyond_it() {
     let jog = |more: &[&str]| [&["rig", "jog", &choice, "--volts", "0", "--seconds", "0.1"], more].concat();
     // The usual limit stays, whatever the board could do.
     assert!(refused(folder, &jog(&["--max-volts", "8"])).contains("voltage limit"));
-    succeeds(folder, &jog(&["--max-volts", "8", "--voltage-limit", "12"]));
+    succeeds_in_the_end(folder, &jog(&["--max-volts", "8", "--voltage-limit", "12"]));
     let text = refused(folder, &jog(&["--voltage-limit", "30"]));
     assert!(text.contains("voltage range") && text.contains("30 V"), "{text}");
     let run = ["run", "position-tracking", "--quick", &choice, "--voltage-limit", "30"];
@@ -127,7 +142,7 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
     let with = ["--rig-file", "rig.yaml"];
     assert!(refused(folder, &["rig", "check", "--rig-file", "rig.yaml"]).contains("--rig serial:"));
     let choice = rig.choice();
-    let text = succeeds(folder, &["rig", "check", &choice, "--rig-file", "rig.yaml", "--quiet"]);
+    let text = succeeds_in_the_end(folder, &["rig", "check", &choice, "--rig-file", "rig.yaml", "--quiet"]);
     assert!(text.contains("Rig profile  rig.yaml"), "{text}");
     assert!(
         profile().contains("voltage_range: 5.99") && !profile().contains("\ncalibration:"),
@@ -135,14 +150,17 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
         profile()
     );
 
-    succeeds(folder, &[&["rig", "calibrate", "--quiet"][..], &with].concat());
+    succeeds_in_the_end(folder, &[&["rig", "calibrate", "--quiet"][..], &with].concat());
     assert!(profile().contains("tachometer_gain: "), "{}", profile());
     assert!(!folder.join("calibration.yaml").exists());
 
-    let text = succeeds(folder, &[&["run", "drive-excitation"][..], &with].concat());
+    let text = succeeds_in_the_end(
+        folder,
+        &[&["run", "drive-excitation", "--out", "excitation", "--force"][..], &with].concat(),
+    );
     assert!(text.contains("rig profile rig.yaml: ") && text.contains("calibration"), "{text}");
-    let bag = "runs/drive-excitation-1/bag";
-    let text = succeeds(folder, &[&["identify-drive", bag][..], &with].concat());
+    let bag = "excitation/bag";
+    let text = succeeds_in_the_end(folder, &[&["identify-drive", bag][..], &with].concat());
     assert!(text.contains("drive written, with the motor's constants"), "{text}");
     let number = |key: &str| -> f64 {
         let text = profile();
@@ -153,8 +171,8 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
     assert!((number("inertia:") / 2.6476e-3 - 1.0).abs() < 0.05, "{}", profile());
 
     std::fs::write(folder.join("protocol.yaml"), PROTOCOL).expect("a protocol");
-    let run = ["run", "--protocol", "protocol.yaml", "--out", "steady"];
-    let text = succeeds(folder, &[&run[..], &with].concat());
+    let run = ["run", "--protocol", "protocol.yaml", "--out", "steady", "--force"];
+    let text = succeeds_in_the_end(folder, &[&run[..], &with].concat());
     assert!(text.contains("calibration, drive"), "{text}");
     let results = std::fs::read_to_string(folder.join("steady/run.json")).expect("run.json");
     assert!(results.contains("\"rig_profile\""), "{results}");
