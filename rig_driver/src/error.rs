@@ -20,7 +20,7 @@ pub enum RigError {
     },
     /// A voltage limit that the rig cannot put out.
     #[error(
-        "the voltage limit must be at most {range} V, the voltage range of this rig by its own description, but is {limit} V; lower `voltage_limit`"
+        "voltage_limit must be at most {range} V, the voltage range of this rig by its own description, but is {limit} V"
     )]
     BeyondRange {
         /// The limit that was asked for [V].
