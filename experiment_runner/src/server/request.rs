@@ -15,7 +15,7 @@ use crate::run::{Experiment, RunOptions};
 
 /// Options of `frictionlab run` that a request has fields for, that are about the terminal, or that are for whoever starts the runner.
 pub(super) const NOT_OF_RUN: [&str; 10] =
-    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs", "rig_file"];
+    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs", "rig-file"];
 /// The same of `frictionlab identify`.
 const NOT_OF_IDENTIFY: [&str; 9] =
     ["files", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
@@ -299,7 +299,7 @@ mod tests {
         assert_eq!(request("position-tracking", &[]).options(&rig, &with).unwrap().limits.voltage, Some(4.0));
         let said =
             request("position-tracking", &[("rig_file", "mine.yaml")]).options(&rig, &with).unwrap_err();
-        assert!(said.to_string().contains("rig_file"), "{said}");
+        assert!(said.to_string().contains("there is no option `rig-file`"), "{said}");
     }
 
     #[test]
