@@ -241,7 +241,12 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
         reference: reference(args)?,
         observer: args.model,
         models: given.compensators,
-        origins: given.origins,
+        origins: {
+            let mut origins = given.origins;
+            chosen.drive_origin(&mut origins);
+            chosen.limit_origin(&mut origins);
+            origins
+        },
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,

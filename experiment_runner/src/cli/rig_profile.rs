@@ -10,6 +10,7 @@ use friction_ident::TorqueSource;
 use super::BadInput;
 use crate::drive::parameters::DriveConstants;
 use crate::rig::{PROFILE, RigChoice, RigLimits, RigProfile};
+use crate::run::{Origin, Origins};
 
 /// The rig of a command and the profile that counts for it.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +124,25 @@ impl Chosen {
     pub fn drive(&self) -> Option<DriveConstants> {
         let parameters = self.profile()?.drive?.parameters()?;
         Some(DriveConstants { parameters })
+    }
+
+    /// The profile as the origin of what is taken from it.
+    fn origin(&self) -> Option<Origin> {
+        self.profile.as_ref().map(|(file, _)| Origin::File { file: file.display().to_string() })
+    }
+
+    /// Says that the drive is the profile's, where it is.
+    pub fn drive_origin(&self, origins: &mut Origins) {
+        if let Some(origin) = self.origin().filter(|_| self.drive().is_some()) {
+            origins.set("rig_driver.drive", origin);
+        }
+    }
+
+    /// Says that the voltage limit is the profile's, where it is.
+    pub fn limit_origin(&self, origins: &mut Origins) {
+        if let Some(origin) = self.origin().filter(|_| self.limits(None).voltage.is_some()) {
+            origins.set("rig_driver.voltage_limit", origin);
+        }
     }
 
     /// Where the friction torque comes from on a rig without a torque sensor.

@@ -275,11 +275,18 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         (Some(file), _) => {
             origins.set("rig_driver.drive", Origin::File { file: file.display().to_string() });
         }
-        (None, TimeConstantArg::Datasheet) => origins.set("rig_driver.drive", option("--time-constant")),
-        (None, TimeConstantArg::Thesis) => {}
+        (None, Some(TimeConstantArg::Datasheet)) => {
+            origins.set("rig_driver.drive", option("--time-constant"));
+        }
+        (None, Some(TimeConstantArg::Thesis)) => {}
+        (None, None) => chosen.drive_origin(&mut origins),
     }
-    if args.voltage_limit != SimulationOptions::default().voltage_limit {
-        origins.set("rig_driver.voltage_limit", option("--voltage-limit"));
+    match args.voltage_limit {
+        Some(volts) if volts != SimulationOptions::default().voltage_limit => {
+            origins.set("rig_driver.voltage_limit", option("--voltage-limit"));
+        }
+        Some(_) => {}
+        None => chosen.limit_origin(&mut origins),
     }
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
     let estimator = EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
