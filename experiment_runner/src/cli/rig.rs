@@ -133,7 +133,7 @@ struct Which {
 }
 
 /// How often the steps are begun again where the line to a device failed.
-const REPEATS: u32 = 3;
+const REPEATS: u32 = 20;
 /// Steps that took longer, because the program or its machine was stopped meanwhile, are not: nobody knows who is at the rig by then.
 const LONGEST: Duration = Duration::from_secs(90);
 

@@ -53,7 +53,7 @@ pub(super) struct Bench<'a> {
 }
 
 /// Runs of one job after which a line that fails again ends the experiment.
-const REPEATS: u32 = 5;
+const REPEATS: u32 = 20;
 
 /// Opens the real rig, or finds the nodes, if that was chosen. The options that come back have its period and voltage limit.
 ///
