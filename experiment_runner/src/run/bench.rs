@@ -30,7 +30,7 @@ pub(super) enum Axis {
     /// A simulated one, which every run has for itself.
     Simulated,
     /// A real one, whose loop is closed here.
-    Real(BenchRig),
+    Real(Box<BenchRig>),
     /// Whatever the running nodes drive; they close the loop.
     #[cfg(feature = "ros")]
     Nodes(NodesBench),
@@ -87,7 +87,7 @@ pub(super) fn open(
     simulation.period = rig.period();
     simulation.voltage_range = rig.voltage_range();
     simulation.voltage_limit = simulation.voltage_limit.min(rig.voltage_limit());
-    Ok((Axis::Real(rig), options))
+    Ok((Axis::Real(Box::new(rig)), options))
 }
 
 /// The real rig, open and the one that its profile is of.
