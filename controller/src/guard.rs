@@ -52,7 +52,7 @@ pub struct GuardOptions {
 }
 
 impl Default for GuardOptions {
-    /// For the SRV-02, whose Coulomb level is .45 V, found by trying on the simulated rig: a correct compensation by a dynamic model is never touched, 1.6 times as much is
+    /// For the SRV-02, whose Coulomb level is 0.45 V, found by trying on the simulated rig: a correct compensation by a dynamic model is never touched, 1.6 times as much is
     /// scaled back within its first swings.
     fn default() -> Self {
         Self { threshold: 0.3, swings: 6, longest_swing: 3.0, reduction: 0.7, recovery: 0.02 }

@@ -177,7 +177,7 @@ mod tests {
         (100.0 * (peak - 1.0), time_of(high) - time_of(low))
     }
 
-    /// Expected: overshoot 11.19 % and 10-90 % rise .1425 s with the derivative of the error, 12.77 % and 5-95 % rise .167 s of
+    /// Expected: overshoot 11.19 % and 10-90 % rise 0.1425 s with the derivative of the error, 12.77 % and 5-95 % rise 0.167 s of
     /// the measurement.
     #[test]
     fn the_thesis_gains_step_as_computed() {

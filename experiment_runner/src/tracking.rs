@@ -173,7 +173,7 @@ mod tests {
     }
 
     /// The thesis's Table 6.5 in its own units (friction in N m taken off the volts), as independently computed:
-    /// PID 1.96e-5 and 165e-4 rad/s, proposed .503e-5 and 31.7e-4.
+    /// PID 1.96e-5 and 165e-4 rad/s, proposed 0.503e-5 and 31.7e-4.
     #[test]
     fn velocity_tracking_in_the_thesis_units() {
         let protocol = TrackingProtocol::velocity();

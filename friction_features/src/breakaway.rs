@@ -34,7 +34,7 @@ pub struct BreakawaySettings {
 }
 
 impl Default for BreakawaySettings {
-    /// 1 kg; .05, .1 and .2 N/s up to 1.8 N; within 2 cm; 1 mm/s.
+    /// 1 kg; 0.05, 0.1 and 0.2 N/s up to 1.8 N; within 2 cm; 1 mm/s.
     fn default() -> Self {
         Self {
             inertia: 1.0,

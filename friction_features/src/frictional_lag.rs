@@ -33,14 +33,14 @@ pub struct FrictionalLagSettings {
 }
 
 impl Default for FrictionalLagSettings {
-    /// The test bed's: 1 - .95 cos(w t) rad/s at 1, 2, 5 and 10 rad/s, the last of four periods.
+    /// The test bed's: 1 - 0.95 cos(w t) rad/s at 1, 2, 5 and 10 rad/s, the last of four periods.
     fn default() -> Self {
         Self { mean: 1.0, amplitude: 0.95, frequencies: vec![1.0, 2.0, 5.0, 10.0], periods: 4, step: None }
     }
 }
 
 impl FrictionalLagSettings {
-    /// For the parameters of the thesis's chapter 3: .02 (1 - .95 cos 2t) m/s.
+    /// For the parameters of the thesis's chapter 3: 0.02 (1 - 0.95 cos 2t) m/s.
     #[must_use]
     pub fn chapter_3() -> Self {
         Self { mean: 0.02, amplitude: 0.019, frequencies: vec![2.0], ..Self::default() }

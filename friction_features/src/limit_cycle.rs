@@ -4,7 +4,7 @@
 //! m x'' = -K_v x' - K_p x - K_i int (x - r) dt - F           (thesis eqs. 3.65, 3.66, with the sign of K_p restored)
 //! ```
 //!
-//! The thesis's example is `m = 1`, `K_p = 3`, `K_v = 6`, `K_i = 4`, `r = 1` with its own model. It predicts a limit cycle of .0787 m
+//! The thesis's example is `m = 1`, `K_p = 3`, `K_v = 6`, `K_i = 4`, `r = 1` with its own model. It predicts a limit cycle of 0.0787 m
 //! at 2.35 rad/s. That prediction does not follow from a correct describing function. About the reference the loop is
 //! `x = -G(s) F` with `G = s / (m s^3 + K_v s^2 + K_p s + K_i)`, and `G(j w) N(A) = -1` with `N = (b1 + j a1)/A` means
 //!
@@ -16,10 +16,10 @@
 //! The hysteresis has `b1 > 0` (it is elastic) and `a1 > 0` (it dissipates). So the first asks for `w^2 > K_p/m`, and the second for
 //! `w^2 < K_i/K_v`. Both hold only if `K_v K_p < m K_i`, that is if the loop is unstable without friction (Routh). With these signs a
 //! loop that is stable without friction has **no** limit cycle that a describing function could predict, for the thesis's numbers
-//! (`3 < w^2 < .667`) as for any others. The printed eq. 3.63 does cross the Nyquist curve, at .1536 m and 1.748 rad/s, because its
+//! (`3 < w^2 < 0.667`) as for any others. The printed eq. 3.63 does cross the Nyquist curve, at 0.1536 m and 1.748 rad/s, because its
 //! `a1` is negative there.
 //!
-//! The loop does hunt, with .05694 m and a period of 19.390 s. In each half period the body sticks, the integral winds up until
+//! The loop does hunt, with 0.05694 m and a period of 19.390 s. In each half period the body sticks, the integral winds up until
 //! it breaks the body away, and the Stribeck effect carries it past the reference. That is no motion near a sine, so it lies
 //! outside the method, and only the simulation shows it.
 
@@ -160,7 +160,7 @@ mod tests {
         assert!((study.simulated.peaks[0].time - 4.1).abs() < 0.051);
 
         assert_eq!(study.predicted.cycles, []);
-        // The printed formula predicts a stable cycle, though not the one the thesis reads off (.0787, 2.35), and an unstable one
+        // The printed formula predicts a stable cycle, though not the one the thesis reads off (0.0787, 2.35), and an unstable one
         // below it. Both exist only where its imaginary part has the wrong sign.
         let printed = &study.predicted_as_printed.cycles;
         let hysteresis = SineHysteresis { f_s: 1.0, z_b: 1e-3 };

@@ -4,16 +4,16 @@
 //! The displacement is prescribed at constant speed between the turns
 //!
 //! ```text
-//! 1, -.5, .5, -.1, .5, .8     times the amplitude
+//! 1, -0.5, 0.5, -0.1, 0.5, 0.8     times the amplitude
 //! ```
 //!
-//! so that `.5 -> -.1 -> .5` is an inner loop. The speed must be the same everywhere: a change of the damping force
+//! so that `0.5 -> -0.1 -> 0.5` is an inner loop. The speed must be the same everywhere: a change of the damping force
 //! would look like a gap.
 //!
-//! * Closure gap: force at the second arrival at .5 minus that at the first, over the height of the loop (force at
-//!   .5 minus force at -.1).
-//! * Wiping-out error: force at .8 minus the force there when the inner loop is left out (`1, -.5, .8`).
-//! * Congruency error: the loop between -.1 and .3 is entered once on a rising outer branch and once on a falling
+//! * Closure gap: force at the second arrival at 0.5 minus that at the first, over the height of the loop (force at
+//!   0.5 minus force at -0.1).
+//! * Wiping-out error: force at 0.8 minus the force there when the inner loop is left out (`1, -0.5, 0.8`).
+//! * Congruency error: the loop between -0.1 and 0.3 is entered once on a rising outer branch and once on a falling
 //!   one; the two rising legs may differ by a constant alone. The error is what else they differ by, over the height
 //!   of a leg.
 
@@ -69,9 +69,9 @@ pub struct NonLocalMemory {
     pub amplitude: f64,
     /// Force at each turn and at the end [N or N m].
     pub tips: [f64; 6],
-    /// Force at the first arrival at .5 minus force at -.1 [N or N m].
+    /// Force at the first arrival at 0.5 minus force at -0.1 [N or N m].
     pub loop_height: f64,
-    /// Work that the inner loop takes up, `.5 -> -.1 -> .5` [J].
+    /// Work that the inner loop takes up, `0.5 -> -0.1 -> 0.5` [J].
     pub loop_work: f64,
     /// How much the two legs of the inner loop differ by more than a constant, over its height. Zero if the contact
     /// is elastic there, apart from its damping: then neither a gap nor an error can show, and their absence says nothing.

@@ -29,7 +29,7 @@ pub struct SensitivitySettings {
 }
 
 impl Default for SensitivitySettings {
-    /// Half and twice; breakaway at .1 N/s, at least to four times the static level; lag at .02 (1 - .95 cos 2t) m/s.
+    /// Half and twice; breakaway at 0.1 N/s, at least to four times the static level; lag at 0.02 (1 - 0.95 cos 2t) m/s.
     fn default() -> Self {
         Self {
             factors: [0.5, 2.0],

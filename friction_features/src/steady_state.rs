@@ -23,7 +23,7 @@ pub struct SteadyStateSettings {
 }
 
 impl Default for SteadyStateSettings {
-    /// From 1 mm/s to .5 m/s over .1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the softest element of
+    /// From 1 mm/s to 0.5 m/s over 0.1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the softest element of
     /// GMS begins to slide after 14 mm, and Leuven's bristles have settled to 1e-9 after 80 mm.
     fn default() -> Self {
         let speeds = vec![0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5];

@@ -64,7 +64,7 @@ pub struct StickSlip {
     /// Mean time between two jumps [s]; `None` if there are not two.
     pub period: Option<f64>,
     /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic vibration that
-    /// just comes to rest has .144.
+    /// just comes to rest has 0.144.
     pub share_of_rest: Option<f64>,
     /// Largest force of the spring [N or N m].
     pub spring_max: f64,
@@ -96,7 +96,7 @@ pub struct StickSlipCourse {
 /// A velocity swing below this share of `v0` is no vibration.
 const SMOOTH: f64 = 0.01;
 
-/// More rest than this share of a period is sticking: the .144 of a harmonic vibration that touches zero, and a margin.
+/// More rest than this share of a period is sticking: the 0.144 of a harmonic vibration that touches zero, and a margin.
 const STICKING: f64 = 0.2;
 
 /// Pulls a mass over `contact` by a spring.

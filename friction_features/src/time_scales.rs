@@ -128,7 +128,7 @@ mod tests {
         let lugre = chapter_3(ModelName::LuGre);
         assert!(close(lugre.stiffness, 1e5) && close(lugre.damping, sigma), "{lugre:?}");
         assert!(close(lugre.highest_level, 1.5) && close(lugre.lowest_level, 1.0), "{lugre:?}");
-        // dt < 2.78 g / (s0 |v|): at .487 m/s 5.7e-5 s.
+        // dt < 2.78 g / (s0 |v|): at 0.487 m/s 5.7e-5 s.
         assert!(close(2.78 * lugre.body(1.0, 0.487), 2.78 / (1e5 * 0.487)), "{lugre:?}");
 
         let proposed = chapter_3(ModelName::Proposed);

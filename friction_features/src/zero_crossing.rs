@@ -29,7 +29,7 @@ pub struct ZeroCrossingSettings {
 }
 
 impl Default for ZeroCrossingSettings {
-    /// From -.05 to .05 m/s at .1 and at 1 m/s^2, held for 2 s before and after; established at 90 %.
+    /// From -0.05 to 0.05 m/s at 0.1 and at 1 m/s^2, held for 2 s before and after; established at 90 %.
     fn default() -> Self {
         Self { speed: 0.05, accelerations: vec![0.1, 1.0], hold: 2.0, level: 0.9, step: None }
     }

@@ -2,7 +2,7 @@
 //!
 //! `fit_speed FOLDER ROUNDS` writes `lag.csv`, `joint.csv` and `start.json` into the folder if they are not there, fits each ROUNDS times and prints one line of JSON a
 //! fit, as the SciPy peer (`tests/peers/scipy_fits.py`) does on the same files. The data are made by RK4 at a hundredth of the sampling period from the analytic velocity, with white
-//! noise of .0029 N m (the printed mean square of the lag stage).
+//! noise of 0.0029 N m (the printed mean square of the lag stage).
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -340,7 +340,7 @@ mod tests {
         }
     }
 
-    /// With x0 <= .5 the best point of the valley is (.5, .25).
+    /// With x0 <= 0.5 the best point of the valley is (0.5, 0.25).
     #[test]
     fn stops_at_a_bound_and_says_so() {
         let bounds = [Bound::within(-2.0, 0.5, 1.0), Bound::free(1.0)];

@@ -99,7 +99,7 @@ mod tests {
         assert!(with_computed_damping(&lugre, Uncertain::exact(0.0026), 0.7, true).is_err());
     }
 
-    /// Errata 2: J = .0026, zeta = .7, f_v = .0403 and the stiffnesses of tables 4.4 to 4.7 give all ten printed values.
+    /// Errata 2: J = 0.0026, zeta = 0.7, f_v = 0.0403 and the stiffnesses of tables 4.4 to 4.7 give all ten printed values.
     #[test]
     fn the_printed_values_come_out() {
         let inertia = Uncertain::relative(0.0026, 0.01);

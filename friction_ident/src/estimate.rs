@@ -382,7 +382,7 @@ mod tests {
         )
     }
 
-    /// A line through four points: a = .7, b = 2.2, s^2 = 1.2 / 2; variances .7 s^2 and .2 s^2.
+    /// A line through four points: a = 0.7, b = 2.2, s^2 = 1.2 / 2; variances 0.7 s^2 and 0.2 s^2.
     #[test]
     fn a_line_has_the_errors_of_the_textbook() {
         let columns = [vec![1.0; 4], vec![0.0, 1.0, 2.0, 3.0]];

@@ -57,7 +57,7 @@ pub enum InitialLag {
 /// What is not estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LagOptions {
-    /// Exponent of the Stribeck curve, .1 to 10.
+    /// Exponent of the Stribeck curve, 0.1 to 10.
     pub delta: f64,
     /// State at the first sample of each recording.
     pub initial: InitialLag,

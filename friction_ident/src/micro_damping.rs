@@ -30,7 +30,7 @@ pub struct Oscillator {
     pub stiffness: Uncertain,
     /// Viscous friction \[N m s/rad or N s/m\], zero or more.
     pub f_v: Uncertain,
-    /// Damping ratio, above zero; the thesis takes .7.
+    /// Damping ratio, above zero; the thesis takes 0.7.
     pub zeta: f64,
 }
 

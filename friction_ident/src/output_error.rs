@@ -329,7 +329,7 @@ mod tests {
         }
     }
 
-    /// Models with elements have many minima: from nearby Xiong's is found again. In GMS the damping force of an element jumps by .01 N m at
+    /// Models with elements have many minima: from nearby Xiong's is found again. In GMS the damping force of an element jumps by 0.01 N m at
     /// the sample at which it begins to slip; no derivative sees such a jump move to the next sample, so some of them stay misplaced.
     #[test]
     fn elements_are_found_again_from_nearby() {

@@ -49,7 +49,7 @@ pub enum PreSlidingModel {
     LuGre,
     /// Dahl with a given exponent.
     Dahl {
-        /// Exponent, .1 to 10; 1 is LuGre's operator.
+        /// Exponent, 0.1 to 10; 1 is LuGre's operator.
         delta: f64,
     },
     /// Dupont's elasto-plastic model.

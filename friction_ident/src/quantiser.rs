@@ -71,7 +71,7 @@ struct Crossing {
 /// ```
 /// use friction_ident::quantiser::{Turn, between_counts};
 ///
-/// // A ramp that starts .3 counts above an edge.
+/// // A ramp that starts 0.3 counts above an edge.
 /// let truth = |i: usize| 0.01 * i as f64;
 /// let read: Vec<f64> = (0..1000).map(|i| (0.3 + truth(i)).floor()).collect();
 /// let path = between_counts(&read, 1.0, Turn::Sharp)?;

@@ -75,7 +75,7 @@ pub struct RbfOptions {
 }
 
 impl Default for RbfOptions {
-    /// Ten bells for the speeds of the thesis's test bed, at zero and from .05 to 4 rad/s.
+    /// Ten bells for the speeds of the thesis's test bed, at zero and from 0.05 to 4 rad/s.
     fn default() -> Self {
         Self { count: 10, centres: Centres::Logarithmic { smallest: 0.05, largest: 4.0 }, ridge: 1e-10 }
     }

@@ -49,7 +49,7 @@ pub struct StagedOptions {
 }
 
 impl Default for StagedOptions {
-    /// Symmetric, with the joint stage, four elements, no inertia, the thesis's damping ratio of .7.
+    /// Symmetric, with the joint stage, four elements, no inertia, the thesis's damping ratio of 0.7.
     fn default() -> Self {
         Self {
             asymmetric: false,

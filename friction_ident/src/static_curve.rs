@@ -29,7 +29,7 @@ pub use fit::fit_stribeck;
 /// What is not estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StribeckOptions {
-    /// Exponent of the curve, .1 to 10.
+    /// Exponent of the curve, 0.1 to 10.
     pub delta: f64,
 }
 

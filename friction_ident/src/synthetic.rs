@@ -40,7 +40,7 @@ pub fn experiments(truth: &AnyModel, reach: f64, noise: f64, set: Set, seed: u64
         .flat_map(|v| [v, -v])
         .map(|v| SteadyPoint::new(v, truth.steady_state(v) + white(noise / AVERAGED.sqrt())))
         .collect();
-    // Two tones that beat stay within .8 of the reach: nested loops.
+    // Two tones that beat stay within 0.8 of the reach: nested loops.
     let nested = |t: f64, (a, b): (f64, f64)| 0.4 * reach * (a * (a * t).cos() + b * (b * t).cos());
     let mut stretches = match set {
         Set::Estimation => vec![

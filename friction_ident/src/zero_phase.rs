@@ -1,6 +1,6 @@
 //! Low-pass filters run forwards and backwards, so that nothing is delayed.
 //!
-//! Butterworth for smoothing, Chebyshev (type I, .05 dB) before decimation. Both are kept as second-order
+//! Butterworth for smoothing, Chebyshev (type I, 0.05 dB) before decimation. Both are kept as second-order
 //! sections: an eighth-order filter at a twelfth of the sampling rate already loses half its digits as one
 //! polynomial. That, and the missing Chebyshev, is why this is not done with a ready-made Butterworth crate.
 //!
@@ -140,7 +140,7 @@ impl LowPass {
 }
 
 /// Keeps every `factor`-th sample, the first one included, after a zero-phase Chebyshev low-pass of order 8 that
-/// ends at .8 of the new Nyquist frequency (what MATLAB's `decimate` does). A factor of one changes nothing.
+/// ends at 0.8 of the new Nyquist frequency (what MATLAB's `decimate` does). A factor of one changes nothing.
 ///
 /// # Errors
 /// [`IdentError::Decimation`] for a factor outside 1 to 1000, [`IdentError::TooFewSamples`].

@@ -196,7 +196,7 @@ mod tests {
         for k in 0..60_000 {
             let v = 0.5 * (1e-3 * f64::from(k)).sin();
             let force = stepper.step(v);
-            // A sign switch of the parameters would jump by F_c's difference of .03.
+            // A sign switch of the parameters would jump by F_c's difference of 0.03.
             assert!((force - before).abs() < 2e-3, "step {k}: from {before} to {force}");
             before = force;
         }

@@ -219,7 +219,7 @@ mod tests {
             }
             before = velocity;
         }
-        // From -1.05: .85, -.65, .45, -.25, .05, where the spring no longer overcomes .1.
+        // From -1.05: 0.85, -0.65, 0.45, -0.25, 0.05, where the spring no longer overcomes 0.1.
         let expected = [0.85, -0.65, 0.45, -0.25, 0.05];
         assert_eq!(turns.len(), expected.len(), "{turns:?}");
         for (turn, expected) in turns.iter().zip(expected) {

@@ -99,7 +99,7 @@ mod tests {
 
     const DELAY: f64 = 0.0111;
 
-    /// Steps much shorter than the spacing (.35 ms), about as long, longer, as long as the delay, and longer than it.
+    /// Steps much shorter than the spacing (0.35 ms), about as long, longer, as long as the delay, and longer than it.
     const STEPS: [f64; 7] = [1e-5, 3.3e-4, DELAY / 32.0, 1e-3, 0.01, DELAY, 0.025];
 
     #[test]

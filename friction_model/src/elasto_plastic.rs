@@ -16,7 +16,7 @@
 //! | `z_ba` | m or rad | > 0, below `f_c / sigma0` | deflection up to which the contact is purely elastic |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! `z_ba` must lie below the sliding deflection at every speed, that is below `F_c / sigma0`; .7 of it is usual. Below `sigma0 z_ba` the contact is a
+//! `z_ba` must lie below the sliding deflection at every speed, that is below `F_c / sigma0`; 0.7 of it is usual. Below `sigma0 z_ba` the contact is a
 //! spring: it does not drift there, and it has no hysteresis there either. Above, inner loops do not close. Everything else is as in LuGre:
 //! steady state `sgn(v) g(v) + f_v v`, stick-slip, lag.
 //!
@@ -61,7 +61,7 @@ parameters! {
 }
 
 impl Presets for ElastoPlasticParameters {
-    /// LuGre's Table 4.14 with `z_ba = .7 F_c / sigma0`.
+    /// LuGre's Table 4.14 with `z_ba = 0.7 F_c / sigma0`.
     fn test_bed() -> Self {
         Self {
             f_s: 0.0994,

@@ -57,12 +57,12 @@ parameters! {
 }
 
 impl Presets for KarnoppParameters {
-    /// The levels of table 4.13. The drop of the friction accelerates the bed's inertia of .0026 kg m^2 by 2.7 rad/s^2: the band fits
-    /// steps up to .3 ms.
+    /// The levels of table 4.13. The drop of the friction accelerates the bed's inertia of 0.0026 kg m^2 by 2.7 rad/s^2: the band fits
+    /// steps up to 0.3 ms.
     fn test_bed() -> Self {
         Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, d_v: 1e-3, f_v: 0.0403 }
     }
-    /// The drop of the friction accelerates 1 kg by .5 m/s^2: the band fits steps up to .2 ms.
+    /// The drop of the friction accelerates 1 kg by 0.5 m/s^2: the band fits steps up to 0.2 ms.
     fn chapter_3() -> Self {
         Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, d_v: 1e-4, f_v: 0.0 }
     }

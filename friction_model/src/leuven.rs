@@ -257,7 +257,7 @@ mod tests {
             }
             (at_turns[4] - at_turns[2]) / (at_turns[2] - at_turns[3])
         };
-        // An independent implementation, whose settings are not known, has -10.2 %, -3.4 %, -.14 % and -3e-5; here -9.74 %, -3.20 %, -.132 %.
+        // An independent implementation, whose settings are not known, has -10.2 %, -3.4 %, -0.14 % and -3e-5; here -9.74 %, -3.20 %, -0.132 %.
         for (n, figure) in [(1.0, -0.102), (2.0, -0.034), (5.0, -1.4e-3)] {
             assert!((gap(n) / figure - 1.0).abs() < 0.07, "n {n}: {}", gap(n));
         }

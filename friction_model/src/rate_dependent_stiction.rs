@@ -58,7 +58,7 @@ impl Presets for RateDependentStictionParameters {
     fn test_bed() -> Self {
         Self { f_s: 0.0994, f_c: 0.0925, t_s: 0.0066, delta_t: 1.0, f_v: 0.0403 }
     }
-    /// The thesis gives no `t_s`: the middle of the ramps of its breakaway experiment (.05, .1 and .2 N/s).
+    /// The thesis gives no `t_s`: the middle of the ramps of its breakaway experiment (0.05, 0.1 and 0.2 N/s).
     fn chapter_3() -> Self {
         Self { f_s: 1.5, f_c: 1.0, t_s: 0.1, delta_t: 1.0, f_v: 0.0 }
     }

@@ -61,8 +61,8 @@ parameters! {
 
 #[rustfmt::skip]
 impl Presets for RbfNetworkParameters {
-    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above standstill and at the thesis's 80 speeds of .03 to
-    /// 4 rad/s: the rms error is 7.3e-4 N m there, and `F(0+)` .1016 N m. From 5 rad/s on the true friction is higher.
+    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above standstill and at the thesis's 80 speeds of 0.03 to
+    /// 4 rad/s: the rms error is 7.3e-4 N m there, and `F(0+)` 0.1016 N m. From 5 rad/s on the true friction is higher.
     fn test_bed() -> Self {
         Self {
             w0: 0.291279804329,
@@ -81,7 +81,7 @@ impl Presets for RbfNetworkParameters {
             ]),
         }
     }
-    /// Ten bells trained on chapter 3's Stribeck curve every .001 m/s from standstill to .1 m/s: the rms error is 6.8e-4 N, and
+    /// Ten bells trained on chapter 3's Stribeck curve every 0.001 m/s from standstill to 0.1 m/s: the rms error is 6.8e-4 N, and
     /// `F(0+)` 1.498 N. Beyond, the curve is flat, and `w_0` is its level.
     fn chapter_3() -> Self {
         Self {
@@ -227,7 +227,7 @@ mod tests {
         let error = rms(&model, &Stribeck::test_bed(), core::iter::once(1e-9).chain(slow).chain(fast));
         assert!((error - 7.32e-4).abs() < 1e-6, "{error}");
         assert!((model.holding(0.0).unwrap().forward - 0.1016).abs() < 1e-5);
-        // At 12 rad/s the friction is .576 N m; the network says what it says at infinity.
+        // At 12 rad/s the friction is 0.576 N m; the network says what it says at infinity.
         assert!((model.steady_state(12.0) - model.parameters().w0).abs() < 1e-6);
 
         let model = RbfNetwork::chapter_3();

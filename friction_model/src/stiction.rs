@@ -119,7 +119,7 @@ mod tests {
         assert!(message.starts_with("stiction.f_c must be at most f_s"), "{message}");
     }
 
-    /// Held at 1.5 N, and once away 0.5 N go into the mass: `v = .5 t / m`.
+    /// Held at 1.5 N, and once away 0.5 N go into the mass: `v = 0.5 t / m`.
     #[test]
     fn the_force_drops_at_breakaway() {
         let mut body = Body::<_, 0>::new(Stiction::chapter_3(), 1.0);

@@ -107,7 +107,7 @@ impl Presets for TwoLineParameters {
     fn test_bed() -> Self {
         Self { a1: 0.0994, b1: 0.0403 - 0.0069 / 0.1407, a2: 0.0925, b2: 0.0403 }
     }
-    /// The same with `v_s = .01 m/s` and at high speed.
+    /// The same with `v_s = 0.01 m/s` and at high speed.
     fn chapter_3() -> Self {
         Self { a1: 1.5, b1: -50.0, a2: 1.0, b2: 0.0 }
     }
@@ -269,7 +269,7 @@ mod tests {
             ("a2", tangents(0.09, 0.14, 4.0)),
             ("v_s", tangents(0.1, 0.0, 4.0)),
             ("v_max", tangents(0.1, 0.14, -4.0)),
-            // The curve still falls at .01 rad/s.
+            // The curve still falls at 0.01 rad/s.
             ("b2", tangents(0.1, 0.14, 0.01)),
         ] {
             let message = outcome.unwrap_err().to_string();

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! is the friction that takes the drive `T w' + w = K (u - r F)` from one sampled velocity to the next under a held voltage: exact for friction that is
-//! constant over the period. It differentiates: with .011 rad/s of noise at 1 ms on the SRV-02 a single value is .04 N m off. Whoever uses it filters it.
+//! constant over the period. It differentiates: with 0.011 rad/s of noise at 1 ms on the SRV-02 a single value is 0.04 N m off. Whoever uses it filters it.
 
 use friction_model::TimeStep;
 

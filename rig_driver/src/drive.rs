@@ -29,10 +29,10 @@ pub struct DriveParameters {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeConstant {
-    /// T = .02388 s, with which the thesis designed its controllers; it needs `J_eq` = 2.6476e-3 kg m^2.
+    /// T = 0.02388 s, with which the thesis designed its controllers; it needs `J_eq` = 2.6476e-3 kg m^2.
     #[default]
     Thesis,
-    /// T = .01734 s, from the data sheet's inertias: `J_eq = J_l + A^2 J_m` = 1.92288e-3 kg m^2.
+    /// T = 0.01734 s, from the data sheet's inertias: `J_eq = J_l + A^2 J_m` = 1.92288e-3 kg m^2.
     Datasheet,
 }
 

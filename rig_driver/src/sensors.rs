@@ -84,8 +84,8 @@ pub struct Sensors {
 }
 
 impl Default for Sensors {
-    /// The thesis's test bed: 4096 counts, tachometer 1 rad/s per volt with .01 rad/s of noise, potentiometer of 352 degrees
-    /// with 2 mV, torque sensor of 23 N m with .0061 N m; 12-bit converters of +-10 V (+-5 V for the potentiometer). The thesis has no
+    /// The thesis's test bed: 4096 counts, tachometer 1 rad/s per volt with 0.01 rad/s of noise, potentiometer of 352 degrees
+    /// with 2 mV, torque sensor of 23 N m with 0.0061 N m; 12-bit converters of +-10 V (+-5 V for the potentiometer). The thesis has no
     /// current sensor: one of 1 V/A with 5 mA of noise is assumed, as servo amplifiers have it.
     fn default() -> Self {
         const STEPS: f64 = 4096.0;

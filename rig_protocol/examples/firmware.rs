@@ -47,7 +47,7 @@ pub fn hello() -> Hello {
         tachometer_per_count: 0.0,
         potentiometer_per_count: 0.0,
         torque_per_count: 0.0,
-        // 12 bits of 3.3 V over .5 V/A.
+        // 12 bits of 3.3 V over 0.5 V/A.
         current_per_count: 0.001_611_328,
         validity_limit_us: 20_000,
         host_timeout_us: 250_000,

@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn of_two_the_later_one_gives_way_whoever_has_the_lower_identifier() {
         for (first, second) in [(A, B), (B, A)] {
-            // The first began at 100 s and told of itself for .3 s.
+            // The first began at 100 s and told of itself for 0.3 s.
             assert!(is_elder((first, Some(100 * S + S / 3)), (second, 110 * S)));
             assert!(!is_elder((second, Some(110 * S)), (first, 100 * S)));
         }

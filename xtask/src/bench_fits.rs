@@ -105,7 +105,7 @@ impl BenchFits {
                 "| {peer} | {points} | {mine:.2} | {others:.2} | {ratio:.1} | {} / {} |",
                 ours.evaluations, theirs.evaluations
             );
-            // Schemes of different order see slightly different minima; noise of .0029 N m makes 8.4e-6.
+            // Schemes of different order see slightly different minima; noise of 0.0029 N m makes 8.4e-6.
             ensure!(
                 (ours.mse / theirs.mse - 1.0).abs() < 0.005,
                 "{peer}: mean squares {:e} and {:e} are not the same minimum: {:?} {:?}",

@@ -13,21 +13,21 @@ use serde_json::Value;
 
 /// Figures shown on a page: the name in the snapshot, what it is, its unit and the factor into it.
 const FIGURES: &[(&str, &str, &str, f64)] = &[
-    ("stick_slip.period", "Stick-slip, 1 kg on 2 N/m pulled at .1 m/s: period", "s", 1.0),
+    ("stick_slip.period", "Stick-slip, 1 kg on 2 N/m pulled at 0.1 m/s: period", "s", 1.0),
     ("stick_slip.velocity_max", "... largest velocity", "m/s", 1.0),
     ("stick_slip.spring_max", "... largest spring force", "N", 1.0),
     ("stick_slip.spring_min", "... smallest spring force", "N", 1.0),
-    ("non_drift.drift_per_cycle", "Drift a cycle under .4 ± .2 N", "um", 1e6),
+    ("non_drift.drift_per_cycle", "Drift a cycle under 0.4 ± 0.2 N", "um", 1e6),
     ("non_local_memory.closure_gap", "Inner loop: closure gap over its height", "%", 100.0),
     ("non_local_memory.wiping_out_error", "... wiping-out error", "mN", 1e3),
     ("non_local_memory.congruency_error", "... congruency error over its height", "%", 100.0),
-    ("breakaway[0.1].friction_max", "Breakaway at .1 N/s: largest friction", "N", 1.0),
+    ("breakaway[0.1].friction_max", "Breakaway at 0.1 N/s: largest friction", "N", 1.0),
     ("breakaway[0.1].displacement", "... displacement there", "mm", 1e3),
     ("breakaway[0.1].applied_at_threshold", "... applied force at 1 mm/s", "N", 1.0),
     ("test_bed_lag[1].area", "Frictional lag, test bed, 1 rad/s: area of the loop", "uW", 1e6),
     ("test_bed_lag[10].area", "... 10 rad/s", "uW", 1e6),
     ("steady_state.error", "Steady sliding: largest distance from its curve", "uN", 1e6),
-    ("zero_crossing[0.1].displacement_to_zero", "Reversal at .1 m/s^2: travel to zero force", "mm", 1e3),
+    ("zero_crossing[0.1].displacement_to_zero", "Reversal at 0.1 m/s^2: travel to zero force", "mm", 1e3),
     ("zero_crossing[0.1].displacement_to_sliding", "... travel to forward sliding", "mm", 1e3),
     ("sensitivity.rms_elasticity", "Root mean square elasticity of breakaway and lag", "-", 1.0),
 ];

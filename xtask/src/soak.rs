@@ -103,8 +103,8 @@ fn print(report: &Value) -> bool {
     }
     let heard = report["heard"].as_f64().unwrap_or(0.0);
     for (what, share, limit) in [
-        ("missing_at_subscriber", LOST_IN_PYTHON, ".5 %"),
-        ("commands_missing", LOST_IN_PYTHON, ".5 %"),
+        ("missing_at_subscriber", LOST_IN_PYTHON, "0.5 %"),
+        ("commands_missing", LOST_IN_PYTHON, "0.5 %"),
         ("disordered", 0.0, "0"),
     ] {
         if let Some(count) = report[what].as_f64() {

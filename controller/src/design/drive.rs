@@ -15,7 +15,7 @@ pub struct LinearDrive {
 }
 
 impl LinearDrive {
-    /// The SRV-02 as the thesis rounds it: K = 1.863 rad/s per V, T = .02388 s.
+    /// The SRV-02 as the thesis rounds it: K = 1.863 rad/s per V, T = 0.02388 s.
     pub const SRV02: Self = Self { gain: 1.863, time_constant: 0.02388 };
 
     /// `|K / (j w T + 1)|` at `w` [rad/s].

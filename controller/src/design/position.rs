@@ -215,7 +215,7 @@ mod tests {
         let gains =
             pid_from_poles(&drive, &PositionPoles { damping: 0.7, natural_frequency: 15.0, real_pole: 30.0 })
                 .unwrap();
-        // The characteristic polynomial vanishes at -30 and at 15 exp(+-j acos(-.7)).
+        // The characteristic polynomial vanishes at -30 and at 15 exp(+-j acos(-0.7)).
         let polynomial = |s: f64| {
             drive.time_constant * s.powi(3)
                 + (1.0 + drive.gain * gains.k_d) * s * s
@@ -234,7 +234,7 @@ mod tests {
         PositionSpecification { overshoot, rise_time, settling_time, definition, sensitivity_peak: 2.0 }
     }
 
-    /// The thesis's own specification: overshoot below 15 %, rise below .2 s, settling below 1 s.
+    /// The thesis's own specification: overshoot below 15 %, rise below 0.2 s, settling below 1 s.
     #[test]
     fn the_thesis_specification_is_met_with_about_the_gains_of_the_thesis() {
         let drive = LinearDrive::SRV02;

@@ -163,7 +163,7 @@ mod tests {
         (value - expected).abs() <= tolerance
     }
 
-    /// Expected of the printed lag: no overshoot, 10-90 % rise .0935 s, 2 % settling .280 s, error .0100058.
+    /// Expected of the printed lag: no overshoot, 10-90 % rise 0.0935 s, 2 % settling 0.280 s, error 0.0100058.
     #[test]
     fn the_thesis_lag_steps_as_computed() {
         let law = LoopLaw::Velocity(VelocityLaw::Lag(LagGains::THESIS));
@@ -174,7 +174,7 @@ mod tests {
         assert!(close(found.steady_state_error, 0.010_005_8, 1e-7), "{found:?}");
     }
 
-    /// Expected of the printed PID with the derivative of the error: 11.19 %, rise .1425 s (5-95 %: .169), settling 1.282 s (5 %: .872).
+    /// Expected of the printed PID with the derivative of the error: 11.19 %, rise 0.1425 s (5-95 %: 0.169), settling 1.282 s (5 %: 0.872).
     #[test]
     fn the_thesis_pid_steps_as_computed() {
         let law = pid(0.0768, DerivativeOn::Error);
@@ -187,7 +187,7 @@ mod tests {
         assert!(close(five.settling_time.unwrap(), 0.872, 1e-3), "{five:?}");
     }
 
-    /// Expected with the derivative of the measurement: 12.77 %, 5-95 % rise .167 s, 5 % settling .936 s.
+    /// Expected with the derivative of the measurement: 12.77 %, 5-95 % rise 0.167 s, 5 % settling 0.936 s.
     #[test]
     fn the_derivative_of_the_measurement_overshoots_more() {
         let found = figures(pid(0.0768, DerivativeOn::Measurement), &StepDefinition::FIVE_PERCENT, 8.0);
@@ -196,7 +196,7 @@ mod tests {
         assert!(close(found.settling_time.unwrap(), 0.936, 1e-3), "{found:?}");
     }
 
-    /// Expected of the sign that equation 6.4 prints: 14.65 %, rise .099 s, settling 1.249 s.
+    /// Expected of the sign that equation 6.4 prints: 14.65 %, rise 0.099 s, settling 1.249 s.
     #[test]
     fn the_printed_sign_of_the_derivative_gain_is_another_loop() {
         let found = figures(pid(-0.0768, DerivativeOn::Error), &StepDefinition::default(), 8.0);

@@ -9,7 +9,7 @@ use crate::{ControllerError, LagGains, PiGains};
 /// What a velocity loop shall do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VelocitySpecification {
-    /// Error that remains of a constant reference, as a fraction: .01 for 1 %.
+    /// Error that remains of a constant reference, as a fraction: 0.01 for 1 %.
     pub steady_state_error: f64,
     /// Gain crossover [rad/s].
     pub crossover: f64,

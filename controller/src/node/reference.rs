@@ -75,7 +75,7 @@ mod tests {
         let mut keeper = keeper(0.0);
         keeper.take(Reference { velocity: 100.0, ..Reference::default() }, 0.0);
         let stops = (0..).position(|_| keeper.next(1e-3).velocity == 0.0).unwrap();
-        assert!((5490..=5510).contains(&stops), "{stops} cycles: .5 s until it is stale, 5 s from 10 rad/s");
+        assert!((5490..=5510).contains(&stops), "{stops} cycles: 0.5 s until it is stale, 5 s from 10 rad/s");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! which the speed is above both limits of the [`OnsetRule`]: a smallest speed, clear of the sensor's noise, and a multiple
 //! of the mean speed since the torque began to rise. Before sliding a contact is a spring that softens: its speed under a steady
 //! ramp is the ramp's rate over the stiffness, and grows several times only where the stiffness is nearly gone. The ratio of the test
-//! bed's spring is 2.5 at .8 of the breakaway displacement. Inertia alone gives 3 (x grows with the cube of time), so that a ratio near it fails
+//! bed's spring is 2.5 at 0.8 of the breakaway displacement. Inertia alone gives 3 (x grows with the cube of time), so that a ratio near it fails
 //! above some 2 N m/s.
 //!
 //! Two torques are reported, for published statements about the rate of the torque disagree by which of them is meant: the friction at the

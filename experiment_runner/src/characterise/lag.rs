@@ -133,7 +133,7 @@ mod tests {
 
     use super::*;
 
-    /// F = .09 + .04 w lagging by an angle: the loop is an ellipse with area pi .04 .95^2 sin(angle).
+    /// F = 0.09 + 0.04 w lagging by an angle: the loop is an ellipse with area pi 0.04 0.95^2 sin(angle).
     #[test]
     fn the_area_of_an_ellipse_is_its_closed_form() {
         let (w, h, angle) = (5.0, 1e-3, 0.01f64);

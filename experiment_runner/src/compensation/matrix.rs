@@ -132,7 +132,7 @@ mod tests {
         let row = &rows[0];
         assert!((row.none_max / 165e-4 - 1.0).abs() < 0.15, "{row:?}");
         assert!((row.max_error(ModelName::Proposed).unwrap() / 36e-4 - 1.0).abs() < 0.15, "{row:?}");
-        // Table 6.6 by the trapezoidal rule: .983e-4 and .874e-4.
+        // Table 6.6 by the trapezoidal rule: 0.983e-4 and 0.874e-4.
         let row = &rows[4];
         assert!((row.none / 0.983e-4 - 1.0).abs() < 0.02, "{row:?}");
         assert!((row.none * row.relative[0] / 0.874e-4 - 1.0).abs() < 0.02, "{row:?}");

@@ -1,7 +1,7 @@
 //! The simulations of the thesis's section 6.5: its test bed in its own units, with the inputs that its printed figures imply.
 //!
-//! Friction in N m is taken off the volts (K = 1.863 rad/s per V, T = .02388 s), sensors are ideal. The thesis does not print the references:
-//! r = .30 sin(.107 t) rad/s and r = 1.0 sin(.546 t) rad are those with which its rows come out, the inverse B(s) off in
+//! Friction in N m is taken off the volts (K = 1.863 rad/s per V, T = 0.02388 s), sensors are ideal. The thesis does not print the references:
+//! r = 0.30 sin(0.107 t) rad/s and r = 1.0 sin(0.546 t) rad are those with which its rows come out, the inverse B(s) off in
 //! tracking and its gain on in regulation, the opposite of what its text says.
 
 use controller::{ControllerOptions, DerivativeOn};

@@ -112,7 +112,7 @@ mod tests {
     fn a_log_is_brought_to_the_grid() {
         let read = parse(Path::new("a.json"), text(101).as_bytes()).unwrap();
         assert_eq!(read.title(), "lift, kp 200");
-        // 0 to .53 s, the end left out.
+        // 0 to 0.53 s, the end left out.
         assert_eq!(read.log.samples(), 106);
         for (k, goal) in read.log.goal().iter().enumerate() {
             assert!((goal - 0.005 * k as f64).abs() < 1e-12);

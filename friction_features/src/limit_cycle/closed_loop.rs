@@ -54,7 +54,7 @@ pub struct Schedule {
 }
 
 impl Default for Schedule {
-    /// 200 s in steps of .1 ms, settled after 80 s, drawn every 50 ms.
+    /// 200 s in steps of 0.1 ms, settled after 80 s, drawn every 50 ms.
     fn default() -> Self {
         Self { dt: 1e-4, duration: 200.0, settled: 80.0, keep: 500 }
     }

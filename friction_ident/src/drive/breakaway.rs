@@ -23,7 +23,7 @@ const SLOW: f64 = 3.0;
 /// Longest time from rest to motion, and on to twice its speed \[s\].
 const START: f64 = 1.0;
 
-/// All starts of motion in a recording whose force is the voltage: at least .1 s below a hundredth of the largest speed while the voltage changes by less
+/// All starts of motion in a recording whose force is the voltage: at least 0.1 s below a hundredth of the largest speed while the voltage changes by less
 /// than 3 V/s, then beyond 5 % and 10 % of the largest speed, each within a second.
 ///
 /// The voltage is carried back to zero speed along the line through these two moments. Slower speeds do not count, because a contact creeps before it breaks away:

@@ -32,7 +32,7 @@ pub struct SlipOptions {
 }
 
 impl Default for SlipOptions {
-    /// 8 Hz, so that the quantised angle disturbs the acceleration little, .2 rad/s, up to 15 samples.
+    /// 8 Hz, so that the quantised angle disturbs the acceleration little, 0.2 rad/s, up to 15 samples.
     fn default() -> Self {
         Self { cutoff: 8.0, slowest: 0.2, longest_delay: 15 }
     }

@@ -70,7 +70,7 @@ impl VelocitySource {
     pub const ENCODER_KALMAN: Self =
         Self::EncoderKalman { encoder_step: Self::ENCODER_STEP, friction_walk: 0.3 };
 
-    /// A Kalman filter on encoder and tachometer of the thesis's test bed: .01 rad/s of noise and a converter step of 4.9 mrad/s.
+    /// A Kalman filter on encoder and tachometer of the thesis's test bed: 0.01 rad/s of noise and a converter step of 4.9 mrad/s.
     pub const FUSED: Self =
         Self::Fused { encoder_step: Self::ENCODER_STEP, tachometer_noise: 0.0101, friction_walk: 0.3 };
 

@@ -103,7 +103,7 @@ impl Default for SafetyLimits {
     /// The SRV-02 of the thesis with its motor's nominal 6 V, and its tachometer's range as speed limit.
     ///
     /// The thermal constants are assumed (24 K/W, 20 s, 100 degrees C: a stalled motor at 6 V is stopped after about
-    /// .26 of a time constant); take those of your motor's data sheet.
+    /// 0.26 of a time constant); take those of your motor's data sheet.
     fn default() -> Self {
         Self {
             voltage: 6.0,

@@ -9,14 +9,14 @@ pub struct SerialOptions {
     pub baud: u32,
     /// How long after the measurement a command may be applied [s], from 1 ms to 1 s. The device has a limit of its own.
     pub validity: f64,
-    /// Longest wait for an answer to hello [s], from .05 to 60 s.
+    /// Longest wait for an answer to hello [s], from 0.05 to 60 s.
     pub answer: f64,
     /// Longest wait for a measurement [s], from 5 ms to 10 s.
     pub silence: f64,
 }
 
 impl Default for SerialOptions {
-    /// 2 Mbaud, commands valid for 20 ms, 2 s for the answer to hello, .1 s for a measurement.
+    /// 2 Mbaud, commands valid for 20 ms, 2 s for the answer to hello, 0.1 s for a measurement.
     fn default() -> Self {
         Self { baud: 2_000_000, validity: 0.02, answer: 2.0, silence: 0.1 }
     }

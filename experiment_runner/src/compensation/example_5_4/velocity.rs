@@ -100,7 +100,7 @@ impl LinearPart<6> for Axis {
 
     #[inline]
     fn error(&self, x: &[f64; 6]) -> f64 {
-        // s^2 / (s + .2)^4 of the noise is the third state of the controllable form.
+        // s^2 / (s + 0.2)^4 of the noise is the third state of the controllable form.
         x[4] + x[2] / 40.0
     }
 
@@ -108,7 +108,7 @@ impl LinearPart<6> for Axis {
     fn rates(&self, x: &[f64; 6], friction: f64, estimate: f64) -> [f64; 6] {
         let error = self.error(x);
         let &[a, b, c, d, _, integral] = x;
-        // (s + .2)^4 = s^4 + .8 s^3 + .24 s^2 + .032 s + .0016
+        // (s + 0.2)^4 = s^4 + 0.8 s^3 + 0.24 s^2 + 0.032 s + 0.0016
         let filter = self.noise - 0.0016 * a - 0.032 * b - 0.24 * c - 0.8 * d;
         let command = estimate - self.p * error - self.i * integral;
         [b, c, d, filter, (command - friction) / self.inertia, error]
@@ -127,7 +127,7 @@ mod tests {
         let rest = [1.0 / 0.0016, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert!(axis.rates(&rest, 0.0, 0.0).iter().all(|rate| rate.abs() < 1e-12));
         assert_eq!(axis.error(&rest), 0.0);
-        // At w = .2 every pole has the gain 1/(.2 sqrt 2): |H| = .04/40 / (.08)^2 = .15625.
+        // At w = 0.2 every pole has the gain 1/(0.2 sqrt 2): |H| = 0.04/40 / (0.08)^2 = 0.15625.
         let (w, h) = (0.2f64, 0.01);
         let frictionless = || super::super::models::frictionless().unwrap();
         let mut closed = ClosedLoop::new(axis, [0.0; 6], frictionless(), frictionless(), 0.0);

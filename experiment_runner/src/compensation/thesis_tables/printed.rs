@@ -130,7 +130,7 @@ pub const PRINTED: [PrintedTable; 8] = [
             row(Scheme::Linear, "PID only", 9.6548, Some(5474.0), None),
             row(PROPOSED, "Proposed new model", 9.4329, Some(5432.0), Some(0.77)),
             row(LUGRE, "LuGre model", 9.4808, Some(5438.0), Some(0.66)),
-            // The errors give .548 %.
+            // The errors give 0.548 %.
             row(GMS, "GMS model", 9.4554, Some(5444.0), Some(0.48)),
             row(XIONG, "Xiong model", 9.4757, Some(5452.0), Some(0.40)),
         ],

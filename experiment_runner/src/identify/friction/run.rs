@@ -278,7 +278,7 @@ mod tests {
         }
     }
 
-    /// A stretch of a spring that slides at .1: x = a sin(t).
+    /// A stretch of a spring that slides at 0.1: x = a sin(t).
     fn swing(a: f64) -> Stretch {
         let time = (0..6000).map(|k| f64::from(k) * 1e-3);
         let position: Vec<f64> = time.clone().map(|t| a * (3.0 * t).sin()).collect();
