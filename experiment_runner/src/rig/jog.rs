@@ -7,8 +7,8 @@ use rig_driver::Measurement;
 
 /// Time over which the encoder's speed is taken [s]: one count of 4096 a turn is 0.03 rad/s over it.
 const WINDOW: f64 = 0.05;
-/// Counts within which an encoder stands.
-const STANDS: i64 = 1;
+/// Counts by which a shaft gives that friction holds, elastically; `rig check` takes half of its eight for that too.
+const STANDS: i64 = 4;
 
 /// What was seen while the shaft was to move.
 #[derive(Debug, Clone, Default)]
@@ -95,7 +95,7 @@ impl JogSummary {
         } else {
             let _ = writeln!(
                 text,
-                "travel         none: the encoder stayed within {STANDS} count. Friction holds the shaft below a voltage that `frictionlab rig check` finds; if more does not \
+                "travel         none: the encoder stayed within {STANDS} counts. Friction holds the shaft below a voltage that `frictionlab rig check` finds; if more does not \
                  move it either, look at the amplifier's enable and supply, the motor's leads and the encoder's plug"
             );
             let _ = writeln!(
