@@ -171,7 +171,9 @@ def test_live_refuses_a_file_with_unknown_settings(tmp_path):
 
 @pytest.mark.parametrize("option", ["rig", "model", "mode", "parameters", "duration", "seed", "out", "serve", "no_compensation"])
 def test_every_option_of_live_exists_in_the_program(option):
-    source = (ROOT / "experiment_runner/src/cli/live.rs").read_text(encoding="utf-8")
+    cli = ROOT / "experiment_runner/src/cli"
+    # The folder's option is that of every command.
+    source = "".join((cli / name).read_text(encoding="utf-8") for name in ("live.rs", "destination.rs"))
     there = re.search(rf"^    pub {option}: ", source, re.MULTILINE)
     if option == "serve" and not there:
         pytest.skip("this frictionlab live has no --serve")
