@@ -149,13 +149,23 @@ pub fn runs(pid: u32) -> bool {
     stat(&proc(pid)).is_some_and(|(_, state)| !matches!(state, 'Z' | 'X'))
 }
 
-/// Children of a process: number and program.
+/// Children of a process: number and program, or the node that it is, as in `frictionlab node rig_driver`.
 pub fn children(pid: u32) -> Vec<(u32, String)> {
     let entries = std::fs::read_dir("/proc").expect("processes");
     entries
         .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse::<u32>().ok())
         .filter(|child| stat(&proc(*child)).is_some_and(|(parent, _)| parent == pid))
         .filter_map(|child| {
+            let line = std::fs::read(proc(child).join("cmdline")).ok()?;
+            let words: Vec<String> = line
+                .split(|byte| *byte == 0)
+                .map(|word| String::from_utf8_lossy(word).into_owned())
+                .collect();
+            if let [_, command, node, ..] = &words[..]
+                && command == "node"
+            {
+                return Some((child, node.clone()));
+            }
             let program = std::fs::read_link(proc(child).join("exe")).ok()?;
             Some((child, program.file_name()?.to_str()?.to_owned()))
         })
