@@ -99,7 +99,7 @@ pub(crate) enum Sensor {
 
 fn volts(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(value) if value >= 0.1 && value <= HIGHEST_VOLTAGE => Ok(value),
+        Ok(value) if (0.1..=HIGHEST_VOLTAGE).contains(&value) => Ok(value),
         _ => Err(format!("a voltage range lies between 0.1 and {HIGHEST_VOLTAGE} V")),
     }
 }

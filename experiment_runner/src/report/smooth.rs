@@ -57,7 +57,7 @@ pub fn one_cycle(values: &[f64]) -> Range<usize> {
         high - low
     };
     let largest = cycles.clone().map(|range| swing(&range)).fold(0.0, f64::max);
-    cycles.filter(|range| swing(range) >= 0.95 * largest).last().unwrap_or(0..values.len())
+    cycles.filter(|range| swing(range) >= 0.95 * largest).next_back().unwrap_or(0..values.len())
 }
 
 #[cfg(test)]

@@ -159,8 +159,8 @@ fn rankings(study: &Study, cell: &Cell) -> impl Iterator<Item = Table> {
         title: format!("The models of {} in order", ranking.means.as_str()),
         caption: format!(
             "Over {} {} occurred. By chance alone each model would be first in {:.1} % of them.",
-            numbers::count(ranking.draws as usize, "draw"),
-            numbers::count(ranking.orders as usize, "order"),
+            numbers::count(ranking.draws, "draw"),
+            numbers::count(ranking.orders, "order"),
             100.0 / ranking.standings.len() as f64
         ),
         columns: ["model", "first [%]", "standard error [%]", "mean place", "behind the best, median"]

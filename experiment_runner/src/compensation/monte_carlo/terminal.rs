@@ -57,7 +57,7 @@ fn standings(study: &Study, cell: &Cell) -> String {
         text += &format!(
             "  first by {}, {}: ",
             ranking.means.as_str(),
-            crate::numbers::count(ranking.orders as usize, "order")
+            crate::numbers::count(ranking.orders, "order")
         );
         let shares: Vec<String> = ranking
             .standings
