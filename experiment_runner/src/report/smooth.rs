@@ -51,13 +51,13 @@ pub fn one_cycle(values: &[f64]) -> Range<usize> {
             risings.push(i);
         }
     }
-    let cycles = risings.windows(2).map(|pair| pair[0]..pair[1] + 1);
+    let mut cycles = risings.windows(2).map(|pair| pair[0]..pair[1] + 1);
     let swing = |range: &Range<usize>| {
         let (low, high) = extent(&values[range.clone()]);
         high - low
     };
     let largest = cycles.clone().map(|range| swing(&range)).fold(0.0, f64::max);
-    cycles.filter(|range| swing(range) >= 0.95 * largest).next_back().unwrap_or(0..values.len())
+    cycles.rfind(|range| swing(range) >= 0.95 * largest).unwrap_or(0..values.len())
 }
 
 #[cfg(test)]
