@@ -78,15 +78,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (rigs, port) = (folder.path().join("rigs"), folder.path().join("port"));
         fs::write(&port, "").unwrap();
-        assert_eq!(announced(&rigs), [PathBuf::new(); 0]);
+        assert!(announced(&rigs).is_empty());
         let running = Announcement::new(&rigs, &port).unwrap();
         fs::write(rigs.join("1"), port.display().to_string()).unwrap();
-        assert_eq!(announced(&rigs), [port.clone()]);
+        assert_eq!(announced(&rigs), std::slice::from_ref(&port));
         // Its port is gone, as while the cable is out.
         fs::remove_file(&port).unwrap();
-        assert_eq!(announced(&rigs), [PathBuf::new(); 0]);
+        assert!(announced(&rigs).is_empty());
         fs::write(&port, "").unwrap();
         drop(running);
-        assert_eq!(announced(&rigs), [PathBuf::new(); 0]);
+        assert!(announced(&rigs).is_empty());
     }
 }
