@@ -13,6 +13,7 @@ pub mod design;
 pub mod doctor;
 pub mod drive;
 mod durable;
+mod exact;
 pub mod features;
 pub mod identify;
 mod input;

@@ -36,6 +36,7 @@ pub struct TrackingRun {
     /// Root mean square of the voltage [V].
     pub effort: f64,
     /// Root mean square of the measured minus the estimated friction [N m].
+    #[serde(deserialize_with = "crate::exact::or_nan")]
     pub torque_residual: f64,
     /// Root mean square of the true minus the estimated friction [N m], where the rig is simulated.
     pub torque_error: Option<f64>,

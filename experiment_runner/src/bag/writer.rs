@@ -226,6 +226,15 @@ impl BagWriter {
         self.output.flush()
     }
 
+    /// Brings what was [flushed](Self::flush) to the disk, where it outlives a power cut.
+    ///
+    /// # Errors
+    /// [`BagError::Write`] if the disk refuses.
+    pub fn sync(&self) -> Result<(), BagError> {
+        let synced = fs::File::options().append(true).open(&self.file).and_then(|file| file.sync_data());
+        synced.map_err(|source| BagError::Write { path: self.file.clone(), source })
+    }
+
     /// Closes the bag, brings it to the disk and describes it in `metadata.yaml`.
     ///
     /// # Errors

@@ -11,7 +11,7 @@
 //! onset, and the highest friction before gross motion.
 
 use friction_ident::{FrictionTorque, IdentError, zero_phase::LowPass};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Channels;
 use crate::protocol::{Displacement, OnsetRule, REST};
@@ -20,7 +20,7 @@ use crate::protocol::{Displacement, OnsetRule, REST};
 const CUTOFF: f64 = 20.0;
 
 /// Breakaway of one run. Magnitudes, whatever the direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Breakaway {
     /// Time from the beginning of the rise to the onset [s].
     pub time: f64,

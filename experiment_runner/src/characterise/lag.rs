@@ -13,7 +13,7 @@
 use std::f64::consts::{PI, TAU};
 
 use friction_ident::FrictionTorque;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Harmonics that are kept: beyond, at 10 rad/s, the test bed's friction shows only noise.
 const HARMONICS: usize = 8;
@@ -22,7 +22,7 @@ const HARMONICS: usize = 8;
 const POINTS: usize = 180;
 
 /// The loop of one run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LagLoop {
     /// Area, closed integral of F dw [N m rad/s].
     pub area: f64,

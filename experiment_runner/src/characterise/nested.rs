@@ -4,7 +4,7 @@
 //! memory is back where it was: the loop closes.
 
 use friction_ident::FrictionTorque;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::Channels;
 use super::channels::block_means;
@@ -14,7 +14,7 @@ use crate::protocol::{Displacement, PreSlidingProtocol, REST};
 const WINDOW: f64 = 0.025;
 
 /// One closed loop of the path.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Closure {
     /// Turn at which the loop begins, from 0.
     pub begin: usize,
@@ -31,7 +31,7 @@ pub struct Closure {
 }
 
 /// The path of one run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NestedPath {
     /// Its closed loops, in the order in which they close.
     pub closures: Vec<Closure>,

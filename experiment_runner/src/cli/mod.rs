@@ -23,6 +23,7 @@ pub mod monte_carlo;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod protocols;
+mod resume;
 pub mod rig;
 pub(crate) mod rig_profile;
 pub mod run;
@@ -87,6 +88,14 @@ fn model_name(text: &str) -> Result<friction_model::ModelName, String> {
 /// Tells which bags of earlier runs in `runs` were cut off, and how to save them.
 fn offer_recovery(runs: &std::path::Path) {
     for bag in crate::bag::cut_bags(runs) {
+        if let Some(run) = bag.parent().filter(|run| crate::run::Journal::is_in(run)) {
+            eprintln!(
+                "the run in {} was cut off by a kill or a crash: `frictionlab run --resume {}` goes on with it",
+                run.display(),
+                run.display()
+            );
+            continue;
+        }
         eprintln!(
             "{} was cut off by a kill or a crash: `frictionlab bag recover {}` saves what it holds",
             bag.display(),

@@ -27,7 +27,8 @@ use crate::protocol::{
 };
 use crate::rig::{RigChoice, RigSetupError, read_calibration};
 use crate::run::{
-    self, Experiment, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunError, RunOptions, Status, shipped,
+    self, Beginning, Experiment, Given, Journal, Origin, Pace, ProfileUsed, RecordPolicy, RunError,
+    RunOptions, Status, shipped,
 };
 use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 
@@ -38,6 +39,10 @@ use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 /// velocity and position tracking. The output folder gets the bag, parameters.yaml, report.html and run.json.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
+    /// Go on with the run in this folder that was stopped, whatever stopped it. Its own options count; what is measured is not measured again. A real rig is
+    /// opened as for a run that begins
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = super::resume::OTHERS)]
+    pub resume: Option<PathBuf>,
     /// What to run [default: all, or the experiment of the protocol given]
     #[arg(value_enum)]
     pub experiment: Option<Experiment>,
@@ -168,9 +173,21 @@ pub enum FrictionArg {
 /// # Errors
 /// [`BadInput`] for what the user can mend, [`Interrupted`] after ctrl-C.
 pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
+    if let Some(folder) = &args.resume {
+        let (folder, given, journal) = super::resume::open(args, folder)?;
+        let options = options(&given)?;
+        journal.require_asked(&options).map_err(bad_input)?;
+        run::check_options(&options).map_err(bad_input)?;
+        return run_in(&given, &options, &folder, Beginning::Resumed(Box::new(journal)));
+    }
     let options = options(args)?;
     run::check_options(&options).map_err(bad_input)?;
     let folder = args.to.reserve(options.experiment.as_str())?;
+    let beginning = Beginning::Anew { force: args.to.force, words: super::resume::words() };
+    run_in(args, &options, folder.path(), beginning)
+}
+
+fn run_in(args: &RunArgs, options: &RunOptions, folder: &Path, beginning: Beginning) -> anyhow::Result<()> {
     let cancel = interruption::watch(interruption::WRITING)?;
     args.saying.begin();
     let paced = options.rig != RigChoice::Simulated || args.real_time;
@@ -180,28 +197,37 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     }
 
     if !args.quiet {
-        super::offer_recovery(Path::new(RUNS));
+        if matches!(beginning, Beginning::Anew { .. }) {
+            super::offer_recovery(Path::new(RUNS));
+        }
         // Read once more for what there is to say; it is what was used.
         if let Some(note) = choose(args.rig.as_ref(), args.rig_file.as_deref())?.note {
             eprintln!("{note}");
         }
     }
     let progress = Progress::new(options.rig_seconds(), args.quiet);
-    let outcome = run::execute_in(&options, folder.path(), args.to.force, &progress, &cancel);
+    let outcome = run::execute_in(options, folder, beginning, &progress, &cancel);
     progress.finish();
-    let outcome = outcome.map_err(bad_input)?;
+    let outcome = outcome.map_err(|error| {
+        if Journal::is_in(folder) && !matches!(error, RunError::Resume { .. }) {
+            eprintln!("what was measured is kept{}", super::resume::hint(folder));
+        }
+        bad_input(error)
+    })?;
     let document = if args.saying.json { document(&outcome.results)? } else { String::new() };
     args.saying.result(args.quiet, &document, &run::terminal::summary(&outcome))?;
     if let Some(why) = &outcome.results.ended {
         anyhow::bail!(
-            "the run ended early: {why}; the bag in {} is whole as far as it goes, and so is the report",
-            outcome.folder.join("bag").display()
+            "the run ended early: {why}; the bag in {} is whole as far as it goes, and so is the report{}",
+            outcome.folder.join("bag").display(),
+            super::resume::hint(folder)
         );
     }
     if outcome.results.status == Status::Interrupted {
         return Err(Interrupted(format!(
-            "stopped before the end; the bag in {} is whole as far as it goes, and so is the report",
-            outcome.folder.join("bag").display()
+            "stopped before the end; the bag in {} is whole as far as it goes, and so is the report{}",
+            outcome.folder.join("bag").display(),
+            super::resume::hint(folder)
         ))
         .into());
     }

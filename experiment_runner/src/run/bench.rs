@@ -1,19 +1,22 @@
 //! What all experiments of a run share: the rig they drive, simulated or real, and what ends them early.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use controller::ControlMode;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::RigError;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
+use super::journal::Journal;
 use super::recorder::{Kept, Marks, Stream};
 use super::results::Reconnection;
 use super::{Pace, RunError, RunOptions};
 use crate::compensation::{Arm, Means};
-use crate::control_loop::{ControlLoop, RunningLoop};
+use crate::control_loop::{ControlLoop, EPOCH_NS, RunningLoop};
 #[cfg(feature = "ros")]
 use crate::nodes::{NodesBench, Task, Wanted};
 use crate::paced::Paced;
@@ -50,6 +53,20 @@ pub(super) struct Bench<'a> {
     marks: Option<Marks>,
     /// What was repeated because the line to the rig failed.
     reconnections: Mutex<Vec<Reconnection>>,
+    /// What was done, for a run that goes on after a stop.
+    journal: Mutex<Option<Journal>>,
+}
+
+/// What became of a job.
+pub(super) struct Made<R> {
+    /// Start of its run [ns since the Unix epoch].
+    pub start_ns: u64,
+    /// What goes into the bag.
+    pub kept: Kept,
+    /// What it gave.
+    pub result: R,
+    /// Whether it was done before the run was stopped: the bag of that time has its cycles.
+    pub replayed: bool,
 }
 
 /// Runs of one job after which a line that fails again ends the experiment.
@@ -170,6 +187,7 @@ impl<'a> Bench<'a> {
             ended: Mutex::default(),
             marks: None,
             reconnections: Mutex::default(),
+            journal: Mutex::default(),
         }
     }
 
@@ -181,6 +199,21 @@ impl<'a> Bench<'a> {
     /// Runs in real time are recorded there while they go on.
     pub fn record_to(&mut self, stream: Option<Stream>, marks: Marks) {
         (self.stream, self.marks) = (stream, Some(marks));
+    }
+
+    /// What jobs give is kept there, and what it holds of a run before is not measured again.
+    pub fn keep_in(&mut self, journal: Journal) {
+        self.reconnections = Mutex::new(journal.reconnections());
+        self.journal = Mutex::new(Some(journal));
+    }
+
+    /// The journal; nothing is kept from then on.
+    pub fn journal(&self) -> Option<Journal> {
+        self.kept_journal().take()
+    }
+
+    fn kept_journal(&self) -> MutexGuard<'_, Option<Journal>> {
+        self.journal.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What keeps one of `every` so many cycles of a run.
@@ -296,15 +329,61 @@ impl<'a> Bench<'a> {
     }
 
     /// Does the jobs, on all cores where the rig is simulated and one after the other on a real one, and delivers what comes of them in order. A real rig that fails or is
-    /// stopped cancels the rest; [`end`](Self::end) says why.
+    /// stopped cancels the rest; [`end`](Self::end) says why. What a run before did of them is not done again.
     ///
     /// # Errors
     /// The first error in the order of the jobs.
-    pub fn in_order<J: Sync, R: Send>(
+    pub fn in_order<J: Sync, R: Send + Serialize + DeserializeOwned>(
         &self,
         jobs: &[J],
-        work: impl Fn(&J) -> Result<R, RunError> + Sync,
-        mut deliver: impl FnMut(&J, R) -> Result<(), RunError>,
+        work: impl Fn(&J) -> Result<Made<R>, RunError> + Sync,
+        mut deliver: impl FnMut(&J, Made<R>) -> Result<(), RunError>,
+    ) -> Result<Completion, RunError> {
+        let replayed = self.replay(jobs, &mut deliver)?;
+        let jobs = &jobs[replayed..];
+        if !jobs.is_empty() {
+            self.mark_resumed()?;
+        }
+        match self.measure(jobs, work, deliver)? {
+            Completion::All => Ok(Completion::All),
+            Completion::Cancelled { delivered } => {
+                Ok(Completion::Cancelled { delivered: replayed + delivered })
+            }
+        }
+    }
+
+    /// Delivers what a run before did of the jobs; how many of them.
+    fn replay<J, R: DeserializeOwned>(
+        &self,
+        jobs: &[J],
+        deliver: &mut impl FnMut(&J, Made<R>) -> Result<(), RunError>,
+    ) -> Result<usize, RunError> {
+        for (replayed, job) in jobs.iter().enumerate() {
+            let done = self.kept_journal().as_mut().map_or(Ok(None), Journal::replay)?;
+            let Some(done) = done else { return Ok(replayed) };
+            let (start_ns, result) = (done.start_ns, done.result);
+            deliver(job, Made { start_ns, kept: Kept::default(), result, replayed: true })?;
+        }
+        Ok(jobs.len())
+    }
+
+    /// Says in the bag that a run goes on, before the first run that it measures.
+    fn mark_resumed(&self) -> Result<(), RunError> {
+        let after = self.kept_journal().as_ref().and_then(Journal::resumed_after);
+        match (after, &self.marks) {
+            (Some(after), Some(marks)) => {
+                marks.resumed(self.now_or(after.max(EPOCH_NS)), self.options.experiment.as_str())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Does the jobs and delivers what comes of them in order; each is in the journal then.
+    fn measure<J: Sync, R: Send + Serialize>(
+        &self,
+        jobs: &[J],
+        work: impl Fn(&J) -> Result<Made<R>, RunError> + Sync,
+        mut deliver: impl FnMut(&J, Made<R>) -> Result<(), RunError>,
     ) -> Result<Completion, RunError> {
         let workers = if self.is_simulated() { self.options.workers } else { 1 };
         let mut delivered = 0;
@@ -316,11 +395,20 @@ impl<'a> Bench<'a> {
             }
             self.repeated(|| work(job)).inspect_err(|_| failed.store(true, Ordering::Relaxed))
         };
-        let completion = run_in_order(jobs, workers, self.cancel, work, |job, result| {
+        let completion = run_in_order(jobs, workers, self.cancel, work, |job, made| {
             delivered += 1;
             #[cfg(test)]
             stop_after::count(self.cancel);
-            deliver(job, result)
+            let line = match &*self.kept_journal() {
+                Some(journal) => Some(journal.line(made.start_ns, &made.result)?),
+                None => None,
+            };
+            deliver(job, made)?;
+            let Some(line) = line else { return Ok(()) };
+            if let Some(marks) = &self.marks {
+                marks.settle(self.stream.as_ref())?;
+            }
+            self.kept_journal().as_mut().map_or(Ok(()), |journal| journal.add(line))
         });
         let Err(error) = completion else { return completion };
         let lost = matches!(error, RunError::NotBack { .. });
@@ -365,7 +453,11 @@ impl<'a> Bench<'a> {
             }
             let at_seconds = at as f64 * 1e-9;
             let mut reconnections = self.reconnections.lock().unwrap_or_else(PoisonError::into_inner);
-            reconnections.push(Reconnection { at: at_seconds, seconds, said });
+            let reconnection = Reconnection { at: at_seconds, seconds, said };
+            if let Some(journal) = self.kept_journal().as_mut() {
+                journal.reconnected(&reconnection)?;
+            }
+            reconnections.push(reconnection);
         }
     }
 

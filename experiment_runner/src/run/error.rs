@@ -1,5 +1,7 @@
 //! What can end a run.
 
+use std::path::PathBuf;
+
 use friction_ident::IdentError;
 use rig_driver::RigError;
 
@@ -68,6 +70,14 @@ pub enum RunError {
     /// A model was asked for whose parameters nobody knows.
     #[error(transparent)]
     Model(#[from] friction_model::ModelError),
+    /// A run that was stopped cannot go on.
+    #[error("the run in {folder} cannot be resumed: {why}")]
+    Resume {
+        /// Its folder.
+        folder: PathBuf,
+        /// Why not.
+        why: String,
+    },
     /// Results could not be put into words.
     #[error(
         "the results cannot be written as {what}: {detail}; this is a mistake in the program, please report it"

@@ -3,8 +3,10 @@
 use std::fmt::Write;
 
 use friction_ident::FrictionTorque;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
-use super::bench::Bench;
+use super::bench::{Bench, Made};
 use super::options::stream_seed;
 use super::recorder::{Recorder, Timeline};
 use super::{RecordPolicy, RunError};
@@ -35,33 +37,46 @@ pub(super) struct ExcitedJob {
 }
 
 /// The means over the repetitions of a group, one value a cycle, as long as the shortest run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct MeanRecord {
     /// Time [s].
+    #[serde(with = "crate::exact::column")]
     pub time: Vec<f64>,
     /// Position [rad].
+    #[serde(with = "crate::exact::column")]
     pub position: Vec<f64>,
     /// Velocity [rad/s].
+    #[serde(with = "crate::exact::column")]
     pub velocity: Vec<f64>,
     /// Voltage [V].
+    #[serde(with = "crate::exact::column")]
     pub voltage: Vec<f64>,
     /// Current [A]; empty on a rig that does not measure it.
+    #[serde(with = "crate::exact::column")]
     pub current: Vec<f64>,
     /// Friction torque by the chosen source [N m].
+    #[serde(with = "crate::exact::column")]
     pub torque: Vec<f64>,
     runs: f64,
 }
 
 impl MeanRecord {
-    fn add(&mut self, channels: &Channels, friction: &FrictionTorque, displacement: Displacement) {
+    /// The record of one run.
+    fn one(channels: Channels, friction: FrictionTorque, displacement: Displacement) -> Self {
         let position = match displacement {
-            Displacement::Encoder => &channels.encoder,
-            Displacement::Potentiometer => &channels.potentiometer,
+            Displacement::Encoder => channels.encoder,
+            Displacement::Potentiometer => channels.potentiometer,
         };
+        let Channels { time, velocity, voltage, current, .. } = channels;
+        Self { time, position, velocity, voltage, current, torque: friction.torque, runs: 1.0 }
+    }
+
+    /// Takes one run in.
+    fn add(&mut self, one: &Self) {
         if self.runs == 0.0 {
-            self.time.clone_from(&channels.time);
+            self.time.clone_from(&one.time);
         }
-        self.time.truncate(channels.time.len());
+        self.time.truncate(one.time.len());
         let runs = self.runs;
         let into = |sum: &mut Vec<f64>, values: &[f64]| {
             if runs == 0.0 {
@@ -72,11 +87,11 @@ impl MeanRecord {
                 sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += (value - *sum) / (runs + 1.0));
             }
         };
-        into(&mut self.position, position);
-        into(&mut self.velocity, &channels.velocity);
-        into(&mut self.voltage, &channels.voltage);
-        into(&mut self.current, &channels.current);
-        into(&mut self.torque, &friction.torque);
+        into(&mut self.position, &one.position);
+        into(&mut self.velocity, &one.velocity);
+        into(&mut self.voltage, &one.voltage);
+        into(&mut self.current, &one.current);
+        into(&mut self.torque, &one.torque);
         self.runs += 1.0;
     }
 }
@@ -160,7 +175,7 @@ pub(super) struct Series {
 
 impl Bench<'_> {
     /// Drives the jobs in order and makes something of each.
-    pub(super) fn drive<R: Send>(
+    pub(super) fn drive<R: Send + Serialize + DeserializeOwned>(
         &self,
         series: Series,
         jobs: Vec<ExcitedJob>,
@@ -203,7 +218,8 @@ impl Bench<'_> {
             control.stop()?;
             let friction = options.torque.friction(&channels).map_err(RunError::Torque)?;
             let result = reduce(job, &channels, &friction);
-            Ok::<_, RunError>((start_ns, result, kept, channels, friction))
+            let record = MeanRecord::one(channels, friction, series.displacement);
+            Ok(Made { start_ns, kept, result: (result, record), replayed: false })
         };
         let groups = jobs.iter().map(|job| job.2.group + 1).max().unwrap_or(0);
         let mut driven = Driven {
@@ -213,23 +229,23 @@ impl Bench<'_> {
             completion: Completion::All,
         };
         let total = jobs.len() as f64;
-        driven.completion =
-            self.in_order(&jobs, work, |(_, _, job), (start_ns, result, kept, channels, friction)| {
-                let stage = format!("{}, repetition {}", job.stage, job.repetition + 1);
-                if job.repetition == 0 {
-                    self.progress.stage(format!("{}: {}", series.name, job.stage));
-                }
-                if every(job).is_some() {
-                    recorder.status(start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
-                }
-                recorder.write(kept)?;
-                let seconds = channels.time.len() as f64 * period;
-                self.progress.advance(job.excitation.profile.duration());
-                driven.rig_seconds += seconds;
-                driven.means[job.group].add(&channels, &friction, series.displacement);
-                driven.results.push((job.group, result));
-                Ok(())
-            })?;
+        driven.completion = self.in_order(&jobs, work, |(_, _, job), made| {
+            let Made { start_ns, kept, result: (result, record), replayed } = made;
+            let stage = format!("{}, repetition {}", job.stage, job.repetition + 1);
+            if job.repetition == 0 {
+                self.progress.stage(format!("{}: {}", series.name, job.stage));
+            }
+            if every(job).is_some() && !replayed {
+                recorder.status(start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
+            }
+            recorder.write(kept)?;
+            let seconds = record.time.len() as f64 * period;
+            self.progress.advance(job.excitation.profile.duration());
+            driven.rig_seconds += seconds;
+            driven.means[job.group].add(&record);
+            driven.results.push((job.group, result));
+            Ok(())
+        })?;
         recorder.flush()?;
         Ok(driven)
     }

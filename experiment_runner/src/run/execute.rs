@@ -1,5 +1,6 @@
 //! The run itself, stage by stage.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -8,8 +9,9 @@ use std::time::Instant;
 use friction_ident::{StribeckOptions, StribeckParameter, fit_stribeck};
 use friction_model::ModelName;
 
-use super::bench::{self, Bench};
+use super::bench::{self, Bench, Made};
 use super::characterisation::Progressed;
+use super::journal::Journal;
 use super::options::stream_seed;
 use super::recorder::{Recorder, Timeline};
 use super::results::{
@@ -56,34 +58,65 @@ pub fn execute(
     progress: &Progress,
     cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
-    execute_in(options, folder, false, progress, cancel)
+    execute_in(options, folder, Beginning::Anew { force: false, words: None }, progress, cancel)
 }
 
-/// The same in a folder that may hold something already, if `force`: files of the same names are replaced, and so is a bag.
+/// How a run begins.
+#[derive(Debug)]
+pub enum Beginning {
+    /// With its first job.
+    Anew {
+        /// Whether its folder may hold something already: files of the same names are replaced, and so is a bag.
+        force: bool,
+        /// What stood behind `run` on the command line: with it a run that is stopped can go on.
+        words: Option<Vec<String>>,
+    },
+    /// With the first job that was not done when it was stopped. Its bag is moved to `bag_before_resume_N` first.
+    Resumed(Box<Journal>),
+}
+
+/// The same, where the beginning says how. What the jobs gave is kept in a journal until the run is complete.
 ///
 /// # Errors
 /// As for [`execute`].
 pub fn execute_in(
     options: &RunOptions,
     folder: &Path,
-    force: bool,
+    beginning: Beginning,
     progress: &Progress,
     cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
     // Put together for nothing first, so that a wrong option neither opens a rig nor writes anything.
     check_options(options)?;
-    if force {
-        bag::remove(&folder.join(BAG))?;
-    } else {
-        require_empty(folder)?;
+    match &beginning {
+        Beginning::Anew { force: true, .. } => bag::remove(&folder.join(BAG))?,
+        Beginning::Anew { force: false, .. } => require_empty(folder)?,
+        Beginning::Resumed(journal) => journal.require_asked(options)?,
     }
+    let asked = options;
     let (rig, options) = bench::open(options, progress, cancel)?;
     let options = &options;
     let mut bench = Bench::new(options, rig, progress, cancel);
     Bench::check(options)?;
-    let mut recorder = Recorder::create(&folder.join(BAG), options, bench.is_real_time())?;
+    let real_time = bench.is_real_time();
+    let beginning = match beginning {
+        Beginning::Resumed(mut journal) => {
+            journal.require_opened(options)?;
+            journal.go_on(real_time, put_aside(folder, progress)?)?;
+            Beginning::Resumed(journal)
+        }
+        anew @ Beginning::Anew { .. } => anew,
+    };
+    let mut recorder = Recorder::create(&folder.join(BAG), options, real_time)?;
     bench.record_to(recorder.stream(), recorder.marks());
+    match beginning {
+        Beginning::Anew { words: Some(words), .. } => {
+            bench.keep_in(Journal::begin(folder, words, (asked, options), real_time)?);
+        }
+        Beginning::Anew { words: None, .. } => Journal::remove(folder)?,
+        Beginning::Resumed(journal) => bench.keep_in(*journal),
+    }
     let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
     let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
@@ -160,7 +193,13 @@ pub fn execute_in(
 
     // The rig is let go before the report is written.
     let reconnections = bench.reconnections();
-    let ended = bench.end().or(unfit);
+    let journal = bench.journal();
+    let sessions = journal.as_ref().map(|journal| journal.sessions(BAG)).unwrap_or_default();
+    // To go on would bring no other curve.
+    let over = status == Status::Complete || unfit.is_some();
+    let ended = bench.end();
+    let over = over && ended.is_none();
+    let ended = ended.or(unfit);
     let unrecorded = recorder.drain()?;
     if unrecorded > 0 {
         progress.line(&format!("{unrecorded} cycles are not in the bag: the disk did not keep up"));
@@ -182,6 +221,7 @@ pub fn execute_in(
         status: if ended.is_some() { Status::Interrupted } else { status },
         ended,
         reconnections,
+        sessions: if sessions.len() > 1 { sessions } else { Vec::new() },
         options: options.clone(),
         origin,
         constant_velocity: steady,
@@ -211,6 +251,9 @@ pub fn execute_in(
     let report = render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
     files.push(("report.html", report));
     write_all(folder, &files)?;
+    if let Some(journal) = journal.filter(|_| over) {
+        journal.complete()?;
+    }
     progress.finish();
     Ok(Outcome { results, folder: folder.to_owned() })
 }
@@ -244,6 +287,23 @@ fn steady_points(runs: &[SteadyRun]) -> String {
         text += &format!(",{torque:.8},{torque_deviation:.6}\n");
     }
     text
+}
+
+/// Puts the bag of a run that was stopped aside, whole as far as it goes; the name of the folder that it is in then.
+fn put_aside(folder: &Path, progress: &Progress) -> Result<Option<String>, RunError> {
+    let old = folder.join(BAG);
+    if is_empty_or_missing(&old).map_err(|source| OutputError::Write { path: old.clone(), source })? {
+        return Ok(None);
+    }
+    if bag::is_cut(&old)
+        && let Err(error) = bag::recover(&old)
+    {
+        progress.line(&format!("the bag of the run before cannot be saved and is kept as it is: {error}"));
+    }
+    let free = (1u32..).map(|n| format!("{BAG}_before_resume_{n}")).find(|name| !folder.join(name).exists());
+    let Some(name) = free else { return Ok(None) };
+    fs::rename(&old, folder.join(&name)).map_err(|source| OutputError::Write { path: old, source })?;
+    Ok(Some(name))
 }
 
 /// Refuses a folder that holds something; one that does not exist is made later.
@@ -308,16 +368,19 @@ impl Bench<'_> {
             let start_ns = control.start_ns();
             let mut kept = self.kept(self.options.record.every_of_steady(&job));
             let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
-            Ok::<_, RunError>((start_ns, run, kept))
+            Ok(Made { start_ns, kept, result: run, replayed: false })
         };
         let total = jobs.len() as f64;
         let mut runs: Vec<SteadyRun> = Vec::with_capacity(jobs.len());
-        let completion = self.in_order(&jobs, work, |(_, _, job), (start_ns, run, kept)| {
+        let completion = self.in_order(&jobs, work, |(_, _, job), made| {
+            let Made { start_ns, kept, result: run, replayed } = made;
             let stage =
                 format!("set {} of {}, repetition {}", job.set + 1, protocol.sets, job.repetition + 1);
             if runs.last().is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition)) {
                 self.progress.stage(format!("friction: {stage}"));
-                recorder.status(start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
+                if !replayed {
+                    recorder.status(start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
+                }
             }
             recorder.write(kept)?;
             self.progress.advance(protocol.duration);
@@ -331,7 +394,6 @@ impl Bench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
     use std::sync::atomic::Ordering;
 
     use super::*;

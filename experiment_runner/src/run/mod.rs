@@ -16,6 +16,7 @@ mod error;
 mod excited;
 mod execute;
 mod given;
+mod journal;
 mod options;
 mod origin;
 mod page;
@@ -24,6 +25,8 @@ mod parameter_file;
 mod provenance_tests;
 mod recorder;
 mod results;
+#[cfg(test)]
+mod resume_tests;
 mod sequence_page;
 #[cfg(test)]
 mod supervision_tests;
@@ -35,10 +38,11 @@ pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, L
 pub use compensators::Compensators;
 pub use controller_parameters::ControllerParameters;
 pub use error::RunError;
-pub use execute::{Outcome, check, check_options, execute, execute_in};
+pub use execute::{Beginning, Outcome, check, check_options, execute, execute_in};
 pub use given::{Given, read as read_parameter_file, read_controller};
+pub use journal::Journal;
 pub use options::{Experiment, Pace, ProfileUsed, RecordPolicy, RunOptions, shipped};
 pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
 pub(crate) use parameter_file::render_bed as render_parameter_file;
-pub use results::{Comparison, Identification, RunResults, Status, TaskComparison};
+pub use results::{Comparison, Identification, RunResults, Session, Status, TaskComparison};

@@ -30,6 +30,7 @@ pub(super) fn build(
         blocks.push(Block::Note(note));
     }
     blocks.extend(results.repeated().map(Block::Note));
+    blocks.extend(results.resumed().map(Block::Note));
     if !results.constant_velocity.is_empty() {
         blocks.push(Block::Heading("Friction at constant velocity".to_owned()));
         blocks.extend(results.identification.as_ref().map(parameter_table).map(Block::Table));

@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::protocol::{Kind, Protocol, SequenceProtocol};
 
 /// As short as the curve allows: every experiment in all its stages, in a second or so.
-fn short(experiment: Experiment) -> RunOptions {
+pub(super) fn short(experiment: Experiment) -> RunOptions {
     let mut options = RunOptions { experiment, ..options() };
     let steady = &mut options.constant_velocity;
     steady.repetitions = 1;

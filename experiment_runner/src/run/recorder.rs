@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -47,14 +47,21 @@ impl Timeline {
 }
 
 /// Where the cycles of runs in real time go at once: whatever ends such a run, what it measured is kept.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub(super) struct Stream {
-    cycles: SyncSender<EncodedCycle>,
+    cycles: SyncSender<Streamed>,
     lost: Arc<AtomicU64>,
 }
 
+/// What goes through a stream.
+enum Streamed {
+    Cycle(EncodedCycle),
+    /// Asks to be told once everything before it is on the disk.
+    Settle(Sender<()>),
+}
+
 /// Cycles of one run that go into the bag, encoded on the thread that ran it.
-#[derive(Debug)]
+#[derive(Default)]
 pub(super) struct Kept {
     every: Option<u64>,
     cycles: Vec<EncodedCycle>,
@@ -79,7 +86,7 @@ impl Kept {
                     None => self.cycles.push(cycle),
                     // A run in real time does not wait for the disk.
                     Some(stream) => {
-                        if stream.cycles.try_send(cycle).is_err() {
+                        if stream.cycles.try_send(Streamed::Cycle(cycle)).is_err() {
                             stream.lost.fetch_add(1, Ordering::Relaxed);
                         }
                     }
@@ -114,6 +121,23 @@ impl Marks {
         let stage = format!("the run before this is not used and is repeated: {said}");
         write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, &stage, 0.0))
     }
+
+    /// Says there that a run that was stopped goes on.
+    pub fn resumed(&self, stamp_ns: u64, experiment: &str) -> Result<(), RunError> {
+        let stage = "resumed: the bag before this one has the runs before; the one that was under way when it ended is not used and is repeated";
+        write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, stage, 0.0))
+    }
+
+    /// Hands what was recorded to the system, and brings a stream's cycles to the disk: no job counts as done before what it recorded is safe.
+    pub fn settle(&self, stream: Option<&Stream>) -> Result<(), RunError> {
+        let Some(stream) = stream else { return Ok(locked(&self.writing).bag.flush()?) };
+        let (settled, told) = mpsc::channel();
+        // A recorder that failed says so when the run ends.
+        if stream.cycles.send(Streamed::Settle(settled)).is_ok() {
+            let _ = told.recv();
+        }
+        Ok(())
+    }
 }
 
 fn write_status(
@@ -139,11 +163,18 @@ fn locked(writing: &Mutex<Writing>) -> MutexGuard<'_, Writing> {
 }
 
 /// Writes cycles as they come, until nobody sends any more.
-fn record(writing: &Mutex<Writing>, cycles: &Receiver<EncodedCycle>) -> Result<(), BagError> {
+fn record(writing: &Mutex<Writing>, cycles: &Receiver<Streamed>) -> Result<(), BagError> {
     let mut next = Instant::now() + FLUSH;
     loop {
         match cycles.recv_timeout(FLUSH) {
-            Ok(cycle) => {
+            Ok(Streamed::Settle(settled)) => {
+                let bag = &mut locked(writing).bag;
+                bag.flush()?;
+                bag.sync()?;
+                // Nobody waits any more where the run ended.
+                let _ = settled.send(());
+            }
+            Ok(Streamed::Cycle(cycle)) => {
                 let Writing { bag, topics } = &mut *locked(writing);
                 topics.write(bag, &cycle)?;
             }

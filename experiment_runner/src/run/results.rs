@@ -3,7 +3,7 @@
 use controller::ControlMode;
 use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Characterisation, Origins, RunOptions};
 use crate::compensation::thesis_tables::ThesisTables;
@@ -34,6 +34,9 @@ pub struct RunResults {
     /// How often the line to the rig failed and came back: each time the run at hand was repeated.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reconnections: Vec<Reconnection>,
+    /// The sittings of a run that was stopped and went on; none of a run in one piece.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sessions: Vec<Session>,
     /// What was asked for.
     pub options: RunOptions,
     /// Where each value of `parameters.yaml` comes from.
@@ -82,6 +85,33 @@ impl RunResults {
         ))
     }
 
+    /// In which sittings it was measured, in words.
+    #[must_use]
+    pub fn resumed(&self) -> Option<String> {
+        if self.sessions.len() < 2 {
+            return None;
+        }
+        let first = self.sessions.first()?.began;
+        let each: Vec<String> = self
+            .sessions
+            .iter()
+            .map(|Session { began, ended, first_job, jobs, bag }| {
+                let which = match jobs {
+                    0 => "no run".to_owned(),
+                    1 => format!("run {}", first_job + 1),
+                    _ => format!("runs {} to {}", first_job + 1, first_job + jobs),
+                };
+                let recorded = bag.as_ref().map_or(String::new(), |bag| format!(", recorded in {bag}"));
+                format!(
+                    "{which} in {} s, begun after {} s{recorded}",
+                    (ended - began).round(),
+                    (began - first).round()
+                )
+            })
+            .collect();
+        Some(format!("This run was stopped and went on. Its sittings: {}.", each.join("; ")))
+    }
+
     /// What a torque without a sensor adds to the uncertainty of the steady points, in words.
     #[must_use]
     pub fn added_to_points(&self) -> Option<String> {
@@ -96,8 +126,23 @@ impl RunResults {
     }
 }
 
-/// A line that failed and came back.
+/// One sitting of a run that was stopped and went on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Session {
+    /// When it began [s since the Unix epoch].
+    pub began: f64,
+    /// When its last run ended [s since the Unix epoch].
+    pub ended: f64,
+    /// Number of its first run, from 0, counted over the whole job.
+    pub first_job: u64,
+    /// Runs that it measured.
+    pub jobs: u64,
+    /// Folder of its bag, relative to the run's; none if it left no bag.
+    pub bag: Option<String>,
+}
+
+/// A line that failed and came back.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reconnection {
     /// When it was back [s since the Unix epoch].
     pub at: f64,

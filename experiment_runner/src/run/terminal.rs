@@ -26,6 +26,7 @@ pub fn summary(outcome: &Outcome) -> String {
         }
     }
     text += &results.repeated().map_or(String::new(), |said| said + "\n");
+    text += &results.resumed().map_or(String::new(), |said| said + "\n");
     text += &results.added_to_points().map_or(String::new(), |said| said + "\n");
     text += &characterisation(&results.characterisation);
     for (name, comparison) in results.comparisons() {

@@ -1,25 +1,35 @@
 //! What the report draws of a run over time.
 
+use serde::{Deserialize, Serialize};
+
 use crate::cycle::CycleSample;
 
 /// Signals over time, kept at a tenth of the loop's rate.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Trace {
     /// Time [s].
+    #[serde(with = "crate::exact::column")]
     pub t: Vec<f64>,
     /// Reference [rad/s or rad].
+    #[serde(with = "crate::exact::column")]
     pub reference: Vec<f64>,
     /// Response of the shaft [rad/s or rad].
+    #[serde(with = "crate::exact::column")]
     pub response: Vec<f64>,
     /// Reference minus response [rad/s or rad].
+    #[serde(with = "crate::exact::column")]
     pub error: Vec<f64>,
     /// Friction as the torque sensor shows it [N m].
+    #[serde(with = "crate::exact::column")]
     pub friction_measured: Vec<f64>,
     /// Friction as it is, where the rig is simulated [N m].
+    #[serde(with = "crate::exact::column")]
     pub friction_true: Vec<f64>,
     /// Friction as the observer estimates it [N m].
+    #[serde(with = "crate::exact::column")]
     pub friction_estimated: Vec<f64>,
     /// Voltage of the motor [V].
+    #[serde(with = "crate::exact::column")]
     pub voltage: Vec<f64>,
 }
 

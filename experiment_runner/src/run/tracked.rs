@@ -3,7 +3,7 @@
 use controller::ControlMode;
 use friction_model::ModelName;
 
-use super::bench::Bench;
+use super::bench::{Bench, Made};
 use super::options::stream_seed;
 use super::recorder::{Recorder, Timeline};
 use super::results::{Comparison, TaskComparison};
@@ -118,16 +118,19 @@ impl Bench<'_> {
                     trace.add(sample);
                 }
             })?;
-            Ok::<_, RunError>((start_ns, run, kept, trace))
+            Ok(Made { start_ns, kept, result: (run, trace), replayed: false })
         };
         let total = jobs.len() as f64;
         let mut runs: Vec<TrackingRun> = Vec::with_capacity(jobs.len());
         let mut traces = Vec::new();
-        let completion = self.in_order(&jobs, work, |(_, job), (start_ns, run, kept, trace)| {
+        let completion = self.in_order(&jobs, work, |(_, job), made| {
+            let Made { start_ns, kept, result: (run, trace), replayed } = made;
             let stage = format!("compensation {}", job.arm);
             if job.repetition == 0 {
                 self.progress.stage(format!("{name}: {}", job.arm));
-                recorder.status(start_ns, name, &stage, runs.len() as f64 / total)?;
+                if !replayed {
+                    recorder.status(start_ns, name, &stage, runs.len() as f64 / total)?;
+                }
                 traces.push((job.arm, trace));
             }
             recorder.write(kept)?;
