@@ -13,6 +13,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::differences::differences;
 use super::results::{Reconnection, Session};
 use super::{RunError, RunOptions};
 use crate::output::OutputError;
@@ -248,8 +249,7 @@ impl Journal {
     }
 
     fn require(&self, then: &Value, options: &RunOptions) -> Result<(), RunError> {
-        let mut found = Vec::new();
-        differences(then, &described(options)?, "", &mut found);
+        let mut found = differences(then, &described(options)?);
         if found.is_empty() {
             return Ok(());
         }
@@ -448,33 +448,4 @@ impl Lines<'_> {
         self.offset += line.len() as u64;
         Ok(Some((offset, line)))
     }
-}
-
-/// Where two documents differ: path, then, now.
-fn differences(then: &Value, now: &Value, path: &str, found: &mut Vec<String>) {
-    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
-    match (then, now) {
-        (Value::Object(a), Value::Object(b)) => {
-            let missing = Value::Null;
-            for (name, then) in a {
-                differences(then, b.get(name).unwrap_or(&missing), &below(name), found);
-            }
-            for (name, now) in b.iter().filter(|(name, _)| !a.contains_key(*name)) {
-                differences(&missing, now, &below(name), found);
-            }
-        }
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
-            for (i, (then, now)) in a.iter().zip(b).enumerate() {
-                differences(then, now, &format!("{path}[{i}]"), found);
-            }
-        }
-        (then, now) if then != now => found.push(format!("{path} was {}, is {}", short(then), short(now))),
-        _ => {}
-    }
-}
-
-/// A value that fits a sentence.
-fn short(value: &Value) -> String {
-    let text = if value.is_null() { "nothing".to_owned() } else { value.to_string() };
-    if text.chars().count() <= 80 { text } else { text.chars().take(77).collect::<String>() + "..." }
 }

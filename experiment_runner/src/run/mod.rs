@@ -12,6 +12,7 @@ mod comparison_page;
 mod compensation_tests;
 mod compensators;
 mod controller_parameters;
+mod differences;
 mod error;
 mod excited;
 mod execute;
