@@ -4,9 +4,9 @@
 
 use std::fmt::Write;
 use std::fs;
+use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
 
 use experiment_runner::run::read_parameter_file;
 use friction_model::{AnyModel, FrictionModel, ModelName, ModelVisitor, State, TimeStep, rk4};
@@ -412,6 +412,7 @@ fn a_change_of_mind_keeps_the_best_so_far() {
             "16",
             "--jobs",
             "1",
+            "--verbose",
             "--out",
             "out",
         ]))
@@ -419,13 +420,15 @@ fn a_change_of_mind_keeps_the_best_so_far() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Wherever it is by then, it ends with what there is; the first model takes a moment, the others minutes.
-    std::thread::sleep(Duration::from_secs(2));
+    // Once it works: wherever it is by then, it ends with what there is; the first model takes a moment, the others minutes.
+    let mut told = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    assert!(told.read_line(&mut said).unwrap() > 0);
     assert!(child.try_wait().unwrap().is_none(), "it was done before it could be stopped");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(130), "{said}");
+    told.read_to_string(&mut said).unwrap();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(130), "{said}");
     if said.contains("nothing is written") {
         assert!(!desk.path("out").exists());
         return;

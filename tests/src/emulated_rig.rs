@@ -8,6 +8,17 @@ use std::time::Duration;
 use serde_json::Value;
 use tempfile::TempDir;
 
+/// Experiment 1 in a quarter of a minute: eight points, each driven for 1700 cycles at 1 kHz.
+pub const SHORT_PROTOCOL: &str = "experiment: constant-velocity
+velocities:
+  - {from: 0.3 rad/s, to: 3 rad/s, points: 8}
+duration: 1.7 s
+drop_first: 1 s
+drop_last: 0.1 s
+repetitions: 1
+sets: 1
+";
+
 /// The emulator, its port, and a folder for the results.
 pub struct EmulatedRig {
     process: Child,

@@ -1,8 +1,8 @@
 //! What the README shows of a command's output is what the command prints.
 //!
 //! A line `<!-- prints: run characterise -->` before a block of the README names the words behind `frictionlab`; all commands run in one folder, in their
-//! order, so that later ones find what earlier ones wrote. Every line of the block must be a line of the output, in the same order; the block may leave
-//! lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
+//! order, so that later ones find what earlier ones wrote. Every line of the block must be a line of the output, in the same order, its figures equal to one unit of
+//! their last digit (another processor rounds otherwise); the block may leave lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
 //!
 //! A line `<!-- figures of: identify recording.csv -->` before a table does the same for the rows that begin with "this program": each number in them must
 //! be one of the output's, to the digits that the table has.
@@ -99,6 +99,24 @@ fn renewed<'a>(shown: &[&'a str], output: &'a str) -> Result<Vec<&'a str>, &'a s
     Ok(renewed)
 }
 
+/// Whether two lines of the same wording have the same figures, to one unit of the last digit.
+fn alike(one: &str, other: &str) -> bool {
+    let figures = |line: &str| -> Vec<(f64, f64)> {
+        let words = line.split(|c: char| !(c.is_ascii_digit() || ".-e".contains(c)));
+        words.filter_map(|word| Some((word.parse().ok()?, unit_of_last_digit(word)))).collect()
+    };
+    let (one, other) = (figures(one), figures(other));
+    one.len() == other.len()
+        && one.iter().zip(&other).all(|((a, unit), (b, other))| (a - b).abs() <= 1.001 * unit.max(*other))
+}
+
+/// 0.001 for `1.234`, 1e-5 for `8e-5`.
+fn unit_of_last_digit(number: &str) -> f64 {
+    let (mantissa, exponent) = number.split_once('e').unwrap_or((number, "0"));
+    let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len());
+    10f64.powi(exponent.parse::<i32>().unwrap_or(0) - i32::try_from(digits).unwrap_or(0))
+}
+
 fn recordings(folder: &Path) -> bool {
     let Some(data) = shared_data() else { return false };
     RECORDINGS.iter().all(|(name, file)| fs::copy(data.join(file), folder.join(name)).is_ok())
@@ -133,9 +151,10 @@ fn the_readme_shows_what_its_commands_print() {
         if update {
             anew = anew.replacen(&lines.join("\n"), &now.join("\n"), 1);
         } else {
-            assert_eq!(
-                lines, &now,
-                "`frictionlab {command}` prints other figures: run the test with UPDATE_DOCS=1"
+            let other = lines.iter().zip(&now).find(|(line, now)| !alike(line, now));
+            assert!(
+                other.is_none(),
+                "`frictionlab {command}` prints other figures, {other:?}: run the test with UPDATE_DOCS=1"
             );
         }
     }
@@ -159,6 +178,9 @@ fn another_figure_is_found_and_a_missing_line_named() {
     assert_eq!(renewed(&["  f_v  0.04 N m s/rad"], output), Err("  f_v  0.04 N m s/rad"));
     // The order is that of the output.
     assert_eq!(renewed(&[shown[1], shown[0]], output), Err(shown[0]));
+    assert!(alike("f_s  0.0994 ± 9e-5 N m", "f_s  0.0995 ± 8e-5 N m"));
+    assert!(!alike("f_s  0.0994 ± 9e-5 N m", "f_s  0.0996 ± 9e-5 N m"));
+    assert!(!alike("area 1.2e-4 N m", "area 1.4e-4 N m") && !alike("7 loops", "9 loops"));
     let row = "| this program | 95.12 ± 0.1 | 5.953 % | |";
     assert_eq!(missing(row, "M 95.1193 ± 0.11 kg, cross-test 5.9530 %"), None);
     assert_eq!(missing(row, "M 95.1293 ± 0.11 kg, cross-test 5.9530 %"), Some("95.12"));

@@ -5,22 +5,11 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
-use tests::emulated_rig::{EmulatedRig, said};
-
-/// Experiment 1 in a quarter of a minute.
-const PROTOCOL: &str = "experiment: constant-velocity
-velocities:
-  - {from: 0.3 rad/s, to: 3 rad/s, points: 8}
-duration: 1.7 s
-drop_first: 1 s
-drop_last: 0.1 s
-repetitions: 1
-sets: 1
-";
+use tests::emulated_rig::{EmulatedRig, SHORT_PROTOCOL, said};
 
 /// `frictionlab run` in a folder that has the protocol.
 fn run(folder: &Path, arguments: &[&str]) -> Command {
-    std::fs::write(folder.join("protocol.yaml"), PROTOCOL).expect("a protocol");
+    std::fs::write(folder.join("protocol.yaml"), SHORT_PROTOCOL).expect("a protocol");
     let mut command = tests::frictionlab();
     command.current_dir(folder).arg("run").args(arguments).stdin(Stdio::null());
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -96,7 +85,7 @@ fn a_run_whose_protocol_was_edited_meanwhile_does_not_go_on() {
     let out = folder.path().join("out");
     let child = run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
     kill_after(child.expect("it starts"), &out, 1);
-    let edited = PROTOCOL.replace("1.7 s", "1.8 s");
+    let edited = SHORT_PROTOCOL.replace("1.7 s", "1.8 s");
     std::fs::write(folder.path().join("protocol.yaml"), edited).expect("a protocol");
     let output = resume(&out, folder.path());
     let text = said(&output);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use tests::emulated_rig::{EmulatedRig, said};
+use tests::emulated_rig::{EmulatedRig, SHORT_PROTOCOL, said};
 
 /// `frictionlab` in a folder.
 fn frictionlab(folder: &Path, arguments: &[&str]) -> Output {
@@ -137,17 +137,6 @@ fn a_profile_that_lies_in_the_folder_drives_nothing_by_itself() {
     assert_eq!(rig.finish()["books"]["driven"], 0);
 }
 
-/// Experiment 1 in twenty seconds.
-const PROTOCOL: &str = "experiment: constant-velocity
-velocities:
-  - {from: 0.3 rad/s, to: 3 rad/s, points: 8}
-duration: 1.7 s
-drop_first: 1 s
-drop_last: 0.1 s
-repetitions: 1
-sets: 1
-";
-
 #[test]
 fn one_profile_goes_from_the_check_to_the_experiment() {
     let rig = EmulatedRig::start(&["--plant", "lugre"]);
@@ -190,7 +179,7 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
     assert!((number("gain:") / 1.8625 - 1.0).abs() < 0.03, "{}", profile());
     assert!((number("inertia:") / 2.6476e-3 - 1.0).abs() < 0.05, "{}", profile());
 
-    std::fs::write(folder.join("protocol.yaml"), PROTOCOL).expect("a protocol");
+    std::fs::write(folder.join("protocol.yaml"), SHORT_PROTOCOL).expect("a protocol");
     let run = ["run", "--protocol", "protocol.yaml", "--out", "steady", "--force"];
     let Some(text) = succeeds_in_real_time(folder, &[&run[..], &with].concat()) else { return };
     assert!(text.contains("calibration, drive"), "{text}");

@@ -4,22 +4,11 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
-use tests::emulated_rig::{EmulatedRig, said};
-
-/// Experiment 1 in twenty seconds.
-const PROTOCOL: &str = "experiment: constant-velocity
-velocities:
-  - {from: 0.3 rad/s, to: 3 rad/s, points: 8}
-duration: 1.7 s
-drop_first: 1 s
-drop_last: 0.1 s
-repetitions: 1
-sets: 1
-";
+use tests::emulated_rig::{EmulatedRig, SHORT_PROTOCOL, said};
 
 fn run(rig: &str, folder: &Path, arguments: &[&str]) -> Command {
     let protocol = folder.join("protocol.yaml");
-    std::fs::write(&protocol, PROTOCOL).expect("a protocol");
+    std::fs::write(&protocol, SHORT_PROTOCOL).expect("a protocol");
     let mut command = tests::frictionlab();
     command.arg("run").arg("--protocol").arg(protocol).args(arguments).stdin(Stdio::null());
     if !rig.is_empty() {
@@ -88,7 +77,7 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
-    // In the third point: each is driven for 1700 cycles.
+    // In the third point.
     rig.wait_for("driven", 2 * 1700 + 500);
     rig.order("unplug 100000");
     let output = child.wait_with_output().expect("it ends");
@@ -172,7 +161,7 @@ fn points_that_no_curve_fits_are_kept_all_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("few");
     let mut command = run("", folder.path(), &[&format!("--out={}", out.display())]);
-    std::fs::write(folder.path().join("protocol.yaml"), PROTOCOL.replace("points: 8", "points: 4"))
+    std::fs::write(folder.path().join("protocol.yaml"), SHORT_PROTOCOL.replace("points: 8", "points: 4"))
         .expect("a protocol");
     let output = command.output().expect("it runs");
     let text = said(&output);

@@ -122,6 +122,10 @@ impl Journal {
     pub fn open(folder: &Path) -> Result<Self, RunError> {
         let refuse = |why: String| RunError::Resume { folder: folder.to_owned(), why };
         let path = folder.join(NAME);
+        // Whoever opens a pipe waits for what comes out of it.
+        if fs::metadata(&path).is_ok_and(|there| !there.is_file()) {
+            return Err(refuse(format!("{} is no regular file", path.display())));
+        }
         let file = match File::options().read(true).write(true).open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(refuse(no_journal(folder))),
