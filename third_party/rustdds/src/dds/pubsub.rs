@@ -555,6 +555,12 @@ impl InnerPublisher {
       window_limit,
       backlog_limit,
       max_retain,
+      // frictionlab: the History that the QoS names decides, KEEP_LAST 1 being DDS's default.
+      match writer_qos.history() {
+        Some(policy::History::KeepAll) => None,
+        Some(policy::History::KeepLast { depth }) => Some(usize::try_from(depth).unwrap_or(1)),
+        None => Some(1),
+      },
     );
     // Doorbell: enqueue this writer's entity id and wake the participant poll.
     let doorbell = Doorbell::new(guid.entity_id, self.writer_ready.clone());

@@ -379,6 +379,20 @@ pub enum DomainParticipantStatusEvent {
     local_reader: GUID,
     remote_writer: GUID,
   },
+  /// frictionlab: a reliable Reader has not acknowledged samples that a KEEP_LAST
+  /// Writer of ours has dropped since: it is frozen, slow or out of reach. Nobody
+  /// waits for it.
+  RemoteReaderLags {
+    local_writer: GUID,
+    remote_reader: GUID,
+    topic_name: String,
+  },
+  /// frictionlab: a Reader that lagged has acknowledged everything that is there.
+  RemoteReaderCaughtUp {
+    local_writer: GUID,
+    remote_reader: GUID,
+    topic_name: String,
+  },
   RemoteReaderQosIncompatible {
     local_writer: GUID,
     remote_reader: GUID,

@@ -14,7 +14,7 @@ use log::{debug, error, info, trace, warn};
 use socket2::{Domain, Protocol, SockAddr, Socket, Type};
 
 use crate::{
-  network::util::get_local_multicast_ip_addrs_filtered,
+  network::util::{get_local_multicast_ip_addrs_filtered, local_interface_table},
   rtps::{
     outbound::{ControlQueue, Datagram, SendOutcome, SocketId, CONTROL_QUEUE_WARN_LEN},
     transmit::InterfaceSelector,
@@ -27,6 +27,10 @@ use crate::{
 #[derive(Debug)]
 pub struct UDPSender {
   unicast_socket: UdpSocket,
+  // frictionlab: for unicast to this machine, see `SocketId::Near`.
+  near_socket: UdpSocket,
+  // frictionlab: addresses of this machine.
+  own_addresses: Vec<IpAddr>,
   // One multicast sender socket per local interface, keyed by the interface it
   // was bound to (its `InterfaceSelector`). This lets us target a single
   // interface instead of sending on all of them.
@@ -76,7 +80,7 @@ impl UDPSender {
     only_networks: Option<&[IpAddr]>,
     send_buffer_size: usize,
   ) -> io::Result<Self> {
-    let unicast_socket = {
+    let unicast = |sender_port: u16| -> io::Result<UdpSocket> {
       let saddr: SocketAddr = SocketAddr::new("0.0.0.0".parse().unwrap(), sender_port);
       let raw_socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
       Self::set_and_verify_send_buffer(&raw_socket, send_buffer_size);
@@ -84,8 +88,11 @@ impl UDPSender {
       let socket = UdpSocket::from(raw_socket);
       // nonblocking-transmit: the socket must never stall the event loop.
       socket.set_nonblocking(true)?;
-      socket
+      Ok(socket)
     };
+    let unicast_socket = unicast(sender_port)?;
+    let near_socket = unicast(0)?;
+    let own_addresses = local_interface_table().iter().map(|i| i.ip).collect();
 
     // We set multicasting loop on so that we can hear other DomainParticipant
     // instances running on the same host.
@@ -158,6 +165,8 @@ impl UDPSender {
 
     let sender = Self {
       unicast_socket,
+      near_socket,
+      own_addresses,
       multicast_sockets,
       control_queues: RefCell::new(HashMap::new()),
     };
@@ -175,13 +184,14 @@ impl UDPSender {
   fn socket_ref(&self, id: SocketId) -> Option<&UdpSocket> {
     match id {
       SocketId::Unicast => Some(&self.unicast_socket),
+      SocketId::Near => Some(&self.near_socket),
       SocketId::Multicast(i) => self.multicast_sockets.get(i).map(|(_, s)| s),
     }
   }
 
   /// All sender sockets, so `DPEventLoop` can arm write readiness on each.
   pub(crate) fn socket_ids(&self) -> Vec<SocketId> {
-    let mut v = vec![SocketId::Unicast];
+    let mut v = vec![SocketId::Unicast, SocketId::Near];
     v.extend((0..self.multicast_sockets.len()).map(SocketId::Multicast));
     v
   }
@@ -201,7 +211,7 @@ impl UDPSender {
   /// IPv6 interface addresses seen via loopback discovery), so this is normal.
   fn socket_can_reach(&self, id: SocketId, addr: SocketAddr) -> bool {
     match id {
-      SocketId::Unicast => addr.is_ipv4(),
+      SocketId::Unicast | SocketId::Near => addr.is_ipv4(),
       SocketId::Multicast(i) => match self.multicast_sockets.get(i) {
         Some((InterfaceSelector::Ip(iface_ip), _)) => iface_ip.is_ipv4() == addr.is_ipv4(),
         None => false,
@@ -234,6 +244,15 @@ impl UDPSender {
         warn!("raw_send: {id:?} to {addr} : {e:?} len={}", buffer.len());
         SendOutcome::Dropped
       }
+    }
+  }
+
+  // frictionlab: the socket for unicast to that address.
+  pub(crate) fn unicast_id_for(&self, addr: SocketAddr) -> SocketId {
+    if addr.ip().is_loopback() || self.own_addresses.contains(&addr.ip()) {
+      SocketId::Near
+    } else {
+      SocketId::Unicast
     }
   }
 
@@ -364,7 +383,7 @@ impl UDPSender {
         self.control_send_one(SocketId::Multicast(id), socket_address, buffer);
       }
     } else {
-      self.control_send_one(SocketId::Unicast, socket_address, buffer);
+      self.control_send_one(self.unicast_id_for(socket_address), socket_address, buffer);
     }
   }
 
@@ -408,7 +427,7 @@ impl UDPSender {
 
     if !socket_address.ip().is_multicast() {
       // Not a multicast destination; treat as a plain unicast send.
-      self.control_send_one(SocketId::Unicast, socket_address, buffer);
+      self.control_send_one(self.unicast_id_for(socket_address), socket_address, buffer);
       return;
     }
 
@@ -451,10 +470,11 @@ impl UDPSender {
           blocked.push(id);
         }
       }
-    } else if self.bulk_send_one(SocketId::Unicast, socket_address, buffer)
-      == SendOutcome::WouldBlock
-    {
-      blocked.push(SocketId::Unicast);
+    } else {
+      let id = self.unicast_id_for(socket_address);
+      if self.bulk_send_one(id, socket_address, buffer) == SendOutcome::WouldBlock {
+        blocked.push(id);
+      }
     }
     blocked
   }
@@ -480,8 +500,9 @@ impl UDPSender {
       return blocked;
     };
     if !socket_address.ip().is_multicast() {
-      if self.bulk_send_one(SocketId::Unicast, socket_address, buffer) == SendOutcome::WouldBlock {
-        blocked.push(SocketId::Unicast);
+      let id = self.unicast_id_for(socket_address);
+      if self.bulk_send_one(id, socket_address, buffer) == SendOutcome::WouldBlock {
+        blocked.push(id);
       }
       return blocked;
     }

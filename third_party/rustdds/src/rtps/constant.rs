@@ -406,8 +406,9 @@ pub const P2P_BUILTIN_PARTICIPANT_VOLATILE_SECURE_TOKEN: Token = Token(64 + PTB)
 
 // nonblocking-transmit: write-readiness tokens for the sender sockets. The
 // unicast socket uses SENDER_WRITABLE_BASE; each multicast interface socket i
-// uses SENDER_WRITABLE_BASE + 1 + i. These are fixed poll tokens and must stay
-// within the PTB+79 maximum, so at most 13 multicast sender sockets are
+// uses SENDER_WRITABLE_BASE + 2 + i (frictionlab: + 1 is the socket for this
+// machine). These are fixed poll tokens and must stay
+// within the PTB+79 maximum, so at most 12 multicast sender sockets are
 // supported (in practice one per multicast-capable local interface).
 // (see src/rtps/nonblocking_transmit_design.md)
 pub const SENDER_WRITABLE_BASE: usize = 65 + PTB;
@@ -417,7 +418,8 @@ pub const SENDER_WRITABLE_MAX: usize = 79 + PTB;
 pub fn sender_writable_token(id: SocketId) -> Token {
   match id {
     SocketId::Unicast => Token(SENDER_WRITABLE_BASE),
-    SocketId::Multicast(i) => Token(SENDER_WRITABLE_BASE + 1 + i),
+    SocketId::Near => Token(SENDER_WRITABLE_BASE + 1),
+    SocketId::Multicast(i) => Token(SENDER_WRITABLE_BASE + 2 + i),
   }
 }
 
@@ -428,8 +430,10 @@ pub fn sender_writable_socket_id(token: Token) -> Option<SocketId> {
   }
   if token.0 == SENDER_WRITABLE_BASE {
     Some(SocketId::Unicast)
+  } else if token.0 == SENDER_WRITABLE_BASE + 1 {
+    Some(SocketId::Near)
   } else {
-    Some(SocketId::Multicast(token.0 - SENDER_WRITABLE_BASE - 1))
+    Some(SocketId::Multicast(token.0 - SENDER_WRITABLE_BASE - 2))
   }
 }
 

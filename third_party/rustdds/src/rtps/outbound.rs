@@ -14,6 +14,10 @@ use std::{collections::VecDeque, net::SocketAddr};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum SocketId {
   Unicast,
+  /// frictionlab: unicast to this machine, by a socket of its own: datagrams for
+  /// a machine that has gone wait in the kernel for its address and fill their
+  /// socket's buffer, which must not stop what goes to the machine itself.
+  Near,
   Multicast(usize),
 }
 

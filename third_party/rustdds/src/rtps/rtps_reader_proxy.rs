@@ -20,7 +20,7 @@ use crate::{
   structure::{
     guid::{EntityId, GUID},
     locator::Locator,
-    sequence_number::{FragmentNumber, FragmentNumberSet, SequenceNumber, SequenceNumberRange},
+    sequence_number::{FragmentNumber, FragmentNumberSet, SequenceNumber},
   },
 };
 use super::reader::ReaderIngredients;
@@ -68,6 +68,14 @@ pub(crate) struct RtpsReaderProxy {
   // We will send the SNs as GAP until they have been acked.
   // This is to be used in Reliable mode only.
   pending_gap: BTreeSet<SequenceNumber>,
+  // frictionlab: samples before this one are not for this reader: they were
+  // written before it was found (VOLATILE), or are older than the History depth
+  // (TRANSIENT_LOCAL). A number in place of a set of all of them, which after an
+  // hour at 1 kHz would be millions for every reader that joins.
+  relevant_from: SequenceNumber,
+  // frictionlab: this reader has not acknowledged samples that are no longer
+  // there; told once.
+  pub lags: bool,
   // true = send repair data messages due to NACKs, buffer messages by DataWriter
   // false = send data messages directly from DataWriter
   pub repair_mode: bool,
@@ -110,6 +118,8 @@ impl RtpsReaderProxy {
       all_acked_before: SequenceNumber::zero(),
       unsent_changes: BTreeSet::new(),
       pending_gap: BTreeSet::new(),
+      relevant_from: SequenceNumber::new(1),
+      lags: false,
       repair_mode: false,
       repair_data_scheduled: false,
       repair_frags_scheduled: false,
@@ -239,6 +249,8 @@ impl RtpsReaderProxy {
       all_acked_before: SequenceNumber::zero(),
       unsent_changes: BTreeSet::new(),
       pending_gap: BTreeSet::new(),
+      relevant_from: SequenceNumber::new(1),
+      lags: false,
       repair_mode: false,
       repair_data_scheduled: false,
       repair_frags_scheduled: false,
@@ -317,6 +329,8 @@ impl RtpsReaderProxy {
       all_acked_before: SequenceNumber::zero(),
       unsent_changes: BTreeSet::new(),
       pending_gap: BTreeSet::new(),
+      relevant_from: SequenceNumber::new(1),
+      lags: false,
       repair_mode: false,
       repair_data_scheduled: false,
       repair_frags_scheduled: false,
@@ -503,12 +517,19 @@ impl RtpsReaderProxy {
     self.pending_gap.insert(seq_num);
   }
 
-  pub fn set_pending_gap_up_to(&mut self, last_gap_sn: SequenceNumber) {
-    // form SN range from 1 to last_gap_sn (inclusive)
-    let gap_sn_range = SequenceNumberRange::new(SequenceNumber::new(1), last_gap_sn);
-    // Convert to a set and insert the SNs to pending_gap
-    let gap_sn_set = BTreeSet::from_iter(gap_sn_range);
-    self.pending_gap.extend(gap_sn_set);
+  // frictionlab: nothing before `from` is sent to this reader.
+  pub fn set_relevant_from(&mut self, from: SequenceNumber) {
+    self.relevant_from = max(from, SequenceNumber::new(1));
+  }
+
+  // frictionlab: the first sample that is for this reader.
+  pub fn relevant_from(&self) -> SequenceNumber {
+    self.relevant_from
+  }
+
+  // frictionlab: whether the reader may still wait for samples that are not for it.
+  pub fn needs_gap_before(&self) -> bool {
+    self.relevant_from > max(self.all_acked_before, SequenceNumber::new(1))
   }
 
   pub fn get_pending_gap(&self) -> &BTreeSet<SequenceNumber> {
@@ -546,7 +567,8 @@ impl RtpsReaderProxy {
   }
 
   pub fn acked_up_to_before(&self) -> SequenceNumber {
-    self.all_acked_before
+    // frictionlab: what is not for this reader counts as acknowledged.
+    max(self.all_acked_before, self.relevant_from)
   }
 
   // Fragment handling

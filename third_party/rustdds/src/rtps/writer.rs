@@ -2,6 +2,7 @@ use std::{
   cell::RefCell,
   cmp::{max, min},
   collections::{BTreeMap, BTreeSet},
+  net::SocketAddr,
   ops::Bound::Included,
   rc::Rc,
   sync::{atomic, mpsc::TrySendError},
@@ -91,7 +92,10 @@ pub(crate) enum BatchOutcome {
   /// best-effort sample that opted in to blocking). The whole datagram is
   /// all-or-nothing: `last_sent` is left unchanged so the batch is rebuilt and
   /// resent from its first sequence number on the next write-readiness wake.
-  Blocked { blocked: BTreeSet<SocketId> },
+  Blocked {
+    blocked: BTreeSet<SocketId>,
+    last_seq: SequenceNumber,
+  },
   /// A socket returned WouldBlock for a best-effort batch that must not block;
   /// the whole datagram is dropped and we advance past it. `last_seq` is the
   /// highest sequence number in the dropped batch.
@@ -117,6 +121,9 @@ pub(crate) enum TimedEvent {
   SendRepairData { to_reader: GUID },
   SendRepairFrags { to_reader: GUID },
 }
+
+// frictionlab: how long a KEEP_LAST writer tries to send one sample to a socket that is full.
+const LONGEST_BLOCKED: std::time::Duration = std::time::Duration::from_millis(20);
 
 // This is used to construct an actual Writer.
 // Ingredients are sendable between threads, whereas the Writer is not.
@@ -246,6 +253,9 @@ pub(crate) struct Writer {
   /// (the one currently being pushed). `Fresh` unless a large sample was
   /// interrupted mid-way by a full socket.
   sample_cursor: SampleCursor,
+  /// frictionlab: since when no socket has taken the sample that is being pushed;
+  /// see `gives_up`.
+  blocked_since: Option<std::time::Instant>,
   /// nonblocking-transmit: sockets on which the last push attempt hit
   /// WouldBlock. Drained by the event loop, which enqueues this writer on those
   /// sockets' round-robin queues and arms write readiness.
@@ -356,6 +366,7 @@ impl Writer {
       send_buffer: i.send_buffer,
       last_sent: SequenceNumber::zero(),
       sample_cursor: SampleCursor::Fresh,
+      blocked_since: None,
       blocked_sockets: BTreeSet::new(),
       timed_event_timer,
       like_stateless: i.like_stateless,
@@ -459,13 +470,16 @@ impl Writer {
     };
     // Same choice as send_message_to_readers makes for DeliveryMode::Unicast.
     let route = rp.send_route();
-    let uses_unicast = if route.fallback {
-      rp.unicast_locator_list.iter().any(Locator::is_udp)
-    } else {
-      route.unicast.is_some()
+    // frictionlab: of the socket that reaches it.
+    let backlogged = |locator: &Locator| {
+      let id = self.udp_sender.unicast_id_for(SocketAddr::from(*locator));
+      self.udp_sender.control_backlogged(id)
     };
-    if uses_unicast {
-      self.udp_sender.control_backlogged(SocketId::Unicast)
+    let mut unicast = rp.unicast_locator_list.iter().filter(|l| l.is_udp());
+    if let Some(locator) = route.unicast.filter(|_| !route.fallback) {
+      backlogged(&locator)
+    } else if route.fallback && unicast.clone().next().is_some() {
+      unicast.any(backlogged)
     } else {
       self
         .udp_sender
@@ -749,8 +763,11 @@ impl Writer {
         self.next_heartbeat_count(),
         self.endianness,
         EntityId::UNKNOWN, // to all readers
-        false,             // final_flag: request ACKNACK
-        false,             // liveliness_flag
+        // frictionlab: with the final flag a reader answers only if it misses something
+        // (RTPS v2.5 8.3.8.6.5); what it has it acknowledges to the periodic heartbeat. Else
+        // ten readers of a topic at 1 kHz send thousands of acknowledgements a second.
+        self.my_guid.entity_id.kind().is_user_defined(),
+        false, // liveliness_flag
       );
     }
 
@@ -765,7 +782,7 @@ impl Writer {
     if blocked.is_empty() {
       Some(BatchOutcome::Sent { last_seq })
     } else if may_block {
-      Some(BatchOutcome::Blocked { blocked })
+      Some(BatchOutcome::Blocked { blocked, last_seq })
     } else {
       Some(BatchOutcome::Dropped { last_seq })
     }
@@ -799,12 +816,18 @@ impl Writer {
             // bookkeeping is a no-op (notify + mark_sent cancel out); just
             // advance the frontier. Leaves `unsent_changes` empty on the push
             // path, exactly like the per-sample path after the Item 5 fix.
+            self.blocked_since = None;
             self.last_sent = last_seq;
             self.sample_cursor = SampleCursor::Fresh;
             self.send_buffer.set_sent_frontier(last_seq);
             continue;
           }
-          Some(BatchOutcome::Blocked { blocked }) => {
+          Some(BatchOutcome::Blocked { blocked, last_seq }) => {
+            if self.gives_up() {
+              self.last_sent = last_seq;
+              self.send_buffer.set_sent_frontier(last_seq);
+              continue;
+            }
             // All-or-nothing: do not advance `last_sent`; the event loop resumes
             // us on write readiness and the batch is rebuilt from `sequence_number`.
             self.blocked_sockets.extend(blocked);
@@ -883,6 +906,7 @@ impl Writer {
         };
         match progress {
           SendProgress::Complete => {
+            self.blocked_since = None;
             self.last_sent = sequence_number;
             self.sample_cursor = SampleCursor::Fresh;
             self.send_buffer.set_sent_frontier(sequence_number);
@@ -893,7 +917,7 @@ impl Writer {
             // this sample opted in via `best_effort_may_block`; otherwise the
             // DDS default applies and we drop the (rest of the) sample and move
             // on to fresher data (spec v1.4 2.2.2.4.2.11).
-            if self.is_reliable() || write_options.best_effort_may_block() {
+            if (self.is_reliable() || write_options.best_effort_may_block()) && !self.gives_up() {
               // Stop here; resume on write readiness. Back-pressure to the
               // application follows from `sent_frontier` not advancing.
               self.sample_cursor = cursor;
@@ -937,6 +961,20 @@ impl Writer {
         self.send_buffer.set_sent_frontier(sequence_number);
       }
     }
+  }
+
+  // frictionlab: whether a KEEP_LAST writer whose socket takes nothing goes on to the next
+  // sample. A socket is full for a moment where much is sent at once, and for seconds where
+  // datagrams wait for the address of a machine that has gone: then the readers that can be
+  // reached must not wait. Who missed the sample asks for it again.
+  fn gives_up(&mut self) -> bool {
+    let keep_all = matches!(self.qos_policies.history, Some(History::KeepAll));
+    if keep_all || self.my_guid.entity_id.kind().is_built_in() {
+      return false;
+    }
+    let now = std::time::Instant::now();
+    let since = *self.blocked_since.get_or_insert(now);
+    now.duration_since(since) > LONGEST_BLOCKED
   }
 
   /// nonblocking-transmit: drain and return the sockets on which the last push
@@ -1072,10 +1110,14 @@ impl Writer {
     let first_change = self.send_buffer.first_change_sequence_number();
     let last_change = self.send_buffer.last_change_sequence_number();
 
+    self.tell_of_lagging_readers(first_change);
+
+    // frictionlab: best-effort readers acknowledge nothing; they are not waited for.
     if self
       .readers
       .values()
-      .all(|rp| last_change < rp.all_acked_before)
+      .filter(|rp| self.waits_for(rp))
+      .all(|rp| last_change < rp.acked_up_to_before())
     {
       trace!("heartbeat tick: all readers have all available data.");
       false
@@ -1127,6 +1169,38 @@ impl Writer {
         );
       }
       true
+    }
+  }
+
+  // frictionlab: a reader that has not acknowledged what is no longer there lags: it
+  // is frozen, slow or out of reach. Nobody waits for it; who runs it may want to know.
+  fn tell_of_lagging_readers(&mut self, first_change: SequenceNumber) {
+    if self.my_guid.entity_id.kind().is_built_in() {
+      return;
+    }
+    let (local_writer, topic_name) = (self.my_guid, self.my_topic_name.clone());
+    let mut events = Vec::new();
+    for (guid, rp) in self.readers.iter_mut() {
+      let lags = rp.qos().is_reliable() && rp.acked_up_to_before() < first_change;
+      if lags != rp.lags {
+        rp.lags = lags;
+        events.push(if lags {
+          DomainParticipantStatusEvent::RemoteReaderLags {
+            local_writer,
+            remote_reader: *guid,
+            topic_name: topic_name.clone(),
+          }
+        } else {
+          DomainParticipantStatusEvent::RemoteReaderCaughtUp {
+            local_writer,
+            remote_reader: *guid,
+            topic_name: topic_name.clone(),
+          }
+        });
+      }
+    }
+    for event in events {
+      self.send_participant_status(event);
     }
   }
 
@@ -1253,14 +1327,10 @@ impl Writer {
 
         // See if we need to respond by GAP message
         if let Some(reader_proxy) = self.readers.get(&reader_guid) {
-          if !reader_proxy.get_pending_gap().is_empty() {
-            let gap_message = MessageBuilder::new()
-              .gap_msg(
-                reader_proxy.get_pending_gap(),
-                self.my_guid.entity_id,
-                self.endianness,
-                reader_guid,
-              )
+          // frictionlab: and by one for all that came before this reader.
+          if !reader_proxy.get_pending_gap().is_empty() || reader_proxy.needs_gap_before() {
+            let gap_message = self
+              .gaps_for(reader_proxy, MessageBuilder::new())
               .add_header_and_build(self.my_guid.prefix);
             self.send_control_to_readers(
               DeliveryMode::Unicast,
@@ -1429,7 +1499,11 @@ impl Writer {
       let Some(unsent_sn) = reader_proxy.first_unsent_change() else {
         break;
       };
-      let first_available = self.send_buffer.first_change_sequence_number();
+      // frictionlab: what is not for this reader counts as gone.
+      let first_available = max(
+        self.send_buffer.first_change_sequence_number(),
+        reader_proxy.relevant_from(),
+      );
       let pending_gaps = reader_proxy.get_pending_gap().clone();
 
       let mut gap = MessageBuilder::new();
@@ -1665,12 +1739,21 @@ impl Writer {
     let first_keeper = if !self.like_stateless {
       // Regular stateful writer behavior
       // All readers have acked up to this point (SequenceNumber)
+      // frictionlab: of those that acknowledge at all; a best-effort reader never does, and kept
+      // everything up to the limit.
       let acked_by_all_readers = self
         .readers
         .values()
+        .filter(|rp| self.waits_for(rp))
         .map(RtpsReaderProxy::acked_up_to_before)
         .min()
-        .unwrap_or_else(SequenceNumber::zero);
+        .unwrap_or_else(|| {
+          if self.is_reliable() && self.my_guid.entity_id.kind().is_user_defined() {
+            self.send_buffer.last_change_sequence_number().plus_1()
+          } else {
+            SequenceNumber::zero()
+          }
+        });
       // If all readers have acked all up to before 5, and depth is 5, we need
       // to keep samples 0..4, i.e. from acked_up_to_before - depth .
       let depth_keeper = if let Some(depth) = depth {
@@ -2008,7 +2091,12 @@ impl Writer {
           // and the endpoints stay unmatched. Unicast to just the new reader.
           if self.is_reliable() && !self.like_stateless {
             let new_reader_guid = reader_proxy.remote_reader_guid;
-            let first = self.send_buffer.first_change_sequence_number();
+            // frictionlab: a reader is told of what is for it only.
+            let first = self
+              .readers
+              .get(&new_reader_guid)
+              .map_or(SequenceNumber::new(1), RtpsReaderProxy::relevant_from)
+              .max(self.send_buffer.first_change_sequence_number());
             let last = self.send_buffer.last_change_sequence_number();
             let hb_message = MessageBuilder::new()
               .ts_msg(self.endianness, Some(Timestamp::now()))
@@ -2075,6 +2163,12 @@ impl Writer {
     let mut is_new = false;
     let is_volatile = self.qos().is_volatile(); // Get this in advance to work with the borrow checker
                                                 // Capture the interface set once; resolution consults current observations.
+    let keep_last_depth = match self.qos_policies.history {
+      _ if self.my_guid.entity_id.kind().is_built_in() => None,
+      Some(History::KeepAll) => None,
+      Some(History::KeepLast { depth }) => usize::try_from(depth).ok(),
+      None => Some(1),
+    };
     let multicast_ifaces = self.udp_sender.multicast_interfaces();
     let selector = DefaultRouteSelector::new(self.prefer_loopback_same_host);
     self
@@ -2101,7 +2195,13 @@ impl Writer {
           // With Durabilty::Volatile QoS we won't send the sequence numbers which existed
           // before matching with this reader. Therefore we set the reader as pending GAP
           // for all existing sequence numbers
-          new_proxy.set_pending_gap_up_to(self.send_buffer.last_change_sequence_number());
+          // frictionlab: as a number; the set grew with everything ever written.
+          new_proxy.set_relevant_from(self.send_buffer.last_change_sequence_number().plus_1());
+        } else if let Some(depth) = keep_last_depth {
+          // frictionlab: a late joiner gets the History depth, not what is retained for the
+          // repair of others (DDS v1.4 2.2.3.18).
+          let last = self.send_buffer.last_change_sequence_number();
+          new_proxy.set_relevant_from(last.plus_1() - SequenceNumber::from(depth));
         }
         new_proxy.resolve_send_route(
           &self.interface_observations.borrow(),
@@ -2146,6 +2246,33 @@ impl Writer {
       }
     }
     self.recompute_min_datagram_payload();
+  }
+
+  // frictionlab: whether acknowledgements are expected of that reader. What the
+  // built-in endpoints say of their QoS is incomplete, so all of them are.
+  fn waits_for(&self, reader: &RtpsReaderProxy) -> bool {
+    self.my_guid.entity_id.kind().is_built_in() || reader.qos().is_reliable()
+  }
+
+  // frictionlab: the GAPs that tell `reader` which samples are not for it.
+  fn gaps_for(&self, reader: &RtpsReaderProxy, mut builder: MessageBuilder) -> MessageBuilder {
+    if reader.needs_gap_before() {
+      builder = builder.gap_msg_before(
+        reader.relevant_from(),
+        self.entity_id(),
+        self.endianness,
+        reader.remote_reader_guid,
+      );
+    }
+    if !reader.get_pending_gap().is_empty() {
+      builder = builder.gap_msg(
+        reader.get_pending_gap(),
+        self.entity_id(),
+        self.endianness,
+        reader.remote_reader_guid,
+      );
+    }
+    builder
   }
 
   fn matched_reader_remove(&mut self, guid: GUID) -> Option<RtpsReaderProxy> {
@@ -2414,14 +2541,12 @@ impl<'a> Iterator for FragmentationIter<'a> {
 
             // If sending to a single reader, add a GAP message with pending gaps if any
             if let Some(reader) = target_reader_opt {
-              if !reader.get_pending_gap().is_empty() {
-                let gap_msg = MessageBuilder::new()
-                  .dst_submessage(writer.endianness, reader.remote_reader_guid.prefix)
-                  .gap_msg(
-                    reader.get_pending_gap(),
-                    writer.entity_id(),
-                    writer.endianness,
-                    reader.remote_reader_guid,
+              if !reader.get_pending_gap().is_empty() || reader.needs_gap_before() {
+                let gap_msg = writer
+                  .gaps_for(
+                    reader,
+                    MessageBuilder::new()
+                      .dst_submessage(writer.endianness, reader.remote_reader_guid.prefix),
                   )
                   .add_header_and_build(writer.my_guid.prefix);
                 // Leading GAP: if it blocks, resume from Fresh (re-send GAP too).
@@ -2543,14 +2668,7 @@ impl<'a> Iterator for FragmentationIter<'a> {
             message_builder.dst_submessage(writer.endianness, reader.remote_reader_guid.prefix);
 
           // If the reader is pending GAPs on any sequence numbers, add a GAP
-          if !reader.get_pending_gap().is_empty() {
-            message_builder = message_builder.gap_msg(
-              reader.get_pending_gap(),
-              writer.entity_id(),
-              writer.endianness,
-              reader.remote_reader_guid,
-            );
-          }
+          message_builder = writer.gaps_for(reader, message_builder);
         }
 
         // Add the DATA submessage
@@ -2784,6 +2902,7 @@ mod tests {
           DEFAULT_WRITER_MAX_SAMPLES,
           DEFAULT_WRITER_MAX_SAMPLES,
           DEFAULT_WRITER_MAX_SAMPLES,
+          None,
         );
         for _ in 0..sample_count {
           let data = DDSData::new(SerializedPayload::new(

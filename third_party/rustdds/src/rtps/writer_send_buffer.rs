@@ -14,6 +14,12 @@ use crate::{
   structure::{cache_change::CacheChange, guid::GUID, sequence_number::SequenceNumber},
 };
 
+// frictionlab: most samples that a reliable KEEP_LAST writer retains beyond its
+// depth for readers that have not acknowledged them: about a second at 1 kHz.
+pub(crate) const RETAINED_FOR_REPAIR: usize = 1024;
+// frictionlab: and most payload bytes.
+const MAX_RETAINED_BYTES_FOR_REPAIR: usize = 4 * 1024 * 1024;
+
 /// Result of an admission attempt into the [`WriterSendBuffer`].
 pub(crate) enum Admission {
   /// The sample was admitted and given this sequence number. It now lives in
@@ -70,6 +76,10 @@ struct Inner {
   // send window / unsent-backlog and must retain samples for repair.
   max_retain: usize,
 
+  // frictionlab: payload bytes of `changes`, for the bound on what a reliable
+  // KEEP_LAST writer retains for repair.
+  retained_bytes: usize,
+
   // Wakers of async producers / ack-waiters parked because the window was full
   // or acknowledgements were still pending. Drained (woken) on any advance.
   wakers: Vec<Waker>,
@@ -83,6 +93,9 @@ struct Shared {
   writer_guid: GUID,
   reliable_writer: bool,
   is_builtin: bool,
+  // frictionlab: `Some(depth)` for KEEP_LAST. Such a writer never waits for a
+  // reader: newer samples push out older ones (DDS v1.4 2.2.3.18).
+  keep_last: Option<usize>,
   // True for VOLATILE durability (the DDS default). When true, a reliable writer
   // with no matched reliable reader trims KeepLast on insert (there is no
   // late-joiner to serve, so retaining unacked samples is pointless). When false
@@ -117,6 +130,7 @@ impl WriterSendBuffer {
     window_limit: usize,
     backlog_limit: usize,
     max_retain: usize,
+    keep_last: Option<usize>,
   ) -> Self {
     Self {
       shared: Arc::new(Shared {
@@ -130,12 +144,14 @@ impl WriterSendBuffer {
           backlog_limit: backlog_limit.max(1),
           sent_frontier: SequenceNumber::new(0),
           max_retain: max_retain.max(1),
+          retained_bytes: 0,
           wakers: Vec::new(),
         }),
         progress: Condvar::new(),
         writer_guid,
         reliable_writer,
         is_builtin,
+        keep_last: keep_last.map(|depth| depth.max(1)),
         volatile,
         topic_name,
       }),
@@ -153,6 +169,13 @@ impl WriterSendBuffer {
   fn has_room(shared: &Shared, inner: &Inner, may_block: bool) -> bool {
     if shared.is_builtin {
       // Built-in (discovery) writers must never stall.
+      return true;
+    }
+
+    if shared.reliable_writer && shared.keep_last.is_some() {
+      // frictionlab: KEEP_LAST is never throttled by what a reader has not
+      // acknowledged, nor by a socket that does not drain: one frozen reader
+      // must not stop everybody else's samples. See `trim_keep_last`.
       return true;
     }
 
@@ -269,8 +292,17 @@ impl WriterSendBuffer {
   ) -> SequenceNumber {
     let seq = inner.last_seq.plus_1();
     let cc = CacheChange::new(shared.writer_guid, seq, write_options, data);
+    inner.retained_bytes += cc.data_value.payload_size();
     inner.changes.insert(seq, cc);
     inner.last_seq = seq;
+
+    // frictionlab: a reliable KEEP_LAST writer has bounds of its own.
+    if shared.reliable_writer && !shared.is_builtin {
+      if let Some(depth) = shared.keep_last {
+        Self::trim_keep_last(inner, depth);
+        return seq;
+      }
+    }
 
     // KeepLast "newest wins" bound. Applied on insert for:
     //  - non-blocking best-effort writes: never throttled at admission (`has_room`
@@ -298,11 +330,39 @@ impl WriterSendBuffer {
           Some(sn) => sn,
           None => break,
         };
-        inner.changes.remove(&oldest);
-        inner.first_seq = oldest.plus_1();
+        Self::remove_oldest(inner, oldest);
       }
     }
     seq
+  }
+
+  // frictionlab: what a reliable KEEP_LAST writer retains: the last `depth`
+  // samples, and beyond them those that are not sent yet or that some reliable
+  // reader has not acknowledged, so that a lost datagram can be sent again; but
+  // of the latter only so many, so that a reader that is frozen costs a bounded
+  // amount of memory and repair, and nobody waits for it.
+  fn trim_keep_last(inner: &mut Inner, depth: usize) {
+    let window = max(depth, RETAINED_FOR_REPAIR);
+    while inner.changes.len() > depth {
+      let Some(oldest) = inner.changes.keys().next().copied() else {
+        break;
+      };
+      let done = oldest <= inner.sent_frontier
+        && (!inner.reliable_readers_present || oldest < inner.acked_before);
+      let too_many =
+        inner.changes.len() > window || inner.retained_bytes > MAX_RETAINED_BYTES_FOR_REPAIR;
+      if !done && !too_many {
+        break;
+      }
+      Self::remove_oldest(inner, oldest);
+    }
+  }
+
+  fn remove_oldest(inner: &mut Inner, oldest: SequenceNumber) {
+    if let Some(removed) = inner.changes.remove(&oldest) {
+      inner.retained_bytes -= removed.data_value.payload_size();
+    }
+    inner.first_seq = oldest.plus_1();
   }
 
   // --- consumer side (Writer / event loop) ---
@@ -381,6 +441,11 @@ impl WriterSendBuffer {
     let mut inner = shared.inner.lock().unwrap();
     let count_before = inner.changes.len();
     inner.changes = inner.changes.split_off(&remove_before);
+    inner.retained_bytes = inner
+      .changes
+      .values()
+      .map(|cc| cc.data_value.payload_size())
+      .sum();
     if remove_before > inner.first_seq {
       inner.first_seq = remove_before;
     }
@@ -485,6 +550,7 @@ mod tests {
       /* window_limit */ 1,
       /* backlog_limit */ 1000,
       /* max_retain */ 1,
+      /* keep_last */ None,
     );
     buf.set_acked_frontier(Some(SequenceNumber::zero()));
 
@@ -511,6 +577,7 @@ mod tests {
       /* window_limit */ 1000,
       /* backlog_limit */ 2,
       /* max_retain */ 1000,
+      /* keep_last */ None,
     );
 
     // Nothing sent yet: backlog fills after two admissions.
@@ -539,6 +606,7 @@ mod tests {
       /* window_limit */ 1000,
       /* backlog_limit */ 1,
       /* max_retain */ 1000,
+      /* keep_last */ None,
     );
     // Default WriteOptions => best_effort_may_block == false => never blocks.
     assert!(admit_now(&buf, WriteOptions::default()));
@@ -559,6 +627,7 @@ mod tests {
       1000,
       /* backlog_limit */ 1,
       /* max_retain */ 1000,
+      /* keep_last */ None,
     );
     assert!(admit_now(&buf, may_block_opts()));
     assert!(admit_now(&buf, may_block_opts()));
@@ -583,6 +652,7 @@ mod tests {
       /* window_limit */ 1000,
       /* backlog_limit */ 1000,
       max_retain,
+      /* keep_last */ None,
     );
 
     for _ in 0..100 {
@@ -618,6 +688,7 @@ mod tests {
       /* window_limit */ 1000,
       /* backlog_limit */ 1000,
       max_retain,
+      /* keep_last */ None,
     );
     // No reliable readers matched yet => admission not window-throttled.
     for _ in 0..10 {
@@ -646,6 +717,7 @@ mod tests {
       /* window_limit */ 1000,
       /* backlog_limit */ 1000,
       max_retain,
+      /* keep_last */ None,
     );
     // No reliable reader yet: admitted freely (backlog has room) but trimmed to
     // KeepLast so the buffer cannot balloon before discovery completes.
@@ -662,5 +734,75 @@ mod tests {
       assert!(admit_now(&buf, WriteOptions::default()));
     }
     assert_eq!(buf.retained_len(), max_retain + 10);
+  }
+
+  // frictionlab: a reliable KEEP_LAST buffer with a reader that has acknowledged
+  // everything before `acked`.
+  fn keep_last(depth: usize, volatile: bool, acked: i64) -> WriterSendBuffer {
+    let buf = WriterSendBuffer::new(
+      GUID::GUID_UNKNOWN,
+      "t".to_string(),
+      /* reliable_writer */ true,
+      /* is_builtin */ false,
+      volatile,
+      /* window_limit */ 1,
+      /* backlog_limit */ 1,
+      /* max_retain */ depth,
+      Some(depth),
+    );
+    if acked > 0 {
+      buf.set_acked_frontier(Some(SequenceNumber::new(acked)));
+    }
+    buf
+  }
+
+  fn write_and_send(buf: &WriterSendBuffer, count: i64) {
+    for _ in 0..count {
+      assert!(admit_now(buf, WriteOptions::default()));
+      buf.set_sent_frontier(buf.last_change_sequence_number());
+    }
+  }
+
+  #[test]
+  fn keep_last_never_waits_for_a_frozen_reader_and_is_bounded() {
+    let buf = keep_last(10, true, 1);
+    write_and_send(&buf, 20_000);
+    assert_eq!(buf.retained_len(), RETAINED_FOR_REPAIR);
+    assert_eq!(
+      buf.first_change_sequence_number(),
+      SequenceNumber::new(20_001 - RETAINED_FOR_REPAIR as i64)
+    );
+    // Once it has acknowledged, the depth is what stays.
+    buf.set_acked_frontier(Some(SequenceNumber::new(20_001)));
+    write_and_send(&buf, 1);
+    buf.set_acked_frontier(Some(SequenceNumber::new(20_002)));
+    write_and_send(&buf, 1);
+    assert!(buf.retained_len() <= 11, "{}", buf.retained_len());
+  }
+
+  #[test]
+  fn keep_last_keeps_what_a_reader_may_ask_for_again() {
+    let buf = keep_last(1, true, 1);
+    write_and_send(&buf, 500);
+    assert_eq!(buf.retained_len(), 500);
+    assert!(buf.get_by_sn(SequenceNumber::new(1)).is_some());
+  }
+
+  #[test]
+  fn keep_last_for_late_joiners_is_the_depth_whoever_reads() {
+    for volatile in [true, false] {
+      let buf = keep_last(3, volatile, 0);
+      write_and_send(&buf, 100);
+      assert_eq!(buf.retained_len(), 3);
+    }
+  }
+
+  #[test]
+  fn keep_last_keeps_what_is_not_sent_yet() {
+    let buf = keep_last(1, true, 0);
+    for _ in 0..50 {
+      assert!(admit_now(&buf, WriteOptions::default()));
+    }
+    assert_eq!(buf.retained_len(), 50);
   }
 }
