@@ -45,6 +45,12 @@ impl AssemblyBuffer {
       return None;
     }
 
+    // frictionlab: the sender says how large the whole is, before it has sent more than a piece.
+    if data_size > MOST_BYTES {
+      error!("Cannot create AssemblyBuffer: data_size={data_size}, {MOST_BYTES} at most");
+      return None;
+    }
+
     let mut buffer_bytes = BytesMut::with_capacity(data_size);
     buffer_bytes.resize(data_size, 0);
 
@@ -185,6 +191,11 @@ impl AssemblyBuffer {
 // under best effort is lost anyway and under reliable will be re-requested.
 const MAX_ASSEMBLY_BUFFERS: usize = 128;
 
+// frictionlab: largest sample that is put together from fragments, in bytes, and
+// most bytes of incomplete samples of one writer.
+const MOST_BYTES: usize = 16 * 1024 * 1024;
+const MOST_BYTES_OF_WRITER: usize = 2 * MOST_BYTES;
+
 // Assembles fragments from a single (remote) Writer
 // So there is only one sequence of SNs
 pub(crate) struct FragmentAssembler {
@@ -283,7 +294,13 @@ impl FragmentAssembler {
       //  * Best effort: there is no retransmission, so a low incomplete buffer is
       //    lost anyway. Evict the OLDEST (lowest SN) to free room for newer samples
       //    that may still complete.
-      while self.assembly_buffers.len() > MAX_ASSEMBLY_BUFFERS {
+      // frictionlab: nor more than so many bytes of them.
+      let bytes = |buffers: &BTreeMap<SequenceNumber, AssemblyBuffer>| -> usize {
+        buffers.values().map(|buffer| buffer.buffer_bytes.len()).sum()
+      };
+      while self.assembly_buffers.len() > MAX_ASSEMBLY_BUFFERS
+        || bytes(&self.assembly_buffers) > MOST_BYTES_OF_WRITER
+      {
         let evicted = if self.reliable {
           self.assembly_buffers.pop_last()
         } else {

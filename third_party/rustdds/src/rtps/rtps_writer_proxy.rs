@@ -77,6 +77,9 @@ pub(crate) struct RtpsWriterProxy {
   last_received_timestamp: Timestamp,
 }
 
+// frictionlab: most sequence numbers that are listed as missing at a time.
+const MOST_MISSING: usize = 256;
+
 impl RtpsWriterProxy {
   pub fn new(
     remote_writer_guid: GUID,
@@ -176,6 +179,10 @@ impl RtpsWriterProxy {
 
     // Iterate over all SequenceNumbers (indices) in the advertised range.
     for s in relevant_interval {
+      // frictionlab: one ACKNACK names 256 numbers at most; a HEARTBEAT may announce billions.
+      if missing_seqnums.len() >= MOST_MISSING {
+        break;
+      }
       match known_head {
         None => missing_seqnums.push(s), // no known changes left => s is missing
         Some(known_sn) => {
@@ -280,8 +287,12 @@ impl RtpsWriterProxy {
         "ack_base increased to {:?} by irrelevant_changes_range {:?} to {:?}. writer={:?}",
         self.ack_base, remove_from, remove_until_before, self.remote_writer_guid
       );
+    } else if i64::from(remove_until_before) - i64::from(remove_from)
+      > MAX_TRACKED_CHANGES_PER_WRITER as i64
+    {
+      // frictionlab: as the bound on the map makes it in the end, without listing billions.
+      self.irrelevant_changes_range(self.ack_base, remove_until_before);
     } else {
-      // TODO: This potentially generates a very large BTreeMap
       for na in
         SequenceNumber::range_inclusive(remove_from, remove_until_before - SequenceNumber::new(1))
       {
