@@ -12,7 +12,7 @@ use msgs::std_msgs::Header;
 use msgs::topics;
 use ros_node::{Discovery, Participant, Range};
 use rustix::process::{Pid, Signal, kill_process};
-use tests::network::{run_ignored, two_machines};
+use tests::network::{ORDINARY_MTU, run_ignored, two_machines};
 use tests::wire::{Catch, Packet, keep, kept};
 
 const DOMAIN: u16 = 76;
@@ -118,7 +118,7 @@ fn replay_from_there(packets: &[Packet], said_to: Prefix, to: Prefix) {
 
 #[test]
 fn packets_recorded_here_and_sent_from_another_machine_are_obeyed_by_nobody_who_keeps_to_this_machine() {
-    let Some(command) = two_machines() else { return };
+    let Some(command) = two_machines(ORDINARY_MTU) else { return };
     let folder = tempfile::tempdir().unwrap();
     let told = run_ignored(command, "attack", &[(CAUGHT, folder.path().join("caught").as_os_str())]);
     for line in told.lines().filter(|line| line.starts_with("foreign host:")) {

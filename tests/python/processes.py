@@ -6,6 +6,12 @@ import subprocess
 import time
 
 
+def there():
+    """What stands before a command that runs on the programs' machine, if that is another than the script's. It becomes the command: signals reach it."""
+    machine = os.environ.get("PROGRAMS_MACHINE")
+    return ["nsenter", "-t", machine, "-n"] if machine else []
+
+
 class Processes:
     """The programs of one test, ended with it."""
 
@@ -14,8 +20,11 @@ class Processes:
         self.running = []
 
     def start(self, program, *ros_arguments):
-        command = [os.path.join(self.folder, program), "--ros-args", *ros_arguments]
-        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        return self.run(os.path.join(self.folder, program), "--ros-args", *ros_arguments)
+
+    def run(self, *command):
+        """Starts one by its whole command."""
+        process = subprocess.Popen([*there(), *command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.running.append(process)
         return process
 

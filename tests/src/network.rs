@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde_json::Value;
 
-use crate::python;
+use crate::python::{self, Distribution};
 
 /// Brings loopback up with multicast, then becomes the command.
 const LOOPBACK_ONLY: &str =
@@ -38,11 +38,24 @@ pub fn namespaced() -> Option<Command> {
 /// # Panics
 /// When the script fails or prints something else; the message carries what it said.
 pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
+    session_at(Place::Loopback, Distribution::Kilted, script, arguments)
+}
+
+/// As [`session`], elsewhere or with another distribution of ROS 2.
+///
+/// # Panics
+/// As [`session`].
+pub fn session_at(
+    place: Place,
+    distribution: Distribution,
+    script: &str,
+    arguments: &[&str],
+) -> Option<Value> {
     // Six nodes at 1 kHz are enough for one machine: one session after the other.
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let python = python::interpreter("rclpy")?;
-    let mut command = namespaced()?;
+    let python = python::interpreter_of(distribution)?;
+    let mut command = place.command()?;
     let folder = crate::node_programs();
     let logs = tempfile::tempdir().expect("a folder");
     let output = command
@@ -51,7 +64,6 @@ pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
         .arg(&folder)
         .args(arguments)
         .env("ROS_DOMAIN_ID", "74")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("ROS_LOG_DIR", logs.path())
         .output()
         .expect("unshare starts");
@@ -91,27 +103,33 @@ pub fn peer(script: &str, cases: &Value) -> Option<Value> {
     Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
 }
 
-/// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network namespace of the process `$OTHER_MACHINE`. The loopback
-/// has no multicast, which is routed to the network card.
+/// MTU of an ordinary network card [bytes].
+pub const ORDINARY_MTU: u16 = 1500;
+/// MTU of a network with jumbo frames [bytes].
+pub const JUMBO_MTU: u16 = 9000;
+
+/// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network namespace of the process `$OTHER_MACHINE`; `$THIS_MACHINE`
+/// is a process here. The loopback has no multicast, which is routed to the network card. The MTU is the first argument.
 const TWO_MACHINES: &str = r#"
+mtu=$1; shift
 ip link set lo up || exit 125
 unshare -n sleep infinity & other=$!
 trap 'kill $other' EXIT
 until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/self/ns/net)" ]; do sleep 0.01; done
-ip link add card type veth peer name wire && ip link set wire netns $other || exit 125
+ip link add card mtu $mtu type veth peer name wire mtu $mtu && ip link set wire netns $other || exit 125
 ip addr add 192.0.2.1/24 dev card && ip link set card up && ip route add 224.0.0.0/4 dev card || exit 125
 nsenter -t $other -n bash -c 'ip link set lo up && ip addr add 192.0.2.2/24 dev wire && ip link set wire up && ip route add 224.0.0.0/4 dev wire' || exit 125
-export OTHER_MACHINE=$other
+export OTHER_MACHINE=$other THIS_MACHINE=$$
 "$@"
 "#;
 
-/// A command on a machine with another one on its network: `$OTHER_MACHINE` is a process there, for `nsenter -t $OTHER_MACHINE -n`. `None` where the system
-/// grants no such thing.
-pub fn two_machines() -> Option<Command> {
+/// A command on a machine with another one on its network, whose cards take packets of `mtu` bytes: `$OTHER_MACHINE` is a process there, for
+/// `nsenter -t $OTHER_MACHINE -n`. `None` where the system grants no such thing.
+pub fn two_machines(mtu: u16) -> Option<Command> {
     for flags in [&["-n"][..], &["-r", "-n"]] {
         let command = || {
             let mut command = Command::new("unshare");
-            command.args(flags).args(["bash", "-c", TWO_MACHINES, "--"]);
+            command.args(flags).args(["bash", "-c", TWO_MACHINES, "--", &mtu.to_string()]);
             command
         };
         let probe = command().arg("true").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -121,6 +139,46 @@ pub fn two_machines() -> Option<Command> {
     }
     crate::skip("no two network namespaces (`unshare -n`, `ip link add type veth`, `nsenter`); run as root");
     None
+}
+
+/// Where the laboratory's programs run, and where the script runs that asks them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Both on a machine that has a loopback with multicast and nothing else.
+    Loopback,
+    /// Both on one PC: it has a network card, and its loopback has no multicast. They keep to the machine.
+    OnePc,
+    /// As [`Place::OnePc`], but they look for others on the network.
+    OnePcOnItsNetwork,
+    /// The programs on one PC and the script on another, with packets of at most so many bytes between them.
+    TwoPcs(u16),
+}
+
+impl Place {
+    /// A command there, for the script; `None` where the system grants no such place.
+    fn command(self) -> Option<Command> {
+        let mut command = match self {
+            Self::Loopback => namespaced()?,
+            Self::OnePc | Self::OnePcOnItsNetwork => two_machines(ORDINARY_MTU)?,
+            Self::TwoPcs(mtu) => {
+                let mut command = two_machines(mtu)?;
+                // `processes.py` starts the programs where $PROGRAMS_MACHINE is.
+                command.args([
+                    "bash",
+                    "-c",
+                    r#"PROGRAMS_MACHINE=$THIS_MACHINE exec nsenter -t $OTHER_MACHINE -n "$@""#,
+                    "--",
+                ]);
+                command
+            }
+        };
+        let range = match self {
+            Self::Loopback | Self::OnePc => "LOCALHOST",
+            Self::OnePcOnItsNetwork | Self::TwoPcs(_) => "SUBNET",
+        };
+        command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", range);
+        Some(command)
+    }
 }
 
 /// Runs a test of the running test program that is ignored elsewhere, by `command`, with variables of the environment. Returns what it printed.

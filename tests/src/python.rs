@@ -6,18 +6,54 @@ use std::process::Command;
 
 use serde_json::Value;
 
+/// A distribution of ROS 2 whose real rclpy the tests can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Distribution {
+    /// The one that the laboratory is made for; the environment of `cargo xtask python-env`.
+    Kilted,
+    /// The one before, which is supported for longer; the environment of `cargo xtask python-env --distribution jazzy`.
+    Jazzy,
+}
+
+impl Distribution {
+    /// As ROS 2 writes it, as in `ROS_DISTRO`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kilted => "kilted",
+            Self::Jazzy => "jazzy",
+        }
+    }
+}
+
+/// The interpreter with a distribution's rclpy; otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` and `$FRICTION_PYTHON_ENV_JAZZY` name
+/// environments elsewhere.
+pub fn interpreter_of(distribution: Distribution) -> Option<PathBuf> {
+    match distribution {
+        Distribution::Kilted => interpreter("rclpy"),
+        Distribution::Jazzy => {
+            let made_by = "cargo xtask python-env --distribution jazzy";
+            interpreter_in("FRICTION_PYTHON_ENV_JAZZY", "python-jazzy", "rclpy", made_by)
+        }
+    }
+}
+
 /// The environment's interpreter, where the half of that name (`bag_tools`, `rclpy`) is ready; otherwise says so and the
 /// test should end. `$FRICTION_PYTHON_ENV` names an environment elsewhere.
 pub fn interpreter(half: &str) -> Option<PathBuf> {
-    let folder = match std::env::var_os("FRICTION_PYTHON_ENV") {
+    interpreter_in("FRICTION_PYTHON_ENV", "python", half, "cargo xtask python-env")
+}
+
+fn interpreter_in(variable: &str, beside: &str, half: &str, made_by: &str) -> Option<PathBuf> {
+    let folder = match std::env::var_os(variable) {
         Some(named) => PathBuf::from(named),
-        None => crate::profile_folder().parent()?.join("python"),
+        None => crate::profile_folder().parent()?.join(beside),
     };
     let python = folder.join("bin/python");
     if python.is_file() && folder.join(format!("{half}.stamp")).is_file() {
         return Some(python);
     }
-    crate::skip(&format!("no Python with {half} in {}; `cargo xtask python-env` makes it", folder.display()));
+    crate::skip(&format!("no Python with {half} in {}; `{made_by}` makes it", folder.display()));
     None
 }
 

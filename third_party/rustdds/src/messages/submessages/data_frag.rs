@@ -301,8 +301,10 @@ impl<C: Context> Writable<C> for DataFrag {
     writer.write_value(&self.fragments_in_submessage)?;
     writer.write_value(&self.fragment_size)?;
     writer.write_value(&self.data_size)?;
-    if self.inline_qos.is_some() && !self.inline_qos.as_ref().unwrap().parameters.is_empty() {
-      writer.write_value(&self.inline_qos)?;
+    // frictionlab: the list itself, as DATA writes it. Written as an `Option`, it has a leading byte that RTPS does not know, and no other
+    // vendor can read the fragment. The flag and `len_serialized()` count a list whenever there is one, empty or not.
+    if let Some(inline_qos) = self.inline_qos.as_ref() {
+      writer.write_value(inline_qos)?;
     }
     writer.write_bytes(&self.serialized_payload)?;
     Ok(())
@@ -332,6 +334,33 @@ mod tests {
     df.write_to_stream_with_ctx(Endianness::LittleEndian, &mut buf)
       .expect("serialize DataFrag body");
     Bytes::from(buf)
+  }
+
+  // frictionlab: a service's answer has its question in the inline QoS of every fragment.
+  #[test]
+  fn inline_qos_is_written_as_it_is_read_and_as_long_as_it_is_said_to_be() {
+    use crate::messages::submessages::elements::parameter::Parameter;
+    use crate::structure::parameter_id::ParameterId;
+
+    let mut inline_qos = ParameterList::new();
+    inline_qos.push(Parameter {
+      parameter_id: ParameterId::PID_RELATED_SAMPLE_IDENTITY,
+      value: vec![7; 24],
+    });
+    let df = DataFrag {
+      writer_sn: SequenceNumber::new(1),
+      fragment_starting_num: FragmentNumber::new(1),
+      fragments_in_submessage: 1,
+      fragment_size: 256,
+      data_size: 512,
+      inline_qos: Some(inline_qos),
+      serialized_payload: Bytes::from(vec![0u8; 256]),
+      ..Default::default()
+    };
+    let bytes = serialize_body(&df);
+    assert_eq!(bytes.len(), df.len_serialized());
+    let flags = BitFlags::from(DATAFRAG_Flags::Endianness) | DATAFRAG_Flags::InlineQos;
+    assert_eq!(DataFrag::deserialize(&bytes, flags).expect("a fragment"), df);
   }
 
   #[test]
