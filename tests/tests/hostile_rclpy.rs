@@ -161,17 +161,14 @@ fn damaged_dds_packets_neither_move_the_motor_nor_silence_the_nodes() {
     }
 }
 
-/// RustDDS lists what a HEARTBEAT says that it missed, however many billions.
+/// The middleware listed what a HEARTBEAT said that it missed, however many billions.
 #[test]
-fn a_node_that_a_packet_keeps_computing_ends_with_the_motor_at_rest() {
+fn a_packet_that_announces_billions_of_messages_changes_nothing() {
     let Some(report) = session("heartbeat_session.py", &[]) else { return };
     assert!(number(&report["heartbeats"]) > 0.0, "{report}");
-    assert_eq!(report["ended"], true, "{report}");
-    let said = text(&report["said"]);
-    assert!(report["code"] == 1 && is_lost(said) && said.contains("start it again"), "{report}");
-    assert!(number(&report["gigabytes"]) < 7.0, "it ends before it has taken the machine's memory: {report}");
-    assert!(said.contains("with the motor at zero volts"), "{said}");
-    assert_eq!(report["others"], json!(["active", "active"]));
+    assert_eq!(report["states"], json!(["active", "active", "active"]), "{report}");
+    assert!(report["moves"] == true && report["code"] == 0, "{report}");
+    assert!(number(&report["gigabytes"]) < 0.5, "{report}");
 }
 
 /// `live` took 16 GB and did not hear ctrl-C.
