@@ -125,6 +125,11 @@ pub(crate) enum TimedEvent {
 // frictionlab: how long a KEEP_LAST writer tries to send one sample to a socket that is full.
 const LONGEST_BLOCKED: std::time::Duration = std::time::Duration::from_millis(20);
 
+// frictionlab: for so long after a periodic heartbeat those that go with samples ask for
+// acknowledgements too. Fast DDS answers 5 ms after a heartbeat, and then goes by the final flag
+// of the newest: at 1 kHz it would never acknowledge anything.
+const ASKING: std::time::Duration = std::time::Duration::from_millis(10);
+
 // This is used to construct an actual Writer.
 // Ingredients are sendable between threads, whereas the Writer is not.
 pub(crate) struct WriterIngredients {
@@ -256,6 +261,11 @@ pub(crate) struct Writer {
   /// frictionlab: since when no socket has taken the sample that is being pushed;
   /// see `gives_up`.
   blocked_since: Option<std::time::Instant>,
+  /// frictionlab: the last sample that the heartbeat before asked for; see
+  /// `tell_of_lagging_readers`.
+  asked_for: SequenceNumber,
+  /// frictionlab: until when heartbeats ask every reader; see `ASKING`.
+  asks_until: Option<std::time::Instant>,
   /// nonblocking-transmit: sockets on which the last push attempt hit
   /// WouldBlock. Drained by the event loop, which enqueues this writer on those
   /// sockets' round-robin queues and arms write readiness.
@@ -367,6 +377,8 @@ impl Writer {
       last_sent: SequenceNumber::zero(),
       sample_cursor: SampleCursor::Fresh,
       blocked_since: None,
+      asked_for: SequenceNumber::zero(),
+      asks_until: None,
       blocked_sockets: BTreeSet::new(),
       timed_event_timer,
       like_stateless: i.like_stateless,
@@ -766,7 +778,8 @@ impl Writer {
         // frictionlab: with the final flag a reader answers only if it misses something
         // (RTPS v2.5 8.3.8.6.5); what it has it acknowledges to the periodic heartbeat. Else
         // ten readers of a topic at 1 kHz send thousands of acknowledgements a second.
-        self.my_guid.entity_id.kind().is_user_defined(),
+        self.my_guid.entity_id.kind().is_user_defined()
+          && self.asks_until.is_none_or(|until| until <= std::time::Instant::now()),
         false, // liveliness_flag
       );
     }
@@ -1110,7 +1123,10 @@ impl Writer {
     let first_change = self.send_buffer.first_change_sequence_number();
     let last_change = self.send_buffer.last_change_sequence_number();
 
-    self.tell_of_lagging_readers(first_change);
+    if !is_manual_assertion {
+      self.tell_of_lagging_readers(first_change);
+      self.asked_for = last_change;
+    }
 
     // frictionlab: best-effort readers acknowledge nothing; they are not waited for.
     if self
@@ -1122,6 +1138,7 @@ impl Writer {
       trace!("heartbeat tick: all readers have all available data.");
       false
     } else {
+      self.asks_until = Some(std::time::Instant::now() + ASKING);
       // the interface to .heartbeat_msg is silly: we give ref to ourself
       // and that function then queries us.
       let hb_message = MessageBuilder::new()
@@ -1174,6 +1191,8 @@ impl Writer {
 
   // frictionlab: a reader that has not acknowledged what is no longer there lags: it
   // is frozen, slow or out of reach. Nobody waits for it; who runs it may want to know.
+  // Readers acknowledge to the periodic heartbeat: what was written after the last one
+  // does not count. Between two of them, a second apart, 1 kHz writes all that is retained.
   fn tell_of_lagging_readers(&mut self, first_change: SequenceNumber) {
     if self.my_guid.entity_id.kind().is_built_in() {
       return;
@@ -1181,7 +1200,10 @@ impl Writer {
     let (local_writer, topic_name) = (self.my_guid, self.my_topic_name.clone());
     let mut events = Vec::new();
     for (guid, rp) in self.readers.iter_mut() {
-      let lags = rp.qos().is_reliable() && rp.acked_up_to_before() < first_change;
+      let acked_before = rp.acked_up_to_before();
+      let lags = rp.qos().is_reliable()
+        && acked_before < first_change
+        && acked_before <= self.asked_for;
       if lags != rp.lags {
         rp.lags = lags;
         events.push(if lags {
