@@ -13,6 +13,7 @@ use std::{
 };
 
 use msgs::{Payload, topics, topics::Topic};
+use ros_node::parameters::Parameters;
 use ros_node::{Arguments, Discovery, Named, Participant, RosNode, RosNodeError, Stop};
 
 use crate::bag::{BagError, BagOptions, BagSummary, BagWriter};
@@ -69,6 +70,10 @@ pub fn record(options: &RecordOptions, stop: &Stop, ready: impl FnOnce()) -> Res
         Arguments { namespace: options.namespace.clone(), ..Arguments::default() }.or_enclave("/viewer");
     let participant = Participant::join_with(&discovery, arguments)?;
     let node = participant.node("recorder")?;
+    // An enclave of viewers may not answer under this name.
+    if participant.enclave().is_none() {
+        Parameters::usual(&node)?;
+    }
     let mut bag = BagWriter::create(&options.dir, BagOptions::default())?;
     let (to_disk, waiting) = mpsc::sync_channel(WAITING);
     let ear = Ear { node: &node, to_disk, dropped: Arc::default() };

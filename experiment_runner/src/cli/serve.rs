@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
+use ros_node::parameters::Parameters;
 use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
 use super::BadInput;
@@ -82,6 +83,7 @@ fn serve(
         other => anyhow::Error::new(other),
     })?;
     let node = participant.node("experiment_runner")?;
+    Parameters::usual(&node)?;
     let usual = UsualRig::default();
     usual.set(chosen.rig.clone());
     let rigs = args.allow_rigs.iter().chain([&chosen.rig]).cloned().collect();

@@ -9,6 +9,7 @@ use friction_observer::node::FrictionObserver;
 use msgs::diagnostic_msgs::DiagnosticArray;
 use msgs::{friction_msgs, topics};
 use rig_driver::node::RigDriver;
+use ros_node::parameters::Parameters;
 use ros_node::queue::{Receiver, Sender, Waker, queue};
 use ros_node::{Participant, Publisher, RosNode, RosNodeError};
 
@@ -54,6 +55,9 @@ impl RunnerSide {
             let spawned = thread::Builder::new().name("publisher".into()).spawn(publish);
             reference = Some(spawned.map_err(|source| LiveError::Thread { source })?);
             sender = Some(to_publisher);
+        }
+        if !serve {
+            Parameters::usual(&node)?;
         }
         let side = Self {
             diagnostics: node.publisher(&topics::DIAGNOSTICS)?,

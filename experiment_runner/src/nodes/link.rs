@@ -13,7 +13,7 @@ use msgs::std_msgs::Header;
 use msgs::std_srvs::{Trigger, TriggerRequest, TriggerResponse};
 use msgs::topics::{self, Qos};
 use ros_node::lifecycle::RemoteLifecycle;
-use ros_node::parameters::RemoteParameters;
+use ros_node::parameters::{Parameters, RemoteParameters};
 use ros_node::{Participant, Publisher, RosNode, RosNodeError, ServiceClient};
 
 use super::{Assembler, Heard, Source, Whole};
@@ -128,6 +128,10 @@ impl Link {
     /// [`RosNodeError`] if the middleware refuses.
     pub fn new(participant: Participant) -> Result<Self, RosNodeError> {
         let node = participant.node("frictionlab_run")?;
+        // The enclave of a runner may not answer under this name.
+        if participant.enclave().is_none() {
+            Parameters::usual(&node)?;
+        }
         let (events, receiver) = mpsc::sync_channel(WAITING);
         let ear = Arc::new(Ear {
             events,

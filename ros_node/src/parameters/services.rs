@@ -100,6 +100,15 @@ impl Parameters {
         Ok(parameters)
     }
 
+    /// What every node of ROS 2 has: `use_sim_time` alone, with the six services, so that whoever asks all nodes for their parameters need not wait for this one. They
+    /// answer for as long as the node is there.
+    ///
+    /// # Errors
+    /// As for [`declare`](Self::declare).
+    pub fn usual(node: &RosNode) -> Result<Self, RosNodeError> {
+        Self::declare(node, Vec::new(), |_, _| Ok(()))
+    }
+
     /// The value of a parameter, if there is one of that name.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<ParameterValue> {
