@@ -40,11 +40,11 @@ def newcomer(ask):
 
 
 def last_status(ros):
+    """What `ros2 topic echo --once` shows: the first that comes."""
     heard = []
     keep = ros.node.create_subscription(ExperimentStatus, "/experiment_status", heard.append, LATCHED)
     ros.until(lambda: heard, 10)
-    ros.spin(0.3)
-    return heard[-1].message if heard and keep else None
+    return heard[0].message if heard and keep else None
 
 
 def runner(program):
