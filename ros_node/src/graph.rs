@@ -47,6 +47,7 @@ struct Known {
 struct KnownNode {
     name: String,
     writers: Vec<ParticipantId>,
+    readers: Vec<ParticipantId>,
     /// When it was told of first, by the teller's clock [ns since the epoch]; none if the teller did not say.
     since: Option<u64>,
 }
@@ -61,7 +62,9 @@ impl Known {
 
 /// What a participant's nodes take [bytes].
 fn size(nodes: &[KnownNode]) -> usize {
-    let one = |node: &KnownNode| size_of::<KnownNode>() + node.name.len() + size_of_val(&*node.writers);
+    let one = |node: &KnownNode| {
+        size_of::<KnownNode>() + node.name.len() + size_of_val(&*node.writers) + size_of_val(&*node.readers)
+    };
     size_of::<ParticipantId>() + nodes.iter().map(one).sum::<usize>()
 }
 
@@ -76,7 +79,7 @@ impl Graph {
         };
         let nodes = told.nodes.into_iter().map(|node| {
             let name = join(&node.namespace, &node.name);
-            KnownNode { since: since(&name), name, writers: node.writers }
+            KnownNode { since: since(&name), name, writers: node.writers, readers: node.readers }
         });
         let nodes: Vec<_> = nodes.collect();
         let size = size(&nodes);
@@ -129,11 +132,20 @@ impl Graph {
     /// The node that a writer belongs to, as its participant tells it.
     #[must_use]
     pub fn node_of(&self, writer: WriterId) -> Option<String> {
+        self.owner(writer.0, |node| &node.writers)
+    }
+
+    /// The node that a reader belongs to, as its participant tells it.
+    pub(crate) fn node_of_reader(&self, reader: [u8; 16]) -> Option<String> {
+        self.owner(reader, |node| &node.readers)
+    }
+
+    fn owner(&self, endpoint: [u8; 16], of: fn(&KnownNode) -> &[ParticipantId]) -> Option<String> {
         let known = self.known();
         // The entity of a participant itself has another ending; what comes before is the same.
-        let its = known.participants.iter().filter(|(id, _)| writer.is_of(id));
+        let its = known.participants.iter().filter(|(id, _)| id[..12] == endpoint[..12]);
         let mut nodes = its.flat_map(|(_, nodes)| nodes);
-        let found = nodes.clone().find(|node| node.writers.contains(&writer.0));
+        let found = nodes.clone().find(|node| of(node).contains(&endpoint));
         let alone = || nodes.next().filter(|_| nodes.next().is_none());
         found.or_else(alone).map(|node| node.name.clone())
     }
@@ -187,7 +199,7 @@ mod tests {
         let node = |&(namespace, name): &(&str, &str)| NodeEntities {
             namespace: namespace.into(),
             name: name.into(),
-            readers: Vec::new(),
+            readers: vec![reader(participant, name.as_bytes()[0])],
             writers: vec![writer(participant, name.as_bytes()[0]).0],
         };
         ParticipantNodes { participant: [participant; 16], nodes: nodes.iter().map(node).collect() }
@@ -197,6 +209,12 @@ mod tests {
         let mut id = [participant; 16];
         id[12..].copy_from_slice(&[0, 0, number, 3]);
         WriterId(id)
+    }
+
+    fn reader(participant: u8, number: u8) -> [u8; 16] {
+        let mut id = writer(participant, number).0;
+        id[15] = 4;
+        id
     }
 
     #[test]
@@ -221,6 +239,8 @@ mod tests {
         assert_eq!(graph.node_of(writer(1, b'x')), None, "one of two nodes");
         assert_eq!(graph.node_of(writer(2, b'x')).as_deref(), Some("/one"), "the only node there is");
         assert_eq!(graph.node_of(writer(3, b'o')), None);
+        assert_eq!(graph.node_of_reader(reader(1, b'o')).as_deref(), Some("/observer"));
+        assert_eq!(graph.node_of_reader(reader(1, b'x')), None, "one of two nodes");
     }
 
     #[test]

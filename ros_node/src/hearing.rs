@@ -14,7 +14,7 @@ use ros2_client::{Gid, RmwRequestId};
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent as Event, GUID, StatusEvented};
 use tokio::sync::watch;
 
-use crate::{Graph, one_writer::WriterId, security::Others};
+use crate::{Graph, lagging::Lagging, one_writer::WriterId, security::Others};
 
 /// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
@@ -37,13 +37,21 @@ struct Readers {
 
 impl Hearers {
     /// Takes what the participant tells of others, until it ends; who leaves is told to `graph` too.
-    pub(crate) async fn follow(&self, participant: DomainParticipant, graph: Graph, others: &Others) {
+    pub(crate) async fn follow(
+        &self,
+        participant: DomainParticipant,
+        graph: Graph,
+        others: &Others,
+        lagging: &Lagging,
+    ) {
         let listener = participant.status_listener();
         // The listener keeps what it needs; the participant itself may leave.
         drop(participant);
         let mut events = listener.as_async_status_stream();
         while let Some(event) = events.next().await {
             others.take(&event);
+            // Before the graph forgets who left.
+            lagging.take(&event, &graph);
             match event {
                 Event::ReaderDetected { reader } if reader.topic_name.starts_with(ANSWERS) => {
                     self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));

@@ -93,6 +93,11 @@ impl Logger {
         Self(Arc::new(Inner { name, level, terminal, clock, rosout, repeated: Mutex::default() }))
     }
 
+    /// Whether both are of one node.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
     /// Lets go of `/rosout`, once the lines are out or had their time.
     pub(crate) fn leave(&self) {
         let _ = network().flush(LAST_LINES);

@@ -177,6 +177,7 @@ impl RosNode {
                 .map_err(|e| e.to_string())?;
             node.create_publisher(&topic, Some(qos)).map_err(|e| e.to_string())
         })?;
+        self.shared.lagging.publishes(&absolute, &self.logger);
         Ok(Publisher::new(absolute, publisher))
     }
 
@@ -280,6 +281,12 @@ impl RosNode {
     #[must_use]
     pub fn twin(&self) -> Option<String> {
         self.twins().ok()?.found().map(|twin| twin.to_string())
+    }
+
+    /// Subscribers of this node's topics that do not keep up now. Each loses what it does not fetch in time; the log says who it is.
+    #[must_use]
+    pub fn lagging_readers(&self) -> u64 {
+        self.shared.lagging.count(&self.logger)
     }
 
     /// This process's participant.
@@ -490,6 +497,7 @@ impl Drop for RosNode {
             thread::sleep(Duration::from_millis(1));
         }
         apart.into_iter().for_each(|apart| apart.join(LEAVING));
+        self.shared.lagging.leaves(&self.logger);
         self.logger.leave();
         drop(self.node.lock().unwrap_or_else(PoisonError::into_inner).take());
     }

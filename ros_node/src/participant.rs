@@ -18,6 +18,7 @@ use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
     hearing::Hearers,
+    lagging::Lagging,
     middleware::{self, Leave},
     scope::Scope,
     security::{self, Enclave, Others, Prefix, Protection},
@@ -46,6 +47,8 @@ pub(crate) struct Shared {
     pub(crate) hearers: Arc<Hearers>,
     /// Hears of others, apart: answers wait for it. `None` only while this is being dropped.
     following: Option<Apart>,
+    /// Subscribers that do not keep up.
+    pub(crate) lagging: Arc<Lagging>,
     /// Who else is there; it is filled once somebody wants to know.
     pub(crate) graph: Graph,
     pub(crate) graph_is_watched: AtomicBool,
@@ -145,9 +148,10 @@ impl Participant {
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
         let graph = Graph::default();
         let others = Arc::<Others>::default();
-        let (leavers, told) = (graph.clone(), Arc::clone(&others));
+        let lagging = Arc::<Lagging>::default();
+        let (known, told, slow) = (graph.clone(), Arc::clone(&others), Arc::clone(&lagging));
         let following =
-            Apart::start("hearing", async move { heard.follow(participant, leavers, &told).await })
+            Apart::start("hearing", async move { heard.follow(participant, known, &told, &slow).await })
                 .map_err(RosNodeError::Runtime)?;
         let open = AtomicBool::new(!only_here);
         let shared = Shared {
@@ -156,6 +160,7 @@ impl Participant {
             arguments,
             hearers,
             following: Some(following),
+            lagging,
             graph,
             graph_is_watched: AtomicBool::new(false),
             last_phases,

@@ -12,6 +12,7 @@ pub mod emulated_rig;
 pub mod filled;
 pub mod network;
 pub mod python;
+pub mod readers;
 pub mod wire;
 
 /// The built `frictionlab`, ready for arguments.

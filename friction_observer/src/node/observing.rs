@@ -16,7 +16,7 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Gate, Participant, Passes, Publisher, RosNode, RosNodeError, Stop,
+    Gate, Participant, Passes, Publisher, RosNode, RosNodeError, SUBSCRIBERS_THAT_LAG, Stop,
     deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
     parameters::Parameters,
@@ -189,6 +189,7 @@ impl FrictionObserver {
                 hardware_id: String::new(),
                 values: std::iter::once(("node", label.to_owned()))
                     .chain(values.map(|(key, value)| (key, value.to_string())))
+                    .chain([(SUBSCRIBERS_THAT_LAG, self.node.lagging_readers().to_string())])
                     .map(|(key, value)| KeyValue { key: key.to_owned(), value })
                     .chain(reports.into_iter().flat_map(|report| report.values))
                     .collect(),

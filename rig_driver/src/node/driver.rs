@@ -172,7 +172,8 @@ impl RigDriver {
             self.axis.keep_temperature(false);
             let wanted = locked(&self.settings).clone();
             let (clock, phase) = (self.node.clock(), self.lifecycle.phase());
-            let mut message = self.axis.diagnostics(clock, phase, wanted.as_ref());
+            let mut message =
+                self.axis.diagnostics(clock, phase, wanted.as_ref(), self.node.lagging_readers());
             let name = self.node.identity().qualified();
             message.status.push(self.commander.status(&name, &self.axis.counters(), self.node.twin()));
             // The next one comes in a second.

@@ -6,7 +6,7 @@ use msgs::{
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     std_msgs::Header,
 };
-use ros_node::{NodeClock, lifecycle::Phase};
+use ros_node::{NodeClock, SUBSCRIBERS_THAT_LAG, lifecycle::Phase};
 
 use super::{super::parameters::RigSettings, Axis, locked};
 use crate::station::Presence;
@@ -42,12 +42,13 @@ impl Axis {
         ]
     }
 
-    /// Diagnostics; `wanted` is what the parameters say.
+    /// Diagnostics; `wanted` is what the parameters say, `lagging` how many subscribers do not keep up.
     pub(in super::super) fn diagnostics(
         &self,
         clock: &NodeClock,
         phase: Phase,
         wanted: Option<&RigSettings>,
+        lagging: u64,
     ) -> DiagnosticArray {
         let counters = Arc::clone(&locked(&self.counters));
         let (_, not_published) = self.published();
@@ -89,6 +90,7 @@ impl Axis {
             value("overruns", overruns.to_string()),
             value("stale commands", stale.to_string()),
             value("not published", not_published.to_string()),
+            value(SUBSCRIBERS_THAT_LAG, lagging.to_string()),
         ];
         if let Some(rise) = rise {
             values.push(value("winding above ambient [K]", format!("{rise:.1}")));

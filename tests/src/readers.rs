@@ -1,0 +1,49 @@
+//! A loop in real time beside readers that do not keep up.
+
+use serde_json::Value;
+
+use crate::{
+    network::{ORDINARY_MTU, two_machines},
+    python,
+};
+
+/// A loop in real time and what reads its topics.
+#[derive(Debug, Clone, Copy)]
+pub struct LoopAndReaders<'a> {
+    /// `launch`, `live` or `processes`.
+    pub way: &'a str,
+    /// How long the readers are as they are, after a while without them [s].
+    pub seconds: u32,
+    /// Each `stopped`, `killed`, `slow`, `best_effort` or `gone`.
+    pub readers: &'a [&'a str],
+}
+
+/// What a reader of rclpy that keeps up hears of a loop beside others that do not; `None` where two machines or rclpy cannot be had.
+///
+/// # Panics
+/// When the session fails; the message carries what it said.
+pub fn beside_readers(what: &LoopAndReaders<'_>) -> Option<Value> {
+    let python = python::interpreter("rclpy")?;
+    let mut command = two_machines(ORDINARY_MTU)?;
+    let folder = crate::node_programs();
+    let logs = tempfile::tempdir().expect("a folder");
+    let output = command
+        .arg(&python)
+        .arg(python::script("frozen_session.py"))
+        .arg(&folder)
+        .arg(crate::frictionlab().get_program())
+        .args([what.way, &what.seconds.to_string()])
+        .args(what.readers)
+        .env("ROS_DOMAIN_ID", "77")
+        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+        .env("ROS_LOG_DIR", logs.path())
+        .output()
+        .expect("unshare starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{what:?}: {told}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    Some(
+        serde_json::from_str(&text)
+            .unwrap_or_else(|error| panic!("{what:?} printed {text}: {error}\n{told}")),
+    )
+}
