@@ -5,6 +5,8 @@ usage: frozen_session.py FOLDER FRICTIONLAB WAY SECONDS READER...
 WAY is launch, live or processes. READER is stopped, killed, slow, best_effort or gone, as often as there are such; `gone` needs another machine, $OTHER_MACHINE.
 """
 
+import faulthandler
+import faulthandler
 import json
 import os
 import signal
@@ -13,12 +15,14 @@ import sys
 import tempfile
 import time
 
-from readers import SIGNALS, healthy_reader, sick_reader
+from readers import SIGNALS, end_with_parent, healthy_reader, sick_reader
 from rig_bench import PROGRAMS
 
 ALONE_S = 3.0
 # How long it may take until everybody is there.
 PATIENCE_S = 60.0
+# What takes longer than this beside the measurement hangs: then it says where.
+HANGS_S = 240.0
 
 
 def programs(folder, program, way, out):
@@ -62,13 +66,14 @@ def link(state):
 def main() -> None:
     folder, program, way, seconds, *kinds = sys.argv[1:]
     seconds = float(seconds)
+    faulthandler.dump_traceback_later(HANGS_S + seconds, exit=True)
     other = os.environ.get("OTHER_MACHINE")
     report, running, sick = {"way": way, "readers": kinds}, [], []
     healthy = healthy_reader("healthy", refers=way != "live")
     try:
         with tempfile.TemporaryDirectory() as out, open(os.path.join(out, "said"), "w+", encoding="utf-8") as said:
             for command in programs(folder, program, way, out):
-                running.append(subprocess.Popen(command, stdout=said, stderr=said))
+                running.append(subprocess.Popen(command, stdout=said, stderr=said, preexec_fn=end_with_parent))
             until_all_are_heard(healthy)
             healthy.order("begin")
             time.sleep(ALONE_S)

@@ -39,6 +39,13 @@ OTHERS = {
 TOPICS = SIGNALS | OTHERS
 WINDOW_NS = 500_000_000
 CLONE_NEWNET = 0x40000000
+PR_SET_PDEATHSIG = 1
+LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+def end_with_parent():
+    """The calling process is killed when its parent is gone, however that ends."""
+    LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def quality(depth=0, best_effort=False):
@@ -214,10 +221,11 @@ class Child:
         # Nothing of rclpy has begun before.
         code = 1
         try:
+            end_with_parent()
             os.close(self.orders), os.close(self.answers)
             if network is not None:
                 other = os.open(f"/proc/{network}/ns/net", os.O_RDONLY)
-                if ctypes.CDLL(None, use_errno=True).setns(other, CLONE_NEWNET):
+                if LIBC.setns(other, CLONE_NEWNET):
                     raise OSError(ctypes.get_errno(), "setns")
             signal.signal(signal.SIGINT, signal.SIG_IGN)
             rclpy.init()
