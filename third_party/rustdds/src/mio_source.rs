@@ -10,7 +10,10 @@ macro_rules! socketpair_bridge {
       use std::{
         io,
         io::{Read, Write},
-        sync::{Arc, Mutex},
+        sync::{
+          atomic::{AtomicBool, Ordering},
+          Arc, Mutex,
+        },
       };
       #[cfg(not(target_os = "windows"))]
       use std::os::fd::OwnedFd;
@@ -24,11 +27,15 @@ macro_rules! socketpair_bridge {
 
       pub struct Source {
         rec: Mutex<$mio::net::TcpStream>,
+        signalled: Arc<AtomicBool>,
       }
 
       #[derive(Clone)]
       pub struct Sender {
         send: Arc<Mutex<$mio::net::TcpStream>>,
+        // frictionlab: a signal is under way that was not read yet; another one says no more.
+        // Readers of async streams never read it: they paid a system call for each sample.
+        signalled: Arc<AtomicBool>,
       }
 
       #[cfg(not(target_os = "windows"))]
@@ -47,12 +54,15 @@ macro_rules! socketpair_bridge {
         let rec = $mio::net::TcpStream::from_std(std::net::TcpStream::from(OwnedFd::from(rec_sps)));
         let send =
           $mio::net::TcpStream::from_std(std::net::TcpStream::from(OwnedFd::from(send_sps)));
+        let signalled = Arc::new(AtomicBool::new(false));
         Ok((
           Source {
             rec: Mutex::new(rec),
+            signalled: Arc::clone(&signalled),
           },
           Sender {
             send: Arc::new(Mutex::new(send)),
+            signalled,
           },
         ))
       }
@@ -69,18 +79,24 @@ macro_rules! socketpair_bridge {
         }
         let (send, _addr_send) = accepted?;
         debug!("IPC socket: {addr:#?} <-> {_addr_send:#?}");
+        let signalled = Arc::new(AtomicBool::new(false));
         Ok((
           Source {
             rec: Mutex::new(rec),
+            signalled: Arc::clone(&signalled),
           },
           Sender {
             send: Arc::new(Mutex::new(send)),
+            signalled,
           },
         ))
       }
 
       impl Sender {
         pub fn send(&self) {
+          if self.signalled.swap(true, Ordering::AcqRel) {
+            return;
+          }
           match self.send.lock().unwrap().write(&[0xcc]) {
             Ok(_b) => {}
             Err(e) => info!("PollEventSender.send: {e}"),
@@ -98,6 +114,8 @@ macro_rules! socketpair_bridge {
               other_kind => info!("PollEventSource.drain(): {other_kind}"),
             },
           }
+          // After the reading, and before the reader looks for what the signal told of.
+          self.signalled.store(false, Ordering::Release);
         }
       }
 
