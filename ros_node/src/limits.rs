@@ -1,7 +1,6 @@
 //! How much of what others send is said back, and how long an answer may be.
 //!
-//! RustDDS 0.15 does not survive sending a service's answer that needs more than one datagram: it ends its thread where assertions are on, and
-//! sends what nobody understands where they are off. So nothing that came from outside is repeated at length.
+//! Whoever asks must not make a node repeat without measure: a question of a few kilobytes can ask for the same parameter a thousand times.
 
 use std::{borrow::Cow, io};
 
@@ -11,8 +10,9 @@ use cdr_encoding::to_writer;
 const QUOTED: usize = 80;
 /// Longest line of the log, in characters.
 const LINE: usize = 4000;
-/// Longest answer [bytes]: one datagram, with room for what goes around it.
-pub(crate) const ANSWER: usize = 60_000;
+/// Longest answer [bytes]. The longest that a question with sense has is some 50 kB. RustDDS cuts what needs more than one datagram into fragments, and sends again
+/// what the client's socket drops: on ordinary Linux that begins at some 100 kB, and a megabyte takes about a second.
+pub(crate) const ANSWER: usize = 1 << 20;
 /// Longest text that a parameter takes [bytes].
 pub(crate) const TEXT: usize = 4096;
 
@@ -50,7 +50,7 @@ impl io::Write for Count {
         self.left = self
             .left
             .checked_sub(bytes.len())
-            .ok_or_else(|| io::Error::new(io::ErrorKind::StorageFull, "longer than a datagram"))?;
+            .ok_or_else(|| io::Error::new(io::ErrorKind::StorageFull, "longer than an answer may be"))?;
         Ok(bytes.len())
     }
 

@@ -199,6 +199,8 @@ const MOST_BYTES_OF_WRITER: usize = 2 * MOST_BYTES;
 // Assembles fragments from a single (remote) Writer
 // So there is only one sequence of SNs
 pub(crate) struct FragmentAssembler {
+  // frictionlab: only told; each sample's fragments say their own.
+  #[allow(dead_code)]
   fragment_size: u16, // number of bytes per fragment. Each writer must select one constant value.
   assembly_buffers: BTreeMap<SequenceNumber, AssemblyBuffer>,
   // Whether the owning reader is Reliable. This decides which buffer to drop
@@ -231,7 +233,9 @@ impl FragmentAssembler {
     flags: BitFlags<DATAFRAG_Flags>,
   ) -> Option<DDSData> {
     let writer_sn = datafrag.writer_sn;
-    let frag_size = self.fragment_size;
+    // frictionlab: of this sample. RTPS wants one size for a writer; ours is less for a sample that is
+    // smaller than a fragment.
+    let frag_size = datafrag.fragment_size;
 
     let sn = datafrag.writer_sn;
     match self.assembly_buffers.entry(sn) {
@@ -426,6 +430,29 @@ mod tests {
     let mut ab = AssemblyBuffer::new(&bad).expect("buffer for valid data_size");
     assert!(!ab.insert_frags(&bad, frag_size));
     assert!(!ab.is_complete());
+  }
+
+  // frictionlab: a sample that is smaller than a fragment, then one that is larger.
+  #[test]
+  fn each_sample_has_its_own_fragment_size() {
+    use enumflags2::BitFlags;
+
+    use super::FragmentAssembler;
+    use crate::messages::submessages::submessages::DATAFRAG_Flags;
+    use crate::structure::sequence_number::SequenceNumber;
+
+    let mut assembler = FragmentAssembler::new(600, true);
+    let mut whole = |sn: i64, fragments: &[(u32, u16, usize)], data_size: u32| {
+      let mut got = None;
+      for (start, frag_size, len) in fragments {
+        let mut frag = datafrag(*start, 1, *frag_size, data_size, vec![*start as u8; *len]);
+        frag.writer_sn = SequenceNumber::new(sn);
+        got = assembler.new_datafrag(&frag, BitFlags::<DATAFRAG_Flags>::empty());
+      }
+      got.map(|data| data.payload_size())
+    };
+    assert_eq!(whole(1, &[(1, 600, 600)], 600), Some(600));
+    assert_eq!(whole(2, &[(1, 1024, 1024), (2, 1024, 476)], 1500), Some(1500));
   }
 
   #[test]

@@ -633,8 +633,10 @@ impl Writer {
   }
 
   fn num_frags_and_frag_size(&self, payload_size: usize) -> (u32, u16) {
-    let fragment_size = FRAGMENT_SIZE as u32;
     let data_size = payload_size as u32; // TODO: overflow check
+    // frictionlab: a fragment is no larger than the sample, else readers refuse it. It matters where
+    // the MTU is less than FRAGMENT_SIZE.
+    let fragment_size = (FRAGMENT_SIZE as u32).min(data_size.max(1));
                                          // Formula from RTPS spec v2.5 Section "8.3.8.3.5 Logical Interpretation"
     let num_frags =
       (data_size / fragment_size) + u32::from(!data_size.is_multiple_of(fragment_size)); // rounding up
@@ -1709,8 +1711,8 @@ impl Writer {
           message_builder = message_builder.ts_msg(self.endianness, Some(src_ts));
         }
 
-        let fragment_size: u32 = FRAGMENT_SIZE as u32;
         let data_size: u32 = cache_change.data_value.payload_size() as u32; // TODO: overflow check
+        let (_, fragment_size) = self.num_frags_and_frag_size(data_size as usize);
 
         message_builder = message_builder.data_frag_msg(
           &cache_change,
@@ -1720,7 +1722,7 @@ impl Writer {
           // Repair responds to specifically-NACKed fragment numbers (possibly
           // non-contiguous), so retransmit one fragment per submessage.
           1,
-          fragment_size as u16, // TODO: overflow check
+          fragment_size,
           data_size,
           self.endianness,
           self.security_plugins.as_ref(),
