@@ -6,6 +6,7 @@ mod bench_fits;
 mod bench_live;
 mod bench_monte_carlo;
 mod bench_step;
+mod distribution;
 mod docs;
 mod python_env;
 mod soak;
@@ -32,7 +33,7 @@ enum Task {
     /// The pages of the friction models under docs/models, from their sources and tested figures.
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
-    PythonEnv,
+    PythonEnv(python_env::PythonEnvCommand),
     /// The loop at 1 kHz for minutes, with the real rclpy listening: memory, losses, drift.
     Soak(soak::Soak),
     /// Every test of the project, with what they need made ready first.
@@ -48,7 +49,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchMonteCarlo(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
-        Task::PythonEnv => python_env::run(),
+        Task::PythonEnv(python_env) => python_env.run(),
         Task::Soak(soak) => soak.run(),
         Task::Test(test) => test.run(),
     }

@@ -12,6 +12,8 @@ use std::{
 
 use anyhow::{Context, bail, ensure};
 
+use crate::distribution::Distribution;
+
 /// Readers of bags that are not ours, and what our Python package and its tests are made of.
 const BAG_TOOLS: &[&str] = &[
     "rosbags==0.11.9",
@@ -21,23 +23,6 @@ const BAG_TOOLS: &[&str] = &[
     "matplotlib>=3.8,<4",
     "pytest>=8,<10",
     "PyYAML>=6,<7",
-];
-
-/// rclpy with its middleware, and what the build of a message package needs.
-const RCLPY: &[&str] = &[
-    "ros-kilted-rclpy==9.1.2",
-    "ros-kilted-rmw-fastrtps-cpp==9.3.3",
-    "ros-kilted-common-interfaces==5.5.1",
-    "ros-kilted-rosidl-default-generators==1.7.1",
-    "ros-kilted-rosidl-core-generators==0.3.1",
-    "ros-kilted-rosidl-pycommon==4.9.5",
-    "ros-kilted-ament-cmake==2.7.3",
-    "ros-kilted-ament-cmake-include-directories==2.7.3",
-    "ros-kilted-ament-cmake-ros-core==0.14.5",
-    "ros-kilted-ament-package==0.17.2",
-    "catkin_pkg==1.1.1",
-    "cmake==4.4.4",
-    "ninja==1.13.2",
 ];
 
 /// The peer of the fits.
@@ -54,24 +39,35 @@ pub struct PythonEnv {
     pub rclpy: anyhow::Result<()>,
 }
 
-/// Makes the environment in `target/python`, or finds it made. Needs the network the first time.
+/// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the first time.
 ///
 /// # Errors
 /// No Python 3 with `venv`, or a target folder that cannot be written. A half that cannot be had is told in the result.
 pub fn prepare() -> anyhow::Result<PythonEnv> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
-    let dir = target.join("python");
-    let environment = Environment::make(&dir)?;
+    let environment = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
     let bag_tools = environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
-    let package = root.join("msgs/friction_msgs");
-    let key = format!("{}\n{}", RCLPY.join("\n"), contents(&package)?);
-    let rclpy = environment.half("rclpy", key, || {
-        environment.install(RCLPY)?;
-        environment.repair_paths()?;
-        environment.build(&package)
-    });
-    Ok(PythonEnv { dir, bag_tools, rclpy })
+    let rclpy = environment.rclpy(Distribution::Kilted);
+    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy })
+}
+
+/// Makes an environment with the rclpy of a distribution, or finds it made.
+///
+/// # Errors
+/// As [`prepare`], and what keeps rclpy away.
+pub fn rclpy(distribution: Distribution) -> anyhow::Result<PathBuf> {
+    let environment = Environment::make(&target()?.join(distribution.folder()))?;
+    environment.rclpy(distribution)?;
+    Ok(environment.dir)
+}
+
+/// The target folder.
+fn target() -> anyhow::Result<PathBuf> {
+    let root = root()?;
+    Ok(env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir)))
+}
+
+fn root() -> anyhow::Result<&'static Path> {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")
 }
 
 /// A Python with SciPy and Numba, in an environment of its own: they are only needed for `cargo xtask bench-fits` and `bench-monte-carlo`, and their numpy must not disturb rclpy's.
@@ -79,32 +75,48 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
 /// # Errors
 /// No Python 3 with `venv`, no network the first time.
 pub fn scipy() -> anyhow::Result<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
-    let environment = Environment::make(&target.join("python-scipy"))?;
+    let environment = Environment::make(&target()?.join("python-scipy"))?;
     environment.half("scipy", SCIPY.join("\n"), || environment.install(SCIPY))?;
     Ok(environment.python)
 }
 
-/// The command `cargo xtask python-env`: prepares and tells.
-///
-/// # Errors
-/// As [`prepare`].
-pub fn run() -> anyhow::Result<()> {
-    let environment = prepare()?;
-    println!("Python environment: {}", environment.dir.display());
-    for (half, what) in [
-        (environment.bag_tools, "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest"),
-        (environment.rclpy, "rclpy with friction_msgs"),
-    ] {
-        match half {
-            Ok(()) => println!("  ready: {what}"),
-            Err(error) => {
-                println!("  missing: {what}; tests that need it are skipped\n    because: {error:#}")
+/// Arguments of `cargo xtask python-env`.
+#[derive(Debug, clap::Args)]
+pub struct PythonEnvCommand {
+    /// Distribution of ROS 2 whose rclpy is made ready; `kilted` with the readers of bags, `jazzy` without
+    #[arg(long, value_enum, default_value = "kilted")]
+    distribution: Distribution,
+}
+
+impl PythonEnvCommand {
+    /// Prepares and tells.
+    ///
+    /// # Errors
+    /// As [`prepare`], and as [`rclpy`] for a distribution that is not the usual one.
+    pub fn run(&self) -> anyhow::Result<()> {
+        if self.distribution != Distribution::Kilted {
+            let dir = rclpy(self.distribution)?;
+            println!("Python environment: {}\n  ready: rclpy with friction_msgs", dir.display());
+            return Ok(());
+        }
+        let environment = prepare()?;
+        println!("Python environment: {}", environment.dir.display());
+        for (half, what) in [
+            (
+                environment.bag_tools,
+                "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest",
+            ),
+            (environment.rclpy, "rclpy with friction_msgs"),
+        ] {
+            match half {
+                Ok(()) => println!("  ready: {what}"),
+                Err(error) => {
+                    println!("  missing: {what}; tests that need it are skipped\n    because: {error:#}")
+                }
             }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 struct Environment {
@@ -138,7 +150,19 @@ impl Environment {
         fs::write(&stamp, key).with_context(|| format!("cannot write {}", stamp.display()))
     }
 
-    fn install(&self, requirements: &[&str]) -> anyhow::Result<()> {
+    /// The half with rclpy and our message package.
+    fn rclpy(&self, distribution: Distribution) -> anyhow::Result<()> {
+        let package = root()?.join("msgs/friction_msgs");
+        let requirements = distribution.requirements();
+        let key = format!("{}\n{}", requirements.join("\n"), contents(&package)?);
+        self.half("rclpy", key, || {
+            self.install(&requirements)?;
+            self.repair_paths()?;
+            self.build(&package)
+        })
+    }
+
+    fn install<S: AsRef<std::ffi::OsStr>>(&self, requirements: &[S]) -> anyhow::Result<()> {
         let mut pip = Command::new(&self.python);
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
         run_quietly(pip.args(requirements))
