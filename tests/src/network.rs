@@ -109,9 +109,10 @@ pub const ORDINARY_MTU: u16 = 1500;
 pub const JUMBO_MTU: u16 = 9000;
 
 /// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network namespace of the process `$OTHER_MACHINE`; `$THIS_MACHINE`
-/// is a process here. The loopback has no multicast, which is routed to the network card. The MTU is the first argument.
+/// is a process here. The loopback has no multicast, which is routed to the network card. The first argument is the MTU; the second is what `tc` does with
+/// packets that wait for the wire, or empty.
 const TWO_MACHINES: &str = r#"
-mtu=$1; shift
+mtu=$1 queue=$2; shift 2
 ip link set lo up || exit 125
 unshare -n sleep infinity & other=$!
 trap 'kill $other' EXIT
@@ -119,17 +120,27 @@ until [ "$(readlink /proc/$other/ns/net)" != "$(readlink /proc/self/ns/net)" ]; 
 ip link add card mtu $mtu type veth peer name wire mtu $mtu && ip link set wire netns $other || exit 125
 ip addr add 192.0.2.1/24 dev card && ip link set card up && ip route add 224.0.0.0/4 dev card || exit 125
 nsenter -t $other -n bash -c 'ip link set lo up && ip addr add 192.0.2.2/24 dev wire && ip link set wire up && ip route add 224.0.0.0/4 dev wire' || exit 125
+if [ -n "$queue" ]; then
+  tc qdisc add dev card root $queue && nsenter -t $other -n tc qdisc add dev wire root $queue || exit 125
+fi
 export OTHER_MACHINE=$other THIS_MACHINE=$$
 "$@"
 "#;
 
+/// A queue of 20 kB before a wire of 50 Mbit/s: what is sent faster is lost.
+const SHORT_QUEUE: &str = "tbf rate 50mbit burst 10kb limit 20kb";
+
 /// A command on a machine with another one on its network, whose cards take packets of `mtu` bytes: `$OTHER_MACHINE` is a process there, for
 /// `nsenter -t $OTHER_MACHINE -n`. `None` where the system grants no such thing.
 pub fn two_machines(mtu: u16) -> Option<Command> {
+    machines(mtu, "")
+}
+
+fn machines(mtu: u16, queue: &str) -> Option<Command> {
     for flags in [&["-n"][..], &["-r", "-n"]] {
         let command = || {
             let mut command = Command::new("unshare");
-            command.args(flags).args(["bash", "-c", TWO_MACHINES, "--", &mtu.to_string()]);
+            command.args(flags).args(["bash", "-c", TWO_MACHINES, "--", &mtu.to_string(), queue]);
             command
         };
         let probe = command().arg("true").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -137,7 +148,9 @@ pub fn two_machines(mtu: u16) -> Option<Command> {
             return Some(command());
         }
     }
-    crate::skip("no two network namespaces (`unshare -n`, `ip link add type veth`, `nsenter`); run as root");
+    crate::skip(
+        "no two network namespaces (`unshare -n`, `ip link add type veth`, `nsenter`, `tc`); run as root",
+    );
     None
 }
 
@@ -152,31 +165,26 @@ pub enum Place {
     OnePcOnItsNetwork,
     /// The programs on one PC and the script on another, with packets of at most so many bytes between them.
     TwoPcs(u16),
+    /// As [`Place::TwoPcs`] of [`ORDINARY_MTU`], and whoever sends too much at once loses some of it.
+    CrowdedNetwork,
 }
 
 impl Place {
     /// A command there, for the script; `None` where the system grants no such place.
-    fn command(self) -> Option<Command> {
+    pub fn command(self) -> Option<Command> {
         let mut command = match self {
             Self::Loopback => namespaced()?,
             Self::OnePc | Self::OnePcOnItsNetwork => two_machines(ORDINARY_MTU)?,
-            Self::TwoPcs(mtu) => {
-                let mut command = two_machines(mtu)?;
-                // `processes.py` starts the programs where $PROGRAMS_MACHINE is.
-                command.args([
-                    "bash",
-                    "-c",
-                    r#"PROGRAMS_MACHINE=$THIS_MACHINE exec nsenter -t $OTHER_MACHINE -n "$@""#,
-                    "--",
-                ]);
-                command
-            }
+            Self::TwoPcs(mtu) => two_machines(mtu)?,
+            Self::CrowdedNetwork => machines(ORDINARY_MTU, SHORT_QUEUE)?,
         };
-        let range = match self {
-            Self::Loopback | Self::OnePc => "LOCALHOST",
-            Self::OnePcOnItsNetwork | Self::TwoPcs(_) => "SUBNET",
-        };
-        command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", range);
+        if matches!(self, Self::TwoPcs(_) | Self::CrowdedNetwork) {
+            // `processes.py` starts the programs where $PROGRAMS_MACHINE is.
+            let there = r#"PROGRAMS_MACHINE=$THIS_MACHINE exec nsenter -t $OTHER_MACHINE -n "$@""#;
+            command.args(["bash", "-c", there, "--"]);
+        }
+        let keep_to_it = matches!(self, Self::Loopback | Self::OnePc);
+        command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", if keep_to_it { "LOCALHOST" } else { "SUBNET" });
         Some(command)
     }
 }
