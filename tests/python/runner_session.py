@@ -19,6 +19,7 @@ from action_msgs.srv import CancelGoal
 from friction_msgs.action import RunExperiment
 from friction_msgs.msg import ExperimentStatus, Setting
 from friction_msgs.srv import Identify, ListExperiments, StartExperiment
+from processes import there
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -66,7 +67,7 @@ class Session:
                 "abort": Trigger,
             }.items()
         }
-        self.process = subprocess.Popen(command)
+        self.process = subprocess.Popen([*there(), *command])
         assert self.action.wait_for_server(timeout_sec=30.0), "the action is not offered"
         for name, client in self.clients.items():
             assert client.wait_for_service(timeout_sec=30.0), f"{name} is not offered"

@@ -170,6 +170,22 @@ pub enum Place {
 }
 
 impl Place {
+    /// Where a test is run: at `short`, and in the long tier everywhere.
+    #[must_use]
+    pub fn of_tier(short: Self) -> Vec<Self> {
+        if std::env::var_os("FRICTION_FULL").is_none() {
+            return vec![short];
+        }
+        vec![
+            Self::TwoPcs(ORDINARY_MTU),
+            Self::TwoPcs(JUMBO_MTU),
+            Self::CrowdedNetwork,
+            Self::Loopback,
+            Self::OnePc,
+            Self::OnePcOnItsNetwork,
+        ]
+    }
+
     /// A command there, for the script; `None` where the system grants no such place.
     pub fn command(self) -> Option<Command> {
         let mut command = match self {

@@ -2,7 +2,7 @@
 //! questions, and with large messages of topics both ways.
 
 use serde_json::Value;
-use tests::network::{JUMBO_MTU, ORDINARY_MTU, Place, session_at};
+use tests::network::{Place, session_at};
 use tests::python::Distribution::{self, Jazzy, Kilted};
 
 /// What an ordinary network takes in one packet [bytes].
@@ -48,16 +48,8 @@ fn everywhere_with_both_distributions() {
         tests::skip("it takes six minutes; `cargo xtask test --full` runs it");
         return;
     }
-    let places = [
-        Place::TwoPcs(ORDINARY_MTU),
-        Place::TwoPcs(JUMBO_MTU),
-        Place::CrowdedNetwork,
-        Place::Loopback,
-        Place::OnePc,
-        Place::OnePcOnItsNetwork,
-    ];
     for distribution in [Kilted, Jazzy] {
-        for place in places {
+        for place in Place::of_tier(Place::CrowdedNetwork) {
             let Some(report) = all_arrive(place, distribution, MODELS) else { continue };
             let result = &report["answers"]["/experiment_runner/run_experiment result"];
             assert!(result[0].as_u64() > Some(ONE_PACKET), "{result}");

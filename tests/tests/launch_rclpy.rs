@@ -1,4 +1,4 @@
-//! `frictionlab launch` and its nodes before the real rclpy, in a network namespace of their own; its commands beside those of the launch files.
+//! `frictionlab launch` and its nodes before the real rclpy, on a PC that looks for others on its network; its commands beside those of the launch files.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -6,7 +6,10 @@ use std::process::Command;
 use experiment_runner::bag::BagReader;
 use msgs::interfaces::{ACTIONS, EVERY_NODE, NODES, SERVICES, topics};
 use serde_json::{Value, json};
-use tests::{network::session, python};
+use tests::{
+    network::{Place, session_at},
+    python::{self, Distribution},
+};
 
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
@@ -53,7 +56,12 @@ fn launched_nodes_offer_what_the_tables_say_and_end_together() {
     let program = program.get_program().to_str().expect("a plain path");
     let folder = tempfile::tempdir().expect("a folder");
     let bag = folder.path().join("bag");
-    let Some(report) = session("launch_session.py", &[program, bag.to_str().expect("a plain path")]) else {
+    let Some(report) = session_at(
+        Place::OnePcOnItsNetwork,
+        Distribution::Kilted,
+        "launch_session.py",
+        &[program, bag.to_str().expect("a plain path")],
+    ) else {
         return;
     };
     for node in NODES {

@@ -1,4 +1,4 @@
-//! The nodes of `frictionlab live` before the real rclpy: what the executables offer, in one process.
+//! The nodes of `frictionlab live` before the real rclpy: what the executables offer, in one process, on a PC with a network card.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::{FrictionEstimate, Reference};
 use msgs::sensor_msgs::JointState;
 use serde_json::{Value, json};
-use tests::network::namespaced;
+use tests::network::Place;
 use tests::python;
 
 fn number(value: &Value) -> f64 {
@@ -20,14 +20,13 @@ fn text(value: &Value) -> &str {
 /// What the session `script` in `folder` reports; `None` where rclpy or a namespace cannot be had.
 fn session(script: &str, folder: &Path) -> Option<Value> {
     let python = python::interpreter("rclpy")?;
-    let mut command = namespaced()?;
+    let mut command = Place::OnePc.command()?;
     let output = command
         .arg(&python)
         .arg(python::script(script))
         .arg(tests::frictionlab().get_program())
         .arg(folder)
         .env("ROS_DOMAIN_ID", "75")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("ROS_LOG_DIR", folder.join("log"))
         .output()
         .expect("unshare starts");

@@ -1,4 +1,5 @@
-//! The executables `rig_driver`, `friction_observer` and `controller` before the real rclpy, in a network namespace of their own.
+//! The executables `rig_driver`, `friction_observer` and `controller` before the real rclpy: on a machine with loopback alone, on a PC with a network card, and
+//! on another PC.
 
 use controller::ControlMode;
 use experiment_runner::compensation::Means;
@@ -7,7 +8,8 @@ use experiment_runner::waveform::Waveform;
 use friction_model::{AnyModel, ModelName};
 use ros_node::{Arguments, Named, ParameterValue};
 use serde_json::{Value, json};
-use tests::network::{peer, session};
+use tests::network::{ORDINARY_MTU, Place, peer, session, session_at};
+use tests::python::Distribution;
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
@@ -79,135 +81,161 @@ fn three_processes_follow_a_reference_that_rclpy_publishes() {
 
 #[test]
 fn parameters_are_listed_set_described_and_refused_with_reasons() {
-    let Some(report) = session("parameters_session.py", &[]) else { return };
-    let names: Vec<&str> = report["names"].as_array().expect("names").iter().map(text).collect();
-    for name in
-        ["model", "technique", "use_sim_time", "proposed.f_s", "lugre.sigma0", "gms.f_c", "drive.gain"]
-    {
-        assert!(names.contains(&name), "{name} is not among {names:?}");
+    for place in Place::of_tier(Place::TwoPcs(ORDINARY_MTU)) {
+        let Some(report) = session_at(place, Distribution::Kilted, "parameters_session.py", &[]) else {
+            return;
+        };
+        let names: Vec<&str> = report["names"].as_array().expect("names").iter().map(text).collect();
+        for name in
+            ["model", "technique", "use_sim_time", "proposed.f_s", "lugre.sigma0", "gms.f_c", "drive.gain"]
+        {
+            assert!(names.contains(&name), "{name} is not among {names:?}");
+        }
+        let lugre =
+            ["delta", "f_c", "f_s", "f_v", "sigma0", "sigma1", "v_s"].map(|name| format!("lugre.{name}"));
+        assert_eq!(report["lugre"], json!(lugre));
+        assert!(
+            report["shallow"].as_array().is_some_and(|all| all.iter().all(|name| !text(name).contains('.')))
+        );
+        assert_eq!(report["given"], json!(["lugre", 1.25]));
+        assert_eq!(report["unknown"], json!([null]));
+        assert_eq!(report["types"], json!([4, 3, 0, 1]));
+
+        let described = &report["described"];
+        assert_eq!(described["sigma0"][0], 3);
+        assert!(text(&described["sigma0"][1]).contains("[N/m or N m/rad]"));
+        assert!(number(&described["sigma0"][2][0][0]) > 0.0);
+        assert!(text(&described["model"][2]).starts_with("one of coulomb, "));
+        assert_eq!((&described["period_read_only"], &described["missing"]), (&json!(true), &json!(0)));
+
+        assert_eq!(report["good"], json!([[true, ""]]));
+        assert_eq!(report["read_back"], true);
+        assert_eq!(report["events"], json!([["/friction_observer", "lugre.sigma0", 2.0]]));
+        for (case, reason) in [
+            ("type", "write 3.0"),
+            ("range", "above 0, but is -1"),
+            ("nan", "NaN"),
+            ("between", "at most f_s"),
+            ("choice", "`lugri`"),
+            ("deleted", "cannot be deleted"),
+            ("undeclared", "was not declared"),
+            ("read_only", "read-only"),
+            ("controller", "0 to 2, but is 3"),
+        ] {
+            let answer = &report["refused"][case];
+            assert!(answer[0] == false && text(&answer[1]).contains(reason), "{case}: {answer}");
+        }
+        // One by one the good half counts, atomically none does.
+        assert_eq!((&report["half"][0][0], &report["half"][1][0]), (&json!(true), &json!(false)));
+        assert_eq!((&report["injection"], &report["injection_after_bad"]), (&json!(1.0), &json!(1.0)));
+        assert_eq!(report["atomic_bad"][0], false);
+        assert_eq!(report["atomic_good"][0], true, "two levels that only fit together: {report}");
+        assert_eq!(report["levels"], json!([3.0, 2.0]));
+        assert!(
+            number(&report["loaded"][0]) > 100.0 && report["loaded"][1] == json!([]),
+            "{}",
+            report["loaded"]
+        );
+
+        assert_eq!(report["rosout"], json!(["controller", "friction_observer"]));
+        assert!(text(&report["warned"][0]).contains("no_such"));
+        assert_eq!(report["sim_time_set"][0], true);
+        assert_eq!(report["sim_time_seen"], true, "events carry the time of /clock");
+        assert_ended(&report["exit"]);
     }
-    let lugre = ["delta", "f_c", "f_s", "f_v", "sigma0", "sigma1", "v_s"].map(|name| format!("lugre.{name}"));
-    assert_eq!(report["lugre"], json!(lugre));
-    assert!(report["shallow"].as_array().is_some_and(|all| all.iter().all(|name| !text(name).contains('.'))));
-    assert_eq!(report["given"], json!(["lugre", 1.25]));
-    assert_eq!(report["unknown"], json!([null]));
-    assert_eq!(report["types"], json!([4, 3, 0, 1]));
-
-    let described = &report["described"];
-    assert_eq!(described["sigma0"][0], 3);
-    assert!(text(&described["sigma0"][1]).contains("[N/m or N m/rad]"));
-    assert!(number(&described["sigma0"][2][0][0]) > 0.0);
-    assert!(text(&described["model"][2]).starts_with("one of coulomb, "));
-    assert_eq!((&described["period_read_only"], &described["missing"]), (&json!(true), &json!(0)));
-
-    assert_eq!(report["good"], json!([[true, ""]]));
-    assert_eq!(report["read_back"], true);
-    assert_eq!(report["events"], json!([["/friction_observer", "lugre.sigma0", 2.0]]));
-    for (case, reason) in [
-        ("type", "write 3.0"),
-        ("range", "above 0, but is -1"),
-        ("nan", "NaN"),
-        ("between", "at most f_s"),
-        ("choice", "`lugri`"),
-        ("deleted", "cannot be deleted"),
-        ("undeclared", "was not declared"),
-        ("read_only", "read-only"),
-        ("controller", "0 to 2, but is 3"),
-    ] {
-        let answer = &report["refused"][case];
-        assert!(answer[0] == false && text(&answer[1]).contains(reason), "{case}: {answer}");
-    }
-    // One by one the good half counts, atomically none does.
-    assert_eq!((&report["half"][0][0], &report["half"][1][0]), (&json!(true), &json!(false)));
-    assert_eq!((&report["injection"], &report["injection_after_bad"]), (&json!(1.0), &json!(1.0)));
-    assert_eq!(report["atomic_bad"][0], false);
-    assert_eq!(report["atomic_good"][0], true, "two levels that only fit together: {report}");
-    assert_eq!(report["levels"], json!([3.0, 2.0]));
-    assert!(number(&report["loaded"][0]) > 100.0 && report["loaded"][1] == json!([]), "{}", report["loaded"]);
-
-    assert_eq!(report["rosout"], json!(["controller", "friction_observer"]));
-    assert!(text(&report["warned"][0]).contains("no_such"));
-    assert_eq!(report["sim_time_set"][0], true);
-    assert_eq!(report["sim_time_seen"], true, "events carry the time of /clock");
-    assert_ended(&report["exit"]);
 }
 
 #[test]
 fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
-    let Some(report) = session("lifecycle_session.py", &[]) else { return };
-    // rclpy's own managed node is the peer.
-    assert_eq!(report["same_states"], true);
-    assert_eq!(report["graph"][0], report["graph"][1]);
-    for state in ["unconfigured", "inactive", "active"] {
-        assert_eq!(report["available"][state][0], report["available"][state][1], "{state}");
+    for place in Place::of_tier(Place::OnePc) {
+        let Some(report) = session_at(place, Distribution::Kilted, "lifecycle_session.py", &[]) else {
+            return;
+        };
+        // rclpy's own managed node is the peer.
+        assert_eq!(report["same_states"], true);
+        assert_eq!(report["graph"][0], report["graph"][1]);
+        for state in ["unconfigured", "inactive", "active"] {
+            assert_eq!(report["available"][state][0], report["available"][state][1], "{state}");
+        }
+        assert_eq!(
+            report["walk"],
+            json!(["unconfigured", [true, "inactive"], [true, "active"], [true, "inactive"]])
+        );
+        assert_eq!((&report["bad_label"], &report["bad_number"]), (&json!(false), &json!(false)));
+        let still = json!([0.0, 0.0, false]);
+        let stopped = json!([0.0, 0.0, true]);
+        let moves = |what: &str| number(&report[what][0]) > 2.5 && number(&report[what][1]) > 0.5;
+        assert_eq!((&report["inactive"], &report["deactivated"]), (&still, &still));
+        assert!(moves("active") && moves("before_stop") && moves("moves_again"), "{report}");
+
+        assert!(report["zero"][0] == true && report["zero_while_active"][0] == false, "{}", report["zero"]);
+        assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &stopped));
+        assert_eq!(
+            (&report["state_stopped"], &report["activate_stopped"]),
+            (&json!("inactive"), &json!(false))
+        );
+        assert_eq!((&report["clear"][0], &report["state_cleared"]), (&json!(true), &json!("unconfigured")));
+        assert_eq!(report["cleared"], 0, "unconfigured, it measures nothing");
+
+        // A voltage that is no number latches a fault; garbage does nothing; what is old does nothing; silence stops the motor.
+        assert_eq!((&report["nan"], &report["state_nan"]), (&stopped, &json!("inactive")));
+        assert_eq!((&report["clear_nan"][0], &report["again"]), (&json!(true), &json!([true, "active"])));
+        assert_eq!(report["after_garbage"][0], "active", "{}", report["exit"][2]);
+        assert!(number(&report["after_garbage"][1][0]) > 2.5, "the garbage does not disturb the commands");
+        assert!(number(&report["old"][0]) == 0.0, "{}", report["old"]);
+        assert_eq!((&report["silent"], &report["state_silent"]), (&stopped, &json!(true)));
+        let said = text(&report["exit"][2]);
+        for line in
+            ["command not finite", "command lost", "emergency stop", "were no friction_msgs/msg/MotorVoltage"]
+        {
+            assert!(said.contains(line), "`{line}` is not in the log:\n{said}");
+        }
+
+        assert_eq!(report["shutdown"], json!([true, "finalized"]));
+        let events = report["events"].as_array().expect("events");
+        assert_eq!(events.first(), Some(&json!([1, "unconfigured", "configuring"])));
+        assert_eq!(events.last(), Some(&json!([50, "shuttingdown", "finalized"])));
+        // SIGINT: gone from the graph, and ended, within two seconds.
+        assert!(report["leaving"][0] == true && report["leaving"][1] == true, "{}", report["leaving"]);
+        assert!(
+            number(&report["leaving"][2]) < 2.0 && number(&report["exit"][1]) < 2.0,
+            "{}",
+            report["leaving"]
+        );
+        assert_eq!(report["exit"][0], 0);
     }
-    assert_eq!(
-        report["walk"],
-        json!(["unconfigured", [true, "inactive"], [true, "active"], [true, "inactive"]])
-    );
-    assert_eq!((&report["bad_label"], &report["bad_number"]), (&json!(false), &json!(false)));
-    let still = json!([0.0, 0.0, false]);
-    let stopped = json!([0.0, 0.0, true]);
-    let moves = |what: &str| number(&report[what][0]) > 2.5 && number(&report[what][1]) > 0.5;
-    assert_eq!((&report["inactive"], &report["deactivated"]), (&still, &still));
-    assert!(moves("active") && moves("before_stop") && moves("moves_again"), "{report}");
-
-    assert!(report["zero"][0] == true && report["zero_while_active"][0] == false, "{}", report["zero"]);
-    assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &stopped));
-    assert_eq!((&report["state_stopped"], &report["activate_stopped"]), (&json!("inactive"), &json!(false)));
-    assert_eq!((&report["clear"][0], &report["state_cleared"]), (&json!(true), &json!("unconfigured")));
-    assert_eq!(report["cleared"], 0, "unconfigured, it measures nothing");
-
-    // A voltage that is no number latches a fault; garbage does nothing; what is old does nothing; silence stops the motor.
-    assert_eq!((&report["nan"], &report["state_nan"]), (&stopped, &json!("inactive")));
-    assert_eq!((&report["clear_nan"][0], &report["again"]), (&json!(true), &json!([true, "active"])));
-    assert_eq!(report["after_garbage"][0], "active", "{}", report["exit"][2]);
-    assert!(number(&report["after_garbage"][1][0]) > 2.5, "the garbage does not disturb the commands");
-    assert!(number(&report["old"][0]) == 0.0, "{}", report["old"]);
-    assert_eq!((&report["silent"], &report["state_silent"]), (&stopped, &json!(true)));
-    let said = text(&report["exit"][2]);
-    for line in
-        ["command not finite", "command lost", "emergency stop", "were no friction_msgs/msg/MotorVoltage"]
-    {
-        assert!(said.contains(line), "`{line}` is not in the log:\n{said}");
-    }
-
-    assert_eq!(report["shutdown"], json!([true, "finalized"]));
-    let events = report["events"].as_array().expect("events");
-    assert_eq!(events.first(), Some(&json!([1, "unconfigured", "configuring"])));
-    assert_eq!(events.last(), Some(&json!([50, "shuttingdown", "finalized"])));
-    // SIGINT: gone from the graph, and ended, within two seconds.
-    assert!(report["leaving"][0] == true && report["leaving"][1] == true, "{}", report["leaving"]);
-    assert!(number(&report["leaving"][2]) < 2.0 && number(&report["exit"][1]) < 2.0, "{}", report["leaving"]);
-    assert_eq!(report["exit"][0], 0);
 }
 
 #[test]
 fn two_rigs_share_a_domain_by_their_namespaces_and_names_can_be_remapped() {
-    let Some(report) = session("namespace_session.py", &[]) else { return };
-    assert_eq!(report["moving"], true, "{report}");
-    // The lag compensator leaves an error under friction that is only half compensated.
-    assert!((number(&report["velocity"]["/axis_1"]) - 1.0).abs() < 0.35, "{}", report["velocity"]);
-    assert!((number(&report["velocity"]["/axis_2"]) + 2.0).abs() < 0.35, "{}", report["velocity"]);
-    let nodes: Vec<&str> = report["nodes"].as_array().expect("nodes").iter().map(text).collect();
-    for axis in ["/axis_1", "/axis_2"] {
-        for node in ["rig_driver", "friction_observer", "controller"] {
-            assert!(nodes.contains(&format!("{axis}/{node}").as_str()), "{nodes:?}");
+    for place in Place::of_tier(Place::OnePcOnItsNetwork) {
+        let Some(report) = session_at(place, Distribution::Kilted, "namespace_session.py", &[]) else {
+            return;
+        };
+        assert_eq!(report["moving"], true, "{report}");
+        // The lag compensator leaves an error under friction that is only half compensated.
+        assert!((number(&report["velocity"]["/axis_1"]) - 1.0).abs() < 0.35, "{}", report["velocity"]);
+        assert!((number(&report["velocity"]["/axis_2"]) + 2.0).abs() < 0.35, "{}", report["velocity"]);
+        let nodes: Vec<&str> = report["nodes"].as_array().expect("nodes").iter().map(text).collect();
+        for axis in ["/axis_1", "/axis_2"] {
+            for node in ["rig_driver", "friction_observer", "controller"] {
+                assert!(nodes.contains(&format!("{axis}/{node}").as_str()), "{nodes:?}");
+            }
         }
-    }
-    assert_eq!(report["absolute"], json!([]), "nothing of a rig in a namespace is outside it");
-    assert_eq!(report["scale"], json!([0.5, 0.75]));
-    assert_eq!(
-        report["services"],
-        json!(["/axis_1/rig_driver/emergency_stop", "/axis_2/rig_driver/emergency_stop"])
-    );
-    assert_ended(&report["exit"]);
-    assert_eq!(report["renamed"], json!([1.75, true]));
-    for refused in report["refused"].as_array().expect("refusals") {
-        let said = text(&refused[2]);
-        assert_eq!(refused[1], 2, "{refused}");
-        let named = text(&refused[0]).split(":=").next().unwrap_or_default();
-        assert!(said.contains(named), "{named} is not named in: {said}");
+        assert_eq!(report["absolute"], json!([]), "nothing of a rig in a namespace is outside it");
+        assert_eq!(report["scale"], json!([0.5, 0.75]));
+        assert_eq!(
+            report["services"],
+            json!(["/axis_1/rig_driver/emergency_stop", "/axis_2/rig_driver/emergency_stop"])
+        );
+        assert_ended(&report["exit"]);
+        assert_eq!(report["renamed"], json!([1.75, true]));
+        for refused in report["refused"].as_array().expect("refusals") {
+            let said = text(&refused[2]);
+            assert_eq!(refused[1], 2, "{refused}");
+            let named = text(&refused[0]).split(":=").next().unwrap_or_default();
+            assert!(said.contains(named), "{named} is not named in: {said}");
+        }
     }
 }
 

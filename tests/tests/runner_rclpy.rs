@@ -1,4 +1,4 @@
-//! The experiment runner asked by the real rclpy: action, services, status, refusals, cancelling, SIGINT.
+//! The experiment runner asked by the real rclpy on another PC: action, services, status, refusals, cancelling, SIGINT.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::RunExperimentResult;
 use msgs::sensor_msgs::JointState;
 use serde_json::{Value, json};
-use tests::network::namespaced;
+use tests::network::{ORDINARY_MTU, Place};
 use tests::python;
 
 fn text<'a>(report: &'a Value, field: &str) -> &'a str {
@@ -18,9 +18,9 @@ fn bag(result: &Value) -> BagReader {
     BagReader::open(Path::new(text(result, "bag_path"))).expect("a whole bag")
 }
 
-fn session() -> Option<(tempfile::TempDir, Value)> {
+fn session(place: Place) -> Option<(tempfile::TempDir, Value)> {
     let python = python::interpreter("rclpy")?;
-    let mut command = namespaced()?;
+    let mut command = place.command()?;
     let folder = tempfile::tempdir().expect("a folder");
     let (result, runs) = (folder.path().join("report.json"), folder.path().join("runs"));
     let program = tests::frictionlab();
@@ -35,7 +35,6 @@ fn session() -> Option<(tempfile::TempDir, Value)> {
         .arg(&runs)
         .env("PYTHONPATH", tests::checkout().join("analysis"))
         .env("ROS_DOMAIN_ID", "74")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("ROS_LOG_DIR", folder.path().join("log"))
         .output()
         .expect("unshare starts");
@@ -46,14 +45,16 @@ fn session() -> Option<(tempfile::TempDir, Value)> {
 
 #[test]
 fn rclpy_runs_cancels_and_is_refused() {
-    let Some((_folder, report)) = session() else { return };
-    ready_and_listed(&report);
-    bad_requests_are_answered(&report);
-    one_runs_to_its_end(&report);
-    a_bag_is_identified(&report);
-    the_analysis_package_runs_one_too(&report);
-    one_at_a_time(&report);
-    it_leaves_when_it_is_told(&report);
+    for place in Place::of_tier(Place::TwoPcs(ORDINARY_MTU)) {
+        let Some((_folder, report)) = session(place) else { return };
+        ready_and_listed(&report);
+        bad_requests_are_answered(&report);
+        one_runs_to_its_end(&report);
+        a_bag_is_identified(&report);
+        the_analysis_package_runs_one_too(&report);
+        one_at_a_time(&report);
+        it_leaves_when_it_is_told(&report);
+    }
 }
 
 fn ready_and_listed(report: &Value) {
