@@ -5,7 +5,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use ros2_client::{NodeLoggingHandle, RosoutRaw, builtin_interfaces::Time, ros2};
+use ros2_client::{
+    Log, MessageTypeName, Name, Node, Publisher,
+    builtin_interfaces::Time,
+    qos::{Durability, History, QosProfile, WhenFull},
+};
 
 use crate::{
     LogLevel, NodeClock,
@@ -16,6 +20,10 @@ use crate::{
 
 /// Lines that wait for the network.
 const WAITING: usize = 256;
+/// Lines that are kept for who comes late.
+const KEPT: usize = 1000;
+/// How long they are.
+const LATE: Duration = Duration::from_secs(10);
 /// Longest wait for a leaving node's lines on `/rosout`.
 const LAST_LINES: Duration = Duration::from_millis(500);
 
@@ -34,7 +42,7 @@ struct Inner {
 }
 
 /// `None` once the node has left, or where `/rosout` is switched off.
-type Rosout = Mutex<Option<NodeLoggingHandle>>;
+type Rosout = Mutex<Option<Publisher<Log>>>;
 
 /// A line on its way to `/rosout`.
 struct Line {
@@ -67,18 +75,40 @@ fn network() -> &'static Outbox<Line> {
 
 impl Line {
     fn publish(&self) {
-        if let Some(handle) = &*self.rosout.lock().unwrap_or_else(PoisonError::into_inner) {
-            let stamp = Time::from_nanos(i64::try_from(self.stamp_ns).unwrap_or(i64::MAX));
+        if let Some(publisher) = &*self.rosout.lock().unwrap_or_else(PoisonError::into_inner) {
             let level = match self.level {
-                LogLevel::Debug => ros2::LogLevel::Debug,
-                LogLevel::Info => ros2::LogLevel::Info,
-                LogLevel::Warn => ros2::LogLevel::Warn,
-                LogLevel::Error => ros2::LogLevel::Error,
-                LogLevel::Fatal => ros2::LogLevel::Fatal,
+                LogLevel::Debug => Log::DEBUG,
+                LogLevel::Info => Log::INFO,
+                LogLevel::Warn => Log::WARN,
+                LogLevel::Error => Log::ERROR,
+                LogLevel::Fatal => Log::FATAL,
             };
-            handle.rosout_raw(stamp, level, &self.name, &self.text, "", "", 0);
+            // A line that the network does not take is on the terminal.
+            let _ = publisher.publish(Log {
+                stamp: Time::from_nanos(i64::try_from(self.stamp_ns).unwrap_or(i64::MAX)),
+                level,
+                name: self.name.clone(),
+                msg: self.text.clone(),
+                file: String::new(),
+                function: String::new(),
+                line: 0,
+            });
         }
     }
+}
+
+/// `/rosout` of a node as rcl offers it: who comes late gets the lines of the last [`LATE`]. The client library's own keeps one line.
+pub(crate) fn rosout(node: &mut Node) -> Result<Publisher<Log>, String> {
+    let name = Name::new("/", "rosout").map_err(|error| error.to_string())?;
+    let qos = QosProfile::publisher_default()
+        .reliability_reliable(WhenFull::Wait(Duration::from_millis(5)))
+        .durability(Durability::TransientLocal)
+        .history(History::KeepLast { depth: KEPT })
+        .lifespan(Some(LATE));
+    let topic = node
+        .create_topic(&name, MessageTypeName::new("rcl_interfaces", "Log"), &qos)
+        .map_err(|error| error.to_string())?;
+    node.create_publisher(&topic, Some(qos)).map_err(|error| error.to_string())
 }
 
 impl Logger {
@@ -87,7 +117,7 @@ impl Logger {
         level: LogLevel,
         terminal: bool,
         clock: NodeClock,
-        rosout: Option<NodeLoggingHandle>,
+        rosout: Option<Publisher<Log>>,
     ) -> Self {
         let rosout = Arc::new(Mutex::new(rosout));
         Self(Arc::new(Inner { name, level, terminal, clock, rosout, repeated: Mutex::default() }))

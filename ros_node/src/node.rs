@@ -29,6 +29,7 @@ use crate::{
     ServiceClient, action,
     apart::Apart,
     graph::{self, ParticipantId, ParticipantNodes},
+    logger,
     one_writer::WriterId,
     participant::Shared,
     service::Service,
@@ -64,16 +65,19 @@ impl RosNode {
             NodeName::new(&identity.namespace, &identity.name).map_err(|e| error(e.to_string()))?;
         // Without a spinner: it would listen to `/clock` with a type that is not the clock's, and only serves the client's own
         // parameters, in whose place stand those of this crate.
-        let options =
-            NodeOptions::new().enable_rosout(!arguments.rosout_disabled).start_parameter_services(false);
-        let node = shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
+        let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
+        let mut node = shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
+        let rosout = (!arguments.rosout_disabled).then(|| logger::rosout(&mut node));
+        let rosout = rosout
+            .transpose()
+            .map_err(|detail| RosNodeError::Create { what: "a publisher on /rosout".into(), detail })?;
         let clock = NodeClock::default();
         let logger = Logger::new(
             identity.logger(),
             arguments.level_of(&identity.logger()),
             !arguments.terminal_disabled,
             clock.clone(),
-            (!arguments.rosout_disabled).then(|| node.logging_handle()),
+            rosout,
         );
         let began = u64::try_from(since_epoch().as_nanos()).unwrap_or(u64::MAX);
         if shared.open.swap(false, Ordering::Relaxed) {
