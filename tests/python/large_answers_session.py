@@ -27,7 +27,8 @@ from ros_calls import SIGNAL, caller, value
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-NODES = ("rig_driver", "friction_observer", "controller")
+MANAGED = ("rig_driver", "friction_observer", "controller")
+NODES = (*MANAGED, "experiment_runner")
 PATIENCE = 15.0
 LATCHED = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # A question as long as Fast DDS sends it in several packets.
@@ -124,7 +125,7 @@ def experiments(asker, models):
 
 def unasked(ros, answers):
     """Services of the programs that were not asked."""
-    own = tuple(f"/{node}/" for node in (*NODES, "experiment_runner"))
+    own = tuple(f"/{node}/" for node in NODES)
     offered = [name for name, _ in ros.node.get_service_names_and_types() if name.startswith(own)]
     return [name for name in offered if "/_action/" not in name and name not in answers]
 
@@ -163,12 +164,13 @@ def main() -> None:
         events, logs = [], []
         ros.node.create_subscription(ParameterEvent, "/parameter_events", events.append, 1000)
         ros.node.create_subscription(Log, "/rosout", logs.append, LATCHED)
-        for program in NODES:
+        for program in MANAGED:
             programs.start(program)
         programs.run(frictionlab, "serve", "--runs", runs)
         asker = Asker(ros)
         for node in NODES:
             asker.parameters(f"/{node}")
+        for node in MANAGED:
             asker.lifecycle(f"/{node}")
         for name in ("controller/reset", "friction_observer/reset", "rig_driver/zero_sensors", "rig_driver/emergency_stop", "rig_driver/clear_fault"):
             asker.ask(Trigger, f"/{name}", Trigger.Request())
