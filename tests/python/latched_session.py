@@ -17,8 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 TOPICS = ("/experiment_status", "/last_three")
-# Whatever is sent to a late joiner comes with the first message or right behind it.
-BEHIND_S = 1.0
+BEHIND_S = 0.5
 
 
 class Joiner:
@@ -41,8 +40,9 @@ class Joiner:
         while time.monotonic() < end and not until():
             self.executor.spin_once(timeout_sec=0.02)
 
-    def hears(self):
-        self.spin(20, lambda: all(self.heard.values()))
+    def hears(self, last):
+        """Everything until the last, and what comes after it although nothing should."""
+        self.spin(20, lambda: all(last in heard for heard in self.heard.values()))
         self.spin(BEHIND_S)
         return self.heard
 
@@ -61,11 +61,11 @@ def main() -> None:
             publisher.stdin.write(f"{count}\n")
             publisher.stdin.flush()
             # Somebody who is there hears the last one, so that it is published.
-            present.spin(30, lambda: all(count in heard for heard in present.heard.values()))
+            present.hears(count)
             report[count] = {}
             for depth in (1, 10):
                 joiner = Joiner(depth)
-                report[count][depth] = joiner.hears()
+                report[count][depth] = joiner.hears(count)
                 joiner.leave()
         report["present"] = present.heard
         publisher.stdin.close()

@@ -61,16 +61,16 @@ fn no_reader_stops_the_loop_of_the_launched_nodes() {
     hold("launch", SHORT, &["stopped", "killed", "slow", "best_effort", "gone"]);
 }
 
-/// Every kind alone, three and ten of them, with every way to run the loop; until the lease of those that are gone has ended.
+/// Every kind alone; three and ten of them with every way to run the loop, until the lease of those that are gone has ended.
 #[test]
 fn no_number_of_readers_stops_any_loop() {
     if std::env::var_os("FRICTION_FULL").is_none() {
         return;
     }
+    for kind in ["stopped", "killed", "slow", "best_effort", "gone"] {
+        hold("launch", SHORT, &[kind]);
+    }
     for way in ["launch", "live", "processes"] {
-        for kind in ["stopped", "killed", "slow", "best_effort", "gone"] {
-            hold(way, SHORT, &[kind]);
-        }
         hold(way, 30, &["stopped", "killed", "gone"]);
         hold(
             way,
