@@ -165,7 +165,7 @@ fn median(ratios: &mut [f64]) -> f64 {
 }
 
 /// Builds `frictionlab` in the release profile.
-fn build() -> Result<PathBuf> {
+pub(crate) fn build() -> Result<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let arguments =
@@ -178,7 +178,7 @@ fn build() -> Result<PathBuf> {
 }
 
 /// The flags with which `unshare` makes a network namespace here, if it does.
-fn namespace() -> Option<&'static [&'static str]> {
+pub(crate) fn namespace() -> Option<&'static [&'static str]> {
     [&["-n"][..], &["-r", "-n"]].into_iter().find(|flags| {
         let probe = Command::new("unshare")
             .args(*flags)

@@ -5,6 +5,7 @@ mod bench;
 mod bench_fits;
 mod bench_live;
 mod bench_monte_carlo;
+mod bench_ros;
 mod bench_step;
 mod distribution;
 mod docs;
@@ -28,6 +29,8 @@ enum Task {
     BenchLive(bench_live::BenchLive),
     /// Draws a second of the Monte Carlo of position tracking, beside the same loop compiled by Numba.
     BenchMonteCarlo(bench_monte_carlo::BenchMonteCarlo),
+    /// `/friction_estimate` at 1 kHz from `live` and `launch` beside a publisher of rclpy: rate, loss, latency, processor time, memory, calls.
+    BenchRos(bench_ros::BenchRos),
     /// Nanoseconds of a whole control step, estimator and controller, for every model and technique.
     BenchStep(bench_step::BenchStep),
     /// The pages of the friction models under docs/models, from their sources and tested figures.
@@ -47,6 +50,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchFits(bench) => bench.run(),
         Task::BenchLive(bench) => bench.run(),
         Task::BenchMonteCarlo(bench) => bench.run(),
+        Task::BenchRos(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
         Task::Docs(docs) => docs.run(),
         Task::PythonEnv(python_env) => python_env.run(),

@@ -15,7 +15,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 #[derive(Debug, clap::Args)]
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
-    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, millions of damaged
+    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
     /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS
     #[arg(long)]
     full: bool,
