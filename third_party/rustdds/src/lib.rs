@@ -209,6 +209,7 @@ pub mod serialization;
 // Re-exports from crate root to simplify usage
 #[doc(inline)]
 pub use dds::{
+  dialect::{Dialect, Said}, // frictionlab
   key::{Key, Keyed},
   participant::{DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusListener},
   pubsub::{Publisher, Subscriber},

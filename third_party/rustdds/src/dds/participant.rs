@@ -23,6 +23,7 @@ use log::{debug, error, info, trace, warn};
 use crate::{
   create_error_out_of_resources, create_error_poisoned,
   dds::{
+    dialect::{Dialect, Speaks},
     pubsub::*,
     qos::*,
     result::*,
@@ -76,6 +77,10 @@ pub struct DomainParticipantBuilder {
   only_networks: Option<Vec<IpAddr>>, /* optional IP address filter for discovery advertisements
                                        * and multicast setup */
 
+  // frictionlab: see dialect.rs; USER_DATA of the participant.
+  dialect: Speaks,
+  user_data: Vec<u8>,
+
   same_host_loopback: bool, // prefer loopback for same-host peers + localhost SPDP discovery peers
 
   socket_receive_buffer_size: usize,
@@ -92,6 +97,8 @@ impl DomainParticipantBuilder {
     DomainParticipantBuilder {
       domain_id,
       only_networks: None,
+      dialect: None,         // frictionlab
+      user_data: Vec::new(), // frictionlab
       same_host_loopback: true,
       socket_receive_buffer_size: Self::DEFAULT_SOCKET_RECEIVE_BUFFER_SIZE,
       socket_send_buffer_size: Self::DEFAULT_SOCKET_SEND_BUFFER_SIZE,
@@ -112,6 +119,21 @@ impl DomainParticipantBuilder {
   /// wildcard addresses for the selected ports.
   pub fn with_only_networks(mut self, addrs: impl IntoIterator<Item = impl Into<IpAddr>>) -> Self {
     self.only_networks = Some(addrs.into_iter().map(Into::into).collect());
+    self
+  }
+
+  // frictionlab
+  /// How its endpoints describe themselves, and how requests and answers are
+  /// put for others.
+  pub fn dialect(mut self, dialect: &'static dyn Dialect) -> Self {
+    self.dialect = Some(dialect);
+    self
+  }
+
+  // frictionlab
+  /// What stands in USER_DATA of the participant.
+  pub fn user_data(mut self, user_data: Vec<u8>) -> Self {
+    self.user_data = user_data;
     self
   }
 
@@ -329,7 +351,7 @@ impl DomainParticipantBuilder {
     let security_plugins_handle = self.security_plugins.map(SecurityPluginsHandle::new);
 
     // intermediate DP wrapper
-    let dp = DomainParticipantDisc::new(
+    let mut dp = DomainParticipantDisc::new(
       self.domain_id,
       participant_guid,
       participant_qos,
@@ -347,6 +369,10 @@ impl DomainParticipantBuilder {
       dp_waker,
       discovery_sample_sender,
     )?;
+
+    // frictionlab
+    dp.dpi.dialect = self.dialect;
+    dp.dpi.user_data = self.user_data;
 
     // outer DP wrapper
     let dp = DomainParticipant {
@@ -637,6 +663,11 @@ impl DomainParticipant {
   #[cfg(feature = "security")] // just to avoid warning
   pub(crate) fn qos(&self) -> QosPolicies {
     self.dpi.lock().unwrap().qos()
+  }
+
+  // frictionlab
+  pub(crate) fn user_data(&self) -> Vec<u8> {
+    self.dpi.lock().unwrap().dpi.user_data.clone()
   }
 
   pub(crate) fn discovery_db(&self) -> Arc<RwLock<DiscoveryDB>> {
@@ -1194,6 +1225,10 @@ pub(crate) struct DomainParticipantInner {
   security_plugins_handle: Option<SecurityPluginsHandle>,
 
   only_networks: Option<Arc<[IpAddr]>>,
+
+  // frictionlab
+  dialect: Speaks,
+  user_data: Vec<u8>,
 }
 
 impl Drop for DomainParticipantInner {
@@ -1464,6 +1499,8 @@ impl DomainParticipantInner {
       self_locators,
       security_plugins_handle,
       only_networks,
+      dialect: None,         // frictionlab
+      user_data: Vec::new(), // frictionlab
     })
   }
 
@@ -1573,7 +1610,8 @@ impl DomainParticipantInner {
       topic_type_desc.clone(),
       qos,
       topic_kind,
-    );
+    )
+    .speaking(self.dialect); // frictionlab
 
     // Create the topic cache entry
     let mut dds_cache_guard = self.dds_cache.write()?;

@@ -2,6 +2,7 @@ use std::{fmt::Debug, sync::Arc};
 
 use crate::{
   dds::{
+    dialect::Speaks,
     participant::{DomainParticipant, DomainParticipantWeak},
     qos::{HasQoSPolicy, QosPolicies},
     typedesc::TypeDesc,
@@ -86,6 +87,26 @@ impl Topic {
         topic_kind,
       )),
     }
+  }
+
+  // frictionlab
+  pub(crate) fn speaking(mut self, dialect: Speaks) -> Self {
+    if let Some(dialect) = dialect {
+      let inner = Arc::make_mut(&mut self.inner);
+      inner.user_data = dialect.user_data(&inner.my_name, inner.my_typedesc.name());
+      inner.dialect = dialect.translates(&inner.my_name).then_some(dialect);
+    }
+    self
+  }
+
+  // frictionlab
+  pub(crate) fn user_data(&self) -> &[u8] {
+    &self.inner.user_data
+  }
+
+  // frictionlab
+  pub(crate) fn dialect(&self) -> Speaks {
+    self.inner.dialect
   }
 
   // This is private, because it is made public via the TopicDescription trait
@@ -178,6 +199,8 @@ pub struct InnerTopic {
   my_typedesc: TypeDesc,
   my_qos_policies: QosPolicies,
   topic_kind: TopicKind, // WITH_KEY or NO_KEY
+  dialect: Speaks,       // frictionlab
+  user_data: Vec<u8>,    // frictionlab: of its endpoints
 }
 
 impl InnerTopic {
@@ -196,6 +219,8 @@ impl InnerTopic {
       my_typedesc,
       my_qos_policies: my_qos_policies.clone(),
       topic_kind,
+      dialect: None,         // frictionlab
+      user_data: Vec::new(), // frictionlab
     }
   }
 

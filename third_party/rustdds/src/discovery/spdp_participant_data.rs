@@ -65,6 +65,7 @@ pub struct SpdpDiscoveredParticipantData {
   pub manual_liveliness_count: i32,        // PartProxy
   pub builtin_endpoint_qos: Option<BuiltinEndpointQos>, // PartProxy
   pub entity_name: Option<String>,         // where does this come from??
+  pub user_data: Vec<u8>,                  // frictionlab: as ROS 2 puts the enclave there
 
   // security
   #[cfg(feature = "security")]
@@ -221,6 +222,7 @@ impl SpdpDiscoveredParticipantData {
       manual_liveliness_count: 0,
       builtin_endpoint_qos: None,
       entity_name: None,
+      user_data: participant.user_data(), // frictionlab
 
       // DDS Security
       #[cfg(feature = "security")]
@@ -312,6 +314,13 @@ impl PlCdrDeserialize for SpdpDiscoveredParticipantData {
       get_option_from_pl_map::< _ , StringWithNul>(&pl_map, ctx, ParameterId::PID_ENTITY_NAME, "entity name")?
       .map( String::from );
 
+    // frictionlab
+    let user_data: Vec<u8> =
+      get_option_from_pl_map(&pl_map, ctx, ParameterId::PID_USER_DATA, "user data")
+        .ok()
+        .flatten()
+        .unwrap_or_default();
+
     // DDS security
     #[cfg(feature = "security")]
     let identity_token: Option<IdentityToken> = get_option_from_pl_map(
@@ -358,6 +367,7 @@ impl PlCdrDeserialize for SpdpDiscoveredParticipantData {
       manual_liveliness_count,
       builtin_endpoint_qos,
       entity_name,
+      user_data, // frictionlab
       #[cfg(feature = "security")]
       identity_token,
       #[cfg(feature = "security")]
@@ -404,6 +414,7 @@ impl ParameterListable for SpdpDiscoveredParticipantData {
       manual_liveliness_count,
       builtin_endpoint_qos,
       entity_name,
+      user_data, // frictionlab
 
       // DDS security
       #[cfg(feature = "security")]
@@ -488,6 +499,11 @@ impl ParameterListable for SpdpDiscoveredParticipantData {
     // and does not follow CDR encoding.
     let entity_name_n: Option<StringWithNul> = entity_name.clone().map(|e| e.into());
     emit_option!(PID_ENTITY_NAME, &entity_name_n, StringWithNul);
+
+    // frictionlab
+    if !user_data.is_empty() {
+      emit!(PID_USER_DATA, user_data, Vec<u8>);
+    }
 
     #[cfg(feature = "security")] // DDS security
     {

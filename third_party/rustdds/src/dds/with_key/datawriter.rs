@@ -13,6 +13,7 @@ use crate::{
   dds::{
     adapters::with_key::SerializerAdapter,
     ddsdata::DDSData,
+    dialect,
     pubsub::Publisher,
     qos::{
       policy::{Liveliness, Reliability},
@@ -122,6 +123,18 @@ pub struct WriteOptions {
 }
 
 impl WriteOptions {
+  // frictionlab
+  pub(crate) fn only_to(mut self, reader: GUID) -> Self {
+    self.to_single_reader = Some(reader);
+    self
+  }
+
+  // frictionlab
+  pub(crate) fn answering(mut self, request: SampleIdentity) -> Self {
+    self.related_sample_identity = Some(request);
+    self
+  }
+
   pub fn related_sample_identity(&self) -> Option<SampleIdentity> {
     self.related_sample_identity
   }
@@ -371,6 +384,10 @@ where
         })
       }
     };
+
+    // frictionlab: see dialect.rs
+    let (write_options, send_buffer) =
+      dialect::say(self.my_topic.dialect(), write_options, send_buffer);
 
     let ddsdata = DDSData::new(SerializedPayload::new_from_bytes(
       SA::output_encoding(),
@@ -1036,6 +1053,10 @@ where
         })
       }
     };
+
+    // frictionlab: see dialect.rs
+    let (write_options, send_buffer) =
+      dialect::say(self.my_topic.dialect(), write_options, send_buffer);
 
     let dds_data = DDSData::new(SerializedPayload::new_from_bytes(
       SA::output_encoding(),

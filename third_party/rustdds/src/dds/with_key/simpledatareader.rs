@@ -239,17 +239,32 @@ where
       DDSData::Data {
         ref serialized_payload,
       } => {
+        // frictionlab: see dialect.rs
+        let heard = self.my_topic.dialect().and_then(|dialect| {
+          dialect.heard(
+            &self.my_topic.name(),
+            cc.writer_guid,
+            serialized_payload.representation_identifier,
+            &serialized_payload.value,
+          )
+        });
+        let front = heard.map_or(0, |(_, front)| front);
         // what is our data serialization format (representation identifier) ?
         if let Some(recognized_rep_id) = DA::supported_encodings()
           .iter()
           .find(|r| **r == serialized_payload.representation_identifier)
         {
-          match DA::from_bytes_with(&serialized_payload.value, *recognized_rep_id, decoder) {
+          let value = serialized_payload.value.get(front..).unwrap_or_default(); // frictionlab
+          match DA::from_bytes_with(value, *recognized_rep_id, decoder) {
             // Data update, decoded ok
             Ok(payload) => {
               let p = Sample::Value(payload);
               Self::update_hash_to_key_map(hash_to_key_map, &p);
-              Ok(DeserializedCacheChange::new(timestamp, cc, p))
+              let mut change = DeserializedCacheChange::new(timestamp, cc, p);
+              if let Some((request, _)) = heard {
+                change.write_options = change.write_options.answering(request); // frictionlab
+              }
+              Ok(change)
             }
             Err(e) => Err(ReadError::Deserialization {
               reason: format!(
