@@ -6,6 +6,7 @@
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
+//! - [`type_hashes`]: what ROS announces of the types of endpoints;
 //! - [`topics`]: which topics there are, with type and quality of service;
 //! - [`interfaces`]: topics, services and actions of every node, for documentation and tests;
 //! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types;
@@ -23,5 +24,6 @@ pub mod sensor_msgs;
 pub mod std_msgs;
 pub mod std_srvs;
 pub mod topics;
+pub mod type_hashes;
 
 pub use message::{Definition, Payload, RosAction, RosMessage, RosService};

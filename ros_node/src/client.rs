@@ -5,18 +5,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-use ros2_client::{Message, service::Client};
+use ros2_client::{Message, ServiceMapping, service::Client};
 
-use crate::{RosNodeError, participant::Shared};
+use crate::{
+    RosNodeError,
+    hearing::{self, Server},
+    participant::Shared,
+};
 
 /// How long one request waits before it is sent once more, where that does no harm: a server that was not discovered yet never heard the first.
 const AGAIN: Duration = Duration::from_secs(1);
+/// How long a server of Cyclone DDS has to find the endpoints with which it is asked.
+const FOUND: Duration = Duration::from_secs(2);
+
+/// Pause after an answer that cannot be read: a reader that only ever fails must not take the processor.
+const AFTER_FAILURE: Duration = Duration::from_millis(1);
+
+/// Makes endpoints that ask in a way.
+type Make<Q, A> = Box<dyn Fn(ServiceMapping) -> Result<Client<Q, A>, RosNodeError> + Send + Sync>;
 
 /// A client of one service. The node it was made by must outlive its calls.
 pub struct ServiceClient<Q: Message + Send + Sync + 'static, A: Message + Send + Sync + 'static> {
     name: String,
-    client: Mutex<Client<Q, A>>,
+    endpoints: Mutex<Endpoints<Q, A>>,
+    make: Make<Q, A>,
     shared: Arc<Shared>,
+}
+
+struct Endpoints<Q: Message, A: Message> {
+    /// Ask servers of Fast DDS and RustDDS.
+    usual: Client<Q, A>,
+    /// Ask servers of Cyclone DDS; there once there is one.
+    cyclone: Option<Client<Q, A>>,
 }
 
 impl<Q, A> ServiceClient<Q, A>
@@ -24,8 +44,9 @@ where
     Q: Message + Clone + Send + Sync + 'static,
     A: Message + Send + Sync + 'static,
 {
-    pub(crate) fn new(name: String, client: Client<Q, A>, shared: Arc<Shared>) -> Self {
-        Self { name, client: Mutex::new(client), shared }
+    pub(crate) fn new(name: String, shared: Arc<Shared>, make: Make<Q, A>) -> Result<Self, RosNodeError> {
+        let endpoints = Mutex::new(Endpoints { usual: make(ServiceMapping::Enhanced)?, cyclone: None });
+        Ok(Self { name, endpoints, make, shared })
     }
 
     /// Absolute name of the service.
@@ -40,15 +61,52 @@ where
     /// [`RosNodeError::NoAnswer`] if none comes in time.
     pub fn call(&self, request: Q, patience: Duration) -> Result<A, RosNodeError> {
         // One at a time: two that wait would take each other's answers.
-        let client = self.client.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut endpoints = self.endpoints.lock().unwrap_or_else(PoisonError::into_inner);
         let error = |detail: String| RosNodeError::NoAnswer { service: self.name.clone(), detail };
-        let answer = self
-            .shared
-            .runtime
-            .block_on(async { tokio::time::timeout(patience, client.async_call_service(request)).await });
-        answer
-            .map_err(|_| error(format!("none within {:.1} s", patience.as_secs_f64())))?
-            .map_err(|failed| error(format!("{failed:?}")))
+        let mut unreadable = None;
+        let answer = self.shared.runtime.block_on(async {
+            let asked = async {
+                let client = self.for_server(&mut endpoints).await?;
+                let sent = client.async_send_request(request).await;
+                let id = sent.map_err(|failed| error(format!("{failed:?}")))?;
+                loop {
+                    match client.async_receive_response(id).await {
+                        Ok(answer) => return Ok(answer),
+                        // All clients of a service hear all answers: what is for one of another middleware may not be readable here.
+                        Err(failed) => {
+                            unreadable = Some(format!("{failed:?}"));
+                            tokio::time::sleep(AFTER_FAILURE).await;
+                        }
+                    }
+                }
+            };
+            tokio::time::timeout(patience, asked).await
+        });
+        answer.unwrap_or_else(|_| {
+            let none = format!("none within {:.1} s", patience.as_secs_f64());
+            Err(error(match unreadable {
+                None => none,
+                Some(why) => format!("{none} that could be read ({why})"),
+            }))
+        })
+    }
+
+    /// The endpoints that ask in the way of whoever serves.
+    async fn for_server<'a>(
+        &self,
+        endpoints: &'a mut Endpoints<Q, A>,
+    ) -> Result<&'a Client<Q, A>, RosNodeError> {
+        let topic = hearing::requests_of(&self.name);
+        let Some(Server { reader, matches }) = self.shared.hearers.cyclone_server(&topic) else {
+            return Ok(&endpoints.usual);
+        };
+        if endpoints.cyclone.is_none() {
+            endpoints.cyclone = Some((self.make)(ServiceMapping::Cyclone)?);
+            // It hears a first request only once it has found who asks.
+            let found = self.shared.hearers.until_matched(reader, matches + 1);
+            let _ = tokio::time::timeout(FOUND, found).await;
+        }
+        Ok(endpoints.cyclone.as_ref().unwrap_or(&endpoints.usual))
     }
 
     /// Asks until an answer comes: only for requests that may be heard twice.

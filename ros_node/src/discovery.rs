@@ -49,9 +49,6 @@ impl Discovery {
                     .to_owned(),
             );
         }
-        if env::var("RMW_IMPLEMENTATION").is_ok_and(|rmw| rmw.contains("zenoh")) {
-            warnings.push("RMW_IMPLEMENTATION asks for Zenoh, but this program speaks DDS: nodes over Zenoh do not see it".to_owned());
-        }
         warnings
     }
 

@@ -1,4 +1,4 @@
-//! Who can hear an answer.
+//! Who can hear an answer, and who a request.
 //!
 //! A request may come before this process has found the reader that waits for its answer: the two are told on different ways. RustDDS 0.15 leaves out
 //! for a reader what was written before it was found, for good, so the client would wait for ever. The middlewares of rclcpp
@@ -14,16 +14,29 @@ use ros2_client::{Gid, RmwRequestId};
 use rustdds::{DomainParticipant, DomainParticipantStatusEvent as Event, GUID, StatusEvented};
 use tokio::sync::watch;
 
-use crate::{Graph, lagging::Lagging, one_writer::WriterId, security::Others};
+use crate::{
+    Graph,
+    dialect::{ANSWERS, REQUESTS, ROS, process},
+    lagging::Lagging,
+    one_writer::WriterId,
+    security::Others,
+};
 
 /// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
 /// Answers of one service that are held back at most; what comes then is sent at once.
 pub(crate) const MOST_HELD: usize = 100;
-/// What the names of topics with answers begin with.
-const ANSWERS: &str = "rr/";
 
-/// The readers of answers that this process has found.
+/// A server that is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Server {
+    /// The reader of its requests.
+    pub(crate) reader: GUID,
+    /// How many writers of this process it has been matched with so far.
+    pub(crate) matches: usize,
+}
+
+/// The readers of answers and requests that this process has found.
 #[derive(Default)]
 pub(crate) struct Hearers(watch::Sender<Readers>);
 
@@ -33,6 +46,8 @@ struct Readers {
     topics: BTreeMap<GUID, String>,
     /// Those that a writer of this process sends to.
     found: BTreeSet<GUID>,
+    /// Readers of requests, by the number of writers of this process that they were matched with.
+    servers: BTreeMap<GUID, (String, usize)>,
 }
 
 impl Hearers {
@@ -52,9 +67,13 @@ impl Hearers {
             others.take(&event);
             // Before the graph forgets who left.
             lagging.take(&event, &graph);
+            ROS.take(&event);
             match event {
                 Event::ReaderDetected { reader } if reader.topic_name.starts_with(ANSWERS) => {
                     self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));
+                }
+                Event::ReaderDetected { reader } if reader.topic_name.starts_with(REQUESTS) => {
+                    self.0.send_modify(|readers| readers.serves(reader.guid, reader.topic_name));
                 }
                 Event::RemoteReaderMatched { remote_reader, .. } => {
                     self.0.send_if_modified(|readers| readers.found(remote_reader));
@@ -77,6 +96,19 @@ impl Hearers {
         self.0.borrow().hear(GUID::from(request.writer_gid), topic)
     }
 
+    /// The server that takes requests on `topic`, if all that do are of Cyclone DDS.
+    pub(crate) fn cyclone_server(&self, topic: &str) -> Option<Server> {
+        self.0.borrow().cyclone_server(topic)
+    }
+
+    /// Waits until a server has been matched with that many writers of this process.
+    pub(crate) async fn until_matched(&self, reader: GUID, matches: usize) {
+        let mut readers = self.0.subscribe();
+        let is_matched = |readers: &Readers| readers.servers.get(&reader).is_some_and(|(_, n)| *n >= matches);
+        // The other end is held by `self`.
+        let _ = readers.wait_for(is_matched).await;
+    }
+
     /// Waits until an answer on `topic` to that request reaches its client, but not for ever.
     pub(crate) async fn until_heard(&self, request: &RmwRequestId, topic: &str) {
         let client = GUID::from(request.writer_gid);
@@ -92,7 +124,23 @@ impl Readers {
         self.topics.insert(reader, topic);
     }
 
+    fn serves(&mut self, reader: GUID, topic: String) {
+        // What is told once more is known.
+        self.servers.entry(reader).or_insert((topic, 0));
+    }
+
+    fn cyclone_server(&self, topic: &str) -> Option<Server> {
+        let mut servers = self.servers.iter().filter(|(_, (of, _))| of == topic);
+        let (&reader, &(_, matches)) = servers.next()?;
+        let others = servers.all(|(reader, _)| ROS.is_cyclone(*reader));
+        (ROS.is_cyclone(reader) && others).then_some(Server { reader, matches })
+    }
+
     fn found(&mut self, reader: GUID) -> bool {
+        if let Some((_, matches)) = self.servers.get_mut(&reader) {
+            *matches += 1;
+            return true;
+        }
         self.topics.contains_key(&reader) && self.found.insert(reader)
     }
 
@@ -100,23 +148,32 @@ impl Readers {
         let before = self.topics.len();
         self.topics.retain(|reader, _| !is_lost(reader));
         self.found.retain(|reader| !is_lost(reader));
+        self.servers.retain(|reader, _| !is_lost(reader));
         self.topics.len() < before
     }
 
-    /// A request carries the reader of its answer where the client's middleware is Fast DDS, and the writer of the request where it is RustDDS.
+    /// A request carries the reader of its answer where the client's middleware is Fast DDS, the writer of the request where it is RustDDS, and no more than the
+    /// process where it is Cyclone DDS.
     fn hear(&self, client: GUID, topic: &str) -> bool {
+        let listens = |reader: &GUID| self.topics.get(reader).is_some_and(|of| of == topic);
+        if ROS.is_cyclone(client) {
+            return self.found.iter().any(|reader| process(*reader) == process(client) && listens(reader));
+        }
         if client.entity_id.entity_kind.is_reader() {
             return self.found.contains(&client);
         }
-        self.found.iter().any(|reader| {
-            reader.prefix == client.prefix && self.topics.get(reader).is_some_and(|of| of == topic)
-        })
+        self.found.iter().any(|reader| reader.prefix == client.prefix && listens(reader))
     }
 }
 
 /// The topic on which a service of that absolute name answers, as DDS has it.
 pub(crate) fn answers_of(service: &str) -> String {
     format!("{ANSWERS}{}Reply", service.trim_start_matches('/'))
+}
+
+/// The topic on which a service of that absolute name is asked, as DDS has it.
+pub(crate) fn requests_of(service: &str) -> String {
+    format!("{REQUESTS}{}Request", service.trim_start_matches('/'))
 }
 
 #[cfg(test)]
@@ -165,6 +222,45 @@ mod tests {
     }
 
     #[test]
+    fn a_request_of_cyclone_is_answered_once_its_process_listens_there() {
+        let mut readers = Readers::default();
+        let mut bytes = [1; 16];
+        bytes[1] = 0x10;
+        bytes[12..].copy_from_slice(&[0, 0, 1, READER]);
+        let reader = GUID::from(Gid::from(bytes));
+        // The second half is a number of the client: here one that looks like a reader.
+        bytes[8..].copy_from_slice(&[9, 9, 9, 9, 9, 9, 9, READER]);
+        let client = GUID::from(Gid::from(bytes));
+        readers.told(reader, "rr/pingReply".into());
+        assert!(!readers.hear(client, "rr/pingReply"), "told of, not yet found");
+        readers.found(reader);
+        assert!(readers.hear(client, "rr/pingReply"));
+        assert!(!readers.hear(client, "rr/pongReply"));
+    }
+
+    #[test]
+    fn a_server_is_of_cyclone_if_all_are_and_counts_who_asks_it() {
+        let mut readers = Readers::default();
+        let of_cyclone = |number| {
+            let mut bytes = endpoint(1, number, READER).to_bytes();
+            bytes[1] = 0x10;
+            GUID::from(Gid::from(bytes))
+        };
+        let (server, other) = (of_cyclone(1), endpoint(9, 1, READER));
+        assert_eq!(readers.cyclone_server("rq/pingRequest"), None);
+        readers.serves(server, "rq/pingRequest".into());
+        assert_eq!(readers.cyclone_server("rq/pongRequest"), None);
+        assert!(readers.found(server));
+        readers.serves(server, "rq/pingRequest".into());
+        let known = Some(Server { reader: server, matches: 1 });
+        assert_eq!(readers.cyclone_server("rq/pingRequest"), known);
+        readers.serves(other, "rq/pingRequest".into());
+        assert_eq!(readers.cyclone_server("rq/pingRequest"), None, "one of another middleware serves too");
+        readers.lost(|lost| *lost == other);
+        assert_eq!(readers.cyclone_server("rq/pingRequest"), known);
+    }
+
+    #[test]
     fn only_readers_of_answers_are_kept() {
         let mut readers = Readers::default();
         assert!(!readers.found(endpoint(1, 1, READER)), "of a topic that is no answer's");
@@ -174,5 +270,6 @@ mod tests {
     #[test]
     fn answers_have_the_topic_that_ros_gives_them() {
         assert_eq!(answers_of("/axis_1/controller/reset"), "rr/axis_1/controller/resetReply");
+        assert_eq!(requests_of("/axis_1/controller/reset"), "rq/axis_1/controller/resetRequest");
     }
 }

@@ -32,6 +32,7 @@ use crate::{
     logger,
     one_writer::WriterId,
     participant::Shared,
+    rmw,
     service::Service,
     twins::Twins,
 };
@@ -41,13 +42,16 @@ const LEAVING: Duration = Duration::from_secs(1);
 /// Shortest time between two warnings of one subscription.
 const WARNINGS: Duration = Duration::from_secs(1);
 
+/// The client library's node, while it is there.
+type Slot = Arc<Mutex<Option<Node>>>;
+
 /// A node of the ROS graph. Dropped, it takes its name off the graph.
 pub struct RosNode {
     identity: NodeIdentity,
     clock: NodeClock,
     logger: Logger,
     /// `None` only while it is being dropped.
-    node: Mutex<Option<Node>>,
+    node: Slot,
     tasks: Mutex<Vec<JoinHandle<()>>>,
     /// What has a thread of its own.
     apart: Mutex<Vec<Apart>>,
@@ -85,7 +89,14 @@ impl RosNode {
                 "ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET: anybody on the network can command this process's nodes; LOCALHOST keeps them to this machine",
             );
         }
-        let (node, tasks, apart) = (Mutex::new(Some(node)), Mutex::default(), Mutex::default());
+        if !shared.rmw_is_told.swap(true, Ordering::Relaxed) {
+            match rmw::said() {
+                None => {}
+                Some(rmw::Said::Fine(said)) => logger.debug(&said),
+                Some(rmw::Said::Warning(said)) => logger.warn(&said),
+            }
+        }
+        let (node, tasks, apart) = (Arc::new(Mutex::new(Some(node))), Mutex::default(), Mutex::default());
         Ok(Self { identity, clock, logger, node, tasks, apart, began, shared })
     }
 
@@ -457,18 +468,16 @@ impl RosNode {
         A: Message + Send + Sync + 'static,
     {
         let absolute = self.resolve(Named::Service, name)?;
-        let client = self.with_node("a client", &absolute, |node| {
-            let qos = profile(Qos::DEFAULT);
-            node.create_client::<Q, A>(
-                ServiceMapping::Enhanced,
-                &parse(&absolute)?,
-                &ServiceTypeName::new(package, kind),
-                qos.clone(),
-                qos,
-            )
-            .map_err(|e| e.to_string())
-        })?;
-        Ok(ServiceClient::new(absolute, client, Arc::clone(&self.shared)))
+        let (node, name, kind) =
+            (Arc::clone(&self.node), absolute.clone(), ServiceTypeName::new(package, kind));
+        let make = move |mapping| {
+            with(&node, "a client", &name, |node| {
+                let qos = profile(Qos::DEFAULT);
+                node.create_client::<Q, A>(mapping, &parse(&name)?, &kind, qos.clone(), qos)
+                    .map_err(|e| e.to_string())
+            })
+        };
+        ServiceClient::new(absolute, Arc::clone(&self.shared), Box::new(make))
     }
 
     fn with_node<T>(
@@ -477,9 +486,7 @@ impl RosNode {
         name: &str,
         make: impl FnOnce(&mut Node) -> Result<T, String>,
     ) -> Result<T, RosNodeError> {
-        let error = |detail: String| RosNodeError::Create { what: format!("{what} on {name}"), detail };
-        let mut node = self.node.lock().unwrap_or_else(PoisonError::into_inner);
-        make(node.as_mut().ok_or_else(|| error("the node is leaving".into()))?).map_err(error)
+        with(&self.node, what, name, make)
     }
 
     pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
@@ -505,6 +512,18 @@ impl Drop for RosNode {
         self.logger.leave();
         drop(self.node.lock().unwrap_or_else(PoisonError::into_inner).take());
     }
+}
+
+/// Makes something of a node that is not leaving.
+fn with<T>(
+    node: &Slot,
+    what: &str,
+    name: &str,
+    make: impl FnOnce(&mut Node) -> Result<T, String>,
+) -> Result<T, RosNodeError> {
+    let error = |detail: String| RosNodeError::Create { what: format!("{what} on {name}"), detail };
+    let mut node = node.lock().unwrap_or_else(PoisonError::into_inner);
+    make(node.as_mut().ok_or_else(|| error("the node is leaving".into()))?).map_err(error)
 }
 
 /// Who sent a message, and when.

@@ -17,6 +17,7 @@ use tokio::runtime::{Builder, Runtime};
 use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
+    dialect::ROS,
     hearing::Hearers,
     lagging::Lagging,
     middleware::{self, Leave},
@@ -58,6 +59,8 @@ pub(crate) struct Shared {
     others: Arc<Others>,
     /// Anybody on the network can command the nodes, and nobody has been told.
     pub(crate) open: AtomicBool,
+    /// A node has said what it makes of `RMW_IMPLEMENTATION`.
+    pub(crate) rmw_is_told: AtomicBool,
     /// Ends when all else is gone.
     leave: Leave,
 }
@@ -133,6 +136,9 @@ impl Participant {
             builder = builder.with_only_networks(networks);
         }
         let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
+        // As ROS tells it, also in the clear.
+        let enclave = protection.enclave().map_or("/", |enclave| &enclave.name);
+        let builder = builder.dialect(&ROS).user_data(format!("enclave={enclave};").into_bytes());
         if let Some(warning) = protection.warning() {
             terminal::tell(format!("this process {warning}"));
         }
@@ -167,6 +173,7 @@ impl Participant {
             protection,
             others,
             open,
+            rmw_is_told: AtomicBool::new(false),
             leave: Leave::new(),
         };
         Ok(Self { shared: Arc::new(shared) })

@@ -57,6 +57,22 @@ fn interpreter_in(variable: &str, beside: &str, half: &str, made_by: &str) -> Op
     None
 }
 
+/// The interpreter of an environment of its own with a peer, as `cyclone`, where it is ready; otherwise says so and the test should end.
+/// `$FRICTION_PYTHON_ENV` names the main environment; a peer's stands beside it.
+pub fn peer(name: &str) -> Option<PathBuf> {
+    let main = match std::env::var_os("FRICTION_PYTHON_ENV") {
+        Some(named) => PathBuf::from(named),
+        None => crate::profile_folder().parent()?.join("python"),
+    };
+    let folder = main.with_file_name(format!("python-{name}"));
+    let python = folder.join("bin/python");
+    if python.is_file() && folder.join(format!("{name}.stamp")).is_file() {
+        return Some(python);
+    }
+    crate::skip(&format!("no Python with {name} in {}; `cargo xtask python-env` makes it", folder.display()));
+    None
+}
+
 /// A script of `tests/python/`.
 pub fn script(name: &str) -> PathBuf {
     crate::checkout().join("tests/python").join(name)

@@ -28,6 +28,9 @@ const BAG_TOOLS: &[&str] = &[
 /// The peer of the fits.
 const SCIPY: &[&str] = &["numpy", "scipy", "numba"];
 
+/// A peer of another middleware than rclpy's.
+const CYCLONE: &[&str] = &["cyclonedds==11.0.1"];
+
 /// The environment, and what of it can be used.
 #[derive(Debug)]
 pub struct PythonEnv {
@@ -37,6 +40,8 @@ pub struct PythonEnv {
     pub bag_tools: anyhow::Result<()>,
     /// Why there is no rclpy, if there is none.
     pub rclpy: anyhow::Result<()>,
+    /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
+    pub cyclone: anyhow::Result<()>,
 }
 
 /// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the first time.
@@ -47,7 +52,10 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     let environment = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
     let bag_tools = environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
     let rclpy = environment.rclpy(Distribution::Kilted);
-    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy })
+    let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
+        environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
+    });
+    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy, cyclone })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -107,6 +115,7 @@ impl PythonEnvCommand {
                 "readers of bags (rosbags, mcap-ros2-support), pandas, matplotlib, pytest",
             ),
             (environment.rclpy, "rclpy with friction_msgs"),
+            (environment.cyclone, "Cyclone DDS (cyclonedds)"),
         ] {
             match half {
                 Ok(()) => println!("  ready: {what}"),

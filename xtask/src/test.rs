@@ -125,7 +125,12 @@ fn prepare_python() {
     println!("Python environment for the tests (first time: about two minutes) ...");
     match python_env::prepare() {
         Ok(environment) => {
-            for (half, what) in [(environment.bag_tools, "rosbags"), (environment.rclpy, "rclpy")] {
+            let halves = [
+                (environment.bag_tools, "rosbags"),
+                (environment.rclpy, "rclpy"),
+                (environment.cyclone, "Cyclone DDS"),
+            ];
+            for (half, what) in halves {
                 if let Err(error) = half {
                     println!("no {what}: {error:#}");
                 }
