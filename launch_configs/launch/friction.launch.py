@@ -18,6 +18,8 @@ from launch_ros.actions import Node
 CONFIG = Path(__file__).resolve().parent.parent / "config"
 RIG_DRIVER, OBSERVER, CONTROLLER, RUNNER = "rig_driver", "friction_observer", "controller", "experiment_runner"
 NODES = (RIG_DRIVER, OBSERVER, CONTROLLER, RUNNER)
+# The ROS package that their programs are installed in.
+PROGRAMS = "friction_nodes"
 # Without one of these there is no loop: its end ends the others.
 LOOP = (RIG_DRIVER, OBSERVER, CONTROLLER)
 
@@ -82,7 +84,7 @@ def node(name: str, given: dict[str, str]) -> ExecuteProcess:
     log_level = ["--log-level", given["log_level"]]
     if given["executables"] == "packages":
         return Node(
-            package=name,
+            package=PROGRAMS,
             executable=name,
             name=name,
             namespace=given["namespace"],

@@ -1,12 +1,16 @@
 """Stands in for the Python packages `launch` and `launch_ros`, which PyPI does not have: runs launch files and writes down what they would start.
 
-It has what this project's launch files use and refuses everything else, by the signatures of ROS 2 Kilted.
+It has what this project's launch files use and refuses everything else, by the signatures of ROS 2 Kilted. Where the real packages are installed, `launch_real.py`
+compares it with them.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import json
+import os
 import sys
+import tempfile
 import types
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -90,6 +94,32 @@ class Node(ExecuteProcess):
         for parameter in self.parameters:
             assert isinstance(parameter, (str, dict)), parameter
         super().execute(context)
+
+    def program(self) -> Path:
+        """The file that `ros2 run` and `launch_ros` find for a package's executable."""
+        for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+            if prefix and (Path(prefix) / "share/ament_index/resource_index/packages" / self.package).exists():
+                file = Path(prefix) / "lib" / self.package / self.executable
+                if not os.access(file, os.X_OK):
+                    raise RuntimeError(f"executable '{self.executable}' not found on the libexec directory '{file.parent}'")
+                return file
+        raise RuntimeError(f"package '{self.package}' not found, searching: {os.environ.get('AMENT_PREFIX_PATH', '')}")
+
+    def command(self) -> list[str]:
+        """The words that `launch_ros` starts it with. Parameters that are not in a file go into one of their own."""
+        words = [str(self.program()), *self.arguments, "--ros-args", "-r", f"__node:={self.name}"]
+        if self.namespace:
+            words += ["-r", f"__ns:=/{self.namespace.strip('/')}"]
+        for parameter in self.parameters:
+            if isinstance(parameter, dict):
+                with tempfile.NamedTemporaryFile("w", prefix="launch_params_", suffix=".yaml", delete=False) as file:
+                    # What YAML has of JSON is enough for it.
+                    json.dump({"/**": {"ros__parameters": parameter}}, file)
+                parameter = file.name
+            words += ["--params-file", parameter]
+        for before, after in self.remappings:
+            words += ["-r", f"{before}:={after}"]
+        return words
 
 
 @dataclass(kw_only=True)

@@ -5,6 +5,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import launch_real
 import pytest
 import yaml
 from launch_stub import Node, Shutdown, launch
@@ -74,14 +75,14 @@ def test_every_launch_file_runs_without_arguments_and_explains_those_it_takes(fi
 
 def test_four_nodes_start_with_their_own_files_and_nothing_else_set():
     context = launch(FRICTION)
-    assert [node.package for node in context.started] == NODES
+    assert [node.executable for node in context.started] == NODES
     for node in context.started:
         assert isinstance(node, Node)
-        assert (node.executable, node.name, node.namespace) == (node.package, node.package, "")
-        assert node.parameters == [str(BRINGUP / "config" / f"{node.package}.yaml")]
+        assert (node.package, node.name, node.namespace) == ("friction_nodes", node.executable, "")
+        assert node.parameters == [str(BRINGUP / "config" / f"{node.executable}.yaml")]
         assert Path(node.parameters[0]).is_file()
-        assert own_parameters(Path(node.parameters[0]))[0] == node.package
-        assert isinstance(node.on_exit, Shutdown) == (node.package != "experiment_runner")
+        assert own_parameters(Path(node.parameters[0]))[0] == node.executable
+        assert isinstance(node.on_exit, Shutdown) == (node.executable != "experiment_runner")
 
 
 def test_arguments_come_after_the_files_and_reach_the_nodes_they_concern(tmp_path):
@@ -89,7 +90,7 @@ def test_arguments_come_after_the_files_and_reach_the_nodes_they_concern(tmp_pat
     file.write_text("/friction_observer: {ros__parameters: {model: dahl}}")
     given = {"rig": "serial:/dev/ttyACM0@115200", "model": "lugre", "mode": "position", "namespace": "axis_1"}
     context = launch(FRICTION, params_file=str(file), **given)
-    sets = {node.package: node.parameters[2:] for node in context.started}
+    sets = {node.executable: node.parameters[2:] for node in context.started}
     assert sets == {
         "rig_driver": [{"rig": given["rig"]}],
         "friction_observer": [{"model": "lugre", "mode": "position"}],
@@ -143,10 +144,10 @@ def test_what_no_node_could_mean_is_refused_before_anything_starts(given, said):
 def test_two_axes_differ_in_namespace_rig_and_files():
     context = launch(TWO, rig_2="serial:/dev/ttyACM1", model_1="gms")
     assert [node.namespace for node in context.started] == ["axis_1"] * 4 + ["axis_2"] * 4
-    drivers = [node for node in context.started if node.package == "rig_driver"]
+    drivers = [node for node in context.started if node.executable == "rig_driver"]
     assert drivers[0].parameters[-1] == {"rig": "simulated"}
     assert drivers[1].parameters[1:] == [str(BRINGUP / "config" / "axis_2.yaml"), {"rig": "serial:/dev/ttyACM1"}]
-    observers = [node for node in context.started if node.package == "friction_observer"]
+    observers = [node for node in context.started if node.executable == "friction_observer"]
     assert observers[0].parameters[-1] == {"model": "gms"}
     assert all("model" not in part for part in observers[1].parameters if isinstance(part, dict))
 
@@ -267,4 +268,29 @@ def test_everything_that_the_package_has_is_installed_and_depended_on():
     package = ElementTree.parse(BRINGUP / "package.xml").getroot()
     depends = {entry.text for entry in package.findall("exec_depend")}
     started = {node.package for node in launch(FRICTION).started}
+    assert started == {"friction_nodes"}
     assert started | {"friction_msgs", "launch", "launch_ros", "python3-yaml", "ros2bag", "rosbag2_storage_mcap"} == depends
+
+
+@pytest.mark.parametrize(
+    ("file", "given"),
+    [
+        (FRICTION, {}),
+        (FRICTION, {"rig": "serial:/dev/ttyACM0@115200", "mode": "position", "model": "gms", "log_level": "debug"}),
+        (FRICTION, {"namespace": "axis_1", "params_file": str(BRINGUP / "config/axis_2.yaml")}),
+        (FRICTION, {"executables": "path", "namespace": "axis_1", "model": "lugre"}),
+        (TWO, {"rig_2": "serial:/dev/ttyACM1", "model_1": "gms"}),
+        (LIVE, {"model": "lugre", "serve": "true"}),
+    ],
+)
+def test_the_real_launch_starts_what_the_stand_in_says(file, given, tmp_path, monkeypatch):
+    if not launch_real.installed():
+        pytest.skip("no `launch` and `launch_ros`: they come with a ROS installation, PyPI does not have them")
+    folder = launch_real.prefix(tmp_path, "friction_nodes", [*NODES, "frictionlab"])
+    monkeypatch.setenv("AMENT_PREFIX_PATH", launch_real.environment(folder, "friction_nodes")["AMENT_PREFIX_PATH"])
+    ours = [process.command() if isinstance(process, Node) else process.cmd for process in launch(file, **given).started]
+    theirs = launch_real.launch(file, folder, "friction_nodes", len(ours), **given)
+    by_words = lambda meanings: sorted(meanings, key=repr)
+    assert by_words(launch_real.meaning(told["words"]) for told in theirs) == by_words(map(launch_real.meaning, ours))
+    for told in theirs:
+        assert (told["FRICTION_LAUNCHED"], told["stdin_is_held"]) == ("until-stdin-ends", True), told["words"]

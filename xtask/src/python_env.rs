@@ -1,7 +1,7 @@
 //! The Python side of the tests: a virtual environment with readers of bags and, where wheels exist, the real rclpy with
 //! the laboratory's own message types built into it.
 //!
-//! Both halves are independent: where one cannot be had, the other still is, and the tests that need the missing one are
+//! The parts are independent: where one cannot be had, the others still are, and the tests that need the missing one are
 //! skipped. Everything is made once; what was made of other versions or other messages is made anew.
 
 use std::{
@@ -25,6 +25,10 @@ const BAG_TOOLS: &[&str] = &[
     "PyYAML>=6,<7",
 ];
 
+/// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo, which some workspaces have.
+const COLCON: &[&str] =
+    &["colcon-common-extensions==0.3.0", "colcon-cargo==0.2.0", "colcon-ros-cargo==0.2.0"];
+
 /// The peer of the fits.
 const SCIPY: &[&str] = &["numpy", "scipy", "numba"];
 
@@ -42,6 +46,8 @@ pub struct PythonEnv {
     pub rclpy: anyhow::Result<()>,
     /// Why there is no Cyclone DDS, which has an environment of its own, if there is none.
     pub cyclone: anyhow::Result<()>,
+    /// Why there is no colcon, if there is none. It builds with what comes with rclpy.
+    pub colcon: anyhow::Result<()>,
 }
 
 /// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the first time.
@@ -55,7 +61,8 @@ pub fn prepare() -> anyhow::Result<PythonEnv> {
     let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
         environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
     });
-    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy, cyclone })
+    let colcon = environment.half("colcon", COLCON.join("\n"), || environment.install(COLCON));
+    Ok(PythonEnv { dir: environment.dir, bag_tools, rclpy, cyclone, colcon })
 }
 
 /// Makes an environment with the rclpy of a distribution, or finds it made.
@@ -116,6 +123,7 @@ impl PythonEnvCommand {
             ),
             (environment.rclpy, "rclpy with friction_msgs"),
             (environment.cyclone, "Cyclone DDS (cyclonedds)"),
+            (environment.colcon, "colcon"),
         ] {
             match half {
                 Ok(()) => println!("  ready: {what}"),
@@ -142,6 +150,9 @@ impl Environment {
             run_quietly(Command::new(&interpreter).args(["-m", "venv"]).arg(dir))
                 .context("a Python 3 with its `venv` module is needed; install it, or name one in PYTHON")?;
         }
+        // Its ROS packages are none of a workspace that this checkout is built in.
+        fs::write(dir.join("COLCON_IGNORE"), "")
+            .with_context(|| format!("cannot write into {}", dir.display()))?;
         Ok(Self { dir: dir.into(), python })
     }
 

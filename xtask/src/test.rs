@@ -16,7 +16,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
     /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
-    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS
+    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS, the nodes built by colcon in release
     #[arg(long)]
     full: bool,
 }
@@ -129,6 +129,7 @@ fn prepare_python() {
                 (environment.bag_tools, "rosbags"),
                 (environment.rclpy, "rclpy"),
                 (environment.cyclone, "Cyclone DDS"),
+                (environment.colcon, "colcon"),
             ];
             for (half, what) in halves {
                 if let Err(error) = half {

@@ -1,0 +1,217 @@
+//! The laboratory in a colcon workspace: what colcon finds, where the programs are installed, and that the nodes run from there.
+
+use std::fs;
+use std::os::unix::fs::{PermissionsExt, symlink};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+use tests::{checkout, network::namespaced, node_programs, python, skip};
+
+const PACKAGES: [&str; 3] = ["friction_bringup", "friction_msgs", "friction_nodes"];
+const PROGRAMS: [&str; 5] =
+    ["controller", "experiment_runner", "friction_observer", "frictionlab", "rig_driver"];
+
+/// What makes a colcon that knows nothing of cargo, as most have it.
+const WITHOUT_CARGO: &str = "colcon_core.package_identification.cargo:colcon_core.package_identification.cargo_workspace:\
+colcon_core.package_identification.ament_cargo:colcon_core.package_discovery.cargo_workspace";
+
+/// A workspace in a new folder, and the environment with colcon and the wheels of ROS, which stand for /opt/ros.
+struct Workspace {
+    folder: TempDir,
+    ros: PathBuf,
+}
+
+impl Workspace {
+    /// With `linked` as its only source; `None` where there is no colcon.
+    fn with(linked: &Path) -> Option<Self> {
+        let python = python::interpreter("colcon")?;
+        python::interpreter("rclpy")?;
+        let ros = python.ancestors().nth(2).expect("it lies in bin").to_owned();
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("src")).expect("a folder");
+        symlink(linked, folder.path().join("src/friction")).expect("a link");
+        Some(Self { folder, ros })
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// A command as in a shell that ROS was sourced in.
+    fn command(&self, program: &str) -> Command {
+        let mut command = Command::new(program);
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let path =
+            std::env::join_paths(std::iter::once(self.ros.join("bin")).chain(std::env::split_paths(&path)));
+        command
+            .current_dir(self.path())
+            .env("PATH", path.expect("a path"))
+            .env("AMENT_PREFIX_PATH", &self.ros)
+            .env("CMAKE_PREFIX_PATH", &self.ros)
+            .env_remove("MAKEFLAGS")
+            .env_remove("CARGO_MAKEFLAGS");
+        command
+    }
+
+    fn colcon(&self, arguments: &[&str], blocked: &str) -> String {
+        said(
+            self.command("colcon").args(arguments).env("COLCON_EXTENSION_BLOCKLIST", blocked),
+            &format!("colcon {arguments:?}"),
+        )
+    }
+
+    /// Runs a line of bash in the workspace, after `source install/setup.bash`.
+    fn sourced(&self, line: &str) -> String {
+        let line = format!("source install/setup.bash && {line}");
+        said(self.command("bash").args(["-c", &line]), &line)
+    }
+}
+
+/// Standard output of a command that must end well.
+fn said(command: &mut Command, what: &str) -> String {
+    let Output { status, stdout, stderr } =
+        command.output().unwrap_or_else(|error| panic!("{what}: {error}"));
+    let text = String::from_utf8_lossy(&stdout).into_owned();
+    assert!(status.success(), "{what}: {status}\n{text}\n{}", String::from_utf8_lossy(&stderr));
+    text
+}
+
+#[test]
+fn colcon_finds_three_packages_whether_or_not_it_knows_cargo() {
+    // The folder is linked, or the whole checkout lies in the workspace.
+    for linked in [checkout().join("ros"), checkout().to_owned()] {
+        let Some(workspace) = Workspace::with(&linked) else { return };
+        for blocked in ["", WITHOUT_CARGO] {
+            let listed = workspace.colcon(&["--log-base", "/dev/null", "list", "--names-only"], blocked);
+            assert_eq!(
+                listed.split_whitespace().collect::<Vec<_>>(),
+                PACKAGES,
+                "{} {blocked}",
+                linked.display()
+            );
+        }
+    }
+}
+
+/// In place of cargo: notes what it was called with, and links the programs that this test run has built.
+const CARGO: &str = r#"#!/usr/bin/env bash
+set -eu
+printf '%s\n' "$PWD" "$@" > "$FRICTION_NOTES"
+while [ $# -gt 0 ]; do case $1 in --target-dir) target=$2 ;; --profile) profile=$2 ;; esac; shift; done
+mkdir -p "$target/$profile"
+for program in "$FRICTION_BUILT"/{controller,experiment_runner,friction_observer,frictionlab,rig_driver}; do
+  ln -sf "$program" "$target/$profile/"
+done
+"#;
+
+#[test]
+fn each_program_is_installed_where_ros_looks_for_it() {
+    let Some(workspace) = Workspace::with(&checkout().join("ros")) else { return };
+    let (built, notes) = (node_programs(), workspace.path().join("notes"));
+    // With the command its node is built.
+    let _ = tests::frictionlab();
+    let cargo = workspace.path().join("cargo");
+    fs::write(&cargo, CARGO).expect("a file");
+    fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    // What colcon-ros-cargo writes must not reach this package.
+    let cargo = format!("-DCARGO={}", cargo.display());
+    let build = ["build", "--packages-ignore", "friction_msgs", "--cmake-args", &cargo];
+    said(
+        workspace.command("colcon").args(build).env("FRICTION_NOTES", &notes).env("FRICTION_BUILT", &built),
+        "colcon build",
+    );
+    let noted = fs::read_to_string(&notes).expect("cargo was called");
+    let noted: Vec<&str> = noted.lines().collect();
+    assert_eq!(noted[0], "/", "no `.cargo/config.toml` of a workspace is heard");
+    for words in
+        [["--profile", "release"], ["--manifest-path", &checkout().join("Cargo.toml").display().to_string()]]
+    {
+        assert!(noted.windows(2).any(|pair| pair == words), "{words:?} is not in {noted:?}");
+    }
+    assert!(noted.contains(&"--locked"), "{noted:?}");
+    assert_eq!(executables(&workspace), PROGRAMS);
+    for node in PROGRAMS.iter().filter(|name| **name != "frictionlab") {
+        let help = workspace.sourced(&format!("{} --help", ros2_run(&workspace, node)));
+        assert!(help.contains(&format!("Usage: {node} [--ros-args")), "{help}");
+    }
+    assert!(workspace.sourced("frictionlab --help").contains("Usage: frictionlab"));
+    let share = workspace.path().join("install/friction_bringup/share/friction_bringup");
+    for file in [
+        "launch/friction.launch.py",
+        "launch/two_axes.launch.py",
+        "launch/live.launch.py",
+        "config/rig_driver.yaml",
+    ] {
+        assert!(share.join(file).is_file(), "{file}");
+    }
+}
+
+/// What `ros2 pkg executables friction_nodes` lists: the files of `lib/PACKAGE` that may be executed, of a package in the index.
+fn executables(workspace: &Workspace) -> Vec<String> {
+    let list = "import os; from ament_index_python import get_package_prefix; \
+        folder = os.path.join(get_package_prefix('friction_nodes'), 'lib', 'friction_nodes'); \
+        print(*sorted(name for name in os.listdir(folder) if os.access(os.path.join(folder, name), os.X_OK)), sep='\\n')";
+    let ours: Vec<String> =
+        workspace.sourced(&format!("python3 -c \"{list}\"")).lines().map(str::to_owned).collect();
+    if has_ros2() {
+        let theirs = workspace.sourced("ros2 pkg executables friction_nodes");
+        let theirs: Vec<&str> =
+            theirs.lines().filter_map(|line| line.strip_prefix("friction_nodes ")).collect();
+        assert_eq!(theirs, ours, "`ros2 pkg executables`");
+    }
+    ours
+}
+
+/// `ros2 run`, or the file that it would start where there is none.
+fn ros2_run(workspace: &Workspace, program: &str) -> String {
+    if has_ros2() {
+        return format!("ros2 run friction_nodes {program}");
+    }
+    let file = workspace.path().join("install/friction_nodes/lib/friction_nodes").join(program);
+    file.to_str().expect("a plain path").to_owned()
+}
+
+fn has_ros2() -> bool {
+    Command::new("ros2").arg("--help").output().is_ok_and(|said| said.status.success())
+}
+
+/// The way that docs/ros2.md describes, from an empty folder, with the real cargo.
+#[test]
+fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
+    if std::env::var_os("FRICTION_FULL").is_none() {
+        skip("colcon builds the nodes in release, which takes minutes: long tier, `cargo xtask test --full`");
+        return;
+    }
+    let Some(workspace) = Workspace::with(&checkout().join("ros")) else { return };
+    // What cargo built is kept for the next time; everything else is new.
+    let kept = checkout().join("target/colcon");
+    let kept = format!("-DFRICTION_CARGO_TARGET={}", kept.display());
+    workspace.colcon(&["build", "--packages-up-to", "friction_bringup", "--cmake-args", &kept], "");
+    assert_eq!(executables(&workspace), PROGRAMS);
+    let Some(namespaced) = namespaced() else { return };
+    let words: Vec<String> = std::iter::once(namespaced.get_program())
+        .chain(namespaced.get_args())
+        .map(|word| format!("'{}'", word.to_str().expect("text")))
+        .collect();
+    let logs = workspace.path().join("log").display().to_string();
+    let report = workspace.sourced(&format!(
+        "ROS_DOMAIN_ID=77 ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST ROS_LOG_DIR='{logs}' {} python3 '{}'",
+        words.join(" "),
+        python::script("colcon_session.py").display(),
+    ));
+    let report: Value = serde_json::from_str(report.lines().last().unwrap_or_default()).expect("JSON");
+    let installed = workspace.path().join("install/friction_nodes/lib/friction_nodes");
+    let installed = installed.canonicalize().expect("a folder");
+    for program in report["programs"].as_array().expect("programs") {
+        assert!(Path::new(program.as_str().expect("text")).starts_with(&installed), "{report}");
+    }
+    assert_eq!(report["programs"].as_array().map(Vec::len), Some(4), "{report}");
+    assert_eq!(
+        report["states"],
+        serde_json::json!({"rig_driver": "active", "friction_observer": "active", "controller": "active"})
+    );
+    assert!(report["estimates"].as_u64().is_some_and(|count| count > 100), "{report}");
+    assert_eq!(report["left"], serde_json::json!([]), "{report}");
+}
