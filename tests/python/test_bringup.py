@@ -269,7 +269,7 @@ def test_everything_that_the_package_has_is_installed_and_depended_on():
     depends = {entry.text for entry in package.findall("exec_depend")}
     started = {node.package for node in launch(FRICTION).started}
     assert started == {"friction_nodes"}
-    assert started | {"friction_msgs", "launch", "launch_ros", "python3-yaml", "ros2bag", "rosbag2_storage_mcap"} == depends
+    assert started | {"friction_msgs", "launch", "launch_ros", "python3-yaml", "ros2bag", "ros2launch", "rosbag2_storage_mcap"} == depends
 
 
 @pytest.mark.parametrize(

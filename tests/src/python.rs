@@ -38,7 +38,7 @@ pub fn interpreter_of(distribution: Distribution) -> Option<PathBuf> {
     }
 }
 
-/// The environment's interpreter, where the half of that name (`bag_tools`, `rclpy`) is ready; otherwise says so and the
+/// The environment's interpreter, where the part of that name (`bag_tools`, `rclpy`, `colcon`) is ready; otherwise says so and the
 /// test should end. `$FRICTION_PYTHON_ENV` names an environment elsewhere.
 pub fn interpreter(half: &str) -> Option<PathBuf> {
     interpreter_in("FRICTION_PYTHON_ENV", "python", half, "cargo xtask python-env")

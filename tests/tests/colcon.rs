@@ -115,7 +115,6 @@ fn each_program_is_installed_where_ros_looks_for_it() {
     let cargo = workspace.path().join("cargo");
     fs::write(&cargo, CARGO).expect("a file");
     fs::set_permissions(&cargo, fs::Permissions::from_mode(0o755)).expect("it is ours");
-    // What colcon-ros-cargo writes must not reach this package.
     let cargo = format!("-DCARGO={}", cargo.display());
     let build = ["build", "--packages-ignore", "friction_msgs", "--cmake-args", &cargo];
     said(
