@@ -207,10 +207,16 @@ fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
         assert!(Path::new(program.as_str().expect("text")).starts_with(&installed), "{report}");
     }
     assert_eq!(report["programs"].as_array().map(Vec::len), Some(4), "{report}");
+    let types = report["types"].as_str().unwrap_or_default();
+    assert!(types.contains("/install/friction_msgs/"), "the workspace's types: {report}");
+    let state = |node: &str| report["states"][node].as_str().unwrap_or_default().to_owned();
     assert_eq!(
-        report["states"],
-        serde_json::json!({"rig_driver": "active", "friction_observer": "active", "controller": "active"})
+        (state("friction_observer"), state("controller")),
+        ("active".into(), "active".into()),
+        "{report}"
     );
+    // On a busy machine commands may come too late; then the driver holds the motor.
+    assert!(["active", "inactive"].contains(&state("rig_driver").as_str()), "{report}");
     assert!(report["estimates"].as_u64().is_some_and(|count| count > 100), "{report}");
     assert_eq!(report["left"], serde_json::json!([]), "{report}");
 }
