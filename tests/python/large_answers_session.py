@@ -139,12 +139,12 @@ def dropped(device="card"):
 
 
 def large_joint_states(ros):
-    """The observer hears the laboratory's joint among 400 others: bytes of the message, and whether an estimate follows what only this message says."""
+    """The observer hears the laboratory's joint among 150 others: bytes of the message, and whether an estimate follows what only this message says."""
     heard = []
     estimates = ros.node.create_subscription(FrictionEstimate, "/friction_estimate", heard.append, SIGNAL)
     publisher = ros.node.create_publisher(JointState, "/joint_states", SIGNAL)
-    others = [f"joint_{number:04}_of_a_large_robot" for number in range(400)]
-    message = JointState(name=[*others, "load_shaft"], position=[0.0] * 401, velocity=[0.0] * 400 + [7.5], effort=[0.0] * 401)
+    others = [f"joint_{number:04}_of_a_large_robot" for number in range(150)]
+    message = JointState(name=[*others, "load_shaft"], position=[0.0] * 151, velocity=[0.0] * 150 + [7.5], effort=[0.0] * 151)
 
     def followed():
         message.header.stamp = ros.node.get_clock().now().to_msg()
