@@ -6,7 +6,7 @@ use std::{env, thread, time::Instant};
 
 use anyhow::{Context, ensure};
 
-use crate::python_env;
+use crate::{distribution::Distribution, python_env};
 
 /// Random cases a property test runs through: in the short tier, and in the full one.
 const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
@@ -16,7 +16,8 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
     /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
-    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS, the nodes built by colcon in release
+    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
+    /// rclpy of Kilted and Jazzy on every kind of network
     #[arg(long)]
     full: bool,
 }
@@ -34,7 +35,7 @@ impl Test {
         let (tier, cases) = CASES[usize::from(self.full)];
         // Fetching the Python half leaves the processors to the compiler. Programs and tests are built together, with the same features, so that nothing is built twice.
         thread::scope(|scope| {
-            scope.spawn(prepare_python);
+            scope.spawn(|| prepare_python(self.full));
             cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], &[])
         })?;
         let built = |name: &str| {
@@ -120,8 +121,8 @@ fn loader_under_valgrind(root: &Path, environment: &[(&str, &str)]) -> anyhow::R
     cargo(root, &arguments, environment)
 }
 
-/// Without the environment the tests that need it say that they are skipped.
-fn prepare_python() {
+/// Without the environment the tests that need it say that they are skipped. The other distribution's is for the long tier.
+fn prepare_python(full: bool) {
     println!("Python environment for the tests (first time: about two minutes) ...");
     match python_env::prepare() {
         Ok(environment) => {
@@ -138,6 +139,9 @@ fn prepare_python() {
             }
         }
         Err(error) => println!("no Python environment: {error:#}"),
+    }
+    if full && let Err(error) = python_env::rclpy(Distribution::Jazzy) {
+        println!("no rclpy of Jazzy: {error:#}");
     }
 }
 
