@@ -7,16 +7,12 @@ use std::{
 
 use ros2_client::{Message, ServiceMapping, service::Client};
 
-use crate::{
-    RosNodeError,
-    hearing::{self, Server},
-    participant::Shared,
-};
+use crate::{RosNodeError, hearing, participant::Shared};
 
 /// How long one request waits before it is sent once more, where that does no harm: a server that was not discovered yet never heard the first.
 const AGAIN: Duration = Duration::from_secs(1);
-/// How long a server of Cyclone DDS has to find the endpoints with which it is asked.
-const FOUND: Duration = Duration::from_secs(2);
+/// Time that a server of Cyclone DDS is given to find the endpoints with which it is asked: what is sent before never comes.
+const FOUND: Duration = Duration::from_millis(200);
 
 /// Pause after an answer that cannot be read: a reader that only ever fails must not take the processor.
 const AFTER_FAILURE: Duration = Duration::from_millis(1);
@@ -96,15 +92,12 @@ where
         &self,
         endpoints: &'a mut Endpoints<Q, A>,
     ) -> Result<&'a Client<Q, A>, RosNodeError> {
-        let topic = hearing::requests_of(&self.name);
-        let Some(Server { reader, matches }) = self.shared.hearers.cyclone_server(&topic) else {
+        if !self.shared.hearers.are_of_cyclone(&hearing::requests_of(&self.name)) {
             return Ok(&endpoints.usual);
-        };
+        }
         if endpoints.cyclone.is_none() {
             endpoints.cyclone = Some((self.make)(ServiceMapping::Cyclone)?);
-            // It hears a first request only once it has found who asks.
-            let found = self.shared.hearers.until_matched(reader, matches + 1);
-            let _ = tokio::time::timeout(FOUND, found).await;
+            tokio::time::sleep(FOUND).await;
         }
         Ok(endpoints.cyclone.as_ref().unwrap_or(&endpoints.usual))
     }

@@ -27,15 +27,6 @@ const LONGEST: Duration = Duration::from_secs(10);
 /// Answers of one service that are held back at most; what comes then is sent at once.
 pub(crate) const MOST_HELD: usize = 100;
 
-/// A server that is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Server {
-    /// The reader of its requests.
-    pub(crate) reader: GUID,
-    /// How many writers of this process it has been matched with so far.
-    pub(crate) matches: usize,
-}
-
 /// The readers of answers and requests that this process has found.
 #[derive(Default)]
 pub(crate) struct Hearers(watch::Sender<Readers>);
@@ -46,8 +37,8 @@ struct Readers {
     topics: BTreeMap<GUID, String>,
     /// Those that a writer of this process sends to.
     found: BTreeSet<GUID>,
-    /// Readers of requests, by the number of writers of this process that they were matched with.
-    servers: BTreeMap<GUID, (String, usize)>,
+    /// Topics of all readers of requests that were told of.
+    servers: BTreeMap<GUID, String>,
 }
 
 impl Hearers {
@@ -73,7 +64,9 @@ impl Hearers {
                     self.0.send_modify(|readers| readers.told(reader.guid, reader.topic_name));
                 }
                 Event::ReaderDetected { reader } if reader.topic_name.starts_with(REQUESTS) => {
-                    self.0.send_modify(|readers| readers.serves(reader.guid, reader.topic_name));
+                    self.0.send_modify(|readers| {
+                        readers.servers.insert(reader.guid, reader.topic_name);
+                    });
                 }
                 Event::RemoteReaderMatched { remote_reader, .. } => {
                     self.0.send_if_modified(|readers| readers.found(remote_reader));
@@ -96,17 +89,9 @@ impl Hearers {
         self.0.borrow().hear(GUID::from(request.writer_gid), topic)
     }
 
-    /// The server that takes requests on `topic`, if all that do are of Cyclone DDS.
-    pub(crate) fn cyclone_server(&self, topic: &str) -> Option<Server> {
-        self.0.borrow().cyclone_server(topic)
-    }
-
-    /// Waits until a server has been matched with that many writers of this process.
-    pub(crate) async fn until_matched(&self, reader: GUID, matches: usize) {
-        let mut readers = self.0.subscribe();
-        let is_matched = |readers: &Readers| readers.servers.get(&reader).is_some_and(|(_, n)| *n >= matches);
-        // The other end is held by `self`.
-        let _ = readers.wait_for(is_matched).await;
+    /// Whether somebody takes requests on `topic`, and all that do are of Cyclone DDS.
+    pub(crate) fn are_of_cyclone(&self, topic: &str) -> bool {
+        self.0.borrow().are_of_cyclone(topic)
     }
 
     /// Waits until an answer on `topic` to that request reaches its client, but not for ever.
@@ -124,23 +109,12 @@ impl Readers {
         self.topics.insert(reader, topic);
     }
 
-    fn serves(&mut self, reader: GUID, topic: String) {
-        // What is told once more is known.
-        self.servers.entry(reader).or_insert((topic, 0));
-    }
-
-    fn cyclone_server(&self, topic: &str) -> Option<Server> {
-        let mut servers = self.servers.iter().filter(|(_, (of, _))| of == topic);
-        let (&reader, &(_, matches)) = servers.next()?;
-        let others = servers.all(|(reader, _)| ROS.is_cyclone(*reader));
-        (ROS.is_cyclone(reader) && others).then_some(Server { reader, matches })
+    fn are_of_cyclone(&self, topic: &str) -> bool {
+        let mut servers = self.servers.iter().filter(|(_, of)| *of == topic).peekable();
+        servers.peek().is_some() && servers.all(|(reader, _)| ROS.is_cyclone(*reader))
     }
 
     fn found(&mut self, reader: GUID) -> bool {
-        if let Some((_, matches)) = self.servers.get_mut(&reader) {
-            *matches += 1;
-            return true;
-        }
         self.topics.contains_key(&reader) && self.found.insert(reader)
     }
 
@@ -239,25 +213,19 @@ mod tests {
     }
 
     #[test]
-    fn a_server_is_of_cyclone_if_all_are_and_counts_who_asks_it() {
+    fn a_service_is_asked_as_cyclone_reads_if_all_its_servers_are() {
         let mut readers = Readers::default();
-        let of_cyclone = |number| {
-            let mut bytes = endpoint(1, number, READER).to_bytes();
-            bytes[1] = 0x10;
-            GUID::from(Gid::from(bytes))
-        };
-        let (server, other) = (of_cyclone(1), endpoint(9, 1, READER));
-        assert_eq!(readers.cyclone_server("rq/pingRequest"), None);
-        readers.serves(server, "rq/pingRequest".into());
-        assert_eq!(readers.cyclone_server("rq/pongRequest"), None);
-        assert!(readers.found(server));
-        readers.serves(server, "rq/pingRequest".into());
-        let known = Some(Server { reader: server, matches: 1 });
-        assert_eq!(readers.cyclone_server("rq/pingRequest"), known);
-        readers.serves(other, "rq/pingRequest".into());
-        assert_eq!(readers.cyclone_server("rq/pingRequest"), None, "one of another middleware serves too");
+        let mut bytes = endpoint(1, 1, READER).to_bytes();
+        bytes[1] = 0x10;
+        let (server, other) = (GUID::from(Gid::from(bytes)), endpoint(9, 1, READER));
+        assert!(!readers.are_of_cyclone("rq/pingRequest"), "nobody serves");
+        readers.servers.insert(server, "rq/pingRequest".into());
+        assert!(readers.are_of_cyclone("rq/pingRequest"));
+        assert!(!readers.are_of_cyclone("rq/pongRequest"));
+        readers.servers.insert(other, "rq/pingRequest".into());
+        assert!(!readers.are_of_cyclone("rq/pingRequest"), "one of another middleware serves too");
         readers.lost(|lost| *lost == other);
-        assert_eq!(readers.cyclone_server("rq/pingRequest"), known);
+        assert!(readers.are_of_cyclone("rq/pingRequest"));
     }
 
     #[test]
