@@ -7,6 +7,7 @@ import signal
 import struct
 import sys
 import time
+import traceback
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -231,6 +232,8 @@ class Child:
             rclpy.init()
             run(orders, answers)
             code = 0
+        except Exception:
+            traceback.print_exc()
         finally:
             # Not the parent's way out.
             os._exit(code)
