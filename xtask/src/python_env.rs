@@ -150,9 +150,10 @@ impl Environment {
             run_quietly(Command::new(&interpreter).args(["-m", "venv"]).arg(dir))
                 .context("a Python 3 with its `venv` module is needed; install it, or name one in PYTHON")?;
         }
-        // Its ROS packages are none of a workspace that this checkout is built in.
-        fs::write(dir.join("COLCON_IGNORE"), "")
-            .with_context(|| format!("cannot write into {}", dir.display()))?;
+        // The ROS packages of the target folder are none of a workspace that this checkout is built in.
+        let target = dir.parent().unwrap_or(dir);
+        fs::write(target.join("COLCON_IGNORE"), "")
+            .with_context(|| format!("cannot write into {}", target.display()))?;
         Ok(Self { dir: dir.into(), python })
     }
 
