@@ -159,11 +159,9 @@ fn inside() {
     assert!(first.message.starts_with("pong"), "{first:?}");
     // From here on each call is heard once.
     let count = |answer: &TriggerResponse| answer.message["pong ".len()..].parse::<u32>().expect("a number");
-    let mut last = count(&first);
-    for _ in 0..20 {
-        let answer = client.call(ping.clone(), PATIENCE).expect("an answer");
-        assert_eq!(count(&answer), last + 1);
-        last += 1;
+    for expected in (count(&first) + 1..).take(20) {
+        let answer = client.call(ping, PATIENCE).expect("an answer");
+        assert_eq!(count(&answer), expected);
     }
     drop(server.stdin.take());
     server.wait().expect("it ends");
