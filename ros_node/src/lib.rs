@@ -64,7 +64,7 @@ mod publisher;
 pub mod queue;
 pub mod remap;
 mod repeated;
-mod rmw;
+pub mod rmw;
 mod scope;
 pub mod security;
 mod service;

@@ -5,13 +5,13 @@ use std::env;
 use crate::quoted;
 
 /// The environment variable.
-pub(crate) const VARIABLE: &str = "RMW_IMPLEMENTATION";
+pub const VARIABLE: &str = "RMW_IMPLEMENTATION";
 /// The middlewares that were tried.
 const UNDERSTOOD: [&str; 3] = ["rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp", "rmw_cyclonedds_cpp"];
 
 /// What is said of it, in a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum Said {
+pub enum Said {
     /// It is well so.
     Fine(String),
     /// It is not what somebody expects.
@@ -23,7 +23,9 @@ pub(crate) fn said() -> Option<Said> {
     of(env::var_os(VARIABLE)?.to_string_lossy().trim())
 }
 
-fn of(value: &str) -> Option<Said> {
+/// What is to be said of a value of the variable; `None` of an empty one.
+#[must_use]
+pub fn of(value: &str) -> Option<Said> {
     let said = match value {
         "" => return None,
         known if UNDERSTOOD.contains(&known) => Said::Fine(format!(

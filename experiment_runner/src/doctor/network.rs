@@ -6,7 +6,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use ros_node::{Discovery, Range, RosNodeError};
+use ros_node::{Discovery, Range, RosNodeError, rmw};
 
 use super::Finding;
 
@@ -46,7 +46,7 @@ pub(super) fn environment() -> (Vec<Finding>, Option<Discovery>) {
         }
     };
     findings.push(peers(read("ROS_STATIC_PEERS").as_deref()));
-    findings.push(middleware(read("RMW_IMPLEMENTATION").as_deref()));
+    findings.push(middleware(read(rmw::VARIABLE).as_deref()));
     (findings, discovery)
 }
 
@@ -99,15 +99,12 @@ fn peers(value: Option<&str>) -> Finding {
 }
 
 fn middleware(value: Option<&str>) -> Finding {
-    let dds = ["fastrtps", "cyclonedds", "connextdds", "gurumdds"];
-    match value.filter(|value| !value.is_empty()) {
-        None => Finding::fine("RMW_IMPLEMENTATION", "not set: other nodes speak DDS, as the laboratory's do"),
-        Some(name) if dds.iter().any(|known| name.contains(known)) => {
-            Finding::fine("RMW_IMPLEMENTATION", format!("{name}, which speaks DDS"))
-        }
-        Some(name) => Finding::look(
-            "RMW_IMPLEMENTATION",
-            format!("{name} is not known to speak DDS: nodes over it do not see the laboratory's"),
+    match value.and_then(rmw::of) {
+        None => Finding::fine(rmw::VARIABLE, "not set: other nodes speak DDS, as the laboratory's do"),
+        Some(rmw::Said::Fine(said)) => Finding::fine(rmw::VARIABLE, said),
+        Some(rmw::Said::Warning(said)) => Finding::look(
+            rmw::VARIABLE,
+            said,
             "`export RMW_IMPLEMENTATION=rmw_fastrtps_cpp` for the nodes that shall talk to the laboratory's",
         ),
     }
