@@ -45,7 +45,7 @@ fn on_a_network_that_loses_packets() {
 #[test]
 fn everywhere_with_both_distributions() {
     if std::env::var_os("FRICTION_FULL").is_none() {
-        tests::skip("it takes six minutes; `cargo xtask test --full` runs it");
+        tests::skip("it takes some minutes; `cargo xtask test --full` runs it");
         return;
     }
     for distribution in [Kilted, Jazzy] {
