@@ -67,7 +67,7 @@ class Reader:
         self.begin()
 
     def begin(self):
-        self.count = 0
+        self.count, self.began = 0, time.monotonic()
         self.first = self.last = None
         self.delays = []
 
@@ -83,7 +83,8 @@ class Reader:
         delays = sorted(self.delays) or [0]
         at = lambda share: delays[int(share * (len(delays) - 1))] / 1000
         sent = round(self.last - self.first) + 1 if self.count else 0
-        return {"count": self.count, "lost": max(0, sent - self.count), "p50_us": at(0.5), "p99_us": at(0.99)}
+        rate = self.count / (time.monotonic() - self.began)
+        return {"count": self.count, "rate_hz": rate, "lost": max(0, sent - self.count), "p50_us": at(0.5), "p99_us": at(0.99)}
 
     def run(self, orders, answers):
         os.set_blocking(orders, False)
@@ -214,7 +215,7 @@ def block(readers, pids, seconds):
     heard = [child.report() for child in readers]
     mean = lambda key: statistics.mean(one[key] for one in heard)
     return {
-        "rate_hz": mean("count") / took,
+        "rate_hz": mean("rate_hz"),
         "lost": mean("lost") / max(1, mean("lost") + mean("count")),
         "p50_us": statistics.median(one["p50_us"] for one in heard),
         "p99_us": statistics.median(one["p99_us"] for one in heard),
