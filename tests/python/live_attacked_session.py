@@ -74,7 +74,8 @@ def main() -> None:
             targets = ports(live.pid)
             beside = subprocess.Popen([os.path.join(folder, "controller")], stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
             known = writers(6.0)
-            if "interrupted" in sys.argv:
+            interrupted = "interrupted" in sys.argv
+            if interrupted:
                 live.send_signal(signal.SIGINT)
             began, highest = time.monotonic(), 0.0
             with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
@@ -85,10 +86,16 @@ def main() -> None:
                             out.sendto(b"RTPS\x02\x04\x01\x12" + prefix + forge(dice, writer), ("127.0.0.1", port))
                         except OSError:
                             pass
+            while not interrupted and live.poll() is None and time.monotonic() < began + 5:
+                highest = max(highest, memory(live.pid))
+                time.sleep(0.02)
+            report = {"writers": len(known), "went_on": interrupted or live.poll() is None}
+            if not interrupted:
+                live.send_signal(signal.SIGINT)
             while live.poll() is None and time.monotonic() < began + 60:
                 highest = max(highest, memory(live.pid))
                 time.sleep(0.02)
-            report = {"writers": len(known), "code": live.poll(), "took": time.monotonic() - began, "gigabytes": highest}
+            report |= {"code": live.poll(), "took": time.monotonic() - began, "gigabytes": highest}
         finally:
             for process in filter(None, (live, beside)):
                 process.kill()

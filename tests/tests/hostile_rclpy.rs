@@ -173,19 +173,18 @@ fn a_packet_that_announces_billions_of_messages_changes_nothing() {
 
 /// `live` took 16 GB and did not hear ctrl-C.
 #[test]
-fn a_live_run_that_hostile_packets_take_over_ends_by_itself_interrupted_or_not() {
+fn a_live_run_goes_on_under_hostile_packets_and_hears_ctrl_c() {
     let program = tests::frictionlab().get_program().to_string_lossy().into_owned();
     let full = std::env::var_os("FRICTION_FULL").is_some();
-    let attacks = [&["heartbeats", "interrupted"][..], &["heartbeats"], &["fragments"]];
+    let attacks = [&["heartbeats"][..], &["heartbeats", "interrupted"], &["fragments"]];
     for attack in attacks.iter().take(if full { 3 } else { 1 }) {
         let arguments: Vec<&str> = [program.as_str()].into_iter().chain(attack.iter().copied()).collect();
         let Some(report) = session("live_attacked_session.py", &arguments) else { return };
         eprintln!("{attack:?}: ended after {} s with {} GB", report["took"], report["gigabytes"]);
         assert!(number(&report["writers"]) > 4.0, "{report}");
-        // In order, where ctrl-C came first, or by force.
+        assert_eq!(report["went_on"], true, "{report}");
         let code = report["code"].as_i64().expect("it ends");
-        assert!(code == 1 || attack.len() == 2 && [0, 130].contains(&code), "{report}");
-        assert!(code != 1 || text(&report["said"]).contains("the motor"), "{report}");
-        assert!(number(&report["gigabytes"]) < 7.0, "{report}");
+        assert!([0, 130].contains(&code), "{report}");
+        assert!(number(&report["gigabytes"]) < 1.0, "{report}");
     }
 }
