@@ -56,24 +56,24 @@ pub fn session_at(
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let python = python::interpreter_of(distribution)?;
     let mut command = place.command()?;
-    let folder = crate::node_programs();
+    command.arg(&python).arg(python::script(script)).arg(crate::node_programs()).args(arguments);
+    command.env("ROS_DOMAIN_ID", "74");
+    Some(report(command).0)
+}
+
+/// Runs a session: the JSON that it prints, and what it says on standard error.
+///
+/// # Panics
+/// When it fails or prints something else; the message carries what it said.
+pub fn report(mut command: Command) -> (Value, String) {
     let logs = tempfile::tempdir().expect("a folder");
-    let output = command
-        .arg(&python)
-        .arg(python::script(script))
-        .arg(&folder)
-        .args(arguments)
-        .env("ROS_DOMAIN_ID", "74")
-        .env("ROS_LOG_DIR", logs.path())
-        .output()
-        .expect("unshare starts");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{script}: {told}");
-    let text = String::from_utf8_lossy(&output.stdout);
-    Some(
-        serde_json::from_str(&text)
-            .unwrap_or_else(|error| panic!("{script} printed {text}: {error}\n{told}")),
-    )
+    let output = command.env("ROS_LOG_DIR", logs.path()).output().expect("it starts");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{command:?}: {told}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let report = serde_json::from_str(&printed)
+        .unwrap_or_else(|error| panic!("{command:?} printed {printed}: {error}\n{told}"));
+    (report, told)
 }
 
 /// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints; `None` where it cannot be had.

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::{
-    network::{ORDINARY_MTU, two_machines},
+    network::{ORDINARY_MTU, report, two_machines},
     python,
 };
 
@@ -25,25 +25,8 @@ pub struct LoopAndReaders<'a> {
 pub fn beside_readers(what: &LoopAndReaders<'_>) -> Option<Value> {
     let python = python::interpreter("rclpy")?;
     let mut command = two_machines(ORDINARY_MTU)?;
-    let folder = crate::node_programs();
-    let logs = tempfile::tempdir().expect("a folder");
-    let output = command
-        .arg(&python)
-        .arg(python::script("frozen_session.py"))
-        .arg(&folder)
-        .arg(crate::frictionlab().get_program())
-        .args([what.way, &what.seconds.to_string()])
-        .args(what.readers)
-        .env("ROS_DOMAIN_ID", "77")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
-        .env("ROS_LOG_DIR", logs.path())
-        .output()
-        .expect("unshare starts");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{what:?}: {told}");
-    let text = String::from_utf8_lossy(&output.stdout);
-    Some(
-        serde_json::from_str(&text)
-            .unwrap_or_else(|error| panic!("{what:?} printed {text}: {error}\n{told}")),
-    )
+    command.arg(&python).arg(python::script("frozen_session.py")).arg(crate::node_programs());
+    command.arg(crate::frictionlab().get_program()).args([what.way, &what.seconds.to_string()]);
+    command.args(what.readers).env("ROS_DOMAIN_ID", "77").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
+    Some(report(command).0)
 }

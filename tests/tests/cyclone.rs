@@ -8,7 +8,10 @@ use msgs::std_srvs::{Trigger, TriggerRequest, TriggerResponse};
 use msgs::type_hashes;
 use ros_node::{Discovery, Participant};
 use serde_json::{Value, json};
-use tests::{network::namespaced, python};
+use tests::{
+    network::{self, namespaced},
+    python,
+};
 
 /// Set where a test runs itself in a namespace.
 const INSIDE: &str = "FRICTION_CYCLONE_INSIDE";
@@ -19,23 +22,13 @@ fn session() -> Option<Value> {
     let cyclone = python::peer("cyclone")?;
     let rclpy = python::interpreter("rclpy")?;
     let mut command = namespaced()?;
-    let logs = tempfile::tempdir().expect("a folder");
-    let output = command
-        .arg(cyclone)
-        .arg(python::script("cyclone_session.py"))
-        .arg(tests::node_programs())
-        .arg(tests::frictionlab().get_program())
-        .arg(rclpy)
-        .env("ROS_DOMAIN_ID", "74")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        .env("ROS_LOG_DIR", logs.path())
-        .output()
-        .expect("unshare starts");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    command.arg(cyclone).arg(python::script("cyclone_session.py")).arg(tests::node_programs());
+    command.arg(tests::frictionlab().get_program()).arg(rclpy);
+    command.env("ROS_DOMAIN_ID", "74").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+    let (report, told) = network::report(command);
     // What Cyclone DDS cannot read it says.
     assert!(!told.contains("deserialization"), "{told}");
-    Some(serde_json::from_slice(&output.stdout).expect("JSON"))
+    Some(report)
 }
 
 #[test]

@@ -7,7 +7,7 @@ use msgs::topics::{EXPERIMENT_STATUS, Qos};
 use ros_node::{Discovery, Participant};
 use serde_json::{Value, json};
 use tests::{
-    network::namespaced,
+    network::{namespaced, report},
     python::{interpreter, script},
 };
 
@@ -37,20 +37,11 @@ fn publishes_as_told() {
 #[test]
 fn a_late_joiner_is_sent_the_last_messages_and_no_older_ones() {
     let (Some(python), Some(mut command)) = (interpreter("rclpy"), namespaced()) else { return };
-    let logs = tempfile::tempdir().expect("a folder");
-    let output = command
-        .arg(&python)
-        .arg(script("latched_session.py"))
-        .arg(std::env::current_exe().expect("a running test knows its own file"))
-        .args(["--ignored", "--exact", "publishes_as_told", "--nocapture"])
-        .env("ROS_DOMAIN_ID", "79")
-        .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-        .env("ROS_LOG_DIR", logs.path())
-        .output()
-        .expect("unshare starts");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
-    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    command.arg(&python).arg(script("latched_session.py"));
+    command.arg(std::env::current_exe().expect("a running test knows its own file"));
+    command.args(["--ignored", "--exact", "publishes_as_told", "--nocapture"]);
+    command.env("ROS_DOMAIN_ID", "79").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
+    let (report, told) = report(command);
     assert_eq!(report["code"], 0, "{told}");
     for count in [1, 5, 100] {
         for depth in [1, 10] {

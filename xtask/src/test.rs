@@ -16,7 +16,7 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 pub struct Test {
     /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
     /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
-    /// inputs, the loader under valgrind, DDS Security with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
+    /// inputs, the loader under valgrind, the unit tests of the mended middleware, DDS Security with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
     /// rclpy of Kilted and Jazzy on every kind of network
     #[arg(long)]
     full: bool,
@@ -76,6 +76,7 @@ impl Test {
             ];
             cargo(root, &bars, &environment)?;
             loader_under_valgrind(root, &environment)?;
+            middleware(root, &environment)?;
             secured(root, &environment)?;
         }
         println!(
@@ -102,6 +103,15 @@ fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
     let of_command =
         ["test", "--locked", "-p", "experiment_runner", "--features", "security", "--lib", "security"];
     cargo(root, &of_command, environment)
+}
+
+/// The unit tests of the mended middleware, which is no member of the workspace.
+fn middleware(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+    let library = ["test", "--locked", "--manifest-path", "third_party/rustdds/Cargo.toml", "--lib"];
+    let features = ["--no-default-features", "--features", "mio_1"];
+    let target = root.join("target/rustdds");
+    let apart = [environment, &[("CARGO_TARGET_DIR", target.to_str().context("a folder's name")?)]].concat();
+    cargo(root, &[&library[..], &features].concat(), &apart)
 }
 
 /// The tests of the loader of foreign code, each access to memory checked. Those that kill themselves are left out: what they check is the card's watchdog.

@@ -45,6 +45,9 @@ const DEFAULT_PARTICIPANT_LEASE_DURATION: Duration = Duration::from_secs(60);
 // How much longer to wait than lease duration before pronouncing lost.
 const PARTICIPANT_LEASE_DURATION_TOLERANCE: Duration = Duration::from_secs(0);
 
+// frictionlab: most readers, and writers, of participants that timed out that are remembered.
+const MOST_IN_ATTIC: usize = 1000;
+
 // TODO: Let DiscoveryDB itself become thread-safe and support smaller-scope
 // lock
 pub(crate) struct DiscoveryDB {
@@ -232,10 +235,27 @@ impl DiscoveryDB {
     #[cfg(feature = "security")]
     self.authentication_statuses.remove(&guid_prefix);
 
+    // frictionlab: what it said of topics that others have too was kept for as long as
+    // anybody had them, which is for ever with ROS's own. The last word on a topic stays, until
+    // `topic_cleanup` finds nobody there.
+    for said in self.topics.values_mut() {
+      if said.keys().any(|guid| guid.prefix != guid_prefix) {
+        said.retain(|guid, _| guid.prefix != guid_prefix);
+      }
+    }
+
     if active_disposal {
       self.remove_topic_reader_with_prefix(guid_prefix);
       self.remove_topic_writer_with_prefix(guid_prefix);
     } else {
+      // frictionlab: for those that come back; programs that were killed never do, each with a
+      // new identifier.
+      if self.external_topic_readers_attic.len() > MOST_IN_ATTIC {
+        self.external_topic_readers_attic.clear();
+      }
+      if self.external_topic_writers_attic.len() > MOST_IN_ATTIC {
+        self.external_topic_writers_attic.clear();
+      }
       // move to attic
       move_by_guid_prefix(
         guid_prefix,

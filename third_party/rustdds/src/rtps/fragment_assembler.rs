@@ -193,8 +193,8 @@ const MAX_ASSEMBLY_BUFFERS: usize = 128;
 
 // frictionlab: largest sample that is put together from fragments, in bytes, and
 // most bytes of incomplete samples of one writer.
-const MOST_BYTES: usize = 16 * 1024 * 1024;
-const MOST_BYTES_OF_WRITER: usize = 2 * MOST_BYTES;
+const MOST_BYTES: usize = 4 * 1024 * 1024;
+const MOST_BYTES_OF_WRITER: usize = MOST_BYTES;
 
 // Assembles fragments from a single (remote) Writer
 // So there is only one sequence of SNs
