@@ -1,9 +1,12 @@
-//! Feedback of an estimated acceleration: `u = -K_a a`, with `a = s / (T_f s + 1) w` of the measured velocity.
+//! Feedback of an estimated acceleration: `u = -K_a a`, with `a = s / (T_f s + 1) w` of the
+//! measured velocity.
 //!
-//! On the drive `T w' + w = K (u - r F)` an exact acceleration gives `(T + K K_a) w' + w = K (u' - r F)`: the shaft moves as if its
-//! inertia were larger by the factor `1 + K K_a / T`, against friction as well. Alone that makes the loop slower. It allows
-//! the gains of the velocity loop to grow by the same factor at the same poles, and friction then leaves an error that is smaller by that factor. The
-//! filter sets the limit: its lag takes phase, and noise of the velocity reaches the voltage with the gain `K_a / T_f`.
+//! On the drive `T w' + w = K (u - r F)` an exact acceleration gives
+//! `(T + K K_a) w' + w = K (u' - r F)`: the shaft moves as if its inertia were larger by the factor
+//! `1 + K K_a / T`, against friction as well. Alone that makes the loop slower. It allows the gains
+//! of the velocity loop to grow by the same factor at the same poles, and friction then leaves an
+//! error that is smaller by that factor. The filter sets the limit: its lag takes phase, and noise
+//! of the velocity reaches the voltage with the gain `K_a / T_f`.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,13 +25,15 @@ pub struct AccelerationFeedback {
 }
 
 impl AccelerationFeedback {
-    /// The gain with which `drive` moves as if it had `factor` times its inertia, `K_a = (factor - 1) T / K`.
+    /// The gain with which `drive` moves as if it had `factor` times its inertia,
+    /// `K_a = (factor - 1) T / K`.
     #[must_use]
     pub fn for_inertia(drive: &LinearDrive, factor: f64, filter: f64) -> Self {
         Self { gain: (factor - 1.0) * drive.time_constant / drive.gain, filter }
     }
 
-    /// The drive as the outer loop sees it at frequencies well below `1 / T_f`: its time constant is `T + K K_a`.
+    /// The drive as the outer loop sees it at frequencies well below `1 / T_f`: its time constant
+    /// is `T + K K_a`.
     #[must_use]
     pub fn apparent(&self, drive: &LinearDrive) -> LinearDrive {
         LinearDrive { time_constant: drive.time_constant + drive.gain * self.gain, ..*drive }
@@ -104,14 +109,16 @@ mod tests {
     #[test]
     fn a_ramp_of_velocity_is_its_slope() {
         let mut estimator =
-            AccelerationEstimator::new(AccelerationFeedback { gain: 0.01, filter: 0.005 }, 1e-3).unwrap();
+            AccelerationEstimator::new(AccelerationFeedback { gain: 0.01, filter: 0.005 }, 1e-3)
+                .unwrap();
         for k in 0..200 {
             estimator.update(0.007 * f64::from(k));
         }
         assert!((estimator.output(1.4) + 0.07).abs() < 1e-12);
     }
 
-    /// With a fast filter the drive's step response is that of a drive with three times the inertia.
+    /// With a fast filter the drive's step response is that of a drive with three times the
+    /// inertia.
     #[test]
     fn the_apparent_inertia_grows_as_stated() {
         let (drive, dt) = (LinearDrive::SRV02, 1e-5);
@@ -125,7 +132,10 @@ mod tests {
             let t = f64::from(k) * dt;
             let expected = drive.gain * (1.0 - (-t / apparent.time_constant).exp());
             // The filter's lag shows as its time constant, at most 2e-4 s of the steepest slope.
-            assert!((w - expected).abs() < 2e-4 * drive.gain / apparent.time_constant, "{t}: {w} {expected}");
+            assert!(
+                (w - expected).abs() < 2e-4 * drive.gain / apparent.time_constant,
+                "{t}: {w} {expected}"
+            );
             let u = 1.0 + estimator.output(w);
             estimator.update(w);
             w = drive.gain * u + (w - drive.gain * u) * decay;

@@ -1,4 +1,5 @@
-//! The whole controller: linear part, plant inverse, friction compensation, additions and the voltage limit.
+//! The whole controller: linear part, plant inverse, friction compensation, additions and the
+//! voltage limit.
 
 use crate::acceleration_feedback::AccelerationEstimator;
 use crate::dither::DitherGenerator;
@@ -9,8 +10,8 @@ use crate::impulse::Knocker;
 use crate::ramp::Ramp;
 use crate::velocity_law::VelocityController;
 use crate::{
-    Command, ControlFault, ControlMode, ControllerError, ControllerOptions, DerivativeOn, Feedback, Pid,
-    Reference,
+    Command, ControlFault, ControlMode, ControllerError, ControllerOptions, DerivativeOn, Feedback,
+    Pid, Reference,
 };
 
 /// A controller running at a fixed period.
@@ -24,7 +25,8 @@ pub struct Controller {
     knocker: Option<Knocker>,
     guard: Option<CompensationGuard>,
     faults: FaultLatch,
-    /// Volts of compensation per newton metre of estimated friction, on the way to what the options say.
+    /// Volts of compensation per newton metre of estimated friction, on the way to what the options
+    /// say.
     weight: Ramp,
     /// What is left of a jump that the linear law could not take into its state [V].
     bump: Ramp,
@@ -61,7 +63,10 @@ impl Controller {
         Ok(Self {
             velocity: VelocityController::new(options.velocity, dt)?,
             pid: Pid::new(options.pid, options.derivative_on, options.derivative_filter, dt)?,
-            acceleration: options.acceleration.map(|a| AccelerationEstimator::new(a, dt)).transpose()?,
+            acceleration: options
+                .acceleration
+                .map(|a| AccelerationEstimator::new(a, dt))
+                .transpose()?,
             dither: options.dither.map(|dither| DitherGenerator::new(dither, dt)).transpose()?,
             knocker: options.impulse.map(|impulse| Knocker::new(impulse, dt)).transpose()?,
             guard: options.guard.map(|guard| CompensationGuard::new(guard, dt)).transpose()?,
@@ -79,16 +84,20 @@ impl Controller {
         &self.options
     }
 
-    /// Changes mode, law, gains, inverse, compensation or additions while running, without a jump of the voltage.
+    /// Changes mode, law, gains, inverse, compensation or additions while running, without a jump
+    /// of the voltage.
     ///
-    /// The linear law starts with the state that gives the voltage of the last cycle once more for the same reference and measurement: for a PI or PID
-    /// with integral gain that is its integral, for a lag its state, which it leaves again with its time constant `T_i / gamma`. A PID without integral gain
-    /// has no such state; what it lacks is added and faded to zero within `fade`. The weight of the friction compensation moves from the old to the new in equal
-    /// steps within `fade`. Dither and impulses alternate by themselves and are left out of this; they start anew if they change. A lower voltage
-    /// limit cuts at once. A latched fault stays.
+    /// The linear law starts with the state that gives the voltage of the last cycle once more for
+    /// the same reference and measurement: for a PI or PID with integral gain that is its integral,
+    /// for a lag its state, which it leaves again with its time constant `T_i / gamma`. A PID
+    /// without integral gain has no such state; what it lacks is added and faded to zero within
+    /// `fade`. The weight of the friction compensation moves from the old to the new in equal steps
+    /// within `fade`. Dither and impulses alternate by themselves and are left out of this; they
+    /// start anew if they change. A lower voltage limit cuts at once. A latched fault stays.
     ///
     /// # Errors
-    /// [`ControllerError::OutOfRange`] for options that cannot be, or another period; the controller then goes on as it was.
+    /// [`ControllerError::OutOfRange`] for options that cannot be, or another period; the
+    /// controller then goes on as it was.
     pub fn change(&mut self, options: ControllerOptions) -> Result<(), ControllerError> {
         if options.period != self.options.period {
             return Err(ControllerError::OutOfRange {
@@ -179,9 +188,10 @@ impl Controller {
 
     /// Voltage for this cycle, in its parts.
     ///
-    /// If anything it is told is not a finite number, or the measurement is the one before once more, the command is zero volts and the
-    /// controller's state stays as it was; more than `tolerated_cycles` of these in a row latch a [`ControlFault`], and the
-    /// command is zero volts until [`reset`](Self::reset).
+    /// If anything it is told is not a finite number, or the measurement is the one before once
+    /// more, the command is zero volts and the controller's state stays as it was; more than
+    /// `tolerated_cycles` of these in a row latch a [`ControlFault`], and the command is zero volts
+    /// until [`reset`](Self::reset).
     #[inline]
     pub fn step(&mut self, reference: &Reference, feedback: &Feedback) -> Command {
         let mode = self.options.mode;
@@ -241,7 +251,17 @@ impl Controller {
         self.bump.advance();
         let steady = (sum - dither - impulse).clamp(-limit, limit);
         self.last = Some(Last { reference: *reference, feedback: *feedback, steady });
-        Command { linear, inverse, friction, acceleration, dither, impulse, total, saturated, ..nothing }
+        Command {
+            linear,
+            inverse,
+            friction,
+            acceleration,
+            dither,
+            impulse,
+            total,
+            saturated,
+            ..nothing
+        }
     }
 
     /// Back to rest; a latched fault is forgotten.

@@ -1,8 +1,8 @@
-//! Dither: a fast, small oscillation of the voltage that keeps the contact from sticking (Armstrong-Helouvry, Dupont and Canudas de Wit
-//! 1994, section 5.1).
+//! Dither: a fast, small oscillation of the voltage that keeps the contact from sticking
+//! (Armstrong-Helouvry, Dupont and Canudas de Wit 1994, section 5.1).
 //!
-//! Averaged over one of its periods a relay-like friction acts as a smooth function of the mean velocity; the price is wear, noise and a
-//! ripple of the shaft.
+//! Averaged over one of its periods a relay-like friction acts as a smooth function of the mean
+//! velocity; the price is wear, noise and a ripple of the shaft.
 
 use std::f64::consts::TAU;
 
@@ -94,7 +94,8 @@ mod tests {
     use super::*;
 
     fn samples(shape: DitherShape, frequency: f64) -> Vec<f64> {
-        let mut generator = DitherGenerator::new(Dither { shape, amplitude: 0.5, frequency }, 1e-3).unwrap();
+        let mut generator =
+            DitherGenerator::new(Dither { shape, amplitude: 0.5, frequency }, 1e-3).unwrap();
         (0..1000)
             .map(|_| {
                 let u = generator.output();
@@ -109,7 +110,10 @@ mod tests {
         for (shape, power) in [(DitherShape::Sine, 0.125), (DitherShape::Square, 0.25)] {
             let u = samples(shape, 50.0);
             assert!(u.iter().sum::<f64>().abs() / 1000.0 < 0.011, "{shape:?}");
-            assert!((u.iter().map(|u| u * u).sum::<f64>() / 1000.0 - power).abs() < 1e-3, "{shape:?}");
+            assert!(
+                (u.iter().map(|u| u * u).sum::<f64>() / 1000.0 - power).abs() < 1e-3,
+                "{shape:?}"
+            );
             assert_eq!(
                 u.windows(2).filter(|w| w[0] <= 0.0 && w[1] > 0.0).count(),
                 50 - usize::from(shape == DitherShape::Square)

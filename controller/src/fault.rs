@@ -1,8 +1,9 @@
 //! Measurements that cannot be acted on.
 //!
-//! A measurement is missing if something in it is not a finite number, or if it carries the same cycle number as the one before. A missing
-//! measurement gives zero volts for its cycle and leaves no trace in the controller. More of them in a row than are tolerated are a
-//! fault: zero volts from there on, until somebody resets the controller.
+//! A measurement is missing if something in it is not a finite number, or if it carries the same
+//! cycle number as the one before. A missing measurement gives zero volts for its cycle and leaves
+//! no trace in the controller. More of them in a row than are tolerated are a fault: zero volts
+//! from there on, until somebody resets the controller.
 
 use std::fmt;
 

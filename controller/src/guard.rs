@@ -1,11 +1,14 @@
 //! The guard against over-compensation.
 //!
-//! Compensation that exceeds the friction acts as negative friction: the shaft is driven away from rest, the estimate changes
-//! its sign at the turn, and the loop hunts. The guard counts *swings*: changes of sign of the compensating voltage, from
-//! beyond the threshold on one side to beyond it on the other. A reversal of the reference's velocity explains one swing. Swings that
-//! nothing explains, one soon after the other, under an error that does not die down, are a limit cycle. An error that grows while the voltage stands at its limit
-//! and drives the shaft away from the target, with the compensation pushing that way, is a growing one. Either scales the compensation back by a factor; what remains is
-//! judged anew. Later the scale recovers slowly, up to a little below the level that hunted. Compensation whose swings stay below the threshold is not judged.
+//! Compensation that exceeds the friction acts as negative friction: the shaft is driven away from
+//! rest, the estimate changes its sign at the turn, and the loop hunts. The guard counts *swings*:
+//! changes of sign of the compensating voltage, from beyond the threshold on one side to beyond it
+//! on the other. A reversal of the reference's velocity explains one swing. Swings that nothing
+//! explains, one soon after the other, under an error that does not die down, are a limit cycle. An
+//! error that grows while the voltage stands at its limit and drives the shaft away from the
+//! target, with the compensation pushing that way, is a growing one. Either scales the compensation
+//! back by a factor; what remains is judged anew. Later the scale recovers slowly, up to a little
+//! below the level that hunted. Compensation whose swings stay below the threshold is not judged.
 
 use std::fmt;
 
@@ -26,7 +29,9 @@ pub enum Diagnosis {
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::LimitCycle => "limit cycle: the compensation exceeds the friction and is scaled back",
+            Self::LimitCycle => {
+                "limit cycle: the compensation exceeds the friction and is scaled back"
+            }
             Self::GrowingError => {
                 "growing error: the compensation works against the controller and is scaled back"
             }
@@ -38,8 +43,8 @@ impl fmt::Display for Diagnosis {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuardOptions {
-    /// Compensating voltage that counts as a side of a swing [V], above zero: well below the Coulomb level in volts, well above the
-    /// noise of the estimate.
+    /// Compensating voltage that counts as a side of a swing [V], above zero: well below the
+    /// Coulomb level in volts, well above the noise of the estimate.
     pub threshold: f64,
     /// Unexplained swings in a row that are a limit cycle, at least 4.
     pub swings: u32,
@@ -52,8 +57,9 @@ pub struct GuardOptions {
 }
 
 impl Default for GuardOptions {
-    /// For the SRV-02, whose Coulomb level is 0.45 V, found by trying on the simulated rig: a correct compensation by a dynamic model is never touched, 1.6 times as much is
-    /// scaled back within its first swings.
+    /// For the SRV-02, whose Coulomb level is 0.45 V, found by trying on the simulated rig: a
+    /// correct compensation by a dynamic model is never touched, 1.6 times as much is scaled back
+    /// within its first swings.
     fn default() -> Self {
         Self { threshold: 0.3, swings: 6, longest_swing: 3.0, reduction: 0.7, recovery: 0.02 }
     }
@@ -61,7 +67,8 @@ impl Default for GuardOptions {
 
 impl GuardOptions {
     pub(crate) fn check(&self) -> Result<(), ControllerError> {
-        let fail = |name, value, expected| Err(ControllerError::OutOfRange { name, value, expected });
+        let fail =
+            |name, value, expected| Err(ControllerError::OutOfRange { name, value, expected });
         if !(self.threshold > 0.0 && self.threshold.is_finite()) {
             return fail("guard threshold", self.threshold, "a finite number of volts above zero");
         }
@@ -69,7 +76,11 @@ impl GuardOptions {
             return fail("guard swings", f64::from(self.swings), "at least 4");
         }
         if !(self.longest_swing > 0.0 && self.longest_swing.is_finite()) {
-            return fail("guard longest_swing", self.longest_swing, "a finite number of seconds above zero");
+            return fail(
+                "guard longest_swing",
+                self.longest_swing,
+                "a finite number of seconds above zero",
+            );
         }
         if !(self.reduction > 0.0 && self.reduction < 1.0) {
             return fail("guard reduction", self.reduction, "between 0 and 1");
@@ -149,9 +160,16 @@ impl CompensationGuard {
         self.diagnosis
     }
 
-    /// Sees one cycle: the compensating voltage that was added, the error, the reference's velocity, and the direction in which the whole command was cut.
+    /// Sees one cycle: the compensating voltage that was added, the error, the reference's
+    /// velocity, and the direction in which the whole command was cut.
     #[inline]
-    pub(crate) fn watch(&mut self, friction: f64, error: f64, reference_velocity: f64, limited: f64) {
+    pub(crate) fn watch(
+        &mut self,
+        friction: f64,
+        error: f64,
+        reference_velocity: f64,
+        limited: f64,
+    ) {
         self.since += self.dt;
         self.error = self.error.max(error.abs());
         if reference_velocity != 0.0 {
@@ -172,7 +190,8 @@ impl CompensationGuard {
             self.scale *= self.options.reduction;
             (self.swings, self.growing) = (0, 0.0);
         } else if self.since > 2.0 * self.options.longest_swing {
-            self.scale = (self.scale + self.options.recovery * self.dt).min(self.ceiling.max(self.scale));
+            self.scale =
+                (self.scale + self.options.recovery * self.dt).min(self.ceiling.max(self.scale));
         }
     }
 
@@ -190,7 +209,10 @@ impl CompensationGuard {
         }
         let (since, error) = (self.since, self.error);
         (self.since, self.error) = (0.0, 0.0);
-        if self.swings == 0 || since > self.options.longest_swing || error < DYING * self.first_error {
+        if self.swings == 0
+            || since > self.options.longest_swing
+            || error < DYING * self.first_error
+        {
             (self.swings, self.first_error) = (1, error);
             return false;
         }
@@ -200,7 +222,8 @@ impl CompensationGuard {
 
     #[inline]
     fn is_growing(&mut self, friction: f64, error: f64, limited: f64) -> bool {
-        let away = limited * error < 0.0 && limited * friction > 0.0 && error.abs() > self.error_before;
+        let away =
+            limited * error < 0.0 && limited * friction > 0.0 && error.abs() > self.error_before;
         self.error_before = error.abs();
         self.growing = if away { self.growing + self.dt } else { 0.0 };
         self.growing > GROWING
@@ -278,6 +301,11 @@ mod tests {
     #[test]
     fn options_out_of_range_are_named() {
         let options = GuardOptions { reduction: 1.0, ..GuardOptions::default() };
-        assert!(CompensationGuard::new(options, DT).unwrap_err().to_string().starts_with("guard reduction"));
+        assert!(
+            CompensationGuard::new(options, DT)
+                .unwrap_err()
+                .to_string()
+                .starts_with("guard reduction")
+        );
     }
 }

@@ -1,8 +1,10 @@
-//! The knocker: short voltage pulses in the direction in which the controller is moving its output (Haegglund, Journal of Process
-//! Control 12, 2002, "A friction compensator for pneumatic control valves").
+//! The knocker: short voltage pulses in the direction in which the controller is moving its output
+//! (Haegglund, Journal of Process Control 12, 2002, "A friction compensator for pneumatic control
+//! valves").
 //!
-//! Pulses of equal height, width and period are added to the command. At each onset the direction is the sign of the change of the controller's output
-//! since the onset before: an integrator that winds up against stiction is helped on its way before it has wound up.
+//! Pulses of equal height, width and period are added to the command. At each onset the direction
+//! is the sign of the change of the controller's output since the onset before: an integrator that
+//! winds up against stiction is helped on its way before it has wound up.
 
 use serde::{Deserialize, Serialize};
 
@@ -50,10 +52,18 @@ impl Knocker {
                 Err(ControllerError::OutOfRange { name, value: seconds, expected })
             }
         };
-        let width = cycles("impulse width", impulse.width, 1.0, "at least one control cycle, in seconds")?;
+        let width =
+            cycles("impulse width", impulse.width, 1.0, "at least one control cycle, in seconds")?;
         let longer = "longer than the pulse's width, in seconds";
         let period = cycles("impulse period", impulse.period, f64::from(width) + 1.0, longer)?;
-        Ok(Self { height: impulse.height, width, period, age: 0, direction: 0.0, output_before: 0.0 })
+        Ok(Self {
+            height: impulse.height,
+            width,
+            period,
+            age: 0,
+            direction: 0.0,
+            output_before: 0.0,
+        })
     }
 
     /// Voltage of the present cycle [V], while the controller itself asks for `output` [V].

@@ -1,4 +1,5 @@
-//! The inverse of the drive: the voltage that a frictionless drive needs for the reference (thesis eq. 5.40, `B(s)`).
+//! The inverse of the drive: the voltage that a frictionless drive needs for the reference (thesis
+//! eq. 5.40, `B(s)`).
 
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,8 @@ mod tests {
             let t = f64::from(k) * h;
             // The reference is that of the middle of the step.
             let (sin, cos) = (3.0 * (t + 0.5 * h)).sin_cos();
-            let u = inverse.volts(&Reference { position: 0.0, velocity: sin, acceleration: 3.0 * cos });
+            let u =
+                inverse.volts(&Reference { position: 0.0, velocity: sin, acceleration: 3.0 * cos });
             w += h / drive.time_constant * (drive.gain * u - w);
             assert!((w - (3.0 * (t + h)).sin()).abs() < 1e-4, "{t}");
         }

@@ -1,8 +1,10 @@
-//! The lag compensator for velocity: `C(s) = K_p (T_i s + 1) / (T_i s + gamma)` (thesis eq. 6.4 and appendix A).
+//! The lag compensator for velocity: `C(s) = K_p (T_i s + 1) / (T_i s + gamma)` (thesis eq. 6.4 and
+//! appendix A).
 //!
-//! Written as `u = K_p (e + x)` with `T_i x' = (1 - gamma) e - gamma x`, and discretised by the bilinear rule (Tustin), which keeps
-//! the gain at zero frequency and the stability for any period. Anti-windup: `x` stands still while the output is at its
-//! limit and the error would drive it further.
+//! Written as `u = K_p (e + x)` with `T_i x' = (1 - gamma) e - gamma x`, and discretised by the
+//! bilinear rule (Tustin), which keeps the gain at zero frequency and the stability for any period.
+//! Anti-windup: `x` stands still while the output is at its limit and the error would drive it
+//! further.
 
 use serde::{Deserialize, Serialize};
 
@@ -71,8 +73,8 @@ impl LagCompensator {
         self.k_p * (error + self.next(error))
     }
 
-    /// Takes the error in, once the output is known to be limited or not. `limited` is the direction in which the whole
-    /// command is cut: -1, 0 or 1.
+    /// Takes the error in, once the output is known to be limited or not. `limited` is the
+    /// direction in which the whole command is cut: -1, 0 or 1.
     #[inline]
     pub fn update(&mut self, error: f64, limited: f64) {
         if limited * error <= 0.0 {
@@ -86,8 +88,9 @@ impl LagCompensator {
         self.decay * self.x + self.gain * (self.e + error)
     }
 
-    /// Sets `x` so that the next output for the same `error` is `output` [V]. The lag has no integrator: with a constant error it leaves that
-    /// output again for its own, with its time constant `T_i / gamma`.
+    /// Sets `x` so that the next output for the same `error` is `output` [V]. The lag has no
+    /// integrator: with a constant error it leaves that output again for its own, with its time
+    /// constant `T_i / gamma`.
     pub(crate) fn preload(&mut self, output: f64, error: f64) {
         self.e = error;
         // At `T_i = gamma dt / 2` the next output does not depend on the state.
@@ -123,7 +126,8 @@ mod tests {
             .collect()
     }
 
-    /// Expected of the printed compensator: no overshoot, 10-90 % rise 0.0935 s, error 0.0100058, 2 % settling 0.280 s.
+    /// Expected of the printed compensator: no overshoot, 10-90 % rise 0.0935 s, error 0.0100058, 2
+    /// % settling 0.280 s.
     #[test]
     fn the_closed_loop_steps_as_designed() {
         let dt = 1e-4;
@@ -132,9 +136,11 @@ mod tests {
         // The slow pole leaves a little of the transient after three seconds.
         assert!((1.0 - end - 0.010_005_8).abs() < 1e-6, "{end}");
         assert!(response.iter().all(|w| *w <= end + 1e-9));
-        let time_of = |level: f64| response.iter().position(|w| *w >= level * end).unwrap() as f64 * dt;
+        let time_of =
+            |level: f64| response.iter().position(|w| *w >= level * end).unwrap() as f64 * dt;
         assert!((time_of(0.9) - time_of(0.1) - 0.0935).abs() < 1e-3);
-        let settled = response.iter().rposition(|w| (w - end).abs() > 0.02 * end).unwrap() as f64 * dt;
+        let settled =
+            response.iter().rposition(|w| (w - end).abs() > 0.02 * end).unwrap() as f64 * dt;
         assert!((settled - 0.280).abs() < 3e-3, "{settled}");
     }
 

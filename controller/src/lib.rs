@@ -1,9 +1,10 @@
 //! Velocity and position control of one axis, with friction compensation.
 //!
-//! [`design`] turns specifications into gains and says what they are worth. A velocity loop has a [`VelocityLaw`], a position loop a [`Pid`];
-//! [`Controller`] adds the plant inverse, the friction compensation and what else is asked for ([`Dither`], [`Impulse`],
-//! [`AccelerationFeedback`]), keeps the sum within the voltage limit, watches over the measurements ([`ControlFault`]) and over the
-//! compensation ([`GuardOptions`]). The step path allocates nothing and cannot panic.
+//! [`design`] turns specifications into gains and says what they are worth. A velocity loop has a
+//! [`VelocityLaw`], a position loop a [`Pid`]; [`Controller`] adds the plant inverse, the friction
+//! compensation and what else is asked for ([`Dither`], [`Impulse`], [`AccelerationFeedback`]),
+//! keeps the sum within the voltage limit, watches over the measurements ([`ControlFault`]) and
+//! over the compensation ([`GuardOptions`]). The step path allocates nothing and cannot panic.
 
 mod acceleration_feedback;
 mod controller;

@@ -14,17 +14,21 @@ pub fn reference(stamp_ns: u64, reference: &Reference) -> friction_msgs::Referen
     friction_msgs::Reference { header: Header::at(stamp_ns), position, velocity, acceleration }
 }
 
-/// The command's sum. `stamp_ns` is the time of the measurement it answers to, in nanoseconds since the epoch.
+/// The command's sum. `stamp_ns` is the time of the measurement it answers to, in nanoseconds since
+/// the epoch.
 #[must_use]
 pub fn motor_voltage(stamp_ns: u64, command: &Command) -> MotorVoltage {
     MotorVoltage { header: Header::at(stamp_ns), voltage: command.total }
 }
 
-/// The command in its parts. The message has no field for the impulses and the acceleration feedback: the impulses are counted into its
-/// `dither`, the acceleration feedback into its `friction`, so that its parts sum to its total where it is not saturated. `stamp_ns` is the time of the measurement it answers to, in nanoseconds since the epoch.
+/// The command in its parts. The message has no field for the impulses and the acceleration
+/// feedback: the impulses are counted into its `dither`, the acceleration feedback into its
+/// `friction`, so that its parts sum to its total where it is not saturated. `stamp_ns` is the time
+/// of the measurement it answers to, in nanoseconds since the epoch.
 #[must_use]
 pub fn controller_state(stamp_ns: u64, command: &Command) -> ControllerState {
-    let &Command { mode, reference, feedback, error, linear, inverse, total, saturated, .. } = command;
+    let &Command { mode, reference, feedback, error, linear, inverse, total, saturated, .. } =
+        command;
     ControllerState {
         header: Header::at(stamp_ns),
         mode: match mode {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains, PlantInverse,
-    VelocityLaw,
+    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains,
+    PlantInverse, VelocityLaw,
 };
 
 /// Friction compensation: the observer's estimate, as volts, added to the command.
@@ -15,7 +15,8 @@ pub struct Compensation {
     pub enabled: bool,
     /// Voltage that overcomes 1 N m of friction, R_a / (A K_m) [V/(N m)].
     pub volts_per_newton_metre: f64,
-    /// Fraction of the estimate that is compensated; 1 for all of it, less for under-compensation, at most 2.
+    /// Fraction of the estimate that is compensated; 1 for all of it, less for under-compensation,
+    /// at most 2.
     pub scale: f64,
 }
 
@@ -64,7 +65,8 @@ pub struct ControllerOptions {
 }
 
 impl Default for ControllerOptions {
-    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded, no plant inverse, no additions, +-6 V.
+    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded,
+    /// no plant inverse, no additions, +-6 V.
     fn default() -> Self {
         Self {
             mode: ControlMode::Velocity,
@@ -74,7 +76,11 @@ impl Default for ControllerOptions {
             derivative_on: DerivativeOn::Measurement,
             derivative_filter: 0.005,
             inverse: PlantInverse::Off,
-            compensation: Compensation { enabled: true, volts_per_newton_metre: 4.8426, scale: 1.0 },
+            compensation: Compensation {
+                enabled: true,
+                volts_per_newton_metre: 4.8426,
+                scale: 1.0,
+            },
             acceleration: None,
             dither: None,
             impulse: None,

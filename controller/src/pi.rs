@@ -1,8 +1,8 @@
 //! The PI for velocity: `C(s) = K_p + K_i / s`.
 //!
-//! The integral follows the trapezoidal rule, which is the bilinear rule (Tustin) of `1 / s`. Anti-windup: the integral stands still
-//! while the output is at its limit and the error would drive it further. It is the lag compensator with gamma = 0:
-//! `K_i = K_p / T_i`.
+//! The integral follows the trapezoidal rule, which is the bilinear rule (Tustin) of `1 / s`.
+//! Anti-windup: the integral stands still while the output is at its limit and the error would
+//! drive it further. It is the lag compensator with gamma = 0: `K_i = K_p / T_i`.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +47,8 @@ impl PiController {
         self.gains.k_p * error + self.gains.k_i * self.next(error)
     }
 
-    /// Takes the error in, once the output is known to be limited or not. `limited` is the direction in which the whole
-    /// command is cut: -1, 0 or 1.
+    /// Takes the error in, once the output is known to be limited or not. `limited` is the
+    /// direction in which the whole command is cut: -1, 0 or 1.
     #[inline]
     pub fn update(&mut self, error: f64, limited: f64) {
         if limited * error <= 0.0 {
@@ -62,7 +62,8 @@ impl PiController {
         self.integral + self.half_period * (self.error + error)
     }
 
-    /// Sets the integral so that the next output for the same `error` is `output` [V]; with K_i = 0 there is no state to set.
+    /// Sets the integral so that the next output for the same `error` is `output` [V]; with K_i = 0
+    /// there is no state to set.
     pub(crate) fn preload(&mut self, output: f64, error: f64) {
         self.error = error;
         if self.gains.k_i > 0.0 {
@@ -81,7 +82,8 @@ impl PiController {
 mod tests {
     use super::*;
 
-    /// K_p + K_i t for a unit error from time zero, whatever the period; the trapezoid counts half of the first sample.
+    /// K_p + K_i t for a unit error from time zero, whatever the period; the trapezoid counts half
+    /// of the first sample.
     #[test]
     fn a_constant_error_is_integrated() {
         for dt in [1e-4, 1e-3, 1e-2] {

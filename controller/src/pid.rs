@@ -1,9 +1,9 @@
-//! The PID for position: `u = K_p e + K_i integral(e) + K_d d/dt`, the derivative of the error or of the measurement, filtered by
-//! `1 / (T_f s + 1)`.
+//! The PID for position: `u = K_p e + K_i integral(e) + K_d d/dt`, the derivative of the error or
+//! of the measurement, filtered by `1 / (T_f s + 1)`.
 //!
-//! The integral follows the trapezoidal rule, the filtered derivative the bilinear rule. Anti-windup: the integral stands still while the
-//! output is at its limit and the error would drive it further. With the derivative on the measurement a step of the
-//! reference gives no kick.
+//! The integral follows the trapezoidal rule, the filtered derivative the bilinear rule.
+//! Anti-windup: the integral stands still while the output is at its limit and the error would
+//! drive it further. With the derivative on the measurement a step of the reference gives no kick.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,8 @@ pub struct PidGains {
 }
 
 impl PidGains {
-    /// The thesis's position controller (appendix A; its equation 6.4 prints K_d with the wrong sign).
+    /// The thesis's position controller (appendix A; its equation 6.4 prints K_d with the wrong
+    /// sign).
     pub const THESIS: Self = Self { k_p: 5.7517, k_i: 10.0, k_d: 0.0768 };
 }
 
@@ -54,11 +55,17 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// A PID at rest, called every `dt` [s], with the derivative's filter time constant `filter` [s], zero or more.
+    /// A PID at rest, called every `dt` [s], with the derivative's filter time constant `filter`
+    /// [s], zero or more.
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
-    pub fn new(gains: PidGains, on: DerivativeOn, filter: f64, dt: f64) -> Result<Self, ControllerError> {
+    pub fn new(
+        gains: PidGains,
+        on: DerivativeOn,
+        filter: f64,
+        dt: f64,
+    ) -> Result<Self, ControllerError> {
         positive("dt", dt)?;
         for (name, value, from_zero) in [
             ("k_p", gains.k_p, true),
@@ -67,11 +74,13 @@ impl Pid {
             ("filter", filter, true),
         ] {
             if !value.is_finite() || (from_zero && value < 0.0) {
-                let expected = if from_zero { "a finite number, zero or more" } else { "a finite number" };
+                let expected =
+                    if from_zero { "a finite number, zero or more" } else { "a finite number" };
                 return Err(ControllerError::OutOfRange { name, value, expected });
             }
         }
-        // Below half a period the bilinear rule would ring: a backward difference is what remains of the filter there.
+        // Below half a period the bilinear rule would ring: a backward difference is what remains
+        // of the filter there.
         let filter = filter.max(0.5 * dt);
         Ok(Self {
             gains,
@@ -93,8 +102,8 @@ impl Pid {
         self.gains.k_p * error + self.gains.k_i * integral + self.gains.k_d * derivative
     }
 
-    /// Takes the error in, once the output is known to be limited or not. `limited` is the direction in which the whole
-    /// command is cut: -1, 0 or 1.
+    /// Takes the error in, once the output is known to be limited or not. `limited` is the
+    /// direction in which the whole command is cut: -1, 0 or 1.
     #[inline]
     pub fn update(&mut self, error: f64, measurement: f64, limited: f64) {
         let (integral, derivative) = self.next(error, measurement);
@@ -123,8 +132,8 @@ impl Pid {
         }
     }
 
-    /// Sets the integral so that the next output for the same error and the same `rate` of what is differentiated [rad/s] is
-    /// `output` [V]; with K_i = 0 there is no state to set.
+    /// Sets the integral so that the next output for the same error and the same `rate` of what is
+    /// differentiated [rad/s] is `output` [V]; with K_i = 0 there is no state to set.
     pub(crate) fn preload(&mut self, output: f64, error: f64, measurement: f64, rate: f64) {
         self.derivative = rate;
         self.before = Some((error, self.differentiated(error, measurement)));
@@ -177,14 +186,20 @@ mod tests {
         (100.0 * (peak - 1.0), time_of(high) - time_of(low))
     }
 
-    /// Expected: overshoot 11.19 % and 10-90 % rise 0.1425 s with the derivative of the error, 12.77 % and 5-95 % rise 0.167 s of
-    /// the measurement.
+    /// Expected: overshoot 11.19 % and 10-90 % rise 0.1425 s with the derivative of the error,
+    /// 12.77 % and 5-95 % rise 0.167 s of the measurement.
     #[test]
     fn the_thesis_gains_step_as_computed() {
         let (overshoot, rise) = overshoot_and_rise(DerivativeOn::Error, 0.1, 0.9);
-        assert!((overshoot - 11.19).abs() < 0.1 && (rise - 0.1425).abs() < 1e-3, "{overshoot} {rise}");
+        assert!(
+            (overshoot - 11.19).abs() < 0.1 && (rise - 0.1425).abs() < 1e-3,
+            "{overshoot} {rise}"
+        );
         let (overshoot, rise) = overshoot_and_rise(DerivativeOn::Measurement, 0.05, 0.95);
-        assert!((overshoot - 12.77).abs() < 0.1 && (rise - 0.167).abs() < 1e-3, "{overshoot} {rise}");
+        assert!(
+            (overshoot - 12.77).abs() < 0.1 && (rise - 0.167).abs() < 1e-3,
+            "{overshoot} {rise}"
+        );
     }
 
     #[test]

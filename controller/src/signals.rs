@@ -24,7 +24,8 @@ pub struct Feedback {
     pub velocity: f64,
     /// Friction torque as estimated [N m]; not used while compensation is off.
     pub friction: f64,
-    /// Number of the cycle in which it was measured, where the source counts: the same number twice is a measurement that did not come.
+    /// Number of the cycle in which it was measured, where the source counts: the same number twice
+    /// is a measurement that did not come.
     pub cycle: Option<u64>,
 }
 

@@ -1,8 +1,8 @@
 //! Changes while running: no jump of the voltage, and the new dynamics from there on.
 
 use controller::{
-    AccelerationFeedback, ControlMode, Controller, ControllerOptions, DerivativeOn, Feedback, LagGains,
-    PiGains, PidGains, PlantInverse, Reference, VelocityLaw, design::LinearDrive,
+    AccelerationFeedback, ControlMode, Controller, ControllerOptions, DerivativeOn, Feedback,
+    LagGains, PiGains, PidGains, PlantInverse, Reference, VelocityLaw, design::LinearDrive,
 };
 
 const DT: f64 = 1e-3;
@@ -17,8 +17,12 @@ struct Shaft {
 
 impl Shaft {
     fn step(&mut self, controller: &mut Controller, reference: &Reference) -> f64 {
-        let feedback =
-            Feedback { position: self.position, velocity: self.velocity, friction: 0.08, cycle: None };
+        let feedback = Feedback {
+            position: self.position,
+            velocity: self.velocity,
+            friction: 0.08,
+            cycle: None,
+        };
         let u = controller.step(reference, &feedback).total;
         // The compensated 0.08 N m are really there.
         let drive = u - 0.08 * 4.8426;
@@ -34,11 +38,13 @@ fn pi(k_p: f64, k_i: f64) -> VelocityLaw {
     VelocityLaw::Pi(PiGains { k_p, k_i })
 }
 
-/// Largest step of the voltage around a change after two seconds on a ramp of position, and the largest step within the 100 cycles before it.
+/// Largest step of the voltage around a change after two seconds on a ramp of position, and the
+/// largest step within the 100 cycles before it.
 fn jump(from: ControllerOptions, to: ControllerOptions) -> (f64, f64) {
     let mut controller = Controller::new(from).unwrap();
     let mut shaft = Shaft::default();
-    let at = |k: u32| Reference { position: 0.5 * DT * f64::from(k), velocity: 0.5, acceleration: 0.0 };
+    let at =
+        |k: u32| Reference { position: 0.5 * DT * f64::from(k), velocity: 0.5, acceleration: 0.0 };
     let (mut last, mut usual) = (0.0, 0.0f64);
     for k in 0..2000 {
         let u = shaft.step(&mut controller, &at(k));
@@ -70,10 +76,26 @@ fn no_change_of_gains_law_mode_inverse_or_compensation_makes_the_voltage_jump() 
         (ControllerOptions::default(), velocity, "lag to pi"),
         (velocity, position, "velocity to position"),
         (position, velocity, "position to velocity"),
-        (position, ControllerOptions { pid: PidGains { k_p: 9.0, k_i: 30.0, k_d: 0.2 }, ..position }, "pid"),
-        (position, ControllerOptions { pid: without_integral, ..position }, "no integral to take it"),
-        (position, ControllerOptions { derivative_on: DerivativeOn::Error, ..position }, "derivative"),
-        (velocity, ControllerOptions { inverse: PlantInverse::Whole(DRIVE), ..velocity }, "inverse"),
+        (
+            position,
+            ControllerOptions { pid: PidGains { k_p: 9.0, k_i: 30.0, k_d: 0.2 }, ..position },
+            "pid",
+        ),
+        (
+            position,
+            ControllerOptions { pid: without_integral, ..position },
+            "no integral to take it",
+        ),
+        (
+            position,
+            ControllerOptions { derivative_on: DerivativeOn::Error, ..position },
+            "derivative",
+        ),
+        (
+            velocity,
+            ControllerOptions { inverse: PlantInverse::Whole(DRIVE), ..velocity },
+            "inverse",
+        ),
         (velocity, half, "half the compensation"),
         (velocity, off, "compensation off"),
         (off, velocity, "compensation on"),
@@ -113,8 +135,8 @@ fn the_compensation_fades_within_its_time() {
     assert_eq!(after[100], 0.0);
 }
 
-/// After a change of PI gains the error follows `e(k+2) = -(a e(k+1) + b e(k))` with the coefficients of the new gains, and no longer those
-/// of the old.
+/// After a change of PI gains the error follows `e(k+2) = -(a e(k+1) + b e(k))` with the
+/// coefficients of the new gains, and no longer those of the old.
 #[test]
 fn after_the_change_the_poles_are_the_new_ones() {
     let characteristic = |k_p: f64, k_i: f64| {
@@ -125,13 +147,16 @@ fn after_the_change_the_poles_are_the_new_ones() {
         (-(1.0 + p) + b * c1, p + b * c0)
     };
     let mut controller =
-        Controller::new(ControllerOptions { velocity: pi(0.5, 20.0), ..Default::default() }).unwrap();
+        Controller::new(ControllerOptions { velocity: pi(0.5, 20.0), ..Default::default() })
+            .unwrap();
     let mut shaft = Shaft::default();
     let reference = Reference { velocity: 0.5, ..Default::default() };
     let mut errors = Vec::new();
     for k in 0..60 {
         if k == 30 {
-            controller.change(ControllerOptions { velocity: pi(1.5, 60.0), ..Default::default() }).unwrap();
+            controller
+                .change(ControllerOptions { velocity: pi(1.5, 60.0), ..Default::default() })
+                .unwrap();
         }
         errors.push(reference.velocity - shaft.velocity);
         shaft.step(&mut controller, &reference);
@@ -145,7 +170,8 @@ fn after_the_change_the_poles_are_the_new_ones() {
     assert!(residual(old, 31..60) > 1e-6);
 }
 
-/// The lag has no integrator: it starts without a jump, and comes to its own output within its time constant.
+/// The lag has no integrator: it starts without a jump, and comes to its own output within its time
+/// constant.
 #[test]
 fn a_lag_leaves_the_taken_over_voltage_for_its_own() {
     let lag = LagGains::THESIS;

@@ -1,8 +1,9 @@
 //! The whole controller: parts, limit, faults.
 
 use controller::{
-    AccelerationFeedback, Command, ControlFault, ControlMode, Controller, ControllerOptions, Dither,
-    DitherShape, Feedback, Impulse, PiGains, PlantInverse, Reference, VelocityLaw, design::LinearDrive,
+    AccelerationFeedback, Command, ControlFault, ControlMode, Controller, ControllerOptions,
+    Dither, DitherShape, Feedback, Impulse, PiGains, PlantInverse, Reference, VelocityLaw,
+    design::LinearDrive,
 };
 use proptest::prelude::*;
 
@@ -30,8 +31,12 @@ fn the_parts_add_up() {
     for k in 0..100u32 {
         let w = 0.3 * (0.1 * f64::from(k)).sin();
         let reference = Reference { position: 0.0, velocity: 1.0, acceleration: 2.0 };
-        let feedback =
-            Feedback { velocity: w, friction: 0.1, cycle: Some(u64::from(k)), ..Default::default() };
+        let feedback = Feedback {
+            velocity: w,
+            friction: 0.1,
+            cycle: Some(u64::from(k)),
+            ..Default::default()
+        };
         let command = controller.step(&reference, &feedback);
         assert!((command.inverse - (1.0 + 0.02388 * 2.0) / 1.863).abs() < 1e-12);
         assert!((command.friction - 0.48426).abs() < 1e-12);
@@ -52,7 +57,8 @@ fn compensation_can_be_switched_off() {
     let mut options = ControllerOptions::default();
     options.compensation.enabled = false;
     let mut controller = Controller::new(options).unwrap();
-    let command = controller.step(&Reference::default(), &Feedback { friction: 0.1, ..Default::default() });
+    let command =
+        controller.step(&Reference::default(), &Feedback { friction: 0.1, ..Default::default() });
     assert_eq!((command.friction, command.total), (0.0, 0.0));
 }
 

@@ -1,7 +1,11 @@
-//! The bars of compensation over 1000 draws: `cargo run --release -p experiment_runner --example monte_carlo_bars [DRAWS]`. Ends with an error where one is missed.
+//! The bars of compensation over 1000 draws:
+//! `cargo run --release -p experiment_runner --example monte_carlo_bars [DRAWS]`. Ends with an
+//! error where one is missed.
 //!
-//! In physical units, with sensor noise and converter steps and all parameters and drive constants wrong by up to 20 %, the linear controller's gains unchanged: the mean square of the error is at least 4
-//! times smaller than with the linear controller alone at the median, and 2 times at the 5th percentile, in position and in velocity tracking.
+//! In physical units, with sensor noise and converter steps and all parameters and drive constants
+//! wrong by up to 20 %, the linear controller's gains unchanged: the mean square of the error is at
+//! least 4 times smaller than with the linear controller alone at the median, and 2 times at the
+//! 5th percentile, in position and in velocity tracking.
 
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;

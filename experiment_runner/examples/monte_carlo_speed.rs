@@ -1,4 +1,5 @@
-//! The Monte Carlo of position tracking on one thread, for `cargo xtask bench-monte-carlo`: draws and seed in, one line of JSON out.
+//! The Monte Carlo of position tracking on one thread, for `cargo xtask bench-monte-carlo`: draws
+//! and seed in, one line of JSON out.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -31,8 +32,8 @@ fn main() -> anyhow::Result<()> {
         workers: 1,
     };
     let started = Instant::now();
-    let study =
-        options.make(&Progress::counting(options.length(), "draws", true), &AtomicBool::new(false))?;
+    let study = options
+        .make(&Progress::counting(options.length(), "draws", true), &AtomicBool::new(false))?;
     let seconds = started.elapsed().as_secs_f64();
     let trials: Vec<&Vec<Trial>> = study.cells.iter().flat_map(|cell| &cell.draws).collect();
     let mse = |arm: usize| -> Vec<f64> {

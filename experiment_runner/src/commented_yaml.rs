@@ -6,8 +6,9 @@ use serde_json::{Map, Value};
 
 use crate::identify::parameters::number;
 
-/// The tree as block YAML that ROS reads too: every number that is no integer has a point. `comment` is asked for each value by its path, as in
-/// `/controller.ros__parameters.pid.k_p`; what it says stands behind it on its line, nothing where it is empty.
+/// The tree as block YAML that ROS reads too: every number that is no integer has a point.
+/// `comment` is asked for each value by its path, as in `/controller.ros__parameters.pid.k_p`; what
+/// it says stands behind it on its line, nothing where it is empty.
 pub(crate) fn render(tree: &Map<String, Value>, comment: &dyn Fn(&str) -> String) -> String {
     let mut text = String::new();
     block(&mut text, tree, "", 0, comment);
@@ -63,11 +64,15 @@ fn block(
 
 fn inline(value: &Value) -> String {
     match value {
-        Value::Array(list) => format!("[{}]", list.iter().map(inline).collect::<Vec<_>>().join(", ")),
+        Value::Array(list) => {
+            format!("[{}]", list.iter().map(inline).collect::<Vec<_>>().join(", "))
+        }
         Value::Number(found) if found.is_f64() => number(found.as_f64().unwrap_or_default()),
-        // The names of models and techniques are plain words; anything else is quoted as in JSON, which YAML reads.
+        // The names of models and techniques are plain words; anything else is quoted as in JSON,
+        // which YAML reads.
         Value::String(word)
-            if !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) =>
+            if !word.is_empty()
+                && word.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) =>
         {
             word.clone()
         }

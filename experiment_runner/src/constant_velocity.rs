@@ -1,8 +1,8 @@
 //! Experiment 1: friction at constant velocity.
 //!
-//! The shaft runs at each velocity of the grid under the velocity controller without compensation. After the first seconds
-//! the friction torque is that of the steady sliding characteristic; its mean over the rest of the point, against the mean
-//! velocity, is one point of the Stribeck curve.
+//! The shaft runs at each velocity of the grid under the velocity controller without compensation.
+//! After the first seconds the friction torque is that of the steady sliding characteristic; its
+//! mean over the rest of the point, against the mean velocity, is one point of the Stribeck curve.
 
 use controller::ControlMode;
 use friction_ident::{IdentError, SteadyPoint, TorqueSource};
@@ -30,7 +30,8 @@ pub struct SteadyRun {
     pub torque: f64,
     /// Standard deviation of one torque sample [N m].
     pub torque_deviation: f64,
-    /// Standard deviation of the mean torque by the drive's constants [N m]; zero with a torque sensor.
+    /// Standard deviation of the mean torque by the drive's constants [N m]; zero with a torque
+    /// sensor.
     #[serde(default)]
     pub torque_systematic: f64,
     /// Mean voltage [V].
@@ -81,7 +82,11 @@ impl SteadyJob {
         let mut jobs = Vec::new();
         for set in 0..protocol.sets {
             for repetition in 0..protocol.repetitions {
-                jobs.extend(protocol.velocities.iter().map(|&velocity| Self { set, repetition, velocity }));
+                jobs.extend(protocol.velocities.iter().map(|&velocity| Self {
+                    set,
+                    repetition,
+                    velocity,
+                }));
             }
         }
         jobs
@@ -96,7 +101,8 @@ impl SteadyJob {
     /// What is regulated.
     pub const MODE: ControlMode = ControlMode::Velocity;
 
-    /// Drives the point on a loop that is at rest, showing every cycle to `record`. The torque is read as `reading` says.
+    /// Drives the point on a loop that is at rest, showing every cycle to `record`. The torque is
+    /// read as `reading` says.
     ///
     /// # Errors
     /// [`SteadyError`] if the rig refuses a command, or the torque cannot be worked out.
@@ -127,7 +133,10 @@ impl SteadyJob {
                 }
                 voltage.add(sample.measurement.voltage_applied);
                 sample.measurement.motor_current.iter().for_each(|&amperes| current.add(amperes));
-                slope.add(sample.measurement.time - protocol.drop_first, sample.measurement.encoder_position);
+                slope.add(
+                    sample.measurement.time - protocol.drop_first,
+                    sample.measurement.encoder_position,
+                );
             }
         }
         if reading.source != TorqueSource::Sensor {
@@ -212,7 +221,8 @@ mod tests {
             controller: Default::default(),
         };
         let job = SteadyJob { set: 0, repetition: 0, velocity };
-        let control = bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, None, 5, 0).unwrap();
+        let control =
+            bed.control_loop(SteadyJob::MODE, job.reference(), &bed.friction, None, 5, 0).unwrap();
         let reading = TorqueReading::new(
             TorqueSource::Sensor,
             &bed.simulation.drive,

@@ -1,7 +1,8 @@
-//! The loop itself: the rig measures, the observer estimates, the controller decides, the rig applies.
+//! The loop itself: the rig measures, the observer estimates, the controller decides, the rig
+//! applies.
 //!
-//! One step is a function of state and input: no clock, no files, no allocation. Whoever calls it decides whether time is the
-//! processor's (offline, in lock-step) or the wall's (live).
+//! One step is a function of state and input: no clock, no files, no allocation. Whoever calls it
+//! decides whether time is the processor's (offline, in lock-step) or the wall's (live).
 
 use controller::{Command, ControlMode, Controller, Feedback};
 use friction_observer::{FrictionEstimator, Seen};
@@ -11,7 +12,8 @@ use crate::cycle::CycleSample;
 use crate::profile::Excitation;
 use crate::waveform::Waveform;
 
-/// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so that bags are reproducible.
+/// Time of cycle 0 of every offline run: 2017-11-01T00:00:00Z, the month of the thesis. Fixed, so
+/// that bags are reproducible.
 pub const EPOCH_NS: u64 = 1_509_494_400_000_000_000;
 
 /// A loop that runs: here, or elsewhere and followed from here.
@@ -106,7 +108,8 @@ impl ControlLoop {
         Self { rig: wrap(self.rig), ..self }
     }
 
-    /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles are seen.
+    /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles
+    /// are seen.
     pub fn tell_time(&mut self, now: f64) {
         self.rig.tell_time(now);
     }
@@ -150,7 +153,8 @@ impl ControlLoop {
         self.rig.activate()
     }
 
-    /// One cycle. The controller's velocity is the tachometer's unless the estimator's options say otherwise, the position the encoder's.
+    /// One cycle. The controller's velocity is the tachometer's unless the estimator's options say
+    /// otherwise, the position the encoder's.
     ///
     /// # Errors
     /// [`RigError`] if the rig refuses the voltage; it is at zero volts then.

@@ -22,7 +22,8 @@ pub struct CycleSample {
 }
 
 impl CycleSample {
-    /// The cycle after this one, in which nothing was decided: `measurement` with the motor at zero volts.
+    /// The cycle after this one, in which nothing was decided: `measurement` with the motor at zero
+    /// volts.
     #[must_use]
     pub fn followed_by(self, measurement: Measurement) -> Self {
         let elapsed = ((measurement.time - self.measurement.time).max(0.0) * 1e9).round() as u64;
@@ -30,7 +31,8 @@ impl CycleSample {
         Self { stamp_ns: self.stamp_ns + elapsed, measurement, command, truth: None, ..self }
     }
 
-    /// Reference minus response, of the shaft itself where the rig is simulated, else as measured [rad/s or rad, by mode].
+    /// Reference minus response, of the shaft itself where the rig is simulated, else as measured
+    /// [rad/s or rad, by mode].
     #[must_use]
     pub fn error(&self) -> f64 {
         match (self.truth, self.command.mode) {

@@ -1,7 +1,8 @@
 //! Files that are whole after a power cut: the old ones or the new ones, never half of one.
 //!
-//! A file system keeps what is written to it in memory for a while, contents and names apart and in any order. So a draft is written and brought
-//! to the disk, takes the place of the file by its name, and then the names are brought to the disk too.
+//! A file system keeps what is written to it in memory for a while, contents and names apart and in
+//! any order. So a draft is written and brought to the disk, takes the place of the file by its
+//! name, and then the names are brought to the disk too.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -47,7 +48,11 @@ impl Disk for System {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         match File::open(folder)?.sync_all() {
             // Some network file systems cannot: there names are as safe as their server makes them.
-            Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
+            Err(error)
+                if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) =>
+            {
+                Ok(())
+            }
             other => other,
         }
     }
@@ -129,13 +134,15 @@ mod tests {
 
     type Names = BTreeMap<PathBuf, usize>;
 
-    /// A disk in memory that loses what was not synced. Contents are known by number, so that a name can come to the disk without what it names.
+    /// A disk in memory that loses what was not synced. Contents are known by number, so that a
+    /// name can come to the disk without what it names.
     #[derive(Clone, Default)]
     struct Lossy {
         contents: Vec<Vec<u8>>,
         synced: Vec<bool>,
         now: Names,
-        /// Every state of the names since they were synced last: any of them may be what the disk has.
+        /// Every state of the names since they were synced last: any of them may be what the disk
+        /// has.
         on_disk: Vec<Names>,
         /// Calls that succeed before the power goes; none for all.
         left: Option<usize>,
@@ -171,7 +178,8 @@ mod tests {
         /// What may be found when the power is back: content that was not synced is lost.
         fn found(&self) -> Vec<BTreeMap<String, Option<String>>> {
             let text = |content: usize| {
-                self.synced[content].then(|| String::from_utf8(self.contents[content].clone()).unwrap())
+                self.synced[content]
+                    .then(|| String::from_utf8(self.contents[content].clone()).unwrap())
             };
             let name = |path: &PathBuf| path.display().to_string();
             self.on_disk
@@ -234,11 +242,17 @@ mod tests {
                         matches!(content, Some("old" | "new")),
                         "after {left} steps: {target}: {content:?}"
                     );
-                    assert!(!done || content == Some("new"), "what was told to be written is there");
+                    assert!(
+                        !done || content == Some("new"),
+                        "what was told to be written is there"
+                    );
                 }
             }
             if done {
-                assert_eq!(left, 7, "two files are written, synced, renamed, and their names synced");
+                assert_eq!(
+                    left, 7,
+                    "two files are written, synced, renamed, and their names synced"
+                );
                 return;
             }
         }

@@ -1,4 +1,5 @@
-//! Numbers in JSON that come back bit for bit, those that are no number too, for which JSON has no word.
+//! Numbers in JSON that come back bit for bit, those that are no number too, for which JSON has no
+//! word.
 
 /// A column of numbers as one text, sixteen digits each: `#[serde(with = "exact::column")]`.
 pub(crate) mod column {
@@ -32,7 +33,8 @@ pub(crate) mod column {
     }
 }
 
-/// Reads the `null` that JSON has for what is no number: `#[serde(deserialize_with = "exact::or_nan")]`.
+/// Reads the `null` that JSON has for what is no number:
+/// `#[serde(deserialize_with = "exact::or_nan")]`.
 pub(crate) fn or_nan<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     <Option<f64> as serde::Deserialize>::deserialize(from).map(|value| value.unwrap_or(f64::NAN))
 }
@@ -51,7 +53,8 @@ mod tests {
 
     #[test]
     fn every_number_comes_back_bit_for_bit() {
-        let column = vec![0.0, -0.0, 0.1, f64::MIN_POSITIVE / 8.0, f64::MAX, f64::NAN, f64::NEG_INFINITY];
+        let column =
+            vec![0.0, -0.0, 0.1, f64::MIN_POSITIVE / 8.0, f64::MAX, f64::NAN, f64::NEG_INFINITY];
         let text = serde_json::to_string(&Both { column: column.clone(), one: f64::NAN }).unwrap();
         let back: Both = serde_json::from_str(&text).unwrap();
         let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();

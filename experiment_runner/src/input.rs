@@ -1,4 +1,5 @@
-//! Files that are read whole, up to a limit: a device without an end or a file that grows must not fill the memory.
+//! Files that are read whole, up to a limit: a device without an end or a file that grows must not
+//! fill the memory.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -15,7 +16,8 @@ pub const LARGEST_TABLE: u64 = 1 << 30;
 /// What the system says; [`io::ErrorKind::FileTooLarge`] above [`LARGEST_TEXT`].
 pub fn text(path: &Path) -> io::Result<String> {
     let bytes = whole(File::open(path)?, LARGEST_TEXT)?;
-    String::from_utf8(bytes).map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+    String::from_utf8(bytes)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
 }
 
 /// A CSV file.

@@ -12,8 +12,8 @@ use experiment_runner::cli::{
 
 /// A friction laboratory: characterise, identify and compensate the friction of one servo axis
 ///
-/// Start with `frictionlab run`: it does the whole job on the simulated test bed and leaves a report to open in a
-/// browser. `frictionlab identify FILE.csv` does it with your own recording.
+/// Start with `frictionlab run`: it does the whole job on the simulated test bed and leaves a
+/// report to open in a browser. `frictionlab identify FILE.csv` does it with your own recording.
 #[derive(Debug, Parser)]
 #[command(name = "frictionlab", version)]
 struct Cli {
@@ -120,7 +120,9 @@ mod tests {
         let mut command = prepared(Cli::command());
         command.build();
         let help = command.clone().term_width(80).render_long_help().to_string();
-        for name in command.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help") {
+        for name in
+            command.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help")
+        {
             let lines: Vec<&str> = help
                 .lines()
                 .filter(|line| {
@@ -132,7 +134,8 @@ mod tests {
             assert!(lines[0].chars().count() > 25, "{name} says nothing");
         }
         assert!(!help.contains("Others:"), "a command is in no group:\n{help}");
-        for title in ["Measure:", "Identify:", "Compensate:", "Live on ROS 2:", "Rig:", "Science:", "Files:"]
+        for title in
+            ["Measure:", "Identify:", "Compensate:", "Live on ROS 2:", "Rig:", "Science:", "Files:"]
         {
             assert_eq!(
                 help.matches(title).count(),

@@ -37,7 +37,10 @@ impl From<&CycleSample> for CycleMessages {
             rig_measurement: rig_driver::messages::rig_measurement(stamp, &sample.measurement),
             reference: controller::messages::reference(stamp, &sample.reference),
             motor_voltage: controller::messages::motor_voltage(stamp, &sample.command),
-            friction_estimate: friction_observer::messages::friction_estimate(stamp, &sample.estimate),
+            friction_estimate: friction_observer::messages::friction_estimate(
+                stamp,
+                &sample.estimate,
+            ),
             controller_state: controller::messages::controller_state(stamp, &sample.command),
         }
     }
@@ -67,13 +70,15 @@ impl CycleTopics {
         })
     }
 
-    /// Writes one cycle, which was encoded before, perhaps on another thread. Sequence numbers are the cycle's number.
+    /// Writes one cycle, which was encoded before, perhaps on another thread. Sequence numbers are
+    /// the cycle's number.
     ///
     /// # Errors
     /// [`BagError`] if the disk refuses.
     pub fn write(&self, bag: &mut BagWriter, cycle: &EncodedCycle) -> Result<(), BagError> {
         // A message has its four bytes of encoding at least: what is empty was not said.
-        for (handle, part) in self.handles.into_iter().zip(cycle.parts()).filter(|(_, part)| !part.is_empty())
+        for (handle, part) in
+            self.handles.into_iter().zip(cycle.parts()).filter(|(_, part)| !part.is_empty())
         {
             bag.write_cdr(handle, cycle.stamp_ns, cycle.sequence, part)?;
         }
@@ -111,12 +116,14 @@ impl EncodedCycle {
     /// Encodes a cycle, in place of what was there.
     ///
     /// # Errors
-    /// [`BagError::Encode`]; it cannot happen with the laboratory's own messages, whose strings are short.
+    /// [`BagError::Encode`]; it cannot happen with the laboratory's own messages, whose strings are
+    /// short.
     pub fn encode(&mut self, sample: &CycleSample) -> Result<(), BagError> {
         self.encode_spoken(sample, sample.measurement.torque, Spoken::ALL)
     }
 
-    /// Encodes what was said in a cycle, in place of what was there; `effort` is the friction torque of `/joint_states` [N m].
+    /// Encodes what was said in a cycle, in place of what was there; `effort` is the friction
+    /// torque of `/joint_states` [N m].
     ///
     /// # Errors
     /// As for [`encode`](Self::encode).

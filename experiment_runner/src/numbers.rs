@@ -1,6 +1,7 @@
 //! Numbers as a person reads them, on paper and on the terminal: one place for all.
 //!
-//! Every function gives whole text with a leading zero and a point; none gives more digits than the number deserves.
+//! Every function gives whole text with a leading zero and a point; none gives more digits than the
+//! number deserves.
 
 /// Improvements beyond this many per cent are told as times.
 const SENSIBLE_PERCENT: f64 = 1000.0;
@@ -46,7 +47,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// `value` and `error` with two significant digits of the error, as in `95.12` and `0.11`; no error where there is none.
+/// `value` and `error` with two significant digits of the error, as in `95.12` and `0.11`; no error
+/// where there is none.
 #[must_use]
 pub fn value_and_error(value: f64, error: f64) -> (String, String) {
     if !(error.is_finite() && error > 0.0 && value.is_finite()) {
@@ -55,7 +57,8 @@ pub fn value_and_error(value: f64, error: f64) -> (String, String) {
     // Very small and very large quantities read better in powers of ten, of the value's own.
     if value.abs() < 1e-3 && value != 0.0 || value.abs() >= 1e6 {
         let exponent = value.abs().log10().floor() as i32;
-        let (value, error) = value_and_error(value / 10f64.powi(exponent), error / 10f64.powi(exponent));
+        let (value, error) =
+            value_and_error(value / 10f64.powi(exponent), error / 10f64.powi(exponent));
         return (format!("{value}e{exponent}"), format!("{error}e{exponent}"));
     }
     // A small error of zero, or of much more than the value, in powers of ten too.
@@ -87,8 +90,8 @@ pub fn searches(number: usize) -> String {
     if number == 1 { "1 search".to_owned() } else { format!("{number} searches") }
 }
 
-/// By how many per cent something became smaller, less than none if larger; as times where per cent mean nothing any more:
-/// `94.2`, `-12.0`, `28 times larger`.
+/// By how many per cent something became smaller, less than none if larger; as times where per cent
+/// mean nothing any more: `94.2`, `-12.0`, `28 times larger`.
 #[must_use]
 pub fn smaller_by(percent: f64) -> String {
     if percent.is_nan() {
@@ -137,7 +140,11 @@ pub fn rig_time(rig_seconds: f64, wall_seconds: f64) -> String {
 
 /// Seconds: tenths of short times, none of long ones.
 fn tenths(seconds: f64) -> String {
-    if seconds >= 100.0 { format!("{seconds:.0}") } else { plain((10.0 * seconds).round() / 10.0, 4) }
+    if seconds >= 100.0 {
+        format!("{seconds:.0}")
+    } else {
+        plain((10.0 * seconds).round() / 10.0, 4)
+    }
 }
 
 #[cfg(test)]
@@ -221,7 +228,10 @@ mod tests {
     #[test]
     fn real_time_is_told_as_it_was() {
         assert_eq!(rig_time(42.0, 60.0), "42 s of rig time in 60 s, 70 % of real time");
-        assert_eq!(rig_time(523.6, 17.7), "524 s of rig time in 17.7 s, 30 times as fast as real time");
+        assert_eq!(
+            rig_time(523.6, 17.7),
+            "524 s of rig time in 17.7 s, 30 times as fast as real time"
+        );
         assert_eq!(rig_time(3.0, 2.0), "3 s of rig time in 2 s, 1.5 times as fast as real time");
         assert_eq!(rig_time(3.0, 0.0), "3 s of rig time in 0 s");
     }

@@ -51,7 +51,8 @@ impl Rig for Paced {
 
     fn measure(&mut self) -> Measurement {
         let now = Instant::now();
-        let due = self.next.filter(|due| now.saturating_duration_since(*due) < HOPELESS).unwrap_or(now);
+        let due =
+            self.next.filter(|due| now.saturating_duration_since(*due) < HOPELESS).unwrap_or(now);
         thread::sleep(due.saturating_duration_since(now));
         self.next = Some(due + Duration::from_secs_f64(self.rig.period()));
         self.rig.measure()
@@ -106,7 +107,8 @@ mod tests {
     use super::*;
 
     fn paced() -> (Paced, Arc<AtomicBool>) {
-        let rig = SimulationOptions::default().build(AnyModel::test_bed(ModelName::Proposed)).unwrap();
+        let rig =
+            SimulationOptions::default().build(AnyModel::test_bed(ModelName::Proposed)).unwrap();
         let stop: Arc<AtomicBool> = Arc::default();
         (Paced::new(rig, Arc::clone(&stop)), stop)
     }

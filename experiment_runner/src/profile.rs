@@ -30,7 +30,8 @@ pub enum Segment {
         /// Length [s].
         duration: f64,
     },
-    /// `level + amplitude sin(phase + from t + (to - from) t^2 / (2 duration))`: a sine, or a chirp.
+    /// `level + amplitude sin(phase + from t + (to - from) t^2 / (2 duration))`: a sine, or a
+    /// chirp.
     Wave {
         /// Mean value.
         level: f64,
@@ -154,14 +155,18 @@ impl Excitation {
         }
     }
 
-    /// The reference at time `t` [s]; without a controller it is zero. The position that belongs to a velocity is not
-    /// worked out: the velocity controller does not use it.
+    /// The reference at time `t` [s]; without a controller it is zero. The position that belongs to
+    /// a velocity is not worked out: the velocity controller does not use it.
     #[must_use]
     pub fn reference(&self, t: f64) -> Reference {
         let (value, rate) = self.profile.at(t);
         match self.quantity {
-            DrivenQuantity::Velocity => Reference { position: 0.0, velocity: value, acceleration: rate },
-            DrivenQuantity::Position => Reference { position: value, velocity: rate, acceleration: 0.0 },
+            DrivenQuantity::Velocity => {
+                Reference { position: 0.0, velocity: value, acceleration: rate }
+            }
+            DrivenQuantity::Position => {
+                Reference { position: value, velocity: rate, acceleration: 0.0 }
+            }
             _ => Reference::default(),
         }
     }
@@ -185,7 +190,14 @@ mod tests {
     fn the_rate_is_the_derivative_of_the_value() {
         let profile = Profile::new(vec![
             Segment::Line { from: 0.0, to: 2.0, duration: 1.0 },
-            Segment::Wave { level: 2.0, amplitude: 0.5, phase: 0.3, from: 1.0, to: 9.0, duration: 4.0 },
+            Segment::Wave {
+                level: 2.0,
+                amplitude: 0.5,
+                phase: 0.3,
+                from: 1.0,
+                to: 9.0,
+                duration: 4.0,
+            },
         ]);
         let h = 1e-6;
         for t in [0.4, 1.7, 3.0, 4.9] {

@@ -28,7 +28,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar over `rig_seconds` in the terminal, or nothing at all if `quiet`. Where standard error is no terminal a line is printed every ten seconds.
+    /// A bar over `rig_seconds` in the terminal, or nothing at all if `quiet`. Where standard error
+    /// is no terminal a line is printed every ten seconds.
     #[must_use]
     pub fn new(rig_seconds: f64, quiet: bool) -> Self {
         Self::counting(rig_seconds.ceil() as u64, "s of rig time", quiet)
@@ -37,17 +38,20 @@ impl Progress {
     /// A bar over `length` of `what`.
     #[must_use]
     pub fn counting(length: u64, what: &str, quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let target =
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(length), target);
         let style = &format!(
             "{{msg:34!}} {{bar:28.cyan/blue}} {{percent:>3}} %  {{pos}}/{{len}} {what}  {{eta}} left"
         );
-        // A template that does not parse would leave indicatif's plain bar; a test keeps it parsing.
+        // A template that does not parse would leave indicatif's plain bar; a test keeps it
+        // parsing.
         if let Ok(style) = ProgressStyle::with_template(style) {
             bar.set_style(style.progress_chars("━╸─"));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        let lines = (!quiet && !io::stderr().is_terminal()).then(|| Arc::new(Mutex::new(Instant::now())));
+        let lines =
+            (!quiet && !io::stderr().is_terminal()).then(|| Arc::new(Mutex::new(Instant::now())));
         Self { bar, lines, quiet }
     }
 

@@ -1,6 +1,7 @@
 //! Records what the running nodes publish into a bag, for those who have no `ros2 bag record`.
 //!
-//! Subscriptions are best effort, as everywhere in the laboratory: what the network loses is not in the bag.
+//! Subscriptions are best effort, as everywhere in the laboratory: what the network loses is not in
+//! the bag.
 
 use std::{
     path::PathBuf,
@@ -64,10 +65,14 @@ type Waiting = Box<dyn FnOnce(&mut BagWriter) -> Result<(), BagError> + Send>;
 ///
 /// # Errors
 /// [`RecordError`]; what was written before stays readable.
-pub fn record(options: &RecordOptions, stop: &Stop, ready: impl FnOnce()) -> Result<Recorded, RecordError> {
+pub fn record(
+    options: &RecordOptions,
+    stop: &Stop,
+    ready: impl FnOnce(),
+) -> Result<Recorded, RecordError> {
     let discovery = Discovery::from_environment()?;
-    let arguments =
-        Arguments { namespace: options.namespace.clone(), ..Arguments::default() }.or_enclave("/viewer");
+    let arguments = Arguments { namespace: options.namespace.clone(), ..Arguments::default() }
+        .or_enclave("/viewer");
     let participant = Participant::join_with(&discovery, arguments)?;
     let node = participant.node("recorder")?;
     // An enclave of viewers may not answer under this name.
@@ -88,8 +93,10 @@ pub fn record(options: &RecordOptions, stop: &Stop, ready: impl FnOnce()) -> Res
     ear.listen(&mut bag, &topics::DIAGNOSTICS, |m| m.header.stamp.to_nanos())?;
     ready();
     let began = Instant::now();
-    let over =
-        || stop.is_set() || options.duration.is_some_and(|length| began.elapsed().as_secs_f64() >= length);
+    let over = || {
+        stop.is_set()
+            || options.duration.is_some_and(|length| began.elapsed().as_secs_f64() >= length)
+    };
     let mut next = Instant::now() + FLUSH;
     while !over() {
         if Instant::now() >= next {
@@ -120,7 +127,8 @@ struct Ear<'a> {
 }
 
 impl Ear<'_> {
-    /// Listens to one topic. `stamp` gives a message's own time [ns]; zero means that it counts as made when it comes.
+    /// Listens to one topic. `stamp` gives a message's own time [ns]; zero means that it counts as
+    /// made when it comes.
     fn listen<M>(
         &self,
         bag: &mut BagWriter,

@@ -1,4 +1,5 @@
-//! Runs independent jobs on all cores and delivers their results in order, so that a run does not depend on the number of cores.
+//! Runs independent jobs on all cores and delivers their results in order, so that a run does not
+//! depend on the number of cores.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,8 +18,9 @@ pub enum Completion {
     },
 }
 
-/// Does `work` for each of `jobs` on `workers` threads and hands the results to `deliver` on this thread, in the order of the
-/// jobs. Once `cancel` is set no further job starts, and a job that ends with an error was cancelled by it.
+/// Does `work` for each of `jobs` on `workers` threads and hands the results to `deliver` on this
+/// thread, in the order of the jobs. Once `cancel` is set no further job starts, and a job that
+/// ends with an error was cancelled by it.
 ///
 /// # Errors
 /// The first error in the order of the jobs, from `work` or `deliver`; the rest is abandoned.
@@ -35,10 +37,12 @@ where
     E: Send,
 {
     let workers = workers.clamp(1, jobs.len().max(1));
-    // How far ahead of the delivery a worker may run: results wait for a slow one before them, but do not pile up in memory.
+    // How far ahead of the delivery a worker may run: results wait for a slow one before them, but
+    // do not pile up in memory.
     let window = 4 * workers;
     let next = AtomicUsize::new(0);
-    let turn = Turn { delivered: Mutex::new(0), moved: Condvar::new(), over: AtomicBool::new(false) };
+    let turn =
+        Turn { delivered: Mutex::new(0), moved: Condvar::new(), over: AtomicBool::new(false) };
     thread::scope(|scope| {
         let (sender, receiver) = mpsc::channel::<(usize, Result<R, E>)>();
         for _ in 0..workers {
@@ -71,7 +75,11 @@ where
                 turn.advance(delivered);
             }
         }
-        Ok(if delivered == jobs.len() { Completion::All } else { Completion::Cancelled { delivered } })
+        Ok(if delivered == jobs.len() {
+            Completion::All
+        } else {
+            Completion::Cancelled { delivered }
+        })
     })
 }
 
@@ -83,12 +91,14 @@ struct Turn {
 }
 
 impl Turn {
-    /// Waits until job `index` is less than `window` ahead of the delivery; false if nothing will be delivered any more.
+    /// Waits until job `index` is less than `window` ahead of the delivery; false if nothing will
+    /// be delivered any more.
     ///
     /// The earliest job that is not delivered never waits, so that the delivery always moves on.
     fn wait_for(&self, index: usize, window: usize) -> bool {
-        let ahead =
-            |delivered: &mut usize| index >= *delivered + window && !self.over.load(Ordering::Relaxed);
+        let ahead = |delivered: &mut usize| {
+            index >= *delivered + window && !self.over.load(Ordering::Relaxed)
+        };
         // A counter is whole even if somebody panicked beside it.
         let delivered = self.delivered.lock().unwrap_or_else(PoisonError::into_inner);
         drop(self.moved.wait_while(delivered, ahead).unwrap_or_else(PoisonError::into_inner));
@@ -123,7 +133,9 @@ mod tests {
                 &AtomicBool::new(false),
                 // Uneven work, so that later jobs overtake earlier ones.
                 |job| {
-                    std::hint::black_box((0..(job * 7919) % 5000).fold(0u64, |a, b| a.wrapping_add(b * b)));
+                    std::hint::black_box(
+                        (0..(job * 7919) % 5000).fold(0u64, |a, b| a.wrapping_add(b * b)),
+                    );
                     Ok::<_, ()>(*job)
                 },
                 |job, result| {
@@ -157,7 +169,8 @@ mod tests {
             },
         );
         let Ok(Completion::Cancelled { delivered }) = completion else { panic!("{completion:?}") };
-        // What was begun is delivered: the window of eight ahead, and the job each of the two workers held or waited with.
+        // What was begun is delivered: the window of eight ahead, and the job each of the two
+        // workers held or waited with.
         assert!(delivered == seen && (10..=20).contains(&delivered), "{delivered}");
     }
 

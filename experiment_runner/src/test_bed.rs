@@ -1,7 +1,9 @@
 //! The simulated laboratory bench: which rig, under which friction, compensated by which model.
 
 use controller::design::LinearDrive;
-use controller::{Compensation, ControlMode, Controller, ControllerError, ControllerOptions, PlantInverse};
+use controller::{
+    Compensation, ControlMode, Controller, ControllerError, ControllerOptions, PlantInverse,
+};
 use friction_model::{AnyModel, ModelError, TimeStep};
 use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, ObserverError};
 use rig_driver::{Drive, FrictionCoupling, Rig, RigError, SimulationOptions};
@@ -20,7 +22,8 @@ pub struct TestBed {
     pub simulation: SimulationOptions,
     /// The friction of the plant: unknown to observers and controllers.
     pub friction: AnyModel,
-    /// Gains and options of the controller; mode, period, limit and compensation are set for each run.
+    /// Gains and options of the controller; mode, period, limit and compensation are set for each
+    /// run.
     pub controller: ControllerOptions,
     /// What the estimator believes and listens to; its technique is set for each run.
     pub estimator: EstimatorOptions,
@@ -70,8 +73,8 @@ impl TestBed {
 
     /// A loop on this bench that starts at rest.
     ///
-    /// An estimator over `observer` runs in any case; its estimate enters the command only by some `means`. `seed` is that of
-    /// the sensors' noise, `start_ns` the stamp of cycle 0.
+    /// An estimator over `observer` runs in any case; its estimate enters the command only by some
+    /// `means`. `seed` is that of the sensors' noise, `start_ns` the stamp of cycle 0.
     ///
     /// # Errors
     /// [`TestBedError`] names the parameter that is out of range.
@@ -88,8 +91,8 @@ impl TestBed {
         self.loop_around(rig, mode, reference, observer, means, start_ns)
     }
 
-    /// The same loop around another rig, a real one: what this bench says of estimator and controller, at `rig`'s own period and within
-    /// the bench's voltage limit.
+    /// The same loop around another rig, a real one: what this bench says of estimator and
+    /// controller, at `rig`'s own period and within the bench's voltage limit.
     ///
     /// # Errors
     /// As for [`control_loop`](Self::control_loop).
@@ -135,7 +138,8 @@ impl TestBed {
         (options, estimator)
     }
 
-    /// The same bench, with the whole inverse of its drive in the feed-forward path if `fed_forward`.
+    /// The same bench, with the whole inverse of its drive in the feed-forward path if
+    /// `fed_forward`.
     #[must_use]
     pub fn fed_forward(self, fed_forward: bool) -> Self {
         if fed_forward { self.with_inverse(InverseUse::Whole) } else { self }

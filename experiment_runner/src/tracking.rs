@@ -54,7 +54,9 @@ impl TrackingJob {
     #[must_use]
     pub fn all(protocol: &TrackingProtocol, arms: &[Arm]) -> Vec<Self> {
         arms.iter()
-            .flat_map(|&arm| (0..protocol.repetitions).map(move |repetition| Self { arm, repetition }))
+            .flat_map(|&arm| {
+                (0..protocol.repetitions).map(move |repetition| Self { arm, repetition })
+            })
             .collect()
     }
 
@@ -135,7 +137,11 @@ impl SquareMean {
 
     /// Mean of the squares so far.
     pub(crate) fn mean(&self) -> f64 {
-        if self.n < 2 { self.sum } else { (self.sum - 0.5 * (self.first + self.last)) / (self.n - 1) as f64 }
+        if self.n < 2 {
+            self.sum
+        } else {
+            (self.sum - 0.5 * (self.first + self.last)) / (self.n - 1) as f64
+        }
     }
 }
 
@@ -163,9 +169,11 @@ mod tests {
         };
         controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
         let plant = AnyModel::test_bed(ModelName::Proposed);
-        let bed = TestBed { simulation, friction: plant, controller, estimator: Default::default() };
+        let bed =
+            TestBed { simulation, friction: plant, controller, estimator: Default::default() };
         let model = arm.model().map_or(plant, AnyModel::test_bed);
-        let control = bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 1, 0).unwrap();
+        let control =
+            bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), 1, 0).unwrap();
         TrackingJob { arm, repetition: 0 }.run(protocol, control, |_| {}).unwrap()
     }
 
@@ -173,8 +181,8 @@ mod tests {
         (value / expected - 1.0).abs() < relative
     }
 
-    /// The thesis's Table 6.5 in its own units (friction in N m taken off the volts), as independently computed:
-    /// PID 1.96e-5 and 165e-4 rad/s, proposed 0.503e-5 and 31.7e-4.
+    /// The thesis's Table 6.5 in its own units (friction in N m taken off the volts), as
+    /// independently computed: PID 1.96e-5 and 165e-4 rad/s, proposed 0.503e-5 and 31.7e-4.
     #[test]
     fn velocity_tracking_in_the_thesis_units() {
         let protocol = TrackingProtocol::velocity();
@@ -202,7 +210,8 @@ mod tests {
         );
     }
 
-    /// With friction as a torque: 16.8e-5 and 470e-4 rad/s; 19.3e-4 and 1237e-4 rad. Any observer is better than none.
+    /// With friction as a torque: 16.8e-5 and 470e-4 rad/s; 19.3e-4 and 1237e-4 rad. Any observer
+    /// is better than none.
     #[test]
     fn tracking_in_physical_units() {
         let velocity = run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, Arm::None);
@@ -218,10 +227,12 @@ mod tests {
         for name in [ModelName::LuGre, ModelName::Proposed] {
             let arm = Arm::observer(name);
             assert!(
-                run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, arm).mse < velocity.mse / 3.0
+                run(&TrackingProtocol::velocity(), FrictionCoupling::Physical, arm).mse
+                    < velocity.mse / 3.0
             );
             assert!(
-                run(&TrackingProtocol::position(), FrictionCoupling::Physical, arm).mse < position.mse / 2.0
+                run(&TrackingProtocol::position(), FrictionCoupling::Physical, arm).mse
+                    < position.mse / 2.0
             );
         }
     }

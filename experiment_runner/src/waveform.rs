@@ -96,8 +96,13 @@ mod tests {
         ] {
             for t in [0.1, 1.0, 7.7] {
                 let (before, now, after) = (wave.at(t - h), wave.at(t), wave.at(t + h));
-                assert!(((after.position - before.position) / (2.0 * h) - now.velocity).abs() < 1e-8);
-                assert!(((after.velocity - before.velocity) / (2.0 * h) - now.acceleration).abs() < 1e-8);
+                assert!(
+                    ((after.position - before.position) / (2.0 * h) - now.velocity).abs() < 1e-8
+                );
+                assert!(
+                    ((after.velocity - before.velocity) / (2.0 * h) - now.acceleration).abs()
+                        < 1e-8
+                );
             }
         }
     }

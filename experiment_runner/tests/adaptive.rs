@@ -16,7 +16,9 @@ const DRIFT: FrictionDrift = FrictionDrift { change: 0.3, start: 5.0, duration: 
 fn task(mode: ControlMode) -> Waveform {
     match mode {
         ControlMode::Velocity => Waveform::SineVelocity { amplitude: 0.3, angular_frequency: 0.5 },
-        ControlMode::Position => Waveform::SinePosition { amplitude: 1.0, angular_frequency: 0.546 },
+        ControlMode::Position => {
+            Waveform::SinePosition { amplitude: 1.0, angular_frequency: 0.546 }
+        }
     }
 }
 
@@ -42,7 +44,8 @@ fn levels(factor: f64) -> AnyModel {
     parameters.try_into().unwrap()
 }
 
-/// Mean square error of the shaft over the last `tail` seconds, and what the adaptation had come to at each whole second.
+/// Mean square error of the shaft over the last `tail` seconds, and what the adaptation had come to
+/// at each whole second.
 fn run(
     bed: &TestBed,
     mode: ControlMode,
@@ -74,7 +77,8 @@ fn the_level_follows_a_drift_of_thirty_per_cent_in_a_minute() {
         for change in [0.3, -0.3] {
             let drift = FrictionDrift { change, ..DRIFT };
             let bed = bed(Some(drift), NominalDrive::SRV02);
-            let (_, adapted) = run(&bed, mode, task(mode), &levels(1.0), Some(Means::Adaptive), 80, 20);
+            let (_, adapted) =
+                run(&bed, mode, task(mode), &levels(1.0), Some(Means::Adaptive), 80, 20);
             for (second, adapted) in adapted.iter().enumerate().skip(5) {
                 let Adapted::Level(factor) = adapted else { panic!("{adapted:?}") };
                 let truth = drift.factor(second as f64 + 1.0);
@@ -96,21 +100,26 @@ fn the_parameters_follow_the_drift_too() {
         let means = Some(Means::AdaptiveParameters);
         let mode = ControlMode::Position;
         let (_, adapted) = run(&bed, mode, task(mode), &levels(1.0), means, 90, 20);
-        let Some(Adapted::Parameters([level, rise, viscous, offset])) = adapted.last() else { panic!() };
+        let Some(Adapted::Parameters([level, rise, viscous, offset])) = adapted.last() else {
+            panic!()
+        };
         assert!((level / (1.0 + change) - 1.0).abs() < 0.05, "level {level}");
         assert!((viscous / (0.0403 * (1.0 + change)) - 1.0).abs() < 0.2, "viscous {viscous}");
         assert!(rise.abs() < 0.06 && offset.abs() < 0.003, "rise {rise}, offset {offset}");
     }
 }
 
-/// At the end of the drift: as good as an observer that knows the drifted friction, and clearly better than the observer that knows only the friction of the beginning. With one exception, which is
-/// said: in position tracking, friction that has fallen leaves the unadapted observer compensating too much, and that happens to offset the lag of the linear loop.
+/// At the end of the drift: as good as an observer that knows the drifted friction, and clearly
+/// better than the observer that knows only the friction of the beginning. With one exception,
+/// which is said: in position tracking, friction that has fallen leaves the unadapted observer
+/// compensating too much, and that happens to offset the lag of the linear loop.
 #[test]
 fn at_the_end_of_the_drift_the_error_is_that_of_an_observer_that_knows() {
     for mode in MODES {
         for change in [0.3, -0.3] {
             let bed = bed(Some(FrictionDrift { change, ..DRIFT }), NominalDrive::SRV02);
-            let end = |model: &AnyModel, means| run(&bed, mode, task(mode), model, Some(means), 90, 24).0;
+            let end =
+                |model: &AnyModel, means| run(&bed, mode, task(mode), model, Some(means), 90, 24).0;
             let knowing = end(&levels(1.0 + change), Means::Feedback);
             let unadapted = end(&levels(1.0), Means::Feedback);
             for means in [Means::Adaptive, Means::AdaptiveParameters] {
@@ -130,7 +139,8 @@ fn at_the_end_of_the_drift_the_error_is_that_of_an_observer_that_knows() {
     }
 }
 
-/// A minute at rest, with noise and with a model that is wrong by a third: nothing to learn from, and nothing is learned.
+/// A minute at rest, with noise and with a model that is wrong by a third: nothing to learn from,
+/// and nothing is learned.
 #[test]
 fn at_rest_nothing_drifts() {
     let bed = bed(None, NominalDrive::SRV02);
@@ -141,7 +151,10 @@ fn at_rest_nothing_drifts() {
             let (first, last) = (adapted.first().unwrap(), adapted.last().unwrap());
             match (first, last) {
                 (Adapted::Level(first), Adapted::Level(last)) => {
-                    assert!((last - first).abs() < 1e-3 && (last - 1.0).abs() < 1e-2, "{first} {last}");
+                    assert!(
+                        (last - first).abs() < 1e-3 && (last - 1.0).abs() < 1e-2,
+                        "{first} {last}"
+                    );
                 }
                 (Adapted::Parameters(first), Adapted::Parameters(last)) => {
                     for (a, b) in first.iter().zip(last) {
@@ -154,7 +167,8 @@ fn at_rest_nothing_drifts() {
     }
 }
 
-/// Whatever level it starts from and however wrong the drive's constants are, by up to 20 % each, the loop ends no worse than the linear controller alone.
+/// Whatever level it starts from and however wrong the drive's constants are, by up to 20 % each,
+/// the loop ends no worse than the linear controller alone.
 #[test]
 fn it_never_spoils_the_loop_it_started_from() {
     let cases = if std::env::var_os("FRICTION_FULL").is_some() { 2000 } else { 60 };
@@ -173,6 +187,9 @@ fn it_never_spoils_the_loop_it_started_from() {
         let bed = bed(None, drive);
         let end = |means| run(&bed, mode, task(mode), &levels(start), means, 50, 24).0;
         let (alone, adapted) = (end(None), end(Some(means)));
-        assert!(adapted < alone, "seed {seed}, {mode:?} {means:?}, {start}: {adapted}, alone {alone}");
+        assert!(
+            adapted < alone,
+            "seed {seed}, {mode:?} {means:?}, {start}: {adapted}, alone {alone}"
+        );
     }
 }

@@ -5,7 +5,11 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn frictionlab(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_frictionlab")).args(arguments).current_dir(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_frictionlab"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 /// The thesis's specification gives its gains, and a run tracks with what was designed.
@@ -24,8 +28,16 @@ fn a_design_is_reported_and_used_by_a_run() {
     let arguments = ["design", "position", "--gains", "20,100,.3", "--out", "pid", "--quiet"];
     assert!(frictionlab(&arguments, root.path()).status.success());
     let mse = |out: &str, more: &[&str]| {
-        let mut arguments =
-            vec!["run", "position-tracking", "--quick", "--quiet", "--model", "proposed", "--out", out];
+        let mut arguments = vec![
+            "run",
+            "position-tracking",
+            "--quick",
+            "--quiet",
+            "--model",
+            "proposed",
+            "--out",
+            out,
+        ];
         arguments.extend(more);
         let done = frictionlab(&arguments, root.path());
         assert!(done.status.success(), "{done:?}");
@@ -42,7 +54,8 @@ fn a_design_is_reported_and_used_by_a_run() {
     assert!(written.contains(k_p), "{k_p} is not in\n{written}");
 }
 
-/// A design that is worse than no design, or that asks for more than the rig has, is told with what to do.
+/// A design that is worse than no design, or that asks for more than the rig has, is told with what
+/// to do.
 #[test]
 fn a_design_is_held_against_the_rig_and_the_default_gains() {
     let root = tempfile::tempdir().unwrap();
@@ -59,14 +72,19 @@ fn a_design_is_held_against_the_rig_and_the_default_gains() {
     );
     assert!(soft.contains("frictionlab design position --retuned"), "{soft}");
     let stiff = said(&["position", "--gains", "200,100,2"]);
-    assert!(stiff.contains("and the rig gives 6 V") && stiff.contains("stay within the limit"), "{stiff}");
+    assert!(
+        stiff.contains("and the rig gives 6 V") && stiff.contains("stay within the limit"),
+        "{stiff}"
+    );
     let loud = said(&["velocity", "--gains", "40,100"]);
     assert!(loud.contains("Warning: the sensors' noise puts"), "{loud}");
     for what in ["position", "velocity"] {
         let honest = said(&[what, "--retuned", "--out", what]);
         assert!(honest.contains("times better (mean square) than the default ones"), "{honest}");
     }
-    assert!(fs::read_to_string(root.path().join("position/controller.yaml")).unwrap().contains("k_d"));
+    assert!(
+        fs::read_to_string(root.path().join("position/controller.yaml")).unwrap().contains("k_d")
+    );
 }
 
 #[test]
@@ -77,8 +95,16 @@ fn a_drive_of_gain_and_time_constant_alone_can_be_designed_for() {
         "/drive_identification:\n  ros__parameters:\n    gain: 2.5\n    time_constant: 0.04\n",
     )
     .unwrap();
-    let arguments =
-        ["design", "velocity", "--crossover", "50", "--phase-margin", "70", "--drive", "drive.yaml"];
+    let arguments = [
+        "design",
+        "velocity",
+        "--crossover",
+        "50",
+        "--phase-margin",
+        "70",
+        "--drive",
+        "drive.yaml",
+    ];
     let done = frictionlab(&arguments, root.path());
     let said = String::from_utf8_lossy(&done.stdout);
     assert!(done.status.success() && said.contains("K = 2.5 rad/s per V, T = 0.04 s"), "{done:?}");
@@ -98,8 +124,14 @@ fn what_cannot_be_designed_is_refused_with_a_sentence() {
             &["design", "position", "--overshoot", "1", "--rise", ".001", "--settling", ".002"],
             "the nearest has overshoot",
         ),
-        (&["design", "velocity", "--gains", "1,20", "--gain", "-1"], "--gain [rad/s per V] must be"),
-        (&["design", "position", "--overshoot", "-3", "--rise", ".2", "--settling", "1"], "overshoot"),
+        (
+            &["design", "velocity", "--gains", "1,20", "--gain", "-1"],
+            "--gain [rad/s per V] must be",
+        ),
+        (
+            &["design", "position", "--overshoot", "-3", "--rise", ".2", "--settling", "1"],
+            "overshoot",
+        ),
         (&["design", "velocity", "--gains", "1,20", "--drive", "nowhere.yaml"], "nowhere.yaml"),
     ] {
         let done = frictionlab(arguments, root.path());

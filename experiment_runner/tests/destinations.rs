@@ -1,4 +1,5 @@
-//! Where results go, as a person meets it: folders that are numbered, files that are kept, pipes that stay pipes.
+//! Where results go, as a person meets it: folders that are numbered, files that are kept, pipes
+//! that stay pipes.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -25,7 +26,13 @@ const DESIGN: [&str; 4] = ["design", "position", "--gains", "20,100,.3"];
 fn eleven_programs_that_start_at_once_get_a_folder_each() {
     let root = tempfile::tempdir().unwrap();
     let all: Vec<_> = (0..11)
-        .map(|_| command(root.path(), &DESIGN).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+        .map(|_| {
+            command(root.path(), &DESIGN)
+                .stdout(Stdio::piped())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap()
+        })
         .collect();
     for program in all {
         let output = program.wait_with_output().unwrap();
@@ -34,7 +41,9 @@ fn eleven_programs_that_start_at_once_get_a_folder_each() {
     let made: BTreeSet<String> = fs::read_dir(root.path().join("runs"))
         .unwrap()
         .map(|entry| entry.unwrap().path())
-        .filter(|folder| folder.join("controller.yaml").is_file() && folder.join("report.html").is_file())
+        .filter(|folder| {
+            folder.join("controller.yaml").is_file() && folder.join("report.html").is_file()
+        })
         .map(|folder| folder.file_name().unwrap().to_string_lossy().into_owned())
         .collect();
     assert_eq!(made, (1..=11).map(|n| format!("design-{n}")).collect());
@@ -50,15 +59,22 @@ fn what_exists_is_refused_and_forced() {
     let other = ["design", "position", "--gains", "10,50,.1", "--out", "mine", "--quiet"];
     let refused = run(root.path(), &other);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(said(&refused).contains("not empty") && said(&refused).contains("--force"), "{}", said(&refused));
+    assert!(
+        said(&refused).contains("not empty") && said(&refused).contains("--force"),
+        "{}",
+        said(&refused)
+    );
     assert_eq!(gains(), before);
     assert!(run(root.path(), &[&other[..], &["--force"]].concat()).status.success());
     assert_ne!(gains(), before);
 }
 
 fn simulate<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&["simulate", "--model", "lugre", "--velocity", "motion.csv", "--dt", "1e-3", "--out", out], more]
-        .concat()
+    [
+        &["simulate", "--model", "lugre", "--velocity", "motion.csv", "--dt", "1e-3", "--out", out],
+        more,
+    ]
+    .concat()
 }
 
 #[cfg(unix)]
@@ -71,7 +87,10 @@ fn a_pipe_a_link_and_standard_output_are_written_through() {
     let printed = run(root.path(), &simulate("-", &[]));
     assert!(printed.status.success(), "{}", said(&printed));
     let table = String::from_utf8(printed.stdout).unwrap();
-    assert!(table.starts_with("t_s,") && table.lines().count() == 3, "the table and nothing else: {table}");
+    assert!(
+        table.starts_with("t_s,") && table.lines().count() == 3,
+        "the table and nothing else: {table}"
+    );
 
     let pipe = root.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());

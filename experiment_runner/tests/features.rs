@@ -24,7 +24,8 @@ fn two_models_become_a_report_and_their_figures() {
     assert!(said.contains("A 0.05694 m") && said.contains("none"), "{said}");
 
     let json: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(folder.join("features.json")).unwrap()).unwrap();
+        serde_json::from_str(&std::fs::read_to_string(folder.join("features.json")).unwrap())
+            .unwrap();
     let models = json["models"].as_array().unwrap();
     assert_eq!(models.len(), 2);
     let period = models[1]["features"]["stick_slip"]["period"].as_f64().unwrap();
@@ -33,12 +34,19 @@ fn two_models_become_a_report_and_their_figures() {
     assert!((cycle["period"].as_f64().unwrap() / 19.390 - 1.0).abs() < 2e-3, "{cycle}");
 
     let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
-    for heading in
-        ["Stick-slip", "Drift and memory", "Breakaway", "Sensitivity", "Describing function and limit cycle"]
-    {
+    for heading in [
+        "Stick-slip",
+        "Drift and memory",
+        "Breakaway",
+        "Sensitivity",
+        "Describing function and limit cycle",
+    ] {
         assert!(report.contains(heading), "{heading}");
     }
-    assert!(report.contains("Stribeck") && !report.contains("LuGre</"), "only the models asked for");
+    assert!(
+        report.contains("Stribeck") && !report.contains("LuGre</"),
+        "only the models asked for"
+    );
 }
 
 #[test]

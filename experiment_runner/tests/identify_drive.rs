@@ -1,4 +1,5 @@
-//! A simulated rig is driven by a chirp, steps and a slow triangle; what identify-drive says about it is held against what it was made of.
+//! A simulated rig is driven by a chirp, steps and a slow triangle; what identify-drive says about
+//! it is held against what it was made of.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -65,7 +66,10 @@ fn record(model: AnyModel, seed: u64) -> DrivenRecording {
 }
 
 fn motor() -> Calibration {
-    Calibration::Motor { torque_constant: Known::exact(70.0 * 0.007_67), resistance: Known::exact(2.6) }
+    Calibration::Motor {
+        torque_constant: Known::exact(70.0 * 0.007_67),
+        resistance: Known::exact(2.6),
+    }
 }
 
 fn contains(found: &Identified, name: &str, truth: f64) {
@@ -116,7 +120,8 @@ fn without_a_torque_sensor_the_gain_is_that_of_the_drive_with_its_bearings() {
 
 #[test]
 fn nothing_known_of_the_motor_leaves_the_inertia_unknown() {
-    let recording = DrivenRecording { friction: None, ..record(AnyModel::test_bed(ModelName::Coulomb), 5) };
+    let recording =
+        DrivenRecording { friction: None, ..record(AnyModel::test_bed(ModelName::Coulomb), 5) };
     let found = identify(&[recording], AxisKind::Rotary, None, None).unwrap();
     assert_eq!(found.value("inertia"), None);
     assert!(found.value("gain").is_some());
@@ -149,7 +154,9 @@ fn the_command_writes_its_files_and_refuses_bad_input() {
     assert!(shown.contains("time_constant") && shown.contains("identified"), "{shown}");
     let made = folder.path().join("runs/identify-drive-1");
     let drive = std::fs::read_to_string(made.join("drive.yaml")).unwrap();
-    assert!((DriveConstants::read(&drive).unwrap().parameters.inertia / INERTIA - 1.0).abs() < 0.03);
+    assert!(
+        (DriveConstants::read(&drive).unwrap().parameters.inertia / INERTIA - 1.0).abs() < 0.03
+    );
     assert!(made.join("report.html").is_file() && made.join("identification-drive.json").is_file());
 
     for (args, said) in [

@@ -1,6 +1,8 @@
-//! `frictionlab identify` for friction models, as a person uses it: the built program, files in, files and words out.
+//! `frictionlab identify` for friction models, as a person uses it: the built program, files in,
+//! files and words out.
 //!
-//! The recordings are computed from a known friction with fine Runge-Kutta steps, so that nothing of the program's own fixed step is in them.
+//! The recordings are computed from a known friction with fine Runge-Kutta steps, so that nothing
+//! of the program's own fixed step is in them.
 
 use std::fmt::Write;
 use std::fs;
@@ -37,7 +39,12 @@ impl Desk {
 
     fn run(&self, args: &[&str]) -> Output {
         let program = env!("CARGO_BIN_EXE_frictionlab");
-        Command::new(program).current_dir(self.folder.path()).arg("identify").args(args).output().unwrap()
+        Command::new(program)
+            .current_dir(self.folder.path())
+            .arg("identify")
+            .args(args)
+            .output()
+            .unwrap()
     }
 
     /// Runs it, expects success, and returns what it printed.
@@ -114,7 +121,12 @@ impl ModelVisitor for Truth<'_> {
                 let force = model.evaluate(&state.continuous, &state.memory, velocity(t)).force;
                 for j in 0..FINE {
                     let t = t + f64::from(j) * h;
-                    rk4::step(&model, &mut state, [velocity(t), velocity(t + 0.5 * h), velocity(t + h)], h);
+                    rk4::step(
+                        &model,
+                        &mut state,
+                        [velocity(t), velocity(t + 0.5 * h), velocity(t + h)],
+                        h,
+                    );
                 }
                 force
             })
@@ -135,7 +147,12 @@ impl Noise {
 }
 
 /// A recording of `model` along a motion, with noise on the torque.
-fn recording(model: &AnyModel, samples: u32, velocity: &dyn Fn(f64) -> f64, noise: &mut Noise) -> String {
+fn recording(
+    model: &AnyModel,
+    samples: u32,
+    velocity: &dyn Fn(f64) -> f64,
+    noise: &mut Noise,
+) -> String {
     let friction = model.visit(Truth { velocity, samples });
     let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
     for (k, friction) in friction.iter().enumerate() {
@@ -149,8 +166,11 @@ fn recording(model: &AnyModel, samples: u32, velocity: &dyn Fn(f64) -> f64, nois
 fn points(model: &AnyModel, noise: &mut Noise) -> String {
     let mut text = "velocity_rad_s,torque_Nm\n".to_owned();
     for i in 0..40 {
-        let v =
-            if i < 20 { 0.03 + 0.47 * f64::from(i) / 19.0 } else { 0.55 + 3.45 * f64::from(i - 20) / 19.0 };
+        let v = if i < 20 {
+            0.03 + 0.47 * f64::from(i) / 19.0
+        } else {
+            0.55 + 3.45 * f64::from(i - 20) / 19.0
+        };
         for v in [v, -v] {
             writeln!(text, "{v:.12},{:.12}", model.steady_state(v) + noise.next()).unwrap();
         }
@@ -201,15 +221,23 @@ fn a_known_friction_is_found_with_its_uncertainty_and_ranked_first() {
     let desk = Desk::new();
     let truth = truth(ModelName::Proposed);
     write_experiments(&desk, &truth, NOISE);
-    let printed =
-        desk.ok(&with(&["--validate", "other.csv", "--model", "stribeck,lugre,proposed", "--out", "out"]));
+    let printed = desk.ok(&with(&[
+        "--validate",
+        "other.csv",
+        "--model",
+        "stribeck,lugre,proposed",
+        "--out",
+        "out",
+    ]));
     let document = desk.json("out");
     assert_eq!(document["ranking"]["by"], "held_out");
     assert_eq!(document["ranking"]["order"][0]["model"], "proposed", "{printed}");
     assert_eq!(document["ranking"]["order"][1]["tie"], false);
     for name in ["f_s", "f_c", "v_s", "f_v", "z_b", "tau"] {
-        let at = |what: &str| number(&document, &format!("/models/proposed/parameters/{name}/{what}"));
-        let (value, error, expected) = (at("value"), at("standard_error"), truth.parameter(name).unwrap());
+        let at =
+            |what: &str| number(&document, &format!("/models/proposed/parameters/{name}/{what}"));
+        let (value, error, expected) =
+            (at("value"), at("standard_error"), truth.parameter(name).unwrap());
         // The fixed step at 1 ms is another integrator than the truth's: .2 % beside the noise.
         assert!(
             (value - expected).abs() < 4.0 * error + 2e-3 * expected,
@@ -250,11 +278,22 @@ fn the_parameter_file_drives_the_observer_unchanged() {
     let desk = Desk::new();
     let truth = truth(ModelName::LuGre);
     write_experiments(&desk, &truth, 0.0);
-    desk.ok(&with(&["--model", "lugre,gms", "--no-joint", "--elements", "3", "--out", "out", "--quiet"]));
+    desk.ok(&with(&[
+        "--model",
+        "lugre,gms",
+        "--no-joint",
+        "--elements",
+        "3",
+        "--out",
+        "out",
+        "--quiet",
+    ]));
     let text = desk.text("out/parameters.yaml");
     assert!(text.contains("model: lugre"), "{text}");
     for line in text.lines().filter(|line| !line.starts_with('#')) {
-        for number in line.split([':', ' ', '[', ']', ',']).filter(|word| word.parse::<f64>().is_ok()) {
+        for number in
+            line.split([':', ' ', '[', ']', ',']).filter(|word| word.parse::<f64>().is_ok())
+        {
             assert!(number.contains('.'), "ROS takes {number} for an integer in {line}");
         }
     }
@@ -286,7 +325,8 @@ fn each_direction_gets_its_own_parameters_and_its_own_entry() {
     }
     let models = read_parameter_file(&desk.text("out/parameters.yaml")).unwrap();
     assert!(
-        (models.get(ModelName::Stribeck).steady_state(-1.0) / truth.steady_state(-1.0) - 1.0).abs() < 1e-3
+        (models.get(ModelName::Stribeck).steady_state(-1.0) / truth.steady_state(-1.0) - 1.0).abs()
+            < 1e-3
     );
 }
 
@@ -348,7 +388,8 @@ fn the_inertia_computes_the_damping_and_takes_the_drive_away() {
     ]));
     let document = desk.json("computed");
     let at = |what: &str| number(&document, &format!("/models/proposed/parameters/sigma/{what}"));
-    // sigma = 2 zeta sqrt(J F_s pi / (2 Z_b)) - f_v; a tenth of the inertia is a twentieth of the root.
+    // sigma = 2 zeta sqrt(J F_s pi / (2 Z_b)) - f_v; a tenth of the inertia is a twentieth of the
+    // root.
     let critical = 1.4 * (0.0026 * 0.0994 * std::f64::consts::PI / 0.012).sqrt();
     assert!((at("value") / (critical - 0.0403) - 1.0).abs() < 0.01, "{}", at("value"));
     assert!((at("standard_error") / (0.05 * critical) - 1.0).abs() < 0.01);
@@ -364,13 +405,16 @@ fn the_inertia_computes_the_damping_and_takes_the_drive_away() {
     desk.file("driven.csv", &text);
     let driving = ["driven.csv", "points.csv", "--model", "coulomb_viscous", "--out", "driven"];
     let printed =
-        desk.ok(&[&driving[..], &["--torque-source", "driving", "--inertia", "0.0026:0.00026"]].concat());
+        desk.ok(&[&driving[..], &["--torque-source", "driving", "--inertia", "0.0026:0.00026"]]
+            .concat());
     assert!(printed.contains("standard errors of the drive's constants add"), "{printed}");
     let document = desk.json("driven");
     let f_c = number(&document, "/models/coulomb_viscous/parameters/f_c/value");
     assert!((f_c / 0.0929 - 1.0).abs() < 0.05, "{f_c}");
-    // The joint stage listens to the driven recording: what the inertia adds there reaches the parameters.
-    let moved = number(&document, "/models/coulomb_viscous/parameters/f_c/from_drive/standard_error");
+    // The joint stage listens to the driven recording: what the inertia adds there reaches the
+    // parameters.
+    let moved =
+        number(&document, "/models/coulomb_viscous/parameters/f_c/from_drive/standard_error");
     assert!(moved > 1e-9 && moved < 1e-3, "{moved}");
     let added = number(&document, "/files/0/added_uncertainty/largest");
     assert!(added > 1e-5 && added < 1e-3, "{added}");
@@ -420,12 +464,15 @@ fn a_change_of_mind_keeps_the_best_so_far() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Once it works: wherever it is by then, it ends with what there is; the first model takes a moment, the others minutes.
+    // Once it works: wherever it is by then, it ends with what there is; the first model takes a
+    // moment, the others minutes.
     let mut told = BufReader::new(child.stderr.take().unwrap());
     let mut said = String::new();
     assert!(told.read_line(&mut said).unwrap() > 0);
     assert!(child.try_wait().unwrap().is_none(), "it was done before it could be stopped");
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
     told.read_to_string(&mut said).unwrap();
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(130), "{said}");
@@ -453,9 +500,13 @@ fn bad_input_is_refused_with_a_sentence_and_nothing_is_written() {
     desk.file("header.csv", "velocity_rad_s,torque_Nm\n");
     desk.file("torqueless.csv", &chirp.replacen("torque_Nm", "u", 1));
     desk.file("few.csv", "velocity_rad_s,torque_Nm\n0.1,0.1\n0.2,0.1\n");
-    desk.file("deviation.csv", &format!("{}0.1,0.1,-1\n", "velocity_rad_s,torque_Nm,torque_deviation_Nm\n"));
-    let turned =
-        |line: &str| line.split_once(',').map(|(v, f)| format!("{v},{}", -f.parse::<f64>().unwrap()));
+    desk.file(
+        "deviation.csv",
+        &format!("{}0.1,0.1,-1\n", "velocity_rad_s,torque_Nm,torque_deviation_Nm\n"),
+    );
+    let turned = |line: &str| {
+        line.split_once(',').map(|(v, f)| format!("{v},{}", -f.parse::<f64>().unwrap()))
+    };
     let turned: Vec<String> = desk.text("points.csv").lines().skip(1).filter_map(turned).collect();
     desk.file("turned.csv", &format!("velocity_rad_s,torque_Nm\n{}\n", turned.join("\n")));
     for (file, parts) in [

@@ -1,4 +1,5 @@
-//! `frictionlab identify-servo`, as a person uses it: short logs, damaged logs, and a change of mind.
+//! `frictionlab identify-servo`, as a person uses it: short logs, damaged logs, and a change of
+//! mind.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -26,7 +27,8 @@ fn log(gain: f64) -> Value {
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for gain in [100.0, 400.0] {
-        std::fs::write(folder.path().join(format!("kp{gain}.json")), log(gain).to_string()).unwrap();
+        std::fs::write(folder.path().join(format!("kp{gain}.json")), log(gain).to_string())
+            .unwrap();
     }
     folder
 }
@@ -45,7 +47,8 @@ fn document(folder: &Path) -> Value {
 fn what_was_fitted_and_what_was_held_out_is_written_and_does_not_depend_on_the_threads() {
     let folder = folder();
     let run = |jobs: &str, out: &str| -> Output {
-        let args = ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "2"];
+        let args =
+            ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "2"];
         command(folder.path(), &args)
             .args(["--evaluations", "200", "--jobs", jobs, "--out", out])
             .output()
@@ -59,15 +62,21 @@ fn what_was_fitted_and_what_was_held_out_is_written_and_does_not_depend_on_the_t
     assert_eq!(found["level"], "m1");
     assert_eq!(found["stopped"], false);
     assert_eq!(found["seeds"].as_array().unwrap().len(), 2);
-    let roles: Vec<(&Value, &Value)> =
-        found["logs"].as_array().unwrap().iter().map(|log| (&log["gain"], &log["held_out"])).collect();
+    let roles: Vec<(&Value, &Value)> = found["logs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|log| (&log["gain"], &log["held_out"]))
+        .collect();
     assert_eq!(roles, [(&json!(100.0), &json!(false)), (&json!(400.0), &json!(true))]);
     // The held-out error is that of the best seed on the one log held out.
     let best = found["seeds"]
         .as_array()
         .unwrap()
         .iter()
-        .min_by(|a, b| a["train_mrad"].as_f64().unwrap().total_cmp(&b["train_mrad"].as_f64().unwrap()))
+        .min_by(|a, b| {
+            a["train_mrad"].as_f64().unwrap().total_cmp(&b["train_mrad"].as_f64().unwrap())
+        })
         .unwrap();
     let (alone, of_seed) =
         (found["logs"][1]["error_mrad"].as_f64().unwrap(), best["held_out_mrad"].as_f64().unwrap());
@@ -133,7 +142,8 @@ fn a_change_of_mind_leaves_the_best_so_far() {
     use std::process::Stdio;
 
     let folder = folder();
-    let args = ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "3"];
+    let args =
+        ["kp100.json", "kp400.json", "--hold-out", "kp=400", "--level", "m1", "--seeds", "3"];
     let mut child = command(folder.path(), &args)
         .args(["--jobs", "1", "--evaluations", "4000000000", "--out", "made"])
         .stdout(Stdio::piped())
@@ -164,5 +174,7 @@ fn a_change_of_mind_leaves_the_best_so_far() {
 fn hears_interrupts(process: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
-    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 0b10 != 0)
+    caught
+        .and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .is_some_and(|mask| mask & 0b10 != 0)
 }

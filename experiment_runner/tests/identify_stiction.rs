@@ -1,7 +1,9 @@
-//! `frictionlab identify-stiction` on two recordings of one rotary pendulum: what one says the other must confirm.
+//! `frictionlab identify-stiction` on two recordings of one rotary pendulum: what one says the
+//! other must confirm.
 //!
-//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and beside the checkout, and says so where it
-//! finds none. No friction of this axis is published: the test holds the two recordings against each other.
+//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and
+//! beside the checkout, and says so where it finds none. No friction of this axis is published: the
+//! test holds the two recordings against each other.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,8 +14,9 @@ use serde_json::Value;
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found =
-        folders.map(|folder| folder.join("qube_servo")).find(|folder| folder.join("episode_1.csv").is_file());
+    let found = folders
+        .map(|folder| folder.join("qube_servo"))
+        .find(|folder| folder.join("episode_1.csv").is_file());
     if found.is_none() {
         // Straight to the stream: the test harness would swallow eprintln.
         let _ = writeln!(
@@ -47,16 +50,21 @@ fn two_recordings_of_one_axis_agree_within_their_intervals() {
         .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
-    let text = std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/stiction.json")).unwrap();
+    let text =
+        std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/stiction.json"))
+            .unwrap();
     let document: Value = serde_json::from_str(&text).unwrap();
-    let [first, second] = document["episodes"].as_array().unwrap().as_slice() else { panic!("{document}") };
+    let [first, second] = document["episodes"].as_array().unwrap().as_slice() else {
+        panic!("{document}")
+    };
 
     // The axis sticks most of the time, and lets go often enough to repeat itself.
     for episode in [first, second] {
         assert!((0.4..0.8).contains(&episode["rest_share"].as_f64().unwrap()), "{episode}");
         assert!(episode["breakaways"].as_array().unwrap().len() >= 10, "{episode}");
     }
-    // Breakaway: the median of each recording lies in the interval of all, and within the other's quartiles widened by half their range.
+    // Breakaway: the median of each recording lies in the interval of all, and within the other's
+    // quartiles widened by half their range.
     for direction in ["forward", "backward"] {
         let (all, half) = estimate(&document["breakaway"], &format!("breakaway.{direction}"));
         assert!(half < 0.25 * all, "{direction}: {all} +- {half}");
@@ -75,17 +83,21 @@ fn two_recordings_of_one_axis_agree_within_their_intervals() {
     // Sliding: differences are no larger than what both intervals allow.
     let mut coulomb = 0.0f64;
     for name in ["inertia", "speed", "coulomb", "offset", "pendulum"] {
-        let [(a, wide), (b, narrow)] =
-            [first, second].map(|episode| estimate(&episode["slip"]["estimates"]["parameters"], name));
+        let [(a, wide), (b, narrow)] = [first, second]
+            .map(|episode| estimate(&episode["slip"]["estimates"]["parameters"], name));
         assert!((a - b).abs() <= wide.hypot(narrow), "{name}: {a} +- {wide}, {b} +- {narrow}");
         if name == "coulomb" {
             coulomb = a.max(b);
         }
         if name == "inertia" {
-            assert!(wide < 0.1 * a && narrow < 0.1 * b, "the inertia is what such motion tells best");
+            assert!(
+                wide < 0.1 * a && narrow < 0.1 * b,
+                "the inertia is what such motion tells best"
+            );
         }
     }
-    // The voltage at breakaway is an upper value of static friction, which is not below the Coulomb level.
+    // The voltage at breakaway is an upper value of static friction, which is not below the Coulomb
+    // level.
     assert!(estimate(&document["breakaway"], "breakaway.forward").0 > coulomb);
     for episode in [first, second] {
         let delay = &episode["slip"]["delay"];
@@ -96,7 +108,8 @@ fn two_recordings_of_one_axis_agree_within_their_intervals() {
     }
 
     // What cannot be known is said wherever the numbers are.
-    let page = std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/report.html")).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("runs/identify-stiction-1/report.html"))
+        .unwrap();
     let unknown: Vec<&str> =
         document["unknown"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
     for said in ["newton metres", "inertia times resistance", "back-EMF", "upper value"] {

@@ -26,10 +26,19 @@ fn the_structure_is_chosen_written_and_shown() {
     std::fs::write(folder.path().join("axis.csv"), table()).unwrap();
     let run = |args: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_frictionlab"));
-        command.current_dir(folder.path()).args(["identify", "axis.csv"]).args(args).output().unwrap()
+        command
+            .current_dir(folder.path())
+            .args(["identify", "axis.csv"])
+            .args(args)
+            .output()
+            .unwrap()
     };
-    let output =
-        run(&["--structure", "symmetric,symmetric+delay,asymmetric+delay", "--validate", "axis.csv"]);
+    let output = run(&[
+        "--structure",
+        "symmetric,symmetric+delay,asymmetric+delay",
+        "--validate",
+        "axis.csv",
+    ]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
     assert!(shown.contains("> symmetric+delay "), "{shown}");

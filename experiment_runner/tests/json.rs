@@ -1,4 +1,5 @@
-//! `--json`: one document on standard output and nothing else, with the keys that docs/json.md explains.
+//! `--json`: one document on standard output and nothing else, with the keys that docs/json.md
+//! explains.
 
 use std::fs;
 use std::path::Path;
@@ -24,8 +25,9 @@ fn run(folder: &Path, args: &[&str]) -> Value {
         .output()
         .unwrap();
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout)
-        .unwrap_or_else(|error| panic!("{args:?}: {error}: {}", String::from_utf8_lossy(&output.stdout)))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| {
+        panic!("{args:?}: {error}: {}", String::from_utf8_lossy(&output.stdout))
+    })
 }
 
 #[test]
@@ -36,12 +38,14 @@ fn every_key_is_explained_and_the_file_is_what_is_printed() {
     for k in 1..=40 {
         let v = 0.05 * f64::from(k);
         for sign in [1.0, -1.0] {
-            points += &format!("{},{}\n", sign * v, sign * (0.09 + 0.01 * (-v * v).exp() + 0.004 * v));
+            points +=
+                &format!("{},{}\n", sign * v, sign * (0.09 + 0.01 * (-v * v).exp() + 0.004 * v));
         }
     }
     fs::write(folder.join("points.csv"), points).unwrap();
     let documentation = documented();
-    let quick = ["run", "velocity-tracking", "--quick", "--model", "lugre", "--json", "--out", "run"];
+    let quick =
+        ["run", "velocity-tracking", "--quick", "--model", "lugre", "--json", "--out", "run"];
     for (command, args, file) in [
         ("run", &quick[..], Some("run/run.json")),
         (
@@ -97,7 +101,8 @@ fn every_key_is_explained_and_the_file_is_what_is_printed() {
             assert!(explained.contains(format), "{command}: {format}");
         }
         if let Some(file) = file {
-            let written: Value = serde_json::from_slice(&fs::read(folder.join(file)).unwrap()).unwrap();
+            let written: Value =
+                serde_json::from_slice(&fs::read(folder.join(file)).unwrap()).unwrap();
             assert_eq!(written, document, "{command}");
         }
     }

@@ -1,9 +1,10 @@
-//! Safety of the loop on the simulated rig: over-compensation is scaled back, and no sensor fault drives the rig beyond its limits.
+//! Safety of the loop on the simulated rig: over-compensation is scaled back, and no sensor fault
+//! drives the rig beyond its limits.
 
 use controller::{
-    AccelerationFeedback, ControlFault, ControlMode, Controller, ControllerOptions, Diagnosis, Dither,
-    DitherShape, Feedback, GuardOptions, Impulse, LagGains, PiGains, PidGains, PlantInverse, Reference,
-    VelocityLaw, design::LinearDrive,
+    AccelerationFeedback, ControlFault, ControlMode, Controller, ControllerOptions, Diagnosis,
+    Dither, DitherShape, Feedback, GuardOptions, Impulse, LagGains, PiGains, PidGains,
+    PlantInverse, Reference, VelocityLaw, design::LinearDrive,
 };
 use experiment_runner::control_loop::ControlLoop;
 use experiment_runner::cycle::CycleSample;
@@ -25,8 +26,12 @@ enum Task {
 }
 
 impl Task {
-    const ALL: [Self; 4] =
-        [Self::VelocityTracking, Self::VelocityRegulation, Self::PositionTracking, Self::PositionRegulation];
+    const ALL: [Self; 4] = [
+        Self::VelocityTracking,
+        Self::VelocityRegulation,
+        Self::PositionTracking,
+        Self::PositionRegulation,
+    ];
 
     const fn mode(self) -> ControlMode {
         match self {
@@ -36,7 +41,8 @@ impl Task {
     }
 
     fn at(self, t: f64) -> Reference {
-        let sine = |amplitude: f64, w: f64| (amplitude * (w * t).sin(), amplitude * w * (w * t).cos());
+        let sine =
+            |amplitude: f64, w: f64| (amplitude * (w * t).sin(), amplitude * w * (w * t).cos());
         match self {
             Self::VelocityTracking => {
                 let (velocity, acceleration) = sine(0.3, 0.107);
@@ -63,12 +69,15 @@ struct Outcome {
     diagnosis: Option<Diagnosis>,
 }
 
-/// Thirty seconds on the simulated rig with noise, its friction that of the proposed model, compensated by `observer`.
+/// Thirty seconds on the simulated rig with noise, its friction that of the proposed model,
+/// compensated by `observer`.
 fn run(task: Task, observer: ModelName, scale: f64, guard: Option<GuardOptions>) -> Outcome {
-    let mut rig = SimulationOptions::default().build(AnyModel::test_bed(ModelName::Proposed)).unwrap();
+    let mut rig =
+        SimulationOptions::default().build(AnyModel::test_bed(ModelName::Proposed)).unwrap();
     let dt = TimeStep::new(1e-3).unwrap();
     let mut estimator =
-        FrictionEstimator::new(&AnyModel::test_bed(observer), EstimatorOptions::default(), dt).unwrap();
+        FrictionEstimator::new(&AnyModel::test_bed(observer), EstimatorOptions::default(), dt)
+            .unwrap();
     let mut options = ControllerOptions { mode: task.mode(), guard, ..Default::default() };
     options.compensation.scale = scale;
     let mut controller = Controller::new(options).unwrap();
@@ -129,7 +138,10 @@ fn over_compensation_hunts_and_the_guard_stops_it() {
         assert!(loose.error > hunting, "{task:?} {observer} {scale}: {loose:?}");
         let guarded = run(task, observer, scale, Some(GuardOptions::default()));
         assert_eq!(guarded.diagnosis, Some(Diagnosis::LimitCycle));
-        assert!(guarded.error < 0.3 * loose.error, "{task:?} {observer} {scale}: {loose:?} {guarded:?}");
+        assert!(
+            guarded.error < 0.3 * loose.error,
+            "{task:?} {observer} {scale}: {loose:?} {guarded:?}"
+        );
         assert!(guarded.held_back > 0.29);
     }
 }
@@ -244,7 +256,9 @@ const SINE: Waveform = Waveform::SinePosition { amplitude: 1.0, angular_frequenc
 #[test]
 fn a_lost_or_frozen_sensor_leaves_the_motor_at_zero_volts_with_a_fault() {
     let models = (ModelName::Proposed, ModelName::Proposed);
-    for (fault, why) in [(Fault::Lost, ControlFault::NotFinite), (Fault::Frozen, ControlFault::Stale)] {
+    for (fault, why) in
+        [(Fault::Lost, ControlFault::NotFinite), (Fault::Frozen, ControlFault::Stale)]
+    {
         for mode in [ControlMode::Velocity, ControlMode::Position] {
             let options = ControllerOptions { mode, ..Default::default() };
             let samples = drive(fault, options, EstimatorOptions::default(), models, SINE, 900);
@@ -260,7 +274,8 @@ fn a_lost_or_frozen_sensor_leaves_the_motor_at_zero_volts_with_a_fault() {
 fn a_reading_lost_now_and_then_is_no_fault() {
     let models = (ModelName::Proposed, ModelName::Proposed);
     let options = ControllerOptions { mode: ControlMode::Position, ..Default::default() };
-    let samples = drive(Fault::Dropouts(10), options, EstimatorOptions::default(), models, SINE, 3000);
+    let samples =
+        drive(Fault::Dropouts(10), options, EstimatorOptions::default(), models, SINE, 3000);
     assert!(samples.iter().all(|sample| sample.command.fault.is_none()));
     // A tenth of the voltage is missing; the loop still follows.
     let worst = samples[2000..].iter().map(|sample| sample.error().abs()).fold(0.0, f64::max);
@@ -269,8 +284,11 @@ fn a_reading_lost_now_and_then_is_no_fault() {
 
 /// Sixteen cases, unless `PROPTEST_CASES` says otherwise.
 fn config() -> ProptestConfig {
-    let cases =
-        if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 16 };
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() {
+        ProptestConfig::default().cases
+    } else {
+        16
+    };
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
 }
 
@@ -337,8 +355,9 @@ prop_compose! {
 proptest! {
     #![proptest_config(config())]
 
-    /// Whatever the parameters, the models and the fault: no voltage beyond the limit, nothing that is not a number, no panic, and the shaft below its
-    /// no-load speed. The rig asserts it in every cycle.
+    /// Whatever the parameters, the models and the fault: no voltage beyond the limit, nothing that
+    /// is not a number, no panic, and the shaft below its no-load speed. The rig asserts it in
+    /// every cycle.
     #[test]
     fn no_fault_drives_the_rig_beyond_its_limits(
         fault in faults(),

@@ -1,4 +1,5 @@
-//! What the laboratory records, it also identifies: late and missing cycles, repeated stamps, thinned bags and the tables of its experiments.
+//! What the laboratory records, it also identifies: late and missing cycles, repeated stamps,
+//! thinned bags and the tables of its experiments.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,8 @@ fn cycles() -> Vec<Cycle> {
     (0..16_000).map(one).collect()
 }
 
-/// What a busy machine makes of it: a late cycle, one and two lost ones, a stamp that comes twice, and three longer gaps.
+/// What a busy machine makes of it: a late cycle, one and two lost ones, a stamp that comes twice,
+/// and three longer gaps.
 fn of_a_busy_machine(mut cycles: Vec<Cycle>) -> Vec<Cycle> {
     cycles[9_000].time += 6e-4;
     (cycles[9_500].time, cycles[9_501].time) = (9.501_9, 9.501_95);
@@ -105,7 +107,11 @@ fn table(folder: &Path, cycles: &[Cycle]) -> PathBuf {
 }
 
 fn frictionlab(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_frictionlab")).args(arguments).current_dir(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_frictionlab"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 /// Runs it, expects success and returns what it printed.
@@ -138,8 +144,10 @@ fn a_drive_is_identified_from_a_bag_with_late_and_missing_cycles_as_from_a_whole
     assert_eq!(document["recordings"][0]["timing"]["filled"], 3);
     let page = fs::read_to_string(here.join("found/report.html")).unwrap();
     assert!(page.contains(SAID));
-    for (name, truth) in [("gain", 1.862_54), ("time_constant", 0.023_88), ("inertia", 2.647_57e-3)] {
-        let estimate = document["estimates"].as_array().unwrap().iter().find(|e| e["name"] == name).unwrap();
+    for (name, truth) in [("gain", 1.862_54), ("time_constant", 0.023_88), ("inertia", 2.647_57e-3)]
+    {
+        let estimate =
+            document["estimates"].as_array().unwrap().iter().find(|e| e["name"] == name).unwrap();
         let value = estimate["value"].as_f64().unwrap();
         assert!((value / truth - 1.0).abs() < 0.01, "{name}: {value}");
     }
@@ -160,7 +168,8 @@ fn late_stamps_cost_nothing_where_the_rig_tells_its_time() {
     assert!(said.contains(SAID) && !said.contains("came late"), "{said}");
     let axis = ok(here, &["identify", "bag", "--torque-from-voltage", "--out", "axis"]);
     assert!(axis.contains(SAID) && !axis.contains("came late"), "{axis}");
-    let friction = ok(here, &["identify", "bag", "--model", "stribeck", "--no-joint", "--out", "friction"]);
+    let friction =
+        ok(here, &["identify", "bag", "--model", "stribeck", "--no-joint", "--out", "friction"]);
     assert!(friction.contains(SAID) && !friction.contains("came late"), "{friction}");
 }
 
@@ -187,8 +196,10 @@ fn friction_and_inertia_are_identified_from_a_bag_with_late_and_missing_cycles()
     assert_eq!(document["recording"]["timing"]["gaps"], 3);
     let inertia = document["symmetric"]["parameters"]["inertia"]["value"].as_f64().unwrap();
     assert!((inertia / 2.647_57e-3 - 1.0).abs() < 0.02, "{inertia}");
-    let friction =
-        ok(here, &["identify", "bag", "--model", "coulomb_viscous", "--no-joint", "--out", "friction"]);
+    let friction = ok(
+        here,
+        &["identify", "bag", "--model", "coulomb_viscous", "--no-joint", "--out", "friction"],
+    );
     assert!(friction.contains(SAID), "{friction}");
     let document = json(&here.join("friction/identification.json"));
     assert_eq!(document["files"][0]["timing"]["missing"], 12);
@@ -197,7 +208,8 @@ fn friction_and_inertia_are_identified_from_a_bag_with_late_and_missing_cycles()
     ok(here, &[&["identify", "bag", "--torque-from-voltage"][..], &structure].concat());
 }
 
-/// Its bag has constant velocities at 50 Hz, tracking at 1000 Hz and at 100 Hz, with pauses between the runs.
+/// Its bag has constant velocities at 50 Hz, tracking at 1000 Hz and at 100 Hz, with pauses between
+/// the runs.
 #[test]
 fn the_thinned_bag_of_a_run_is_identified() {
     let folder = folder();
@@ -207,7 +219,8 @@ fn the_thinned_bag_of_a_run_is_identified() {
     assert!(said.contains("at another rate than most samples have"), "{said}");
     assert!(!said.contains("one control cycle in"), "{said}");
     ok(here, &["run", "constant-velocity", "--quick", "--quiet", "--out", "steady"]);
-    let said = ok(here, &["identify-drive", "steady/bag", "--gear-ratio", "70", "--out", "steady-drive"]);
+    let said =
+        ok(here, &["identify-drive", "steady/bag", "--gear-ratio", "70", "--out", "steady-drive"]);
     assert!(said.contains("one control cycle in 20 was recorded"), "{said}");
     ok(here, &["identify", "run/bag", "--torque-from-voltage", "--out", "axis"]);
     ok(here, &["identify", "run/bag", "--model", "stribeck", "--no-joint", "--out", "friction"]);
@@ -237,7 +250,16 @@ fn what_was_designed_and_what_was_identified_go_into_one_run() {
     ok(here, &["run", "constant-velocity", "--quick", "--quiet", "--out", "run"]);
     ok(
         here,
-        &["design", "velocity", "--steady-state-error", "0.01", "--crossover", "110", "--out", "design"],
+        &[
+            "design",
+            "velocity",
+            "--steady-state-error",
+            "0.01",
+            "--crossover",
+            "110",
+            "--out",
+            "design",
+        ],
     );
     let points = "velocity_rad_s,torque_Nm\n0.05,0.1\n0.1,0.098\n0.3,0.1\n0.5,0.109\n1.0,0.13\n2.0,0.17\n3.0,0.21\n4.0,0.25\n-0.05,-0.1\n-0.3,-0.1\n-1.0,-0.13\n-3.0,-0.21\n";
     fs::write(here.join("points.csv"), points).unwrap();
@@ -262,8 +284,9 @@ fn what_was_designed_and_what_was_identified_go_into_one_run() {
         let document = json(&here.join(&name).join("run.json"));
         let origin = |path: &str| document["origin"][path]["file"].as_str().map(str::to_owned);
         let of = |file: &str| [first, second].contains(&file);
-        let later =
-            |a: &str, b: &str| if of(a) && (second == a || !of(b)) { Some(a.to_owned()) } else { None };
+        let later = |a: &str, b: &str| {
+            if of(a) && (second == a || !of(b)) { Some(a.to_owned()) } else { None }
+        };
         let lag = later(design, run).or(later(run, design));
         assert_eq!(origin("controller.lag.k_p"), lag, "{first}, {second}");
         let level = later(identified, run).or(later(run, identified));
@@ -274,7 +297,8 @@ fn what_was_designed_and_what_was_identified_go_into_one_run() {
         assert!(!yaml.contains("identified by this run"));
     }
     // A wrong file is named.
-    let wrong = frictionlab(here, &["run", "--quick", "--parameters", run, "--parameters", "points.csv"]);
+    let wrong =
+        frictionlab(here, &["run", "--quick", "--parameters", run, "--parameters", "points.csv"]);
     assert_eq!(wrong.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&wrong.stderr).contains("points.csv"));
 }

@@ -1,10 +1,11 @@
-//! Setting a rig up: calibration finds what is wrong with a simulated rig's wiring, and with it the rig is right.
+//! Setting a rig up: calibration finds what is wrong with a simulated rig's wiring, and with it the
+//! rig is right.
 
 use std::sync::atomic::AtomicBool;
 
 use experiment_runner::rig::{
-    Findings, Procedure, RigChoice, RigSetup, RigSetupError, Session, read_calibration, render_calibration,
-    run_procedure,
+    Findings, Procedure, RigChoice, RigSetup, RigSetupError, Session, read_calibration,
+    render_calibration, run_procedure,
 };
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{Calibration, Miswiring, Sign};
@@ -12,11 +13,19 @@ use rig_driver::{Calibration, Miswiring, Sign};
 /// Breakaway voltage of the plant: F_s = .0994 N m times 4.8426 V/(N m).
 const BREAKAWAY: f64 = 0.4814;
 
-fn set_up(wiring: &str, calibration: Option<Calibration>, seed: u64) -> Result<Findings, RigSetupError> {
+fn set_up(
+    wiring: &str,
+    calibration: Option<Calibration>,
+    seed: u64,
+) -> Result<Findings, RigSetupError> {
     let wiring = (!wiring.is_empty()).then(|| wiring.parse::<Miswiring>().unwrap());
     let plant = AnyModel::test_bed(ModelName::Proposed);
-    let opened =
-        RigChoice::Simulated.open(plant, seed, wiring, RigSetup { calibration, ..Default::default() })?;
+    let opened = RigChoice::Simulated.open(
+        plant,
+        seed,
+        wiring,
+        RigSetup { calibration, ..Default::default() },
+    )?;
     let stop = AtomicBool::new(false);
     run_procedure(&mut Session::new(opened, 2.0, &stop)?, &Procedure::default(), |_| {})
 }
@@ -36,17 +45,24 @@ fn a_rig_wired_right_passes_the_check_and_shows_its_breakaway_voltage() {
     assert_eq!(wrong(&found), Vec::<&str>::new());
     for deadband in [found.deadband_forward, found.deadband_backward] {
         let off = deadband.value - BREAKAWAY;
-        assert!(off.abs() < 3.0 * deadband.standard_error && deadband.standard_error < 0.03, "{deadband:?}");
+        assert!(
+            off.abs() < 3.0 * deadband.standard_error && deadband.standard_error < 0.03,
+            "{deadband:?}"
+        );
     }
 }
 
-/// Gain and zeros lie within four standard errors of what the wiring was given, on many seeds, and the errors are small enough to be of use.
+/// Gain and zeros lie within four standard errors of what the wiring was given, on many seeds, and
+/// the errors are small enough to be of use.
 #[test]
 fn calibration_finds_the_mistakes_that_were_made() {
     for seed in 1..=6 {
-        let found =
-            set_up("encoder,tachometer=-0.9,tachometer-zero=0.05,torque,torque-zero=-0.08", None, seed)
-                .unwrap();
+        let found = set_up(
+            "encoder,tachometer=-0.9,tachometer-zero=0.05,torque,torque-zero=-0.08",
+            None,
+            seed,
+        )
+        .unwrap();
         assert_eq!((found.encoder_sign, found.torque_sign), (Sign::Reversed, Some(Sign::Reversed)));
         let gain = found.tachometer_gain.unwrap();
         for (what, value, truth, useful) in [
@@ -55,7 +71,10 @@ fn calibration_finds_the_mistakes_that_were_made() {
             ("torque zero", found.torque_zero, -0.08, 1e-3),
         ] {
             let off = (value.value - truth).abs();
-            assert!(off < 4.0 * value.standard_error, "{what}, seed {seed}: {value:?}, not {truth}");
+            assert!(
+                off < 4.0 * value.standard_error,
+                "{what}, seed {seed}: {value:?}, not {truth}"
+            );
             assert!(value.standard_error < useful, "{what}: {value:?}");
         }
         assert_eq!(
@@ -67,9 +86,11 @@ fn calibration_finds_the_mistakes_that_were_made() {
 
 #[test]
 fn with_the_file_that_calibration_writes_the_same_rig_passes_the_check() {
-    for wiring in
-        ["encoder,tachometer=0.9,torque-zero=0.05", "motor", "tachometer=-1.3,tachometer-zero=-0.2,torque"]
-    {
+    for wiring in [
+        "encoder,tachometer=0.9,torque-zero=0.05",
+        "motor",
+        "tachometer=-1.3,tachometer-zero=-0.2,torque",
+    ] {
         let found = set_up(wiring, None, 3).unwrap();
         assert!(!wrong(&found).is_empty(), "{wiring}");
         let file = render_calibration(&found, &RigChoice::Simulated);
@@ -105,7 +126,9 @@ fn plugs_that_are_out_are_named() {
 #[test]
 fn a_session_stops_when_it_is_told_to_and_refuses_voltages_above_the_rigs() {
     let open = || {
-        RigChoice::Simulated.open(AnyModel::test_bed(ModelName::LuGre), 1, None, RigSetup::default()).unwrap()
+        RigChoice::Simulated
+            .open(AnyModel::test_bed(ModelName::LuGre), 1, None, RigSetup::default())
+            .unwrap()
     };
     let stop = AtomicBool::new(true);
     let mut session = Session::new(open(), 2.0, &stop).unwrap();

@@ -1,4 +1,5 @@
-//! `frictionlab models` and `frictionlab simulate`, as a person uses them: the built program, files in, files and words out.
+//! `frictionlab models` and `frictionlab simulate`, as a person uses them: the built program, files
+//! in, files and words out.
 
 use std::fmt::Write;
 use std::fs;
@@ -46,8 +47,8 @@ impl Desk {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Runs it, expects it to refuse in one paragraph with exit code 2 and to leave the folder as it was; the
-    /// paragraph must contain all `parts`.
+    /// Runs it, expects it to refuse in one paragraph with exit code 2 and to leave the folder as
+    /// it was; the paragraph must contain all `parts`.
     fn refused(&self, args: &[&str], parts: &[&str]) {
         let before = self.names();
         let output = self.run(args);
@@ -64,7 +65,8 @@ impl Desk {
     /// The file `friction.csv`: its header, and its rows.
     fn result(&self) -> (Vec<String>, Vec<Vec<String>>) {
         let text = fs::read_to_string(self.path("friction.csv")).unwrap();
-        let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        let mut lines =
+            text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
         let head = lines.next().unwrap();
         let rows: Vec<_> = lines.collect();
         assert!(rows.iter().all(|row| row.len() == head.len()));
@@ -78,7 +80,8 @@ impl Desk {
     }
 }
 
-/// The motion of `friction_model/tests/reference/ref_testbed.csv`, at steps of .4 and .6 ms in turn.
+/// The motion of `friction_model/tests/reference/ref_testbed.csv`, at steps of .4 and .6 ms in
+/// turn.
 fn test_bed_motion() -> String {
     let mut text = "t_s,velocity_rad_s\n".to_owned();
     for k in 0..=16_000 {
@@ -101,8 +104,10 @@ fn lugre_and_the_proposed_model_follow_the_reference() {
     let desk = Desk::new();
     desk.file("motion.csv", &test_bed_motion());
     for (model, column) in [("lugre", "LuGre"), ("proposed", "Proposed")] {
-        let common = ["--force", "--model", model, "--velocity", "motion.csv", "--out", "friction.csv"];
-        let printed = desk.ok(&[&["simulate", "--scheme", "rk4", "--dt", "1e-5"][..], &common].concat());
+        let common =
+            ["--force", "--model", model, "--velocity", "motion.csv", "--out", "friction.csv"];
+        let printed =
+            desk.ok(&[&["simulate", "--scheme", "rk4", "--dt", "1e-5"][..], &common].concat());
         assert!(printed.contains("16001 rows") && printed.contains("friction.csv"), "{printed}");
         let index = head.iter().position(|name| *name == column).unwrap();
         let largest = || {
@@ -158,7 +163,10 @@ fn every_model_can_be_listed_and_simulated_from_its_own_file() {
                         if head == "regime" {
                             assert!(cell == "stick" || cell == "slip", "{name}: {cell}");
                         } else {
-                            assert!(cell.parse::<f64>().unwrap().is_finite(), "{name}, {head}: {cell}");
+                            assert!(
+                                cell.parse::<f64>().unwrap().is_finite(),
+                                "{name}, {head}: {cell}"
+                            );
                         }
                     }
                 }
@@ -166,7 +174,10 @@ fn every_model_can_be_listed_and_simulated_from_its_own_file() {
                 let (forces, velocities) = (desk.column("force_N"), desk.column("velocity_m_s"));
                 let at = |t: f64| (100.0 * t) as usize;
                 for t in [0.26, 0.78] {
-                    assert!(forces[at(t)] * velocities[at(t)] > 0.0, "{name}, {set}, {scheme} at {t} s");
+                    assert!(
+                        forces[at(t)] * velocities[at(t)] > 0.0,
+                        "{name}, {set}, {scheme} at {t} s"
+                    );
                 }
             }
             desk.ok(&[&common[..], &["--load-gain", "0.1"]].concat());
@@ -179,14 +190,19 @@ fn every_model_can_be_listed_and_simulated_from_its_own_file() {
 fn asymmetric_files_and_the_file_of_a_run_are_accepted() {
     let desk = Desk::new();
     desk.file("motion.csv", "t_s,velocity_rad_s\n0,1\n5,1\n5.001,-1\n10,-1\n");
-    let side =
-        |f_c: f64| format!("{{f_s: {f_c}, f_c: {f_c}, v_s: 0.1, sigma0: 20.0, sigma1: 0.1, f_v: 0.0}}");
+    let side = |f_c: f64| {
+        format!("{{f_s: {f_c}, f_c: {f_c}, v_s: 0.1, sigma0: 20.0, sigma1: 0.1, f_v: 0.0}}")
+    };
     let (forward, backward) = (side(0.2), side(0.3));
-    let common = ["simulate", "--force", "--velocity", "motion.csv", "--out", "friction.csv", "--params"];
+    let common =
+        ["simulate", "--force", "--velocity", "motion.csv", "--out", "friction.csv", "--params"];
     let ends = |files: &[&str]| {
         desk.ok(&[&common[..], files, &["-q", "--dt", "1e-3"]].concat());
         let forces = desk.column("torque_Nm");
-        assert!((forces[1] - 0.2).abs() < 1e-9 && (forces[3] + 0.3).abs() < 1e-9, "{files:?}: {forces:?}");
+        assert!(
+            (forces[1] - 0.2).abs() < 1e-9 && (forces[3] + 0.3).abs() < 1e-9,
+            "{files:?}: {forces:?}"
+        );
     };
     let both = format!("lugre: {{forward: {forward}, backward: {backward}}}");
     desk.file("both.yaml", &format!("asymmetric: {{{both}}}\n"));
@@ -201,7 +217,10 @@ fn asymmetric_files_and_the_file_of_a_run_are_accepted() {
         ),
     );
     ends(&["ros.yaml"]);
-    desk.refused(&[&common[..], &["ros.yaml", "--model", "viscous"]].concat(), &["ros.yaml", "viscous"]);
+    desk.refused(
+        &[&common[..], &["ros.yaml", "--model", "viscous"]].concat(),
+        &["ros.yaml", "viscous"],
+    );
 }
 
 #[test]
@@ -254,7 +273,11 @@ fn bad_input_is_refused_and_nothing_is_written() {
     simulate(&["--params", "absent.yaml"], &["absent.yaml"]);
     let files: [(&str, &str, &[&str]); 5] = [
         ("unknown.yaml", "coulomb: {f_c: 1.0, f_x: 1.0}", &["unknown.yaml", "`coulomb`", "f_x"]),
-        ("range.yaml", "coulomb: {f_c: -1.0}", &["range.yaml", "coulomb.f_c", "above zero", "-1 N m"]),
+        (
+            "range.yaml",
+            "coulomb: {f_c: -1.0}",
+            &["range.yaml", "coulomb.f_c", "above zero", "-1 N m"],
+        ),
         ("missing.yaml", "viscous: {}", &["missing.yaml", "f_v"]),
         ("nameless.yaml", "f_c: 1.0", &["nameless.yaml", "names no model", "--model"]),
         ("broken.yaml", "lugre: {f_s: [", &["broken.yaml", "cannot be used"]),
@@ -270,14 +293,18 @@ fn bad_input_is_refused_and_nothing_is_written() {
     simulate(&["--model", "lugre", "--load-gain", "-1"], &["--load-gain", "zero or more", "-1"]);
     simulate(&["--model", "lugre", "--out", "motion.csv"], &["motion.csv", "is read"]);
     desk.file("taken", "");
-    simulate(&["--model", "lugre", "--out", "taken/friction.csv"], &["taken/friction.csv", "--out"]);
+    simulate(
+        &["--model", "lugre", "--out", "taken/friction.csv"],
+        &["taken/friction.csv", "--out"],
+    );
     fs::create_dir(desk.path("folder")).unwrap();
     simulate(&["--model", "lugre", "--out", "folder"], &["folder", "--out"]);
     desk.refused(&["models", "--yaml"], &["--yaml", "frictionlab models lugre --yaml"]);
     desk.refused(&["models", "lugri"], &["lugri"]);
 }
 
-/// A step that is too long for Runge and Kutta is told, with the way out, and the other scheme takes it.
+/// A step that is too long for Runge and Kutta is told, with the way out, and the other scheme
+/// takes it.
 #[test]
 fn a_diverging_integration_is_no_result() {
     let desk = Desk::new();

@@ -25,8 +25,16 @@ fn a_refusal_names_the_option_the_value_and_what_was_meant() {
         (vec!["protocols", "pre-slidng"], &["did you mean `pre-sliding`?"], "panicked"),
         (vec!["run", "--means", "feedbck"], &["feedback"], "panicked"),
         (vec!["run", "--voltage-limit", "240"], &["--voltage-limit", "240"], "rig's parameters"),
-        ([&specification[..], &["-5"]].concat(), &["--overshoot", "is -5 %"], "controller's parameters"),
-        (vec!["design", "velocity", "--gains", "-1,2"], &["k_p of --gains", "-1"], "controller's parameters"),
+        (
+            [&specification[..], &["-5"]].concat(),
+            &["--overshoot", "is -5 %"],
+            "controller's parameters",
+        ),
+        (
+            vec!["design", "velocity", "--gains", "-1,2"],
+            &["k_p of --gains", "-1"],
+            "controller's parameters",
+        ),
     ] {
         let output = run(folder, &args);
         let said = String::from_utf8_lossy(&output.stderr);
@@ -71,7 +79,9 @@ fn each_signal_has_its_exit_code() {
             std::thread::yield_now();
         }
         let pid = child.id().to_string();
-        assert!(Command::new("kill").args([&format!("-{signal}"), &pid]).status().unwrap().success());
+        assert!(
+            Command::new("kill").args([&format!("-{signal}"), &pid]).status().unwrap().success()
+        );
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "SIG{signal}: {said}");

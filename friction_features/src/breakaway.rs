@@ -1,12 +1,13 @@
-//! Breakaway: a body at rest is loaded at a constant force rate until it slides (thesis section 3.6.2, figure 3.37).
+//! Breakaway: a body at rest is loaded at a constant force rate until it slides (thesis section
+//! 3.6.2, figure 3.37).
 //!
 //! Two measures are in use, and they disagree about what the rate does:
 //!
-//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs. It falls with the
-//!   rate: while the contact breaks away the body gains speed, and friction is already on the falling part of the
-//!   Stribeck curve;
-//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as well, and whether
-//!   it rises or falls with the rate depends on the Stribeck velocity.
+//! * the largest friction before the body has moved 2 cm, and the displacement at which it occurs.
+//!   It falls with the rate: while the contact breaks away the body gains speed, and friction is
+//!   already on the falling part of the Stribeck curve;
+//! * the applied force when the velocity first exceeds a threshold. It holds the inertia force as
+//!   well, and whether it rises or falls with the rate depends on the Stribeck velocity.
 
 use friction_model::{Drive, Moment};
 use serde::{Deserialize, Serialize};
@@ -54,10 +55,12 @@ pub struct Breakaway {
     pub rate: f64,
     /// Largest friction up to the displacement `within` [N or N m].
     pub friction_max: f64,
-    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak, because it does not
-    /// fall by a thousandth of its largest value afterwards. Zero for models that hold without pre-sliding.
+    /// Displacement at which friction is largest [m or rad]; `None` where friction has no peak,
+    /// because it does not fall by a thousandth of its largest value afterwards. Zero for models
+    /// that hold without pre-sliding.
     pub displacement: Option<f64>,
-    /// Applied force when the velocity first exceeds the threshold [N or N m]; `None` if it never does.
+    /// Applied force when the velocity first exceeds the threshold [N or N m]; `None` if it never
+    /// does.
     pub applied_at_threshold: Option<f64>,
     /// The run up to the displacement `within`.
     pub course: BreakawayCourse,
@@ -65,7 +68,8 @@ pub struct Breakaway {
     pub evidence: Evidence,
 }
 
-/// A record of the run with a point for every 300th of the load or of the displacement, thinned to at most 500.
+/// A record of the run with a point for every 300th of the load or of the displacement, thinned to
+/// at most 500.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakawayCourse {
     /// Applied force [N or N m].
@@ -85,13 +89,21 @@ pub fn breakaway(contact: &Contact, settings: &BreakawaySettings) -> Vec<Breakaw
     settings.rates.iter().map(|&rate| at_rate(contact, settings, &scales, rate)).collect()
 }
 
-fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales, rate: f64) -> Breakaway {
-    // The velocity that the whole excess of a load a fifth above breakaway would give over the whole displacement:
-    // twice what it comes to. So the first step is short of the limit of stability, and the second is accurate.
+fn at_rate(
+    contact: &Contact,
+    settings: &BreakawaySettings,
+    scales: &TimeScales,
+    rate: f64,
+) -> Breakaway {
+    // The velocity that the whole excess of a load a fifth above breakaway would give over the
+    // whole displacement: twice what it comes to. So the first step is short of the limit of
+    // stability, and the second is accurate.
     let load = settings.limit.min(1.2 * scales.highest_level);
     let excess = (load - scales.lowest_level).max(0.0);
-    let fastest = (0.5 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);
-    let first = scales.body(settings.inertia, fastest).min(1e-3 * load.max(0.1 * settings.limit) / rate);
+    let fastest =
+        (0.5 * excess * settings.within / settings.inertia).sqrt().max(settings.threshold);
+    let first =
+        scales.body(settings.inertia, fastest).min(1e-3 * load.max(0.1 * settings.limit) / rate);
     let (mut result, evidence) = with_step(
         settings.step,
         first,
@@ -101,7 +113,11 @@ fn at_rate(contact: &Contact, settings: &BreakawaySettings, scales: &TimeScales,
             let scale = 1e-2 * settings.within;
             let displacement = displacement.map(|value| Figure { value, scale });
             let applied = applied_at_threshold.map(Figure::relative);
-            [Figure::relative(friction_max)].into_iter().chain(displacement).chain(applied).collect()
+            [Figure::relative(friction_max)]
+                .into_iter()
+                .chain(displacement)
+                .chain(applied)
+                .collect()
         },
     );
     result.evidence = evidence;

@@ -1,11 +1,13 @@
-//! Any model behind one set of virtual calls, so that an experiment is compiled once and not once a model.
+//! Any model behind one set of virtual calls, so that an experiment is compiled once and not once a
+//! model.
 
 use friction_model::{
-    AnyModel, AnyStepper, Body, ContinuousState, Drive, FrictionModel, Holding, Internals, ModelName,
-    ModelVisitor, Moment, State, TimeStep, rk4,
+    AnyModel, AnyStepper, Body, ContinuousState, Drive, FrictionModel, Holding, Internals,
+    ModelName, ModelVisitor, Moment, State, TimeStep, rk4,
 };
 
-/// A friction model for experiments: what it says without a state, and experiments started with it at rest.
+/// A friction model for experiments: what it says without a state, and experiments started with it
+/// at rest.
 pub struct Contact {
     model: AnyModel,
     erased: Box<dyn Erased>,
@@ -30,7 +32,8 @@ impl Contact {
         self.model.name()
     }
 
-    /// The force after a long time at constant `velocity` [N or N m], see [`FrictionModel::steady_state`].
+    /// The force after a long time at constant `velocity` [N or N m], see
+    /// [`FrictionModel::steady_state`].
     #[must_use]
     pub fn steady_state(&self, velocity: f64) -> f64 {
         self.model.steady_state(velocity)
@@ -42,8 +45,9 @@ impl Contact {
         self.erased.viscous(velocity)
     }
 
-    /// How a model discontinuous at zero velocity holds there while the applied force changes at `force_rate` [N/s
-    /// or N m/s]; `None` for models that describe pre-sliding themselves, see [`FrictionModel::holding`].
+    /// How a model discontinuous at zero velocity holds there while the applied force changes at
+    /// `force_rate` [N/s or N m/s]; `None` for models that describe pre-sliding themselves, see
+    /// [`FrictionModel::holding`].
     #[must_use]
     pub fn holding(&self, force_rate: f64) -> Option<Holding> {
         self.erased.holding(force_rate)
@@ -55,13 +59,15 @@ impl Contact {
         self.erased.prescribed()
     }
 
-    /// The contact at rest, to be moved with a prescribed velocity by the fixed-step form with the period `dt`.
+    /// The contact at rest, to be moved with a prescribed velocity by the fixed-step form with the
+    /// period `dt`.
     #[must_use]
     pub fn fixed_step(&self, dt: TimeStep) -> AnyStepper {
         self.model.start(dt)
     }
 
-    /// A body of `inertia` [kg or kg m^2], above zero, at rest on the contact. Its driver has one state.
+    /// A body of `inertia` [kg or kg m^2], above zero, at rest on the contact. Its driver has one
+    /// state.
     #[must_use]
     pub fn body(&self, inertia: f64) -> Box<dyn FreeBody> {
         self.erased.body(inertia)
@@ -70,8 +76,8 @@ impl Contact {
 
 /// A contact under a prescribed velocity, integrated by [`rk4::step`].
 pub trait Prescribed {
-    /// Advances by `dt` [s] under the velocity at the start, the middle and the end of the step [m/s or rad/s]; returns the
-    /// force at the end [N or N m].
+    /// Advances by `dt` [s] under the velocity at the start, the middle and the end of the step
+    /// [m/s or rad/s]; returns the force at the end [N or N m].
     fn step(&mut self, velocities: [f64; 3], dt: f64) -> f64;
 
     /// The force now, at `velocity` [N or N m].
@@ -210,7 +216,10 @@ mod tests {
             own.advance(1e-3, drive);
             assert_eq!(body.moment(), own.moment());
             assert_eq!(body.friction(0.0), own.friction(0.0));
-            assert_eq!(body.internals(), model.internals(own.friction_state(), own.moment().velocity));
+            assert_eq!(
+                body.internals(),
+                model.internals(own.friction_state(), own.moment().velocity)
+            );
         }
         assert!(body.moment().driver[0] != 0.0);
     }

@@ -6,16 +6,18 @@
 //! N(A, w) = (b1 + j a1) / A        b1 = (2/T) int_0^T F sin(w t) dt,   a1 = (2/T) int_0^T F cos(w t) dt
 //! ```
 //!
-//! (thesis eqs. 3.46 to 3.50). `b1` is in phase with the displacement and acts like a spring, `a1` is in phase with the velocity
-//! and acts like a damper. A cycle dissipates `pi A a1`, the area of the loop in the plane of force over displacement. So a
-//! contact that dissipates has `Im N > 0`: **friction leads the displacement**.
+//! (thesis eqs. 3.46 to 3.50). `b1` is in phase with the displacement and acts like a spring, `a1`
+//! is in phase with the velocity and acts like a damper. A cycle dissipates `pi A a1`, the area of
+//! the loop in the plane of force over displacement. So a contact that dissipates has `Im N > 0`:
+//! **friction leads the displacement**.
 //!
-//! [`measure`] finds N for any model by simulation, at the frequency asked for, because dynamic models depend on it.
-//! [`closed_form`] has the formulas for Coulomb, viscous and elastic-perfectly-plastic friction and for the hysteresis of the
-//! thesis's own model.
+//! [`measure`] finds N for any model by simulation, at the frequency asked for, because dynamic
+//! models depend on it. [`closed_form`] has the formulas for Coulomb, viscous and
+//! elastic-perfectly-plastic friction and for the hysteresis of the thesis's own model.
 //!
-//! What it can tell: the first harmonic, hence oscillations of a loop whose linear part removes the others (see
-//! [`crate::limit_cycle`]). What it cannot: sticking, and anything that is not nearly a sine.
+//! What it can tell: the first harmonic, hence oscillations of a loop whose linear part removes the
+//! others (see [`crate::limit_cycle`]). What it cannot: sticking, and anything that is not nearly a
+//! sine.
 
 pub mod closed_form;
 
@@ -77,7 +79,8 @@ impl Harmonic {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheme {
-    /// The model's fixed-step form under the velocity in the middle of the step: stable for every model.
+    /// The model's fixed-step form under the velocity in the middle of the step: stable for every
+    /// model.
     FixedStep,
     /// Classical Runge-Kutta. It must be stable at this step, see [`friction_model::rk4::step`].
     RungeKutta,
@@ -86,8 +89,8 @@ pub enum Scheme {
 /// How finely and how long [`measure`] looks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sampling {
-    /// Steps in a period, rounded up to a multiple of four so that no sample meets a reversal. With the fixed-step form there
-    /// are at least as many as its longest step of 10 ms needs.
+    /// Steps in a period, rounded up to a multiple of four so that no sample meets a reversal. With
+    /// the fixed-step form there are at least as many as its longest step of 10 ms needs.
     pub steps: u32,
     /// Periods that pass before the one that is analysed.
     pub settling: u32,
@@ -102,10 +105,12 @@ impl Default for Sampling {
     }
 }
 
-/// Describing function of `model` under `amplitude` [m or rad] times `sin(w t)` with `w` the `angular_frequency` [rad/s].
+/// Describing function of `model` under `amplitude` [m or rad] times `sin(w t)` with `w` the
+/// `angular_frequency` [rad/s].
 ///
-/// The contact starts at rest and unloaded. Samples lie in the middle of the steps, where the velocity is never exactly zero; the
-/// sums over them converge with the square of the step, for continuous and for switching forces alike.
+/// The contact starts at rest and unloaded. Samples lie in the middle of the steps, where the
+/// velocity is never exactly zero; the sums over them converge with the square of the step, for
+/// continuous and for switching forces alike.
 ///
 /// # Errors
 /// [`HarmonicError`] unless amplitude and frequency are finite and above zero.
@@ -125,14 +130,17 @@ pub fn measure<M: FrictionModel>(
     let steps = f64::from(sampling.steps).max(period / longest).max(4.0);
     let steps = 4.0 * (steps / 4.0).ceil();
     let h = period / steps;
-    let velocity = |sample: f64| amplitude * angular_frequency * (TAU * (sample + 0.5) / steps).cos();
+    let velocity =
+        |sample: f64| amplitude * angular_frequency * (TAU * (sample + 0.5) / steps).cos();
 
     let discrete = match sampling.scheme {
-        Scheme::FixedStep => Some(model.discretise(TimeStep::new(h).map_err(|_| HarmonicError {
-            what: "the angular frequency [rad/s]",
-            expected: "low enough for a step above zero",
-            value: angular_frequency,
-        })?)),
+        Scheme::FixedStep => {
+            Some(model.discretise(TimeStep::new(h).map_err(|_| HarmonicError {
+                what: "the angular frequency [rad/s]",
+                expected: "low enough for a step above zero",
+                value: angular_frequency,
+            })?))
+        }
         Scheme::RungeKutta => None,
     };
     let steps = steps as u64;
@@ -160,14 +168,19 @@ pub fn measure<M: FrictionModel>(
         }
     }
     let scale = 2.0 / steps as f64;
-    Ok(Harmonic { amplitude, angular_frequency, in_phase: scale * in_phase, quadrature: scale * quadrature })
+    Ok(Harmonic {
+        amplitude,
+        angular_frequency,
+        in_phase: scale * in_phase,
+        quadrature: scale * quadrature,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use friction_model::{
-        AnyModel, Coulomb, CoulombParameters, LuGre, ModelName, ModelVisitor, Proposed, ProposedParameters,
-        Viscous, ViscousParameters,
+        AnyModel, Coulomb, CoulombParameters, LuGre, ModelName, ModelVisitor, Proposed,
+        ProposedParameters, Viscous, ViscousParameters,
     };
 
     use super::closed_form::{SineHysteresis, coulomb, viscous};
@@ -197,7 +210,8 @@ mod tests {
         }
     }
 
-    /// With `F_c = F_s` there is no lag, and with a small `sigma` the contact follows its hysteresis, slip included.
+    /// With `F_c = F_s` there is no lag, and with a small `sigma` the contact follows its
+    /// hysteresis, slip included.
     #[test]
     fn the_proposed_model_moved_slowly_shows_its_hysteresis() {
         let (f_s, z_b) = (1.0, 1e-3);
@@ -237,7 +251,8 @@ mod tests {
         type Output = ();
 
         fn visit<M: FrictionModel>(self, model: M) {
-            // 6e-3 rad is the breakaway deflection; slow enough that models with damping stay passive.
+            // 6e-3 rad is the breakaway deflection; slow enough that models with damping stay
+            // passive.
             for amplitude in [2e-3, 2e-2, 0.5] {
                 let found = measure(&model, amplitude, 1.0, &Sampling::default()).unwrap();
                 // Bristles that are springs, and no more, dissipate nothing until they slip.
@@ -258,7 +273,9 @@ mod tests {
     #[test]
     fn impossible_inputs_are_refused() {
         let model = Coulomb::test_bed();
-        for (amplitude, w) in [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, 0.0), (1.0, f64::INFINITY)] {
+        for (amplitude, w) in
+            [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, 0.0), (1.0, f64::INFINITY)]
+        {
             let error = measure(&model, amplitude, w, &Sampling::default()).unwrap_err();
             assert!(error.to_string().contains("above zero"), "{error}");
         }

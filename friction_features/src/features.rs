@@ -4,10 +4,11 @@ use friction_model::{AnyModel, ModelName};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Breakaway, BreakawaySettings, Contact, Evidence, FrictionalLag, FrictionalLagSettings, NonDrift,
-    NonDriftSettings, NonLocalMemory, NonLocalMemorySettings, Sensitivity, SensitivitySettings, SteadyState,
-    SteadyStateSettings, StickSlip, StickSlipSettings, ZeroCrossing, ZeroCrossingSettings, breakaway,
-    frictional_lag, non_drift, non_local_memory, sensitivity, steady_state, stick_slip, zero_crossing,
+    Breakaway, BreakawaySettings, Contact, Evidence, FrictionalLag, FrictionalLagSettings,
+    NonDrift, NonDriftSettings, NonLocalMemory, NonLocalMemorySettings, Sensitivity,
+    SensitivitySettings, SteadyState, SteadyStateSettings, StickSlip, StickSlipSettings,
+    ZeroCrossing, ZeroCrossingSettings, breakaway, frictional_lag, non_drift, non_local_memory,
+    sensitivity, steady_state, stick_slip, zero_crossing,
 };
 
 /// The experiments of a whole set.
@@ -18,12 +19,13 @@ pub struct FeatureSettings {
     pub stick_slip: StickSlipSettings,
     /// Drift.
     pub non_drift: NonDriftSettings,
-    /// Memory; the amplitudes of [`NonLocalMemorySettings::chapter_3`] if left out and the model has the parameters
-    /// of chapter 3.
+    /// Memory; the amplitudes of [`NonLocalMemorySettings::chapter_3`] if left out and the model
+    /// has the parameters of chapter 3.
     pub non_local_memory: Option<NonLocalMemorySettings>,
     /// Breakaway.
     pub breakaway: BreakawaySettings,
-    /// Frictional lag with the parameters of chapter 3; [`FrictionalLagSettings::chapter_3`] if left out.
+    /// Frictional lag with the parameters of chapter 3; [`FrictionalLagSettings::chapter_3`] if
+    /// left out.
     pub frictional_lag: Option<FrictionalLagSettings>,
     /// Frictional lag with the parameters of the test bed.
     pub test_bed_lag: FrictionalLagSettings,
@@ -35,8 +37,9 @@ pub struct FeatureSettings {
     pub sensitivity: SensitivitySettings,
 }
 
-/// Everything that tells one model from the others. All with one set of parameters, for the thesis's comparison
-/// those of chapter 3, but for the frictional lag, which is also measured with a second one, those of the test bed.
+/// Everything that tells one model from the others. All with one set of parameters, for the
+/// thesis's comparison those of chapter 3, but for the frictional lag, which is also measured with
+/// a second one, those of the test bed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Features {
     /// The model.
@@ -61,15 +64,19 @@ pub struct Features {
     pub sensitivity: Sensitivity,
 }
 
-/// All features of the model `chapter_3`, with those of the test bed from `test_bed`. Takes up to some seconds for
-/// stiff models; to show progress, call the experiments one by one.
+/// All features of the model `chapter_3`, with those of the test bed from `test_bed`. Takes up to
+/// some seconds for stiff models; to show progress, call the experiments one by one.
 #[must_use]
 pub fn features(chapter_3: &AnyModel, test_bed: &AnyModel, settings: &FeatureSettings) -> Features {
     let contact = Contact::new(chapter_3);
     let name = chapter_3.name();
     let memory = settings.non_local_memory.unwrap_or_else(|| {
         let preset = *chapter_3 == AnyModel::chapter_3(name);
-        if preset { NonLocalMemorySettings::chapter_3(name) } else { NonLocalMemorySettings::default() }
+        if preset {
+            NonLocalMemorySettings::chapter_3(name)
+        } else {
+            NonLocalMemorySettings::default()
+        }
     });
     let lag = settings.frictional_lag.clone().unwrap_or_else(FrictionalLagSettings::chapter_3);
     Features {
@@ -119,7 +126,11 @@ impl Features {
         list.some(
             "non_drift",
             evidence,
-            &[("drift", Some(drift)), ("drift_per_cycle", Some(drift_per_cycle)), ("swing", Some(swing))],
+            &[
+                ("drift", Some(drift)),
+                ("drift_per_cycle", Some(drift_per_cycle)),
+                ("swing", Some(swing)),
+            ],
         );
         if let Some(memory) = &self.non_local_memory {
             list.some(
@@ -136,8 +147,9 @@ impl Features {
                 ],
             );
         }
-        for Breakaway { rate, friction_max, displacement, applied_at_threshold, evidence, .. } in
-            &self.breakaway
+        for Breakaway {
+            rate, friction_max, displacement, applied_at_threshold, evidence, ..
+        } in &self.breakaway
         {
             list.some(
                 &format!("breakaway[{rate}]"),
@@ -149,17 +161,27 @@ impl Features {
                 ],
             );
         }
-        for (kind, lags) in [("frictional_lag", &self.frictional_lag), ("test_bed_lag", &self.test_bed_lag)] {
+        for (kind, lags) in
+            [("frictional_lag", &self.frictional_lag), ("test_bed_lag", &self.test_bed_lag)]
+        {
             for FrictionalLag { frequency, area, widest, narrowest, evidence, .. } in lags {
                 list.some(
                     &format!("{kind}[{frequency}]"),
                     *evidence,
-                    &[("area", Some(*area)), ("widest", Some(*widest)), ("narrowest", Some(*narrowest))],
+                    &[
+                        ("area", Some(*area)),
+                        ("widest", Some(*widest)),
+                        ("narrowest", Some(*narrowest)),
+                    ],
                 );
             }
         }
         list.add("steady_state.error".into(), Some(self.steady_state.error), None);
-        list.add("steady_state.fixed_step_error".into(), Some(self.steady_state.fixed_step_error), None);
+        list.add(
+            "steady_state.fixed_step_error".into(),
+            Some(self.steady_state.fixed_step_error),
+            None,
+        );
         for zero in &self.zero_crossing {
             list.some(
                 &format!("zero_crossing[{}]", zero.acceleration),

@@ -1,13 +1,14 @@
-//! Frictional lag: friction at changing speed follows the Stribeck curve late, so that force against velocity is a loop
-//! (thesis section 4.6.4; Hess and Soom 1990).
+//! Frictional lag: friction at changing speed follows the Stribeck curve late, so that force
+//! against velocity is a loop (thesis section 4.6.4; Hess and Soom 1990).
 //!
-//! The velocity is `v = mean - amplitude cos(w t)`, always forward. The area of the loop is `int F dv` over a
-//! period: positive when friction is higher while the speed grows than while it falls, as measured contacts show it.
-//! The viscous term contributes nothing. A loop that crosses itself is wide in one direction at low and in the other
-//! at high speed.
+//! The velocity is `v = mean - amplitude cos(w t)`, always forward. The area of the loop is
+//! `int F dv` over a period: positive when friction is higher while the speed grows than while it
+//! falls, as measured contacts show it. The viscous term contributes nothing. A loop that crosses
+//! itself is wide in one direction at low and in the other at high speed.
 //!
-//! For a level that relaxes with the time constant `tau` (Xiong, the proposed model) the answer is exact: with `g_1`
-//! the first cosine coefficient of `g(v(t))` the area is `pi amplitude g_1 w tau / (1 + (w tau)^2)`.
+//! For a level that relaxes with the time constant `tau` (Xiong, the proposed model) the answer is
+//! exact: with `g_1` the first cosine coefficient of `g(v(t))` the area is
+//! `pi amplitude g_1 w tau / (1 + (w tau)^2)`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -35,7 +36,13 @@ pub struct FrictionalLagSettings {
 impl Default for FrictionalLagSettings {
     /// The test bed's: 1 - 0.95 cos(w t) rad/s at 1, 2, 5 and 10 rad/s, the last of four periods.
     fn default() -> Self {
-        Self { mean: 1.0, amplitude: 0.95, frequencies: vec![1.0, 2.0, 5.0, 10.0], periods: 4, step: None }
+        Self {
+            mean: 1.0,
+            amplitude: 0.95,
+            frequencies: vec![1.0, 2.0, 5.0, 10.0],
+            periods: 4,
+            step: None,
+        }
     }
 }
 
@@ -47,17 +54,19 @@ impl FrictionalLagSettings {
     }
 }
 
-/// Frictional lag of one model at one frequency. Exactly zero for a model whose force depends on the velocity alone.
+/// Frictional lag of one model at one frequency. Exactly zero for a model whose force depends on
+/// the velocity alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrictionalLag {
     /// Angular frequency [rad/s].
     pub frequency: f64,
     /// Area of the loop [W], force times velocity.
     pub area: f64,
-    /// Largest excess of the friction while the speed grows over that at the same speed while it falls [N or N m].
+    /// Largest excess of the friction while the speed grows over that at the same speed while it
+    /// falls [N or N m].
     pub widest: f64,
-    /// Smallest such excess [N or N m]: negative where the loop runs backwards; of another sign than `widest` if it
-    /// crosses itself.
+    /// Smallest such excess [N or N m]: negative where the loop runs backwards; of another sign
+    /// than `widest` if it crosses itself.
     pub narrowest: f64,
     /// The last period.
     pub course: FrictionalLagCourse,
@@ -80,7 +89,11 @@ pub struct FrictionalLagCourse {
 #[must_use]
 pub fn frictional_lag(contact: &Contact, settings: &FrictionalLagSettings) -> Vec<FrictionalLag> {
     let scales = TimeScales::of(contact);
-    settings.frequencies.iter().map(|&omega| at_frequency(contact, settings, &scales, omega)).collect()
+    settings
+        .frequencies
+        .iter()
+        .map(|&omega| at_frequency(contact, settings, &scales, omega))
+        .collect()
 }
 
 fn at_frequency(
@@ -109,12 +122,17 @@ fn at_frequency(
     result
 }
 
-fn run(contact: &Contact, settings: &FrictionalLagSettings, omega: f64, step: f64) -> FrictionalLag {
+fn run(
+    contact: &Contact,
+    settings: &FrictionalLagSettings,
+    omega: f64,
+    step: f64,
+) -> FrictionalLag {
     let half = (PI / omega / step).ceil() as usize;
     let steps = 2 * half;
     let dt = TAU / omega / steps as f64;
-    // Velocity after `k` half steps. Taken from the first half period for both, so that the two branches meet the
-    // same numbers.
+    // Velocity after `k` half steps. Taken from the first half period for both, so that the two
+    // branches meet the same numbers.
     let velocity = |k: usize| {
         let phase = PI * (k.min(2 * steps - k)) as f64 / steps as f64;
         settings.mean - settings.amplitude * phase.cos()
@@ -127,7 +145,8 @@ fn run(contact: &Contact, settings: &FrictionalLagSettings, omega: f64, step: f6
         friction.clear();
         friction.extend(last);
         for k in 0..steps {
-            friction.push(motion.step([velocity(2 * k), velocity(2 * k + 1), velocity(2 * k + 2)], dt));
+            friction
+                .push(motion.step([velocity(2 * k), velocity(2 * k + 1), velocity(2 * k + 2)], dt));
         }
     }
     // At the turns both branches have the same velocity but the force is one: no width there.

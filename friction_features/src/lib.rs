@@ -1,8 +1,9 @@
 //! What tells friction models apart, computed.
 //!
-//! Each feature is an experiment with any model of the catalogue: a struct of settings with the protocol of the
-//! thesis as its default, a function, and a result with figures, thinned curves to draw, and the [`Evidence`] for
-//! the figures: the integration step, and what halving it last changed.
+//! Each feature is an experiment with any model of the catalogue: a struct of settings with the
+//! protocol of the thesis as its default, a function, and a result with figures, thinned curves to
+//! draw, and the [`Evidence`] for the figures: the integration step, and what halving it last
+//! changed.
 //!
 //! | feature | experiment | tells |
 //! |---|---|---|
@@ -17,11 +18,12 @@
 //! | [`describing_function`] | sinusoidal displacement | the first harmonic |
 //! | [`limit_cycle`] | a position loop with integral action | hunting |
 //!
-//! A model that cannot show a feature says so: an `Option` is `None`, or the number is exactly zero. [`features()`]
-//! does all but the last two at once.
+//! A model that cannot show a feature says so: an `Option` is `None`, or the number is exactly
+//! zero. [`features()`] does all but the last two at once.
 //!
-//! The crate is pure and deterministic: no files, clocks or threads. [`Contact`] hides a model's type, so an
-//! experiment is compiled once. [`TimeScales`] gives the step that step halving ([`settle()`]) starts with.
+//! The crate is pure and deterministic: no files, clocks or threads. [`Contact`] hides a model's
+//! type, so an experiment is compiled once. [`TimeScales`] gives the step that step halving
+//! ([`settle()`]) starts with.
 //!
 //! ```
 //! use friction_features::{Contact, Motion, StickSlipSettings, stick_slip};
@@ -52,9 +54,13 @@ mod zero_crossing;
 pub use breakaway::{Breakaway, BreakawayCourse, BreakawaySettings, breakaway};
 pub use contact::{Contact, FreeBody, Prescribed};
 pub use features::{FeatureFigure, FeatureSettings, Features, features};
-pub use frictional_lag::{FrictionalLag, FrictionalLagCourse, FrictionalLagSettings, frictional_lag};
+pub use frictional_lag::{
+    FrictionalLag, FrictionalLagCourse, FrictionalLagSettings, frictional_lag,
+};
 pub use non_drift::{NonDrift, NonDriftCourse, NonDriftSettings, non_drift};
-pub use non_local_memory::{NonLocalMemory, NonLocalMemoryCourse, NonLocalMemorySettings, non_local_memory};
+pub use non_local_memory::{
+    NonLocalMemory, NonLocalMemoryCourse, NonLocalMemorySettings, non_local_memory,
+};
 pub use sensitivity::{
     Elasticities, ParameterSensitivity, Response, Sensitivity, SensitivitySettings, sensitivity,
 };

@@ -1,27 +1,31 @@
-//! Limit cycles of a position loop under friction: what the describing function predicts, and what a simulation shows.
+//! Limit cycles of a position loop under friction: what the describing function predicts, and what
+//! a simulation shows.
 //!
 //! ```text
 //! m x'' = -K_v x' - K_p x - K_i int (x - r) dt - F           (thesis eqs. 3.65, 3.66, with the sign of K_p restored)
 //! ```
 //!
-//! The thesis's example is `m = 1`, `K_p = 3`, `K_v = 6`, `K_i = 4`, `r = 1` with its own model. It predicts a limit cycle of 0.0787 m
-//! at 2.35 rad/s. That prediction does not follow from a correct describing function. About the reference the loop is
-//! `x = -G(s) F` with `G = s / (m s^3 + K_v s^2 + K_p s + K_i)`, and `G(j w) N(A) = -1` with `N = (b1 + j a1)/A` means
+//! The thesis's example is `m = 1`, `K_p = 3`, `K_v = 6`, `K_i = 4`, `r = 1` with its own model. It
+//! predicts a limit cycle of 0.0787 m at 2.35 rad/s. That prediction does not follow from a correct
+//! describing function. About the reference the loop is `x = -G(s) F` with
+//! `G = s / (m s^3 + K_v s^2 + K_p s + K_i)`, and `G(j w) N(A) = -1` with `N = (b1 + j a1)/A` means
 //!
 //! ```text
 //! imaginary part:   w^2 = K_p/m + b1/(m A)
 //! real part:        K_i - K_v w^2 - w a1/A = 0
 //! ```
 //!
-//! The hysteresis has `b1 > 0` (it is elastic) and `a1 > 0` (it dissipates). So the first asks for `w^2 > K_p/m`, and the second for
-//! `w^2 < K_i/K_v`. Both hold only if `K_v K_p < m K_i`, that is if the loop is unstable without friction (Routh). With these signs a
-//! loop that is stable without friction has **no** limit cycle that a describing function could predict, for the thesis's numbers
-//! (`3 < w^2 < 0.667`) as for any others. The printed eq. 3.63 does cross the Nyquist curve, at 0.1536 m and 1.748 rad/s, because its
-//! `a1` is negative there.
+//! The hysteresis has `b1 > 0` (it is elastic) and `a1 > 0` (it dissipates). So the first asks for
+//! `w^2 > K_p/m`, and the second for `w^2 < K_i/K_v`. Both hold only if `K_v K_p < m K_i`, that is
+//! if the loop is unstable without friction (Routh). With these signs a loop that is stable without
+//! friction has **no** limit cycle that a describing function could predict, for the thesis's
+//! numbers (`3 < w^2 < 0.667`) as for any others. The printed eq. 3.63 does cross the Nyquist
+//! curve, at 0.1536 m and 1.748 rad/s, because its `a1` is negative there.
 //!
-//! The loop does hunt, with 0.05694 m and a period of 19.390 s. In each half period the body sticks, the integral winds up until
-//! it breaks the body away, and the Stribeck effect carries it past the reference. That is no motion near a sine, so it lies
-//! outside the method, and only the simulation shows it.
+//! The loop does hunt, with 0.05694 m and a period of 19.390 s. In each half period the body
+//! sticks, the integral winds up until it breaks the body away, and the Stribeck effect carries it
+//! past the reference. That is no motion near a sine, so it lies outside the method, and only the
+//! simulation shows it.
 
 mod closed_loop;
 mod intersection;
@@ -90,7 +94,8 @@ pub struct Prediction {
     pub cycles: Vec<Intersection>,
 }
 
-/// The loop of [`PidLoop`] under the thesis's own model: predictions beside the simulation, ready to be drawn.
+/// The loop of [`PidLoop`] under the thesis's own model: predictions beside the simulation, ready
+/// to be drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitCycleStudy {
     /// `G(j w)`.
@@ -147,7 +152,8 @@ mod tests {
 
     #[test]
     fn the_example_hunts_and_no_limit_cycle_is_predicted() {
-        let study = study(&thesis_contact(), &PidLoop::thesis(), &grid(), &Schedule::default()).unwrap();
+        let study =
+            study(&thesis_contact(), &PidLoop::thesis(), &grid(), &Schedule::default()).unwrap();
 
         let cycle = study.simulated.cycle.unwrap();
         assert!((cycle.amplitude / 0.05694 - 1.0).abs() < 2e-3, "{cycle:?}");
@@ -160,11 +166,14 @@ mod tests {
         assert!((study.simulated.peaks[0].time - 4.1).abs() < 0.051);
 
         assert_eq!(study.predicted.cycles, []);
-        // The printed formula predicts a stable cycle, though not the one the thesis reads off (0.0787, 2.35), and an unstable one
-        // below it. Both exist only where its imaginary part has the wrong sign.
+        // The printed formula predicts a stable cycle, though not the one the thesis reads off
+        // (0.0787, 2.35), and an unstable one below it. Both exist only where its imaginary part
+        // has the wrong sign.
         let printed = &study.predicted_as_printed.cycles;
         let hysteresis = SineHysteresis { f_s: 1.0, z_b: 1e-3 };
-        assert!(printed.iter().all(|at| hysteresis.gain_as_printed(at.amplitude).unwrap().im < 0.0));
+        assert!(
+            printed.iter().all(|at| hysteresis.gain_as_printed(at.amplitude).unwrap().im < 0.0)
+        );
         let stable: Vec<_> = printed.iter().filter(|at| at.stable).collect();
         let [printed] = stable[..] else { panic!("{printed:?}") };
         assert!((printed.amplitude - 0.1536).abs() < 5.1e-5, "{printed:?}");
@@ -175,7 +184,8 @@ mod tests {
         assert!(serde_json::to_value(&study).unwrap()["predicted"]["cycles"].is_array());
     }
 
-    /// The text's argument, on the whole grid: where the imaginary part vanishes the real part is negative.
+    /// The text's argument, on the whole grid: where the imaginary part vanishes the real part is
+    /// negative.
     #[test]
     fn the_real_part_is_negative_wherever_the_imaginary_part_vanishes() {
         let PidLoop { inertia, k_v, k_p, k_i, .. } = PidLoop::thesis();
@@ -189,8 +199,9 @@ mod tests {
         assert!(k_i - k_v * k_p / inertia < 0.0, "which is Routh's condition");
     }
 
-    /// Beyond Routh's bound the method does predict: an unstable limit cycle, whose amplitude Coulomb friction gives in closed
-    /// form, `w^2 = K_p/m` and `A = 4 F_c w / (pi (K_i - K_v w^2))`.
+    /// Beyond Routh's bound the method does predict: an unstable limit cycle, whose amplitude
+    /// Coulomb friction gives in closed form, `w^2 = K_p/m` and
+    /// `A = 4 F_c w / (pi (K_i - K_v w^2))`.
     #[test]
     fn an_unstable_loop_under_coulomb_friction_has_a_predicted_cycle() {
         let pid = PidLoop { k_v: 1.0, k_p: 3.0, k_i: 4.0, ..PidLoop::thesis() };

@@ -1,13 +1,14 @@
-//! Drift: whether a body that rests under a load creeps away when the load oscillates below breakaway (thesis
-//! section 3.6.1, figure 3.27).
+//! Drift: whether a body that rests under a load creeps away when the load oscillates below
+//! breakaway (thesis section 3.6.1, figure 3.27).
 //!
-//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level and rests there;
-//! then it oscillates in triangles about its mean. Real contacts deflect and come back. A model whose bristles
-//! always yield a little, LuGre's, moves on with every cycle.
+//! The force rises beyond breakaway, so that the body slides; it falls well below the kinetic level
+//! and rests there; then it oscillates in triangles about its mean. Real contacts deflect and come
+//! back. A model whose bristles always yield a little, LuGre's, moves on with every cycle.
 //!
-//! Bristles without damping (Dahl, Armstrong-Helouvry) let the body ring on them for the whole run, excited by every
-//! corner of the triangles. Its position at the end of a cycle then depends on the phase of that ringing. The drift per
-//! cycle is therefore taken between weighted means, in which the ringing all but vanishes.
+//! Bristles without damping (Dahl, Armstrong-Helouvry) let the body ring on them for the whole run,
+//! excited by every corner of the triangles. Its position at the end of a cycle then depends on the
+//! phase of that ringing. The drift per cycle is therefore taken between weighted means, in which
+//! the ringing all but vanishes.
 
 use std::f64::consts::PI;
 
@@ -30,7 +31,8 @@ pub struct NonDriftSettings {
     pub ramp: f64,
     /// Duration of the fall from `push` to `hold` [s].
     pub fall: f64,
-    /// Force at which the body comes to rest, and mean of the triangles [N or N m]; below the kinetic level.
+    /// Force at which the body comes to rest, and mean of the triangles [N or N m]; below the
+    /// kinetic level.
     pub hold: f64,
     /// Time at which the triangles start [s].
     pub start: f64,
@@ -45,7 +47,8 @@ pub struct NonDriftSettings {
 }
 
 impl Default for NonDriftSettings {
-    /// 1 kg; 0 to 2 N in 1 s, down to 0.4 N in 10 ms, held to 6 s, then 40 triangles of 0.2 N about 0.4 N with 0.5 s.
+    /// 1 kg; 0 to 2 N in 1 s, down to 0.4 N in 10 ms, held to 6 s, then 40 triangles of 0.2 N about
+    /// 0.4 N with 0.5 s.
     fn default() -> Self {
         Self {
             inertia: 1.0,
@@ -84,13 +87,16 @@ impl NonDriftSettings {
 /// Drift of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonDrift {
-    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped bristles creep for the
-    /// first cycles until they have reached their closed loop, undamped ones ring: neither is drift.
+    /// Displacement from the end of the first cycle to the end of the last [m or rad]. Damped
+    /// bristles creep for the first cycles until they have reached their closed loop, undamped ones
+    /// ring: neither is drift.
     pub drift: f64,
-    /// Mean displacement per cycle near the end [m or rad]: between the mean positions of the last five cycles and of the
-    /// five that end ten cycles earlier, each weighted with half a squared sine.
+    /// Mean displacement per cycle near the end [m or rad]: between the mean positions of the last
+    /// five cycles and of the five that end ten cycles earlier, each weighted with half a squared
+    /// sine.
     pub drift_per_cycle: f64,
-    /// Range of the position in the last cycle [m or rad]: what the contact gives way and takes back.
+    /// Range of the position in the last cycle [m or rad]: what the contact gives way and takes
+    /// back.
     pub swing: f64,
     /// Position at the end of each cycle relative to the start of the triangles [m or rad].
     pub cycle_ends: Vec<f64>,
@@ -146,7 +152,8 @@ pub fn non_drift(contact: &Contact, settings: &NonDriftSettings) -> NonDrift {
     // The push accelerates for at most the ramp and the fall.
     let excess = (settings.push - scales.lowest_level).max(0.0);
     let fastest = 0.5 * excess * settings.ramp / settings.inertia;
-    let first = scales.body(settings.inertia, fastest.max(f64::MIN_POSITIVE)).min(0.002 * settings.period);
+    let first =
+        scales.body(settings.inertia, fastest.max(f64::MIN_POSITIVE)).min(0.002 * settings.period);
     let (mut result, evidence) = with_step(
         settings.step,
         first,
@@ -166,7 +173,8 @@ pub fn non_drift(contact: &Contact, settings: &NonDriftSettings) -> NonDrift {
 }
 
 fn run(contact: &Contact, settings: &NonDriftSettings, step: f64) -> NonDrift {
-    // Steps end where the force bends: at the end of the ramp, of the fall, and of every quarter of a triangle.
+    // Steps end where the force bends: at the end of the ramp, of the fall, and of every quarter of
+    // a triangle.
     let mut body = contact.body(settings.inertia);
     let drive = |at: &Moment<1>| Drive { force: settings.force(at.time), rates: [0.0] };
     let mut go = |duration: f64, each: &mut dyn FnMut(&Moment<1>)| {

@@ -1,5 +1,6 @@
-//! Hysteresis with non-local memory: whether a contact in pre-sliding closes its inner loops, forgets them once closed
-//! (wiping-out), and gives loops between the same displacements the same shape wherever they lie (congruency).
+//! Hysteresis with non-local memory: whether a contact in pre-sliding closes its inner loops,
+//! forgets them once closed (wiping-out), and gives loops between the same displacements the same
+//! shape wherever they lie (congruency).
 //!
 //! The displacement is prescribed at constant speed between the turns
 //!
@@ -7,15 +8,16 @@
 //! 1, -0.5, 0.5, -0.1, 0.5, 0.8     times the amplitude
 //! ```
 //!
-//! so that `0.5 -> -0.1 -> 0.5` is an inner loop. The speed must be the same everywhere: a change of the damping force
-//! would look like a gap.
+//! so that `0.5 -> -0.1 -> 0.5` is an inner loop. The speed must be the same everywhere: a change
+//! of the damping force would look like a gap.
 //!
-//! * Closure gap: force at the second arrival at 0.5 minus that at the first, over the height of the loop (force at
-//!   0.5 minus force at -0.1).
-//! * Wiping-out error: force at 0.8 minus the force there when the inner loop is left out (`1, -0.5, 0.8`).
-//! * Congruency error: the loop between -0.1 and 0.3 is entered once on a rising outer branch and once on a falling
-//!   one; the two rising legs may differ by a constant alone. The error is what else they differ by, over the height
-//!   of a leg.
+//! * Closure gap: force at the second arrival at 0.5 minus that at the first, over the height of
+//!   the loop (force at 0.5 minus force at -0.1).
+//! * Wiping-out error: force at 0.8 minus the force there when the inner loop is left out
+//!   (`1, -0.5, 0.8`).
+//! * Congruency error: the loop between -0.1 and 0.3 is entered once on a rising outer branch and
+//!   once on a falling one; the two rising legs may differ by a constant alone. The error is what
+//!   else they differ by, over the height of a leg.
 
 use friction_model::ModelName;
 use serde::{Deserialize, Serialize};
@@ -28,19 +30,21 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NonLocalMemorySettings {
-    /// Displacement A_1 of the first turn [m or rad]; where the virgin curve reaches `level` if left out.
+    /// Displacement A_1 of the first turn [m or rad]; where the virgin curve reaches `level` if
+    /// left out.
     pub amplitude: Option<f64>,
     /// Share of the static level that the first turn reaches: nonlinear, but short of sliding.
     pub level: f64,
     /// Time for a displacement of A_1 [s].
     pub duration: f64,
-    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided into equal steps of
-    /// at most this size.
+    /// Integration step [s], found by step halving if left out. A tenth of `duration` is divided
+    /// into equal steps of at most this size.
     pub step: Option<f64>,
 }
 
 impl NonLocalMemorySettings {
-    /// The amplitudes with which the thesis's chapter 3 sets have been compared; the rule for models without one.
+    /// The amplitudes with which the thesis's chapter 3 sets have been compared; the rule for
+    /// models without one.
     #[must_use]
     pub fn chapter_3(name: ModelName) -> Self {
         let amplitude = match name {
@@ -55,8 +59,8 @@ impl NonLocalMemorySettings {
 }
 
 impl Default for NonLocalMemorySettings {
-    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an elasto-plastic
-    /// contact is no longer elastic.
+    /// 10 s per amplitude; the first turn at 95 % of the static level, where the inner loop of an
+    /// elasto-plastic contact is no longer elastic.
     fn default() -> Self {
         Self { amplitude: None, level: 0.95, duration: 10.0, step: None }
     }
@@ -73,8 +77,9 @@ pub struct NonLocalMemory {
     pub loop_height: f64,
     /// Work that the inner loop takes up, `0.5 -> -0.1 -> 0.5` [J].
     pub loop_work: f64,
-    /// How much the two legs of the inner loop differ by more than a constant, over its height. Zero if the contact
-    /// is elastic there, apart from its damping: then neither a gap nor an error can show, and their absence says nothing.
+    /// How much the two legs of the inner loop differ by more than a constant, over its height.
+    /// Zero if the contact is elastic there, apart from its damping: then neither a gap nor an
+    /// error can show, and their absence says nothing.
     pub loop_opening: f64,
     /// Closure gap over the height of the loop.
     pub closure_gap: f64,
@@ -105,9 +110,13 @@ const WITHOUT_LOOP: [i32; 3] = [10, -5, 8];
 /// The legs to compare are the fifth and the eighth.
 const CONGRUENT: [i32; 8] = [10, -8, 3, -1, 3, 10, -1, 3];
 
-/// Moves `contact` through nested loops. `None` for models without pre-sliding: they have no displacement to remember.
+/// Moves `contact` through nested loops. `None` for models without pre-sliding: they have no
+/// displacement to remember.
 #[must_use]
-pub fn non_local_memory(contact: &Contact, settings: &NonLocalMemorySettings) -> Option<NonLocalMemory> {
+pub fn non_local_memory(
+    contact: &Contact,
+    settings: &NonLocalMemorySettings,
+) -> Option<NonLocalMemory> {
     let scales = TimeScales::of(contact);
     if scales.stiffness <= 0.0 || scales.highest_level <= 0.0 {
         return None;
@@ -125,7 +134,8 @@ pub fn non_local_memory(contact: &Contact, settings: &NonLocalMemorySettings) ->
         |step| run(contact, amplitude, settings.duration, step),
         |result| {
             let relative = |value| Figure { value, scale: 0.01 };
-            let force = Figure { value: result.wiping_out_error, scale: 0.01 * result.loop_height.abs() };
+            let force =
+                Figure { value: result.wiping_out_error, scale: 0.01 * result.loop_height.abs() };
             vec![
                 Figure::relative(result.loop_height),
                 relative(result.closure_gap),
@@ -190,7 +200,8 @@ fn run(contact: &Contact, amplitude: f64, duration: f64, step: f64) -> NonLocalM
         high - low
     };
     let distances = || rising.iter().zip(&falling).map(|(a, b)| b - a);
-    let leg_height = rising.last().zip(rising.first()).map_or(f64::NAN, |(last, first)| last - first);
+    let leg_height =
+        rising.last().zip(rising.first()).map_or(f64::NAN, |(last, first)| last - first);
     let [displacement, friction] = course.columns();
     NonLocalMemory {
         amplitude,
@@ -228,8 +239,8 @@ impl Pace {
         }
     }
 
-    /// Calls `each` with the number of the leg, the displacement and the force, at the start of each leg and after
-    /// every step.
+    /// Calls `each` with the number of the leg, the displacement and the force, at the start of
+    /// each leg and after every step.
     fn along(&self, contact: &Contact, turns: &[i32], each: &mut dyn FnMut(usize, f64, f64)) {
         let mut motion = contact.prescribed();
         let mut here = 0;
@@ -237,7 +248,11 @@ impl Pace {
             let velocity = self.speed * f64::from((turn - here).signum());
             let steps = self.steps * turn.abs_diff(here);
             for k in 0..=steps {
-                let force = if k == 0 { motion.force(velocity) } else { motion.step([velocity; 3], self.dt) };
+                let force = if k == 0 {
+                    motion.force(velocity)
+                } else {
+                    motion.step([velocity; 3], self.dt)
+                };
                 let travel = f64::from(turn - here) * f64::from(k) / f64::from(steps);
                 each(leg, self.tenth * (f64::from(here) + travel), force);
             }

@@ -1,17 +1,20 @@
-//! Sensitivity: how much breakaway and frictional lag change when a parameter is halved or doubled (thesis section 3.5.3).
+//! Sensitivity: how much breakaway and frictional lag change when a parameter is halved or doubled
+//! (thesis section 3.5.3).
 //!
-//! The measure is the elasticity `d ln y / d ln p`, taken between half and twice the value: 1 means that the answer
-//! grows in proportion to the parameter, 0 that it does not depend on it. One number for a model is the root mean
-//! square of its elasticities.
+//! The measure is the elasticity `d ln y / d ln p`, taken between half and twice the value: 1 means
+//! that the answer grows in proportion to the parameter, 0 that it does not depend on it. One
+//! number for a model is the root mean square of its elasticities.
 //!
-//! The shares of elements (`alpha` of GMS, `lambda` of Xiong) sum to one in a valid model, so they cannot be scaled
-//! by themselves. Scaling them all by `k` would do the same as scaling `f_s` and `f_c` by `k`, since they only ever
-//! multiply the sliding level: that is done instead.
+//! The shares of elements (`alpha` of GMS, `lambda` of Xiong) sum to one in a valid model, so they
+//! cannot be scaled by themselves. Scaling them all by `k` would do the same as scaling `f_s` and
+//! `f_c` by `k`, since they only ever multiply the sliding level: that is done instead.
 
 use friction_model::{AnyModel, ModelError};
 use serde::{Deserialize, Serialize};
 
-use crate::{BreakawaySettings, Contact, FrictionalLagSettings, TimeScales, breakaway, frictional_lag};
+use crate::{
+    BreakawaySettings, Contact, FrictionalLagSettings, TimeScales, breakaway, frictional_lag,
+};
 
 /// What is varied and measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,17 +22,19 @@ use crate::{BreakawaySettings, Contact, FrictionalLagSettings, TimeScales, break
 pub struct SensitivitySettings {
     /// Factors on each parameter, below and above 1.
     pub factors: [f64; 2],
-    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if need be, by `reach`.
+    /// How breakaway is measured; the first of its rates counts. The end of its ramp is raised, if
+    /// need be, by `reach`.
     pub breakaway: BreakawaySettings,
-    /// The ramp reaches at least this multiple of the sliding level, so that contacts with a higher static one break
-    /// away too.
+    /// The ramp reaches at least this multiple of the sliding level, so that contacts with a higher
+    /// static one break away too.
     pub reach: f64,
     /// How the lag is measured; the first of its frequencies counts.
     pub lag: FrictionalLagSettings,
 }
 
 impl Default for SensitivitySettings {
-    /// Half and twice; breakaway at 0.1 N/s, at least to four times the static level; lag at 0.02 (1 - 0.95 cos 2t) m/s.
+    /// Half and twice; breakaway at 0.1 N/s, at least to four times the static level; lag at 0.02
+    /// (1 - 0.95 cos 2t) m/s.
     fn default() -> Self {
         Self {
             factors: [0.5, 2.0],
@@ -58,8 +63,8 @@ pub struct Elasticities {
     pub breakaway_force: Option<f64>,
     /// Of the breakaway displacement; `None` if the model has none, or none that is above zero.
     pub breakaway_displacement: Option<f64>,
-    /// Of the area of the loop of frictional lag; `None` if the model has no lag, or if the loop changes its sense
-    /// in between.
+    /// Of the area of the loop of frictional lag; `None` if the model has no lag, or if the loop
+    /// changes its sense in between.
     pub lag_area: Option<f64>,
 }
 
@@ -68,14 +73,15 @@ pub struct Elasticities {
 pub struct ParameterSensitivity {
     /// Name of the parameter.
     pub parameter: String,
-    /// With the parameter at its lower and its higher value; `None` where that is no valid model, for instance with
-    /// `f_s` below `f_c`.
+    /// With the parameter at its lower and its higher value; `None` where that is no valid model,
+    /// for instance with `f_s` below `f_c`.
     pub responses: [Option<Response>; 2],
     /// Elasticities, where both values are valid.
     pub elasticities: Option<Elasticities>,
     /// Whether the loop of frictional lag changes its sense between the two values.
     pub lag_reverses: bool,
-    /// Whether the parameter counts in the model's root mean square, see [`Sensitivity::rms_elasticity`].
+    /// Whether the parameter counts in the model's root mean square, see
+    /// [`Sensitivity::rms_elasticity`].
     pub counts: bool,
 }
 
@@ -86,8 +92,9 @@ pub struct Sensitivity {
     pub nominal: Response,
     /// Each parameter that is not zero; but no seed of random numbers, of which there is no half.
     pub parameters: Vec<ParameterSensitivity>,
-    /// Root mean square of the elasticities that exist with respect to the parameters that count: all but the levels
-    /// `f_s` and `f_c`, the exponent `delta` and the viscous `f_v`, which most models share. `None` if there is none.
+    /// Root mean square of the elasticities that exist with respect to the parameters that count:
+    /// all but the levels `f_s` and `f_c`, the exponent `delta` and the viscous `f_v`, which most
+    /// models share. `None` if there is none.
     pub rms_elasticity: Option<f64>,
 }
 
@@ -120,14 +127,19 @@ pub fn sensitivity(model: &AnyModel, settings: &SensitivitySettings) -> Sensitiv
     Sensitivity { nominal: respond(model, settings), parameters, rms_elasticity }
 }
 
-fn of_parameter(model: &AnyModel, name: &str, settings: &SensitivitySettings) -> ParameterSensitivity {
+fn of_parameter(
+    model: &AnyModel,
+    name: &str,
+    settings: &SensitivitySettings,
+) -> ParameterSensitivity {
     let responses = settings
         .factors
         .map(|factor| varied(model, name, factor).ok().map(|variant| respond(&variant, settings)));
     let [low, high] = responses;
     let span = (settings.factors[1] / settings.factors[0]).ln();
-    let elasticity =
-        |low: f64, high: f64| (low * high > 0.0).then(|| (high / low).ln() / span).filter(|e| e.is_finite());
+    let elasticity = |low: f64, high: f64| {
+        (low * high > 0.0).then(|| (high / low).ln() / span).filter(|e| e.is_finite())
+    };
     let elasticities = low.zip(high).map(|(low, high)| Elasticities {
         breakaway_force: elasticity(low.breakaway_force, high.breakaway_force),
         breakaway_displacement: low
@@ -146,7 +158,8 @@ fn of_parameter(model: &AnyModel, name: &str, settings: &SensitivitySettings) ->
     }
 }
 
-/// The model with the parameter `name` multiplied by `factor`; shares are scaled through the levels.
+/// The model with the parameter `name` multiplied by `factor`; shares are scaled through the
+/// levels.
 fn varied(model: &AnyModel, name: &str, factor: f64) -> Result<AnyModel, ModelError> {
     if matches!(name, "alpha" | "lambda") {
         let mut parameters = model.parameters();

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 pub struct Evidence {
     /// Integration step of the result [s].
     pub step: f64,
-    /// Largest relative change of the result's figures when the step was halved to this one; `None` if the step was given
-    /// instead of found, or if another number of figures came out with the step before (for instance no period).
+    /// Largest relative change of the result's figures when the step was halved to this one; `None`
+    /// if the step was given instead of found, or if another number of figures came out with the
+    /// step before (for instance no period).
     pub change: Option<f64>,
 }
 
@@ -25,8 +26,8 @@ impl Evidence {
 pub struct Figure {
     /// The number.
     pub value: f64,
-    /// Changes are relative to the number or to this, whichever is larger: what would be small for a figure that may
-    /// be zero.
+    /// Changes are relative to the number or to this, whichever is larger: what would be small for
+    /// a figure that may be zero.
     pub scale: f64,
 }
 
@@ -62,11 +63,11 @@ impl Default for Settling {
     }
 }
 
-/// Runs an experiment with the step `first` [s], then with halves of it until `figures` hold; the last result, and
-/// the evidence.
+/// Runs an experiment with the step `first` [s], then with halves of it until `figures` hold; the
+/// last result, and the evidence.
 ///
-/// Gives up early, after the third halving, if that still changed a figure by more than a hundred times the
-/// tolerance: such a figure depends on every step and will not settle.
+/// Gives up early, after the third halving, if that still changed a figure by more than a hundred
+/// times the tolerance: such a figure depends on every step and will not settle.
 pub fn settle<T>(
     settling: Settling,
     first: f64,
@@ -84,7 +85,8 @@ pub fn settle<T>(
         change = (before.len() == after.len())
             .then(|| after.iter().zip(&before).map(|(a, b)| a.change(b)).fold(0.0, f64::max));
         let settled = change.is_some_and(|change| change <= settling.tolerance);
-        let hopeless = halving >= 3 && change.is_some_and(|change| change > 100.0 * settling.tolerance);
+        let hopeless =
+            halving >= 3 && change.is_some_and(|change| change > 100.0 * settling.tolerance);
         if settled || hopeless {
             break;
         }
@@ -92,7 +94,8 @@ pub fn settle<T>(
     (result, Evidence { step, change })
 }
 
-/// With the step that is given, if it is above zero, or else with the one that [`settle`] finds from `first`.
+/// With the step that is given, if it is above zero, or else with the one that [`settle`] finds
+/// from `first`.
 pub(crate) fn with_step<T>(
     given: Option<f64>,
     first: f64,

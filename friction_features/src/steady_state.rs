@@ -1,7 +1,9 @@
-//! Steady sliding: whether a model settles at the force that it promises for constant velocity, in both of its forms.
+//! Steady sliding: whether a model settles at the force that it promises for constant velocity, in
+//! both of its forms.
 //!
-//! For models with a Stribeck curve that is `F = sgn(v) g(v) + f_v v`. The derivative form and the fixed-step form
-//! must reach the same force; a difference would be a bias in every observer that uses the model.
+//! For models with a Stribeck curve that is `F = sgn(v) g(v) + f_v v`. The derivative form and the
+//! fixed-step form must reach the same force; a difference would be a bias in every observer that
+//! uses the model.
 
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
@@ -23,8 +25,9 @@ pub struct SteadyStateSettings {
 }
 
 impl Default for SteadyStateSettings {
-    /// From 1 mm/s to 0.5 m/s over 0.1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the softest element of
-    /// GMS begins to slide after 14 mm, and Leuven's bristles have settled to 1e-9 after 80 mm.
+    /// From 1 mm/s to 0.5 m/s over 0.1 m and 3 s, period 1 ms. With the thesis's chapter 3 set the
+    /// softest element of GMS begins to slide after 14 mm, and Leuven's bristles have settled to
+    /// 1e-9 after 80 mm.
     fn default() -> Self {
         let speeds = vec![0.001, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5];
         Self { speeds, distance: 0.1, time: 3.0, period: 1e-3 }
@@ -85,8 +88,9 @@ pub fn steady_state(contact: &Contact, settings: &SteadyStateSettings) -> Steady
             (0..steps).fold(0.0, |_, _| stepper.step(v))
         })
         .collect();
-    let largest =
-        |reached: &[f64]| reached.iter().zip(&promised).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let largest = |reached: &[f64]| {
+        reached.iter().zip(&promised).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
     let fastest = settings.speeds.iter().copied().fold(0.0, f64::max);
     let drawn: Vec<f64> = (-300..=300).map(|k| fastest * f64::from(k) / 300.0).collect();
     SteadyState {

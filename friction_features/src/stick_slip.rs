@@ -1,12 +1,14 @@
-//! Stick-slip: a mass on a spring whose end is pulled at constant speed (thesis section 3.5.1, figure 3.7).
+//! Stick-slip: a mass on a spring whose end is pulled at constant speed (thesis section 3.5.1,
+//! figure 3.7).
 //!
 //! ```text
 //! m x'' = K (v0 t - x) - F
 //! ```
 //!
-//! While the mass sticks the spring is stretched; at breakaway friction falls to its kinetic level and the mass
-//! jumps ahead until the spring is slack enough for it to stick again. Between two levels `F_s > F_c` without memory
-//! (`v_s -> 0`) the cycle is known in closed form, with `a = (F_s - F_c) / K` and `w = sqrt(K / m)`:
+//! While the mass sticks the spring is stretched; at breakaway friction falls to its kinetic level
+//! and the mass jumps ahead until the spring is slack enough for it to stick again. Between two
+//! levels `F_s > F_c` without memory (`v_s -> 0`) the cycle is known in closed form, with
+//! `a = (F_s - F_c) / K` and `w = sqrt(K / m)`:
 //!
 //! ```text
 //! t_slip = (2 pi - 2 atan(a w / v0)) / w,   t_stick = 2 (F_s - F_c) / (K v0),   v_peak = v0 + sqrt(a^2 w^2 + v0^2)
@@ -40,7 +42,14 @@ pub struct StickSlipSettings {
 impl Default for StickSlipSettings {
     /// The thesis's: 1 kg, 2 N/m, 0.1 m/s; 60 s of which the first 18 s do not count.
     fn default() -> Self {
-        Self { inertia: 1.0, stiffness: 2.0, speed: 0.1, duration: 60.0, settling: 18.0, step: None }
+        Self {
+            inertia: 1.0,
+            stiffness: 2.0,
+            speed: 0.1,
+            duration: 60.0,
+            settling: 18.0,
+            step: None,
+        }
     }
 }
 
@@ -63,8 +72,8 @@ pub struct StickSlip {
     pub motion: Motion,
     /// Mean time between two jumps [s]; `None` if there are not two.
     pub period: Option<f64>,
-    /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic vibration that
-    /// just comes to rest has 0.144.
+    /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic
+    /// vibration that just comes to rest has 0.144.
     pub share_of_rest: Option<f64>,
     /// Largest force of the spring [N or N m].
     pub spring_max: f64,
@@ -96,7 +105,8 @@ pub struct StickSlipCourse {
 /// A velocity swing below this share of `v0` is no vibration.
 const SMOOTH: f64 = 0.01;
 
-/// More rest than this share of a period is sticking: the 0.144 of a harmonic vibration that touches zero, and a margin.
+/// More rest than this share of a period is sticking: the 0.144 of a harmonic vibration that
+/// touches zero, and a margin.
 const STICKING: f64 = 0.2;
 
 /// Pulls a mass over `contact` by a spring.
@@ -104,8 +114,8 @@ const STICKING: f64 = 0.2;
 pub fn stick_slip(contact: &Contact, settings: &StickSlipSettings) -> StickSlip {
     let StickSlipSettings { inertia, stiffness, speed, duration, .. } = *settings;
     let scales = TimeScales::of(contact);
-    // The peak velocity of the closed form, and a fraction of the rig's own oscillation; a small one where sticking
-    // is an event at the end of a step.
+    // The peak velocity of the closed form, and a fraction of the rig's own oscillation; a small
+    // one where sticking is an event at the end of a step.
     let omega = (stiffness / inertia).sqrt();
     let a = (scales.highest_level - scales.lowest_level) / stiffness;
     let fastest = speed + (a * omega).hypot(speed);

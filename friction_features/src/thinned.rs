@@ -3,8 +3,9 @@
 /// Most rows that are kept.
 const CAPACITY: usize = 500;
 
-/// Keeps every n-th row of a run whose length need not be known: when full, every second row goes and n doubles. So
-/// between half of the capacity and all of it are left, evenly spaced, with the first row among them.
+/// Keeps every n-th row of a run whose length need not be known: when full, every second row goes
+/// and n doubles. So between half of the capacity and all of it are left, evenly spaced, with the
+/// first row among them.
 #[derive(Debug, Clone)]
 pub(crate) struct Thinned<const COLUMNS: usize> {
     rows: Vec<[f64; COLUMNS]>,
@@ -52,7 +53,11 @@ mod tests {
                 thinned.offer([k as f64, -(k as f64)]);
             }
             let [x, y] = thinned.columns();
-            assert!(x.len() <= CAPACITY && x.len() >= length.min(CAPACITY / 2), "{length}: {}", x.len());
+            assert!(
+                x.len() <= CAPACITY && x.len() >= length.min(CAPACITY / 2),
+                "{length}: {}",
+                x.len()
+            );
             assert!(length == 0 || x[0] == 0.0);
             assert!(x.windows(2).all(|pair| pair[1] - pair[0] == thinned.stride as f64));
             assert!(x.iter().zip(&y).all(|(x, y)| *x == -*y));

@@ -1,13 +1,13 @@
 //! How fast a contact can change, and with that the step that its integration starts with.
 //!
-//! A Runge-Kutta step must be shorter than 2.78 times the shortest time constant, and a fraction of it to be
-//! accurate. LuGre with stiff bristles is the warning: just beyond the limit it does not blow up, it gives a wrong
-//! period of stick-slip. So the time constants are taken from the model itself, and [`crate::settle`] then halves
-//! the step until the figures hold.
+//! A Runge-Kutta step must be shorter than 2.78 times the shortest time constant, and a fraction of
+//! it to be accurate. LuGre with stiff bristles is the warning: just beyond the limit it does not
+//! blow up, it gives a wrong period of stick-slip. So the time constants are taken from the model
+//! itself, and [`crate::settle`] then halves the step until the figures hold.
 //!
-//! Stiffness `k` and damping `d` are measured, not looked up: the force's slope along an infinitesimal motion from
-//! rest, and its ratio to the velocity at the motion's start. So the rule needs no list of models and their
-//! parameters' names:
+//! Stiffness `k` and damping `d` are measured, not looked up: the force's slope along an
+//! infinitesimal motion from rest, and its ratio to the velocity at the motion's start. So the rule
+//! needs no list of models and their parameters' names:
 //!
 //! | time constant | what relaxes with it |
 //! |---|---|
@@ -19,11 +19,12 @@
 
 use crate::Contact;
 
-/// Velocity [m/s or rad/s] and duration [s] of the infinitesimal motion: a deflection of 1e-15, far below every breakaway.
+/// Velocity [m/s or rad/s] and duration [s] of the infinitesimal motion: a deflection of 1e-15, far
+/// below every breakaway.
 const PROBE: (f64, f64) = (1e-9, 1e-6);
 
-/// No time constant counts as shorter than this [s]: an experiment of a minute would take too many steps. Where that
-/// is too long for a model, the evidence says that its figures do not hold.
+/// No time constant counts as shorter than this [s]: an experiment of a minute would take too many
+/// steps. Where that is too long for a model, the evidence says that its figures do not hold.
 const SHORTEST: f64 = 1e-6;
 
 /// The quantities that make up a contact's time constants.
@@ -33,7 +34,8 @@ pub struct TimeScales {
     pub stiffness: f64,
     /// Damping of the bristles at rest, with the viscous part [N s/m or N m s/rad].
     pub damping: f64,
-    /// Largest level at which the contact slides without its viscous part, or holds, F_s [N or N m].
+    /// Largest level at which the contact slides without its viscous part, or holds, F_s
+    /// [N or N m].
     pub highest_level: f64,
     /// Smallest level at which it slides at higher speeds than where it is largest, F_c [N or N m].
     pub lowest_level: f64,
@@ -74,7 +76,8 @@ impl TimeScales {
         }
         // A contact without friction but viscous has the level zero.
         let lowest = if lowest.is_finite() { lowest } else { 0.0 };
-        let held = contact.holding(0.0).map_or(0.0, |holding| holding.forward.max(holding.backward));
+        let held =
+            contact.holding(0.0).map_or(0.0, |holding| holding.forward.max(holding.backward));
         let highest = highest.max(held);
         let parameters = contact.model().parameters();
         let mut lag = f64::INFINITY;
@@ -85,8 +88,8 @@ impl TimeScales {
         Self { stiffness, damping, highest_level: highest, lowest_level: lowest, lag, slip }
     }
 
-    /// Shortest time constant, at least 1 us, under a prescribed velocity of at most `speed` [m/s or rad/s];
-    /// infinite for static models.
+    /// Shortest time constant, at least 1 us, under a prescribed velocity of at most `speed`
+    /// [m/s or rad/s]; infinite for static models.
     #[must_use]
     pub fn prescribed(&self, speed: f64) -> f64 {
         let slips = self.slip < f64::INFINITY;
@@ -98,12 +101,13 @@ impl TimeScales {
         bristles.min(self.lag).max(SHORTEST)
     }
 
-    /// Shortest time constant, at least 1 us, of a body of `inertia` [kg or kg m^2] that moves at most at `speed`
-    /// [m/s or rad/s].
+    /// Shortest time constant, at least 1 us, of a body of `inertia` [kg or kg m^2] that moves at
+    /// most at `speed` [m/s or rad/s].
     #[must_use]
     pub fn body(&self, inertia: f64, speed: f64) -> f64 {
         let damped = if self.damping > 0.0 { inertia / self.damping } else { f64::INFINITY };
-        let swinging = if self.stiffness > 0.0 { (inertia / self.stiffness).sqrt() } else { f64::INFINITY };
+        let swinging =
+            if self.stiffness > 0.0 { (inertia / self.stiffness).sqrt() } else { f64::INFINITY };
         self.prescribed(speed).min(damped).min(swinging).max(SHORTEST)
     }
 }
@@ -135,7 +139,8 @@ mod tests {
         let k = 1.5 * std::f64::consts::PI / 0.002;
         assert!(close(proposed.stiffness, k) && close(proposed.damping, sigma), "{proposed:?}");
         assert!(close(proposed.slip, sigma / k) && proposed.lag == 0.002, "{proposed:?}");
-        // dt < 2.78 m / sigma while it hardly moves, were it not for tau: 2 ms are shorter than 3.2 ms.
+        // dt < 2.78 m / sigma while it hardly moves, were it not for tau: 2 ms are shorter than 3.2
+        // ms.
         assert_eq!(proposed.body(1.0, 1e-3), 0.002);
         assert!(close(proposed.body(0.1, 1e-3), 0.1 / sigma));
     }
@@ -150,7 +155,8 @@ mod tests {
 
     #[test]
     fn levels_are_found_where_they_are() {
-        // The static level of stiction is one at rest alone; Karnopp's band and Bengisu and Akay's curve start from zero.
+        // The static level of stiction is one at rest alone; Karnopp's band and Bengisu and Akay's
+        // curve start from zero.
         for name in [ModelName::Stiction, ModelName::Karnopp, ModelName::BengisuAkay] {
             let scales = chapter_3(name);
             assert!((scales.highest_level - 1.5).abs() < 1e-4, "{name}: {scales:?}");

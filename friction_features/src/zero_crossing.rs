@@ -1,10 +1,12 @@
-//! Reversal: what friction does while the velocity passes through zero (thesis section 3.6.2, figure 3.36a).
+//! Reversal: what friction does while the velocity passes through zero (thesis section 3.6.2,
+//! figure 3.36a).
 //!
-//! The contact slides backward steadily, then the velocity rises at constant acceleration to the same speed forward.
-//! Static models change sign at once. Contacts with bristles unload and load them first. Without damping the force
-//! follows the displacement alone, so the way from the turn to forward sliding is the same at every acceleration
-//! (Dahl: `F_c ln 2 / sigma0` to zero force). Damped bristles carry `sigma v` besides, which establishes the forward
-//! force the earlier the faster the reversal, and may overshoot it.
+//! The contact slides backward steadily, then the velocity rises at constant acceleration to the
+//! same speed forward. Static models change sign at once. Contacts with bristles unload and load
+//! them first. Without damping the force follows the displacement alone, so the way from the turn
+//! to forward sliding is the same at every acceleration (Dahl: `F_c ln 2 / sigma0` to zero force).
+//! Damped bristles carry `sigma v` besides, which establishes the forward force the earlier the
+//! faster the reversal, and may overshoot it.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +31,8 @@ pub struct ZeroCrossingSettings {
 }
 
 impl Default for ZeroCrossingSettings {
-    /// From -0.05 to 0.05 m/s at 0.1 and at 1 m/s^2, held for 2 s before and after; established at 90 %.
+    /// From -0.05 to 0.05 m/s at 0.1 and at 1 m/s^2, held for 2 s before and after; established at
+    /// 90 %.
     fn default() -> Self {
         Self { speed: 0.05, accelerations: vec![0.1, 1.0], hold: 2.0, level: 0.9, step: None }
     }
@@ -40,20 +43,21 @@ impl Default for ZeroCrossingSettings {
 pub struct ZeroCrossing {
     /// Acceleration [m/s^2 or rad/s^2].
     pub acceleration: f64,
-    /// Friction at the instant at which the velocity is zero [N or N m]: what the bristles still hold.
+    /// Friction at the instant at which the velocity is zero [N or N m]: what the bristles still
+    /// hold.
     pub friction_at_turn: f64,
-    /// Displacement from the turn to where friction is zero [m or rad]; negative if that is before the turn, `None`
-    /// if it never is.
+    /// Displacement from the turn to where friction is zero [m or rad]; negative if that is before
+    /// the turn, `None` if it never is.
     pub displacement_to_zero: Option<f64>,
-    /// Displacement from the turn to where friction without its viscous part reaches the level of forward sliding [m
-    /// or rad]; `None` if it never does, or if the model has no such level.
+    /// Displacement from the turn to where friction without its viscous part reaches the level of
+    /// forward sliding [m or rad]; `None` if it never does, or if the model has no such level.
     pub displacement_to_sliding: Option<f64>,
     /// Time from the turn to there [s].
     pub time_to_sliding: Option<f64>,
     /// Largest friction after the turn [N or N m].
     pub friction_max: f64,
-    /// Largest rate of change of the friction in the whole run [N/s or N m/s]; `None` if it grows without bound as
-    /// the step shrinks: a jump.
+    /// Largest rate of change of the friction in the whole run [N/s or N m/s]; `None` if it grows
+    /// without bound as the step shrinks: a jump.
     pub steepest: Option<f64>,
     /// From the start of the ramp on.
     pub course: ZeroCrossingCourse,
@@ -98,7 +102,8 @@ pub fn zero_crossing(contact: &Contact, settings: &ZeroCrossingSettings) -> Vec<
             });
             let finer = go(0.5 * evidence.step).steepest;
             let bounded = |a: f64, b: f64| (b - a).abs() < 0.2 * a;
-            result.steepest = result.steepest.zip(finer).filter(|&(a, b)| bounded(a, b)).map(|(_, b)| b);
+            result.steepest =
+                result.steepest.zip(finer).filter(|&(a, b)| bounded(a, b)).map(|(_, b)| b);
             if contact.holding(0.0).is_some() {
                 // The jump lies somewhere in the step that begins at the turn.
                 result.displacement_to_zero = Some(0.0);

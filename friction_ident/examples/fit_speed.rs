@@ -1,8 +1,11 @@
-//! Time of the lag stage for the proposed model, LuGre and GMS (9425 points) and of the joint fit (6000 points), for `cargo xtask bench-fits`.
+//! Time of the lag stage for the proposed model, LuGre and GMS (9425 points) and of the joint fit
+//! (6000 points), for `cargo xtask bench-fits`.
 //!
-//! `fit_speed FOLDER ROUNDS` writes `lag.csv`, `joint.csv` and `start.json` into the folder if they are not there, fits each ROUNDS times and prints one line of JSON a
-//! fit, as the SciPy peer (`tests/peers/scipy_fits.py`) does on the same files. The data are made by RK4 at a hundredth of the sampling period from the analytic velocity, with white
-//! noise of 0.0029 N m (the printed mean square of the lag stage).
+//! `fit_speed FOLDER ROUNDS` writes `lag.csv`, `joint.csv` and `start.json` into the folder if they
+//! are not there, fits each ROUNDS times and prints one line of JSON a fit, as the SciPy peer
+//! (`tests/peers/scipy_fits.py`) does on the same files. The data are made by RK4 at a hundredth of
+//! the sampling period from the analytic velocity, with white noise of 0.0029 N m (the printed mean
+//! square of the lag stage).
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -12,7 +15,9 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
-use friction_ident::frictional_lag::{LagOptions, LagRecording, Relaxation, fit_lag, fit_relaxation};
+use friction_ident::frictional_lag::{
+    LagOptions, LagRecording, Relaxation, fit_lag, fit_relaxation,
+};
 use friction_ident::output_error::OutputErrorOptions;
 use friction_ident::{FreeParameters, Measured, Stretch, fit_output_error};
 use friction_model::{AnyModel, AnyParameters, FrictionModel, ModelName, ModelVisitor, rk4};
@@ -113,7 +118,13 @@ const JOINT: [(&str, f64); 7] = [
     ("f_v", 0.0443),
 ];
 
-fn report(what: &str, times: &[f64], evaluations: usize, mse: f64, parameters: &BTreeMap<String, f64>) {
+fn report(
+    what: &str,
+    times: &[f64],
+    evaluations: usize,
+    mse: f64,
+    parameters: &BTreeMap<String, f64>,
+) {
     println!(
         "{{\"what\": \"{what}\", \"milliseconds\": {times:?}, \"evaluations\": {evaluations}, \"mse\": {mse:e}, \"parameters\": {parameters:?}}}"
     );
@@ -133,7 +144,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         // LuGre and GMS begin with a lag of some 10 ms at the Stribeck velocity.
         let relaxation: BTreeMap<_, _> =
             JOINT.into_iter().chain([("sigma0", 60.0), ("sigma1", 0.01), ("c", 0.2)]).collect();
-        let starts = format!("{{\"lag\": {joint:?}, \"joint\": {joint:?}, \"relaxation\": {relaxation:?}}}");
+        let starts =
+            format!("{{\"lag\": {joint:?}, \"joint\": {joint:?}, \"relaxation\": {relaxation:?}}}");
         fs::write(folder.join("start.json"), starts)?;
     }
 
@@ -148,23 +160,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         last = Some(fit);
     }
     if let Some(fit) = last {
-        let parameters = fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+        let parameters =
+            fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
         // The first round warms up.
         report("lag", &times[1..], fit.passes, fit.mse, &parameters);
     }
 
-    let gms = Relaxation::Gms { alpha: &[0.25; 4], sigma0: &[15.0, 12.0, 9.0, 6.0], sigma1: &[0.0686; 4] };
+    let gms = Relaxation::Gms {
+        alpha: &[0.25; 4],
+        sigma0: &[15.0, 12.0, 9.0, 6.0],
+        sigma1: &[0.0686; 4],
+    };
     for (what, model) in [("lag, LuGre", Relaxation::LuGre), ("lag, GMS(4)", gms)] {
         let mut times = Vec::new();
         let mut last = None;
         for _ in 0..=rounds {
             let begin = Instant::now();
-            let fit = fit_relaxation(std::slice::from_ref(&recording), &LagOptions::default(), model)?;
+            let fit =
+                fit_relaxation(std::slice::from_ref(&recording), &LagOptions::default(), model)?;
             times.push(1e3 * begin.elapsed().as_secs_f64());
             last = Some(fit);
         }
         if let Some(fit) = last {
-            let parameters = fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+            let parameters =
+                fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
             report(what, &times[1..], fit.evaluations, fit.mse, &parameters);
         }
     }
@@ -183,12 +202,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut last = None;
     for _ in 0..=rounds {
         let begin = Instant::now();
-        let fit = fit_output_error(&free, &data, &[], &options, &mut |_| ControlFlow::Continue(()))?;
+        let fit =
+            fit_output_error(&free, &data, &[], &options, &mut |_| ControlFlow::Continue(()))?;
         times.push(1e3 * begin.elapsed().as_secs_f64());
         last = Some(fit);
     }
     if let Some(fit) = last {
-        let parameters = fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+        let parameters =
+            fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
         report("joint", &times[1..], fit.evaluations, fit.rms * fit.rms, &parameters);
     }
     Ok(())

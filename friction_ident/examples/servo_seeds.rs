@@ -1,10 +1,12 @@
-//! The long tier for servo logs: ten seeds of our own friction level, with bars, and the speed of the simulation.
+//! The long tier for servo logs: ten seeds of our own friction level, with bars, and the speed of
+//! the simulation.
 //!
 //! ```text
 //! cargo run --release -p friction_ident --example servo_seeds -- [FOLDER with xl330] [SEEDS] [EVALUATIONS]
 //! ```
-//! Ends with an error where the median over the seeds misses 34.2 mrad fitted or 35 mrad held out, or where fewer than a thousand
-//! whole simulations a second are done on one core, a hundred times the peer's ten.
+//! Ends with an error where the median over the seeds misses 34.2 mrad fitted or 35 mrad held out,
+//! or where fewer than a thousand whole simulations a second are done on one core, a hundred times
+//! the peer's ten.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -18,7 +20,8 @@ use friction_ident::servo::{
 fn load(file: &Path) -> Option<ServoLog> {
     let log: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).ok()?).ok()?;
     let entries = log["entries"].as_array()?;
-    let column = |name: &str| entries.iter().map(|entry| entry[name].as_f64()).collect::<Option<Vec<_>>>();
+    let column =
+        |name: &str| entries.iter().map(|entry| entry[name].as_f64()).collect::<Option<Vec<_>>>();
     ServoLog::new(&RawServoLog {
         mass: log["mass"].as_f64()?,
         length: log["length"].as_f64()?,
@@ -28,7 +31,10 @@ fn load(file: &Path) -> Option<ServoLog> {
         position: column("position")?,
         speed: column("speed")?,
         goal: column("goal_position")?,
-        enabled: entries.iter().map(|entry| entry["torque_enable"].as_bool()).collect::<Option<_>>()?,
+        enabled: entries
+            .iter()
+            .map(|entry| entry["torque_enable"].as_bool())
+            .collect::<Option<_>>()?,
     })
     .ok()
 }
@@ -39,8 +45,12 @@ fn main() -> ExitCode {
     let folder = arguments.next().map_or_else(|| Path::new(&data).join("xl330"), PathBuf::from);
     let seeds: u64 = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(10);
     let evaluations = arguments.next().and_then(|text| text.parse().ok()).unwrap_or(40_000);
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path())
+        .collect();
     files.sort();
     let logs: Vec<ServoLog> = files.iter().filter_map(|file| load(file)).collect();
     let (held, train): (Vec<_>, Vec<_>) = logs.iter().partition(|log| log.gain() == 400.0);
@@ -55,7 +65,8 @@ fn main() -> ExitCode {
     for seed in 0..seeds {
         let started = Instant::now();
         let effort = Effort { evaluations, abandon: true };
-        let found = search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+        let found =
+            search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
         let physics = Physics::new(parameters, &found.values);
         let rate = found.evaluations as f64 / started.elapsed().as_secs_f64();
         let again = Instant::now();

@@ -1,10 +1,11 @@
 //! Nonlinear least squares within bounds: Levenberg and Marquardt with projection.
 //!
-//! Each step solves `(J^T J + mu D) d = -J^T r` over the unknowns that no bound holds (those at a bound whose gradient points
-//! outwards are left out), cuts the step to the bounds, and accepts it if the sum of squares falls. `D` is the largest diagonal of
-//! `J^T J` seen so far (Moré 1978), `mu` follows the gain ratio (Nielsen 1999). The Jacobian is the problem's own, or forward
-//! differences; between accepted steps it may be carried on by Broyden's rank-one update (1965), which saves most of the
-//! evaluations where one is expensive.
+//! Each step solves `(J^T J + mu D) d = -J^T r` over the unknowns that no bound holds (those at a
+//! bound whose gradient points outwards are left out), cuts the step to the bounds, and accepts it
+//! if the sum of squares falls. `D` is the largest diagonal of `J^T J` seen so far (Moré 1978),
+//! `mu` follows the gain ratio (Nielsen 1999). The Jacobian is the problem's own, or forward
+//! differences; between accepted steps it may be carried on by Broyden's rank-one update (1965),
+//! which saves most of the evaluations where one is expensive.
 
 use std::ops::ControlFlow;
 
@@ -22,11 +23,12 @@ pub trait Residuals {
         self.len() == 0
     }
 
-    /// Writes the residuals at `x` into `out`, which is as long as [`len`](Self::len). False where `x` is not allowed; `out` does not count then.
+    /// Writes the residuals at `x` into `out`, which is as long as [`len`](Self::len). False where
+    /// `x` is not allowed; `out` does not count then.
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool;
 
-    /// Writes the derivatives of the residuals, one column an unknown, where they are known in closed form; `residuals` are those
-    /// at `x`. False leaves them to forward differences.
+    /// Writes the derivatives of the residuals, one column an unknown, where they are known in
+    /// closed form; `residuals` are those at `x`. False leaves them to forward differences.
     fn jacobian(&mut self, _x: &[f64], _residuals: &[f64], _jacobian: &mut DMatrix<f64>) -> bool {
         false
     }
@@ -39,7 +41,8 @@ pub struct Bound {
     pub low: f64,
     /// Highest value; may be infinite.
     pub high: f64,
-    /// A usual magnitude, above zero: forward differences never step less than its square root of the rounding.
+    /// A usual magnitude, above zero: forward differences never step less than its square root of
+    /// the rounding.
     pub scale: f64,
     /// Longest step, above zero; may be infinite. A step that is longer is shortened as a whole.
     pub reach: f64,
@@ -126,7 +129,8 @@ pub struct Step {
     pub sum: f64,
 }
 
-/// Makes the sum of squares small, from `start` within `bounds`. `watch` sees every iteration and may stop the search.
+/// Makes the sum of squares small, from `start` within `bounds`. `watch` sees every iteration and
+/// may stop the search.
 ///
 /// `None` where `start`, cut to the bounds, is not allowed or gives no finite residuals.
 pub fn minimise(
@@ -140,7 +144,8 @@ pub fn minimise(
     if bounds.len() != n {
         return None;
     }
-    let mut x: Vec<f64> = start.iter().zip(bounds).map(|(&value, bound)| bound.clip(value)).collect();
+    let mut x: Vec<f64> =
+        start.iter().zip(bounds).map(|(&value, bound)| bound.clip(value)).collect();
     let mut residuals = DVector::zeros(m);
     let mut evaluations = 1;
     if !problem.residuals(&x, residuals.as_mut_slice()) {
@@ -163,7 +168,8 @@ pub fn minimise(
             if iteration == patience.iterations {
                 break;
             }
-            evaluations += differentiate(problem, &x, &residuals, bounds, &mut jacobian, &mut trial);
+            evaluations +=
+                differentiate(problem, &x, &residuals, bounds, &mut jacobian, &mut trial);
             (age, iteration) = (Some(0), iteration + 1);
             if watch(&Step { iteration, sum }).is_break() {
                 ending = Ending::Stopped;
@@ -177,7 +183,8 @@ pub fn minimise(
             .filter(|&j| {
                 largest[j] = largest[j].max(normal[(j, j)]);
                 let Bound { low, high, .. } = bounds[j];
-                let outwards = (x[j] <= low && gradient[j] > 0.0) || (x[j] >= high && gradient[j] < 0.0);
+                let outwards =
+                    (x[j] <= low && gradient[j] > 0.0) || (x[j] >= high && gradient[j] < 0.0);
                 low < high && !outwards && largest[j] > 0.0
             })
             .collect();
@@ -189,15 +196,18 @@ pub fn minimise(
         let accepted = loop {
             let mut moved = DVector::zeros(n);
             if let Some(step) = damped_step(&normal, &gradient, &free, &largest, mu) {
-                let too_long =
-                    free.iter().zip(step.iter()).map(|(&j, d)| d.abs() / bounds[j].reach).fold(1.0, f64::max);
+                let too_long = free
+                    .iter()
+                    .zip(step.iter())
+                    .map(|(&j, d)| d.abs() / bounds[j].reach)
+                    .fold(1.0, f64::max);
                 for (&j, d) in free.iter().zip(step.iter()) {
                     moved[j] = bounds[j].clip(x[j] + d / too_long) - x[j];
                 }
             }
             let predicted = -(2.0 * gradient.dot(&moved) + moved.dot(&(&normal * &moved)));
-            let small =
-                (0..n).all(|j| moved[j].abs() <= patience.step * x[j].abs().max(1e-3 * bounds[j].scale));
+            let small = (0..n)
+                .all(|j| moved[j].abs() <= patience.step * x[j].abs().max(1e-3 * bounds[j].scale));
             let next: Vec<f64> = x.iter().zip(moved.iter()).map(|(a, b)| a + b).collect();
             evaluations += 1;
             let allowed = problem.residuals(&next, trial.as_mut_slice());
@@ -206,10 +216,12 @@ pub fn minimise(
                 let gain = (sum - trial_sum) / predicted.max(f64::MIN_POSITIVE);
                 mu = (mu * (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 1.0)).max(1e-15);
                 growth = 2.0;
-                let enough =
-                    small || (sum - trial_sum <= patience.sum * sum && predicted <= 2.0 * patience.sum * sum);
+                let enough = small
+                    || (sum - trial_sum <= patience.sum * sum
+                        && predicted <= 2.0 * patience.sum * sum);
                 if patience.broyden && gain > 0.25 {
-                    let surprise = (&trial - &residuals - &jacobian * &moved) / moved.norm_squared();
+                    let surprise =
+                        (&trial - &residuals - &jacobian * &moved) / moved.norm_squared();
                     jacobian.ger(1.0, &surprise, &moved, 1.0);
                     age = age.map(|steps| steps + 1);
                 } else {
@@ -239,8 +251,11 @@ pub fn minimise(
     if age != Some(0) {
         evaluations += differentiate(problem, &x, &residuals, bounds, &mut jacobian, &mut trial);
     }
-    let held =
-        x.iter().zip(bounds).map(|(&value, bound)| value <= bound.low || value >= bound.high).collect();
+    let held = x
+        .iter()
+        .zip(bounds)
+        .map(|(&value, bound)| value <= bound.low || value >= bound.high)
+        .collect();
     Some(Minimum { x, residuals, jacobian, held, sum, evaluations, ending })
 }
 
@@ -251,7 +266,8 @@ enum Accepted {
     None,
 }
 
-/// Solves the damped normal equations of the free unknowns; none where they are not positive definite in floating point.
+/// Solves the damped normal equations of the free unknowns; none where they are not positive
+/// definite in floating point.
 fn damped_step(
     normal: &DMatrix<f64>,
     gradient: &DVector<f64>,
@@ -270,8 +286,8 @@ fn damped_step(
     step.iter().all(|d| d.is_finite()).then_some(step)
 }
 
-/// The Jacobian at `x`: the problem's own, or forward differences (backward where the upper bound is in the way). Returns how
-/// often the residuals were computed.
+/// The Jacobian at `x`: the problem's own, or forward differences (backward where the upper bound
+/// is in the way). Returns how often the residuals were computed.
 fn differentiate(
     problem: &mut impl Residuals,
     x: &[f64],
@@ -296,10 +312,12 @@ fn differentiate(
             }
             moved[j] = target;
             evaluations += 1;
-            if problem.residuals(&moved, trial.as_mut_slice()) && trial.iter().all(|value| value.is_finite())
+            if problem.residuals(&moved, trial.as_mut_slice())
+                && trial.iter().all(|value| value.is_finite())
             {
                 let exact = target - x[j];
-                column.zip_zip_apply(trial, residuals, |d, there, here| *d = (there - here) / exact);
+                column
+                    .zip_zip_apply(trial, residuals, |d, there, here| *d = (there - here) / exact);
                 break;
             }
         }
@@ -334,9 +352,15 @@ mod tests {
     fn follows_a_curved_valley() {
         for broyden in [false, true] {
             let mut problem =
-                Curve(2, |x: &[f64], i| if i == 0 { 10.0 * (x[1] - x[0] * x[0]) } else { 1.0 - x[0] });
+                Curve(
+                    2,
+                    |x: &[f64], i| if i == 0 { 10.0 * (x[1] - x[0] * x[0]) } else { 1.0 - x[0] },
+                );
             let found = go(&mut problem, &[-1.2, 1.0], &[Bound::free(1.0); 2], broyden);
-            assert!((found.x[0] - 1.0).abs() < 1e-9 && (found.x[1] - 1.0).abs() < 1e-9, "{found:?}");
+            assert!(
+                (found.x[0] - 1.0).abs() < 1e-9 && (found.x[1] - 1.0).abs() < 1e-9,
+                "{found:?}"
+            );
         }
     }
 
@@ -354,14 +378,18 @@ mod tests {
     /// Misra1a of NIST's reference data sets (nonlinear regression, start 1).
     #[test]
     fn agrees_with_a_certified_fit() {
-        let x =
-            [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0];
+        let x = [
+            77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1,
+            689.1, 760.0,
+        ];
         let y = [
-            10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78,
+            10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40,
+            75.47, 81.78,
         ];
         let bounds = [Bound::within(0.0, 1e4, 100.0), Bound::within(0.0, 1.0, 1e-3)];
         for broyden in [false, true] {
-            let mut problem = Curve(14, |b: &[f64], i: usize| b[0] * (1.0 - (-b[1] * x[i]).exp()) - y[i]);
+            let mut problem =
+                Curve(14, |b: &[f64], i: usize| b[0] * (1.0 - (-b[1] * x[i]).exp()) - y[i]);
             let found = go(&mut problem, &[500.0, 1e-4], &bounds, broyden);
             assert!((found.x[0] / 2.3894212918e2 - 1.0).abs() < 1e-7, "{:?}", found.x);
             assert!((found.x[1] / 5.5015643181e-4 - 1.0).abs() < 1e-7, "{:?}", found.x);
@@ -374,12 +402,17 @@ mod tests {
         let mut problem =
             Curve(2, |x: &[f64], i| if i == 0 { 10.0 * (x[1] - x[0] * x[0]) } else { 1.0 - x[0] });
         let mut sums = Vec::new();
-        let found =
-            minimise(&mut problem, &[-1.2, 1.0], &[Bound::free(1.0); 2], &Patience::default(), &mut |step| {
+        let found = minimise(
+            &mut problem,
+            &[-1.2, 1.0],
+            &[Bound::free(1.0); 2],
+            &Patience::default(),
+            &mut |step| {
                 sums.push(step.sum);
                 if step.iteration == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-            .unwrap();
+            },
+        )
+        .unwrap();
         assert_eq!((found.ending, sums.len()), (Ending::Stopped, 4));
         assert!(sums.windows(2).all(|pair| pair[1] < pair[0]) && found.sum == sums[3]);
     }
@@ -396,9 +429,10 @@ mod tests {
                 x[0] >= 1.0
             }
         }
-        let none = minimise(&mut Fence, &[0.0], &[Bound::free(1.0)], &Patience::default(), &mut |_| {
-            ControlFlow::Continue(())
-        });
+        let none =
+            minimise(&mut Fence, &[0.0], &[Bound::free(1.0)], &Patience::default(), &mut |_| {
+                ControlFlow::Continue(())
+            });
         assert_eq!(none, None);
         let found = go(&mut Fence, &[9.0], &[Bound::free(1.0)], false);
         assert!(found.x[0] >= 1.0 && found.x[0] < 1.01, "{found:?}");

@@ -1,11 +1,13 @@
-//! Search without derivatives: evolution of a normal distribution by its covariance matrix (CMA-ES).
+//! Search without derivatives: evolution of a normal distribution by its covariance matrix
+//! (CMA-ES).
 //!
-//! After Hansen, "The CMA Evolution Strategy: A Tutorial" (2016, arXiv 1604.00772), with its default constants: weighted
-//! recombination (equations 41 to 53), cumulation of the step size and of the covariance, rank-one and rank-mu updates with
-//! negative weights left out. It suits functions with kinks and many local minima, where gradients mislead.
+//! After Hansen, "The CMA Evolution Strategy: A Tutorial" (2016, arXiv 1604.00772), with its
+//! default constants: weighted recombination (equations 41 to 53), cumulation of the step size and
+//! of the covariance, rank-one and rank-mu updates with negative weights left out. It suits
+//! functions with kinks and many local minima, where gradients mislead.
 //!
-//! The unknowns live in the unit cube: a point outside is folded back at the faces (the distribution itself is not cut), which keeps
-//! bounds without any penalty.
+//! The unknowns live in the unit cube: a point outside is folded back at the faces (the
+//! distribution itself is not cut), which keeps bounds without any penalty.
 
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
@@ -46,7 +48,8 @@ fn fold(value: f64) -> f64 {
 }
 
 impl CmaEs {
-    /// A distribution around `start` (in the unit cube) with the given deviation in every direction; at least four candidates a generation.
+    /// A distribution around `start` (in the unit cube) with the given deviation in every
+    /// direction; at least four candidates a generation.
     pub fn new(start: &[f64], sigma: f64, population: usize) -> Self {
         let n = start.len();
         let population = population.max(4);
@@ -104,7 +107,8 @@ impl CmaEs {
             return;
         }
         let c_sigma = (self.mu_eff + 2.0) / (n + self.mu_eff + 5.0);
-        let d_sigma = 1.0 + 2.0 * (((self.mu_eff - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + c_sigma;
+        let d_sigma =
+            1.0 + 2.0 * (((self.mu_eff - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + c_sigma;
         let c_c = (4.0 + self.mu_eff / n) / (n + 4.0 + 2.0 * self.mu_eff / n);
         let c_1 = 2.0 / ((n + 1.3).powi(2) + self.mu_eff);
         let c_mu = (1.0 - c_1)
@@ -118,14 +122,15 @@ impl CmaEs {
         self.mean.axpy(self.sigma, &step, 1.0);
         // Whitened by the covariance's root.
         let whitened = &self.axes * (self.axes.tr_mul(&step)).component_div(&self.roots);
-        self.path_sigma =
-            &self.path_sigma * (1.0 - c_sigma) + whitened * (c_sigma * (2.0 - c_sigma) * self.mu_eff).sqrt();
+        self.path_sigma = &self.path_sigma * (1.0 - c_sigma)
+            + whitened * (c_sigma * (2.0 - c_sigma) * self.mu_eff).sqrt();
         self.generation += 1;
         let length = self.path_sigma.norm();
         let settled = 1.0 - (1.0 - c_sigma).powi(2 * self.generation.min(10_000) as i32);
         let stalled = length / settled.sqrt() >= (1.4 + 2.0 / (n + 1.0)) * chi;
         let h = if stalled { 0.0 } else { 1.0 };
-        self.path_c = &self.path_c * (1.0 - c_c) + &step * (h * (c_c * (2.0 - c_c) * self.mu_eff).sqrt());
+        self.path_c =
+            &self.path_c * (1.0 - c_c) + &step * (h * (c_c * (2.0 - c_c) * self.mu_eff).sqrt());
         let keep = 1.0 - c_1 - c_mu + (1.0 - h) * c_1 * c_c * (2.0 - c_c);
         self.covariance *= keep;
         self.covariance.ger(c_1, &self.path_c, &self.path_c, 1.0);
@@ -188,11 +193,15 @@ mod tests {
         (best, cma)
     }
 
-    /// Hansen's figure: an ellipsoid of condition 10^6 in ten dimensions takes about 6000 evaluations to 1e-9.
+    /// Hansen's figure: an ellipsoid of condition 10^6 in ten dimensions takes about 6000
+    /// evaluations to 1e-9.
     #[test]
     fn an_ellipsoid_is_learnt() {
         let ellipsoid = |x: &[f64]| {
-            x.iter().enumerate().map(|(i, x)| 1e6f64.powf(i as f64 / 9.0) * (x - 0.6).powi(2)).sum::<f64>()
+            x.iter()
+                .enumerate()
+                .map(|(i, x)| 1e6f64.powf(i as f64 / 9.0) * (x - 0.6).powi(2))
+                .sum::<f64>()
         };
         let (best, cma) = search(10, 800, ellipsoid);
         assert!(best < 1e-9, "{best}");
@@ -204,7 +213,9 @@ mod tests {
     fn the_bent_valley_of_rosenbrock_is_followed() {
         let rosenbrock = |x: &[f64]| {
             let x: Vec<f64> = x.iter().map(|x| 4.0 * x - 2.0).collect();
-            x.windows(2).map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2)).sum::<f64>()
+            x.windows(2)
+                .map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2))
+                .sum::<f64>()
         };
         let (best, _) = search(3, 500, rosenbrock);
         assert!(best < 1e-9, "{best}");
@@ -219,12 +230,9 @@ mod tests {
 
     #[test]
     fn values_that_are_no_numbers_do_not_stop_the_search() {
-        let (best, _) =
-            search(
-                4,
-                300,
-                |x| if x[0] < 0.05 { f64::NAN } else { x.iter().map(|x| (x - 0.5).powi(2)).sum() },
-            );
+        let (best, _) = search(4, 300, |x| {
+            if x[0] < 0.05 { f64::NAN } else { x.iter().map(|x| (x - 0.5).powi(2)).sum() }
+        });
         assert!(best < 1e-10, "{best}");
     }
 }

@@ -1,12 +1,14 @@
 //! From sampled position and force to velocity, acceleration and force without phase shift.
 //!
-//! The position (or the velocity, where that is what was measured) goes through a zero-phase Butterworth
-//! low-pass and is differentiated by central differences; the filter's and the differences' troubles at both
-//! ends are cut off. The force is left as measured: filtering it alone would shift nothing but would flatten
-//! the steps that Coulomb friction makes. Decimation comes later, when the regression is set up, and treats
-//! every regressor and the force alike ([`crate::rigid_axis`]).
+//! The position (or the velocity, where that is what was measured) goes through a zero-phase
+//! Butterworth low-pass and is differentiated by central differences; the filter's and the
+//! differences' troubles at both ends are cut off. The force is left as measured: filtering it
+//! alone would shift nothing but would flatten the steps that Coulomb friction makes. Decimation
+//! comes later, when the regression is set up, and treats every regressor and the force alike
+//! ([`crate::rigid_axis`]).
 //!
-//! A recording with gaps is conditioned stretch by stretch ([`condition_stretches`]): no filter, difference or delay reaches across a gap.
+//! A recording with gaps is conditioned stretch by stretch ([`condition_stretches`]): no filter,
+//! difference or delay reaches across a gap.
 
 use std::ops::Range;
 
@@ -22,18 +24,24 @@ pub struct Conditioning {
     pub order: usize,
     /// Samples dropped at each end.
     pub trim: usize,
-    /// Every how many samples one is kept for the regression, after an anti-alias low-pass; one keeps all.
+    /// Every how many samples one is kept for the regression, after an anti-alias low-pass; one
+    /// keeps all.
     pub decimate: usize,
 }
 
 impl Conditioning {
-    /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling rate but at
-    /// most 100 Hz, fourth order, 50 samples off each end, and decimation to about the cutoff. At 1 kHz this
-    /// is the conditioning published with the EMPS benchmark.
+    /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling
+    /// rate but at most 100 Hz, fourth order, 50 samples off each end, and decimation to about the
+    /// cutoff. At 1 kHz this is the conditioning published with the EMPS benchmark.
     pub fn for_time_step(time_step: f64) -> Self {
         let rate = 1.0 / time_step;
         let cutoff = (rate / 10.0).min(100.0);
-        Self { cutoff, order: 4, trim: 50, decimate: ((rate / cutoff).round() as usize).clamp(1, 1000) }
+        Self {
+            cutoff,
+            order: 4,
+            trim: 50,
+            decimate: ((rate / cutoff).round() as usize).clamp(1, 1000),
+        }
     }
 }
 
@@ -50,7 +58,8 @@ pub struct Signals<'a> {
     pub force: &'a [f64],
 }
 
-/// A conditioned recording, still at the full sampling rate; of one with gaps the stretches stand one behind the other.
+/// A conditioned recording, still at the full sampling rate; of one with gaps the stretches stand
+/// one behind the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditioned {
     /// Sampling period \[s\].
@@ -106,16 +115,19 @@ impl Conditioned {
     }
 }
 
-/// Conditions each stretch of a recording for itself and puts them one behind the other. Each comes with the time of its first sample \[s\]; all have one
-/// sampling period. Stretches too short for the filters are left out, which [`Conditioned::stretches`] tells.
+/// Conditions each stretch of a recording for itself and puts them one behind the other. Each comes
+/// with the time of its first sample \[s\]; all have one sampling period. Stretches too short for
+/// the filters are left out, which [`Conditioned::stretches`] tells.
 ///
 /// # Errors
-/// Those of [`condition`] for the longest stretch, and [`IdentError::TimeStep`] where the sampling periods differ.
+/// Those of [`condition`] for the longest stretch, and [`IdentError::TimeStep`] where the sampling
+/// periods differ.
 pub fn condition_stretches(
     stretches: &[(f64, Signals)],
     how: &Conditioning,
 ) -> Result<Conditioned, IdentError> {
-    let longest = (0..stretches.len()).max_by_key(|&i| (stretches[i].1.force.len(), stretches.len() - i));
+    let longest =
+        (0..stretches.len()).max_by_key(|&i| (stretches[i].1.force.len(), stretches.len() - i));
     let Some(longest) = longest else { return Err(IdentError::NoMotion) };
     let dt = stretches[longest].1.time_step;
     if let Some((_, other)) = stretches.iter().find(|(_, signals)| signals.time_step != dt) {
@@ -157,8 +169,9 @@ const THINNING_PADDING: usize = 24;
 /// Filters, differentiates and trims a recording.
 ///
 /// # Errors
-/// [`IdentError`] for a sampling period, a cutoff or an order out of range, channels of different length,
-/// values that are not finite, a missing motion, and too few samples for the filter or the trimming.
+/// [`IdentError`] for a sampling period, a cutoff or an order out of range, channels of different
+/// length, values that are not finite, a missing motion, and too few samples for the filter or the
+/// trimming.
 pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, IdentError> {
     let dt = signals.time_step;
     if !(dt > 0.0 && dt.is_finite()) {
@@ -174,7 +187,8 @@ pub fn condition(signals: &Signals, how: &Conditioning) -> Result<Conditioned, I
         ("the velocity", signals.velocity),
         ("the force", Some(signals.force)),
     ];
-    for (channel, values) in channels.iter().filter_map(|(name, values)| values.map(|values| (*name, values)))
+    for (channel, values) in
+        channels.iter().filter_map(|(name, values)| values.map(|values| (*name, values)))
     {
         if values.len() != n {
             return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
@@ -261,8 +275,12 @@ mod tests {
     fn a_given_velocity_is_used() {
         let velocity: Vec<f64> = (0..500).map(|i| 0.5 + 1e-3 * i as f64).collect();
         let zeros = vec![0.0; 500];
-        let given =
-            Signals { time_step: 1e-3, position: Some(&zeros), velocity: Some(&velocity), force: &zeros };
+        let given = Signals {
+            time_step: 1e-3,
+            position: Some(&zeros),
+            velocity: Some(&velocity),
+            force: &zeros,
+        };
         let out = condition(&given, &HOW).unwrap();
         assert!(out.acceleration.iter().all(|a| (a - 1.0).abs() < 1e-6));
     }
@@ -275,8 +293,14 @@ mod tests {
             condition(&signals(&short, &short), &HOW),
             Err(IdentError::TooFewSamples { needed: 103, .. })
         ));
-        assert!(matches!(condition(&signals(&[], &[]), &HOW), Err(IdentError::TooFewSamples { .. })));
-        assert!(matches!(condition(&signals(&short, &ok), &HOW), Err(IdentError::UnequalLengths { .. })));
+        assert!(matches!(
+            condition(&signals(&[], &[]), &HOW),
+            Err(IdentError::TooFewSamples { .. })
+        ));
+        assert!(matches!(
+            condition(&signals(&short, &ok), &HOW),
+            Err(IdentError::UnequalLengths { .. })
+        ));
         let mut broken = ok.clone();
         broken[7] = f64::NAN;
         assert!(matches!(

@@ -2,8 +2,9 @@
 
 /// The two-sided 95 % quantile of Student's distribution with `degrees` degrees of freedom.
 ///
-/// Cornish-Fisher expansion around the normal quantile (Abramowitz and Stegun 26.7.5): right to 1e-3 at four
-/// degrees and to 1e-6 from twenty on. Infinite for zero degrees, where no interval exists.
+/// Cornish-Fisher expansion around the normal quantile (Abramowitz and Stegun 26.7.5): right to
+/// 1e-3 at four degrees and to 1e-6 from twenty on. Infinite for zero degrees, where no interval
+/// exists.
 ///
 /// ```
 /// assert!((friction_ident::confidence::student_95(10) - 2.228139).abs() < 1e-4);

@@ -1,5 +1,5 @@
-//! A model with its micro-damping computed from the inertia that moves on the bristles, see [`crate::micro_damping`]; of models with elements each
-//! element's from its own stiffness.
+//! A model with its micro-damping computed from the inertia that moves on the bristles, see
+//! [`crate::micro_damping`]; of models with elements each element's from its own stiffness.
 
 use friction_model::{AnyModel, AnyParameters};
 
@@ -8,10 +8,12 @@ use crate::estimate::{Estimate, Estimates};
 use crate::micro_damping::Oscillator;
 use crate::uncertain::Uncertain;
 
-/// The model with its micro-damping computed, and the values with the standard error that the inertia's brings.
+/// The model with its micro-damping computed, and the values with the standard error that the
+/// inertia's brings.
 ///
 /// # Errors
-/// [`IdentError::NotAnOscillator`] for an impossible inertia, and where viscous friction damps more than was asked for.
+/// [`IdentError::NotAnOscillator`] for an impossible inertia, and where viscous friction damps more
+/// than was asked for.
 pub fn with_computed_damping(
     model: &AnyModel,
     inertia: Uncertain,
@@ -35,7 +37,8 @@ pub fn with_computed_damping(
                 zeta: damping_ratio,
             };
             let critical = 2.0 * damping_ratio * (inertia.value * k).sqrt();
-            // Beside a soft element viscous friction alone damps more than was asked for: it gets a trace, with no error of its own.
+            // Beside a soft element viscous friction alone damps more than was asked for: it gets a
+            // trace, with no error of its own.
             let (computed, source) = if list && critical <= f_v {
                 (
                     Uncertain::exact(1e-3 * critical),
@@ -49,7 +52,8 @@ pub fn with_computed_damping(
                 continue;
             }
             let place = if list { format!("[{element}]") } else { String::new() };
-            let label = if asymmetric { format!("{name}{place}{side}") } else { format!("{name}{place}") };
+            let label =
+                if asymmetric { format!("{name}{place}{side}") } else { format!("{name}{place}") };
             let mut estimate = Estimate::given(label, unit, damping, source);
             estimate.standard_error = Some(standard_error);
             estimates.parameters.push(estimate);
@@ -86,9 +90,13 @@ mod tests {
     fn a_soft_element_beside_strong_viscous_friction_gets_a_trace() {
         let mut parameters = AnyModel::test_bed(ModelName::Gms).parameters();
         parameters.set_at("sigma0", 3, 0.01);
-        let (model, found) =
-            with_computed_damping(&parameters.try_into().unwrap(), Uncertain::exact(0.0026), 0.7, true)
-                .unwrap();
+        let (model, found) = with_computed_damping(
+            &parameters.try_into().unwrap(),
+            Uncertain::exact(0.0026),
+            0.7,
+            true,
+        )
+        .unwrap();
         let sigma1 = model.parameters().values("sigma1");
         assert!(sigma1[3] > 0.0 && sigma1[3] < 1e-4 && sigma1[0] > 0.1, "{sigma1:?}");
         assert!(
@@ -99,7 +107,8 @@ mod tests {
         assert!(with_computed_damping(&lugre, Uncertain::exact(0.0026), 0.7, true).is_err());
     }
 
-    /// Errata 2: J = 0.0026, zeta = 0.7, f_v = 0.0403 and the stiffnesses of tables 4.4 to 4.7 give all ten printed values.
+    /// Errata 2: J = 0.0026, zeta = 0.7, f_v = 0.0403 and the stiffnesses of tables 4.4 to 4.7 give
+    /// all ten printed values.
     #[test]
     fn the_printed_values_come_out() {
         let inertia = Uncertain::relative(0.0026, 0.01);
@@ -118,13 +127,19 @@ mod tests {
                 with_computed_damping(&parameters.try_into().unwrap(), inertia, 0.7, true).unwrap();
             assert_eq!(found.parameters.len(), printed.len());
             for (estimate, printed) in found.parameters.iter().zip(printed) {
-                assert!((estimate.value - printed).abs() < 1e-5, "{name} {estimate:?}, printed {printed}");
+                assert!(
+                    (estimate.value - printed).abs() < 1e-5,
+                    "{name} {estimate:?}, printed {printed}"
+                );
                 // A percent of inertia is half a percent of the damping before f_v is taken off.
                 let expected = 0.005 * (estimate.value + 0.0403);
                 assert!((estimate.standard_error.unwrap() - expected).abs() < 1e-12);
             }
-            let name =
-                if name == ModelName::Proposed || name == ModelName::Xiong { "sigma" } else { "sigma1" };
+            let name = if name == ModelName::Proposed || name == ModelName::Xiong {
+                "sigma"
+            } else {
+                "sigma1"
+            };
             assert_eq!(model.parameters().values(name)[0], found.parameters[0].value);
         }
     }

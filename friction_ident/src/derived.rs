@@ -1,14 +1,16 @@
 //! Parameters computed from estimated ones, with their errors carried along.
 //!
-//! To first order: with the gradient `G` of the new parameters with respect to the old ones, the covariance becomes `G C G^T`. A parameter that
-//! depends on one that the data do not determine is not determined either.
+//! To first order: with the gradient `G` of the new parameters with respect to the old ones, the
+//! covariance becomes `G C G^T`. A parameter that depends on one that the data do not determine is
+//! not determined either.
 
 use nalgebra::DMatrix;
 
 use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 
-/// Standard error over value beyond which a parameter counts as unknown, as in [`Estimates::linearised`].
+/// Standard error over value beyond which a parameter counts as unknown, as in
+/// [`Estimates::linearised`].
 const LARGE: f64 = 0.5;
 
 /// A parameter computed from others.
@@ -18,7 +20,8 @@ pub struct Derived {
     pub unknown: Unknown,
     /// Value.
     pub value: f64,
-    /// Derivatives with respect to the parameters it comes from, in their order; missing ones are zero.
+    /// Derivatives with respect to the parameters it comes from, in their order; missing ones are
+    /// zero.
     pub gradient: Vec<f64>,
 }
 
@@ -48,7 +51,8 @@ pub struct Derived {
 /// ```
 pub fn derive(source: &Estimates, derived: &[Derived]) -> Estimates {
     let (rows, columns) = (derived.len(), source.parameters.len());
-    let gradient = DMatrix::from_fn(rows, columns, |i, j| derived[i].gradient.get(j).copied().unwrap_or(0.0));
+    let gradient =
+        DMatrix::from_fn(rows, columns, |i, j| derived[i].gradient.get(j).copied().unwrap_or(0.0));
     let covariance = DMatrix::from_fn(columns, columns, |i, j| {
         source.covariance.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0)
     });
@@ -58,18 +62,21 @@ pub fn derive(source: &Estimates, derived: &[Derived]) -> Estimates {
         .iter()
         .enumerate()
         .map(|(i, Derived { unknown, value, .. })| {
-            let touched = || source.parameters.iter().enumerate().filter(|&(j, _)| gradient[(i, j)] != 0.0);
+            let touched =
+                || source.parameters.iter().enumerate().filter(|&(j, _)| gradient[(i, j)] != 0.0);
             let unknown_source = touched().find_map(|(_, estimate)| match &estimate.verdict {
                 Verdict::NotIdentifiable { doubt, .. } => Some(doubt.clone()),
                 _ => None,
             });
             let known = touched().all(|(_, estimate)| {
-                estimate.standard_error.is_some() || matches!(estimate.verdict, Verdict::Given { .. })
+                estimate.standard_error.is_some()
+                    || matches!(estimate.verdict, Verdict::Given { .. })
             });
             let error = known.then(|| carried[(i, i)].max(0.0).sqrt());
             let relative_error = error.map_or(0.0, |error| error / value.abs());
             let large = relative_error > LARGE || relative_error.is_nan();
-            let doubt = unknown_source.or_else(|| large.then_some(Doubt::LargeError { relative_error }));
+            let doubt =
+                unknown_source.or_else(|| large.then_some(Doubt::LargeError { relative_error }));
             Estimate {
                 name: unknown.name.clone(),
                 unit: unknown.unit,

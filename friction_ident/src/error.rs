@@ -10,7 +10,9 @@ use crate::rigid_axis::AxisTerm;
 #[non_exhaustive]
 pub enum IdentError {
     /// The recording is too short for what was asked.
-    #[error("{what} needs at least {needed} samples, but there are {found}; record longer, or lower {lower}")]
+    #[error(
+        "{what} needs at least {needed} samples, but there are {found}; record longer, or lower {lower}"
+    )]
     TooFewSamples {
         /// The step that needs them.
         what: &'static str,
@@ -267,7 +269,9 @@ pub enum IdentError {
     #[error("one count of the encoder must be a positive angle, but is {0} rad")]
     Resolution(f64),
     /// A servo log's header holds what no servo has.
-    #[error("the {what} of a servo log must be a positive number, but is {value}; mend the log's header")]
+    #[error(
+        "the {what} of a servo log must be a positive number, but is {value}; mend the log's header"
+    )]
     ServoHeader {
         /// Which entry.
         what: &'static str,

@@ -1,7 +1,9 @@
-//! An estimated parameter: its value, how sure it is, and whether the data say anything about it at all.
+//! An estimated parameter: its value, how sure it is, and whether the data say anything about it at
+//! all.
 //!
-//! Every fit of this crate that estimates named parameters ends in [`Estimates`]. A parameter that the data do not determine
-//! carries a [`Doubt`] and what to measure instead; its number is then a placeholder that is safe to compute with.
+//! Every fit of this crate that estimates named parameters ends in [`Estimates`]. A parameter that
+//! the data do not determine carries a [`Doubt`] and what to measure instead; its number is then a
+//! placeholder that is safe to compute with.
 
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -16,7 +18,8 @@ use crate::finite::finite;
 pub enum IntervalMethod {
     /// Value plus and minus Student's quantile times the standard error.
     Linearised,
-    /// Where the profile of the likelihood crosses its limit: right for curved problems, and open-ended where it must be.
+    /// Where the profile of the likelihood crosses its limit: right for curved problems, and
+    /// open-ended where it must be.
     Profile,
     /// The range over repeated searches that fit equally well.
     EquallyGoodFits,
@@ -42,7 +45,8 @@ impl Interval {
     }
 }
 
-/// A relative error in words: per cent as long as these say something, `more than 10 times its value` beyond.
+/// A relative error in words: per cent as long as these say something,
+/// `more than 10 times its value` beyond.
 pub(crate) fn of_its_value(relative_error: f64) -> String {
     const SENSIBLE: f64 = 10.0;
     if relative_error <= SENSIBLE {
@@ -84,7 +88,9 @@ pub enum Doubt {
         correlation: f64,
     },
     /// What it describes is not clear of the noise.
-    #[error("the effect it describes, {effect:.3e}, is not clear of its standard error {standard_error:.3e}")]
+    #[error(
+        "the effect it describes, {effect:.3e}, is not clear of its standard error {standard_error:.3e}"
+    )]
     BelowNoise {
         /// Size of the effect.
         effect: f64,
@@ -102,7 +108,8 @@ pub enum Doubt {
     /// Only its ratio to something unknown is determined.
     #[error("only its ratio to the torque per volt is determined")]
     RatioOnly,
-    /// The sensor's steps are too coarse for the noise to fill them: the mean error of rounding is not known well enough.
+    /// The sensor's steps are too coarse for the noise to fill them: the mean error of rounding is
+    /// not known well enough.
     #[error(
         "the sensor's steps of {step:.3e} are too coarse for the noise of {noise:.3e} that should fill them"
     )]
@@ -158,7 +165,8 @@ pub enum Verdict {
 /// One parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Name as in parameter files; an element of a list as `sigma0[2]`, one direction as `f_c.backward`.
+    /// Name as in parameter files; an element of a list as `sigma0[2]`, one direction as
+    /// `f_c.backward`.
     pub name: String,
     /// Unit.
     pub unit: &'static str,
@@ -175,7 +183,12 @@ pub struct Estimate {
 
 impl Estimate {
     /// A value that was not estimated here.
-    pub fn given(name: impl Into<String>, unit: &'static str, value: f64, source: &'static str) -> Self {
+    pub fn given(
+        name: impl Into<String>,
+        unit: &'static str,
+        value: f64,
+        source: &'static str,
+    ) -> Self {
         let verdict = Verdict::Given { source };
         Self { name: name.into(), unit, value, standard_error: None, interval: None, verdict }
     }
@@ -216,8 +229,9 @@ pub struct Estimates {
 const CONFOUNDED: f64 = 0.9999;
 
 impl Estimates {
-    /// From a minimum of least squares, linearised: covariance `s^2 (J^T J)^-1` of the unknowns that no bound holds. `share` is the share
-    /// of the residuals that count as independent: 1 for white ones, else [`effective_share`](crate::residual_whiteness::effective_share).
+    /// From a minimum of least squares, linearised: covariance `s^2 (J^T J)^-1` of the unknowns
+    /// that no bound holds. `share` is the share of the residuals that count as independent: 1 for
+    /// white ones, else [`effective_share`](crate::residual_whiteness::effective_share).
     pub fn linearised(minimum: &Minimum, unknowns: &[Unknown], share: f64) -> Self {
         let matrix = minimum.jacobian.tr_mul(&minimum.jacobian);
         let normal = NormalEquations {
@@ -263,15 +277,17 @@ impl NormalEquations<'_> {
         let free: Vec<usize> = (0..n).filter(|&j| !self.held[j] && self.at(j, j) > 0.0).collect();
         let m = self.residuals;
         let degrees_of_freedom = ((m as f64 * share) as usize).saturating_sub(free.len());
-        let variance =
-            self.sum / m.saturating_sub(free.len()).max(1) as f64 / share.clamp(f64::MIN_POSITIVE, 1.0);
+        let variance = self.sum
+            / m.saturating_sub(free.len()).max(1) as f64
+            / share.clamp(f64::MIN_POSITIVE, 1.0);
         let root: Vec<f64> = free.iter().map(|&j| self.at(j, j).sqrt()).collect();
-        let normal =
-            DMatrix::from_fn(free.len(), free.len(), |a, b| self.at(free[a], free[b]) / (root[a] * root[b]));
+        let normal = DMatrix::from_fn(free.len(), free.len(), |a, b| {
+            self.at(free[a], free[b]) / (root[a] * root[b])
+        });
         // Singular in floating point: nothing is known of the parameters concerned.
-        let inverse = finite(normal)
-            .and_then(|normal| normal.try_inverse())
-            .filter(|inverse| (0..free.len()).all(|a| inverse[(a, a)].is_finite() && inverse[(a, a)] > 0.0));
+        let inverse = finite(normal).and_then(|normal| normal.try_inverse()).filter(|inverse| {
+            (0..free.len()).all(|a| inverse[(a, a)].is_finite() && inverse[(a, a)] > 0.0)
+        });
         let mut covariance = vec![vec![0.0; n]; n];
         let mut correlation = vec![vec![0.0; n]; n];
         for (j, row) in correlation.iter_mut().enumerate() {
@@ -281,7 +297,8 @@ impl NormalEquations<'_> {
             for (a, &i) in free.iter().enumerate() {
                 for (b, &j) in free.iter().enumerate() {
                     covariance[i][j] = variance * inverse[(a, b)] / (root[a] * root[b]);
-                    correlation[i][j] = inverse[(a, b)] / (inverse[(a, a)] * inverse[(b, b)]).sqrt();
+                    correlation[i][j] =
+                        inverse[(a, b)] / (inverse[(a, a)] * inverse[(b, b)]).sqrt();
                 }
             }
         }
@@ -328,14 +345,17 @@ fn doubt(
     };
     let others = (0..unknowns.len()).filter(|&i| i != j);
     let twin = others.max_by(|&a, &b| correlation[j][a].abs().total_cmp(&correlation[j][b].abs()));
-    if let Some(twin) = twin.filter(|&i| correlation[j][i].abs() > CONFOUNDED && error > 0.05 * value.abs()) {
+    if let Some(twin) =
+        twin.filter(|&i| correlation[j][i].abs() > CONFOUNDED && error > 0.05 * value.abs())
+    {
         return Some(Doubt::Confounded {
             other: unknowns[twin].name.clone(),
             correlation: correlation[j][twin],
         });
     }
     let relative_error = error / value.abs();
-    (relative_error > 0.5 || relative_error.is_nan()).then_some(Doubt::LargeError { relative_error })
+    (relative_error > 0.5 || relative_error.is_nan())
+        .then_some(Doubt::LargeError { relative_error })
 }
 
 #[cfg(test)]
@@ -364,7 +384,8 @@ mod tests {
         }
         fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
             for (i, r) in out.iter_mut().enumerate() {
-                *r = self.columns.iter().zip(x).map(|(column, x)| column[i] * x).sum::<f64>() - self.y[i];
+                *r = self.columns.iter().zip(x).map(|(column, x)| column[i] * x).sum::<f64>()
+                    - self.y[i];
             }
             true
         }
@@ -373,7 +394,8 @@ mod tests {
     fn fit(columns: &[Vec<f64>], y: &[f64], bounds: &[Bound]) -> Estimates {
         let start = vec![0.5; columns.len()];
         let go = &mut |_: &_| ControlFlow::Continue(());
-        let minimum = minimise(&mut Line { columns, y }, &start, bounds, &Patience::default(), go).unwrap();
+        let minimum =
+            minimise(&mut Line { columns, y }, &start, bounds, &Patience::default(), go).unwrap();
         let unknown = |name: &str| Unknown { name: name.into(), unit: "", remedy: "more" };
         Estimates::linearised(
             &minimum,
@@ -395,7 +417,10 @@ mod tests {
         assert!((b.standard_error.unwrap() - error(0.2)).abs() < 1e-6);
         assert!((found.correlation[0][1] + 0.3 / 0.14f64.sqrt()).abs() < 1e-6);
         assert!((b.interval.unwrap().high - 2.2 - 4.302653 * error(0.2)).abs() < 1e-5);
-        assert!(matches!(a.verdict, Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }));
+        assert!(matches!(
+            a.verdict,
+            Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }
+        ));
         assert!(b.is_identified());
     }
 

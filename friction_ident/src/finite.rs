@@ -1,8 +1,10 @@
-//! Numbers that may be computed with: matrix decompositions run for ever, or panic, on what is none.
+//! Numbers that may be computed with: matrix decompositions run for ever, or panic, on what is
+//! none.
 
 use nalgebra::{DMatrix, Dim, Dyn, Matrix, RawStorage, SVD, SymmetricEigen};
 
-/// The largest magnitude of a sample. Nothing that is measured comes near, and its fourth power is still a number.
+/// The largest magnitude of a sample. Nothing that is measured comes near, and its fourth power is
+/// still a number.
 pub const LARGEST: f64 = 1e50;
 /// Steps after which a decomposition is given up; they take a few for each row.
 const STEPS: usize = 10_000;

@@ -1,8 +1,9 @@
 //! Which numbers of a model are estimated, and the coordinates in which a search moves them.
 //!
-//! A search wants a box; the parameters of a model have conditions between them. So the search moves coordinates: the static
-//! friction as its excess over the kinetic one, a break-away deflection `z_ba` as its share of `f_c / sigma0`, the last share of elements as what the
-//! others leave. The estimates are turned back into parameters, with their covariance.
+//! A search wants a box; the parameters of a model have conditions between them. So the search
+//! moves coordinates: the static friction as its excess over the kinetic one, a break-away
+//! deflection `z_ba` as its share of `f_c / sigma0`, the last share of elements as what the others
+//! leave. The estimates are turned back into parameters, with their covariance.
 
 use friction_model::{AnyModel, AnyParameters, ModelName, Parameter, Range, Unit};
 use nalgebra::DMatrix;
@@ -71,15 +72,16 @@ pub struct FreeParameters {
 
 /// How far the logarithm of a number may be from the template's: a factor of a thousand.
 const DECADES: f64 = 3.0 * std::f64::consts::LN_10;
-/// The same for the stiffnesses of elements, a factor of thirty: an element so soft that it never slips is no element.
+/// The same for the stiffnesses of elements, a factor of thirty: an element so soft that it never
+/// slips is no element.
 const ELEMENT_DECADES: f64 = 1.5 * std::f64::consts::LN_10;
 
 /// Names of the lists whose elements sum to one.
 const SHARES: [&str; 2] = ["alpha", "lambda"];
 
 impl FreeParameters {
-    /// The numbers of `template` whose parameter `wanted` accepts. Shares of elements are free but for the last, which is what the
-    /// others leave.
+    /// The numbers of `template` whose parameter `wanted` accepts. Shares of elements are free but
+    /// for the last, which is what the others leave.
     pub fn new(template: &AnyModel, wanted: impl Fn(&Parameter) -> bool) -> Self {
         let parameters = template.parameters();
         let sides: &[Side] = match parameters {
@@ -91,7 +93,11 @@ impl FreeParameters {
             for row in parameters.table().iter().filter(|row| wanted(row)) {
                 let count = free.read_all(row.name, side).len();
                 let list = is_list(parameters.name(), row.name);
-                let last = if list && SHARES.contains(&row.name) { count.saturating_sub(1) } else { count };
+                let last = if list && SHARES.contains(&row.name) {
+                    count.saturating_sub(1)
+                } else {
+                    count
+                };
                 for element in 0..last {
                     free.handles.push(Handle { name: row.name, element, list, side });
                     free.coordinates.push(free.coordinate(row.name));
@@ -101,8 +107,8 @@ impl FreeParameters {
         free
     }
 
-    /// Everything but shape exponents and what a file may leave out without harm: forces, stiffnesses, dampings, speeds, times, and
-    /// the shares of elements.
+    /// Everything but shape exponents and what a file may leave out without harm: forces,
+    /// stiffnesses, dampings, speeds, times, and the shares of elements.
     pub fn usual(template: &AnyModel) -> Self {
         Self::new(template, |row| row.unit != Unit::None || SHARES.contains(&row.name))
     }
@@ -129,29 +135,37 @@ impl FreeParameters {
             Coordinate::Logarithm => self.read(handle).ln(),
             Coordinate::Excess => self.read(handle) - self.companion("f_c", handle.side),
             Coordinate::ShareOfDeflection => {
-                self.read(handle) * self.companion("sigma0", handle.side) / self.companion("f_c", handle.side)
+                self.read(handle) * self.companion("sigma0", handle.side)
+                    / self.companion("f_c", handle.side)
             }
         };
         self.handles.iter().zip(&self.coordinates).map(inverse).collect()
     }
 
-    /// Where each coordinate may lie: its parameter's own range, for positive numbers within a factor of a thousand to a million of the template's.
+    /// Where each coordinate may lie: its parameter's own range, for positive numbers within a
+    /// factor of a thousand to a million of the template's.
     pub fn bounds(&self) -> Vec<Bound> {
         let table = self.template.table();
         let bound = |(handle, coordinate): (&Handle, &Coordinate)| {
             let size = self.read(handle).abs().max(f64::MIN_POSITIVE);
-            let range = table.iter().find(|row| row.name == handle.name).map_or(Range::Any, |row| row.range);
+            let range = table
+                .iter()
+                .find(|row| row.name == handle.name)
+                .map_or(Range::Any, |row| row.range);
             match (coordinate, range) {
                 (Coordinate::Logarithm, _) => {
                     let middle = size.ln();
-                    let stiffness =
-                        table.iter().any(|row| row.name == handle.name && row.unit == Unit::Stiffness);
+                    let stiffness = table
+                        .iter()
+                        .any(|row| row.name == handle.name && row.unit == Unit::Stiffness);
                     let reach = if handle.list && stiffness { ELEMENT_DECADES } else { DECADES };
                     Bound::within(middle - reach, middle + reach, 0.1).reaching(1.0)
                 }
                 (Coordinate::ShareOfDeflection, _) => Bound::within(1e-3, 0.999, 1.0),
                 (Coordinate::Excess, _) => Bound::within(0.0, 1e6 * size, 0.1 * size),
-                (_, Range::Positive) if SHARES.contains(&handle.name) => Bound::within(1e-6, 1.0, 0.1),
+                (_, Range::Positive) if SHARES.contains(&handle.name) => {
+                    Bound::within(1e-6, 1.0, 0.1)
+                }
                 (_, Range::Positive) => Bound::within(1e-6 * size, 1e6 * size, size),
                 (_, Range::NonNegative) => Bound::within(0.0, 1e6 * size.max(1e-6), size.max(1e-6)),
                 (_, Range::Within(low, high)) | (_, Range::FromTo(low, high)) => {
@@ -197,7 +211,8 @@ impl FreeParameters {
         }
     }
 
-    /// What follows from the free numbers: the last share, and a `z_ba` that is not free keeps its share of `f_c / sigma0`.
+    /// What follows from the free numbers: the last share, and a `z_ba` that is not free keeps its
+    /// share of `f_c / sigma0`.
     fn keep_together(&self, parameters: &mut AnyParameters, side: Side) {
         for shares in SHARES {
             if self.is_free(shares, side) {
@@ -210,8 +225,8 @@ impl FreeParameters {
         let levels_move = self.is_free("f_c", side) || self.is_free("sigma0", side);
         if levels_move && !self.is_free("z_ba", side) && !parameters.values("z_ba").is_empty() {
             let get = |name| parameters.values(name).first().copied().unwrap_or(f64::NAN);
-            let share =
-                self.companion("z_ba", side) * self.companion("sigma0", side) / self.companion("f_c", side);
+            let share = self.companion("z_ba", side) * self.companion("sigma0", side)
+                / self.companion("f_c", side);
             let deflection = share * get("f_c") / get("sigma0");
             parameters.set_at("z_ba", 0, deflection);
         }
@@ -226,8 +241,8 @@ impl FreeParameters {
         }
     }
 
-    /// The minimum in terms of parameters instead of coordinates: values, and derivatives by the chain rule. None where the model does
-    /// not accept the coordinates.
+    /// The minimum in terms of parameters instead of coordinates: values, and derivatives by the
+    /// chain rule. None where the model does not accept the coordinates.
     pub fn in_parameters(&self, mut minimum: Minimum) -> Option<Minimum> {
         let at = |coordinates: &[f64]| {
             Some(Self { template: self.model(coordinates)?.parameters(), ..self.clone() }.values())
@@ -255,8 +270,12 @@ impl FreeParameters {
     /// Names, units and what to measure where a number stays unknown; `rotary` decides the units.
     pub fn unknowns(&self, rotary: bool) -> Vec<Unknown> {
         let unit = |name: &str| {
-            let unit =
-                self.template.table().iter().find(|row| row.name == name).map_or(Unit::None, |row| row.unit);
+            let unit = self
+                .template
+                .table()
+                .iter()
+                .find(|row| row.name == name)
+                .map_or(Unit::None, |row| row.unit);
             if rotary { unit.rotary() } else { unit.linear() }
         };
         self.handles
@@ -272,8 +291,9 @@ impl FreeParameters {
     fn coordinate(&self, name: &str) -> Coordinate {
         let has = |other: &str| !self.template.values(other).is_empty();
         let row = self.template.table().iter().find(|row| row.name == name);
-        let decades = row
-            .is_some_and(|row| row.range == Range::Positive && !matches!(row.unit, Unit::Force | Unit::None));
+        let decades = row.is_some_and(|row| {
+            row.range == Range::Positive && !matches!(row.unit, Unit::Force | Unit::None)
+        });
         match name {
             "f_s" if has("f_c") => Coordinate::Excess,
             "z_ba" if has("f_c") && has("sigma0") => Coordinate::ShareOfDeflection,
@@ -309,7 +329,8 @@ impl FreeParameters {
     }
 }
 
-/// Whether the parameter is a list: GMS and Xiong have lists, and there a name stands for one number an element.
+/// Whether the parameter is a list: GMS and Xiong have lists, and there a name stands for one
+/// number an element.
 fn is_list(model: ModelName, name: &str) -> bool {
     !AnyParameters::test_bed(model).clone().set(name, 1.0)
 }
@@ -319,7 +340,9 @@ pub fn remedy(name: &str) -> &'static str {
     match name {
         "f_s" | "v_s" => "more and slower constant velocities below the dip, averaged longer",
         "f_c" => "constant velocities above the dip, in both directions",
-        "f_v" => "faster constant velocities: the viscous part must stand out from the Coulomb level",
+        "f_v" => {
+            "faster constant velocities: the viscous part must stand out from the Coulomb level"
+        }
         "delta" => "constant velocities spaced closely through the dip",
         "sigma0" | "z_b" | "k" | "alpha" | "lambda" | "z_ba" => {
             "pre-sliding: slow torque ramps to breakaway and nested reversals below it, with a finer encoder or averaging"
@@ -376,12 +399,17 @@ mod tests {
         let free = FreeParameters::usual(&AnyModel::asymmetric(&gms, &gms).unwrap());
         let labels: Vec<_> = free.handles().iter().map(Handle::label).collect();
         assert!(
-            labels.contains(&"sigma0[3].backward".to_owned()) && labels.contains(&"f_s.forward".to_owned())
+            labels.contains(&"sigma0[3].backward".to_owned())
+                && labels.contains(&"f_s.forward".to_owned())
         );
-        assert!(!labels.contains(&"alpha[3].forward".to_owned()), "the last share is what the others leave");
+        assert!(
+            !labels.contains(&"alpha[3].forward".to_owned()),
+            "the last share is what the others leave"
+        );
     }
 
-    /// Derivatives with respect to (f_s, f_c) from those with respect to (f_s - f_c, f_c): at constant f_s, more f_c is less excess.
+    /// Derivatives with respect to (f_s, f_c) from those with respect to (f_s - f_c, f_c): at
+    /// constant f_s, more f_c is less excess.
     #[test]
     fn derivatives_are_turned_back_into_parameters() {
         let free = FreeParameters::new(&AnyModel::test_bed(ModelName::Stribeck), |row| {
@@ -397,7 +425,10 @@ mod tests {
             ending: crate::bounded::Ending::Converged,
         };
         let turned = free.in_parameters(minimum).unwrap();
-        assert!((turned.jacobian[(0, 0)] - 3.0).abs() < 1e-8 && (turned.jacobian[(0, 1)] - 2.0).abs() < 1e-8);
+        assert!(
+            (turned.jacobian[(0, 0)] - 3.0).abs() < 1e-8
+                && (turned.jacobian[(0, 1)] - 2.0).abs() < 1e-8
+        );
         assert_eq!(turned.x, free.values());
     }
 }

@@ -6,12 +6,14 @@
 //! gamma' = (g(v) - gamma) / tau,   F = gamma + f_v v,   g(v) = f_c + (f_s - f_c) exp(-|v / v_s|^delta)
 //! ```
 //!
-//! (thesis eqs. 4.41 and 4.42). The torque is linear in `f_c`, `f_s - f_c` and `f_v`; only `v_s` and `tau` are not. [`fit_lag`] searches these two by
-//! variable projection (Golub and Pereyra 1973, in Kaufman's form of 1975): each pass filters the recording once and leaves a handful of sums.
-//! [`fit_relaxation`] does LuGre and GMS, whose states relax at a rate of their own.
+//! (thesis eqs. 4.41 and 4.42). The torque is linear in `f_c`, `f_s - f_c` and `f_v`; only `v_s`
+//! and `tau` are not. [`fit_lag`] searches these two by variable projection (Golub and Pereyra
+//! 1973, in Kaufman's form of 1975): each pass filters the recording once and leaves a handful of
+//! sums. [`fit_relaxation`] does LuGre and GMS, whose states relax at a rate of their own.
 //!
-//! The filter integrates the lag exactly for the quintic through six neighbouring samples of `g`, so the result does not depend on how the recording was
-//! simulated; a velocity with noise is better smoothed before.
+//! The filter integrates the lag exactly for the quintic through six neighbouring samples of `g`,
+//! so the result does not depend on how the recording was simulated; a velocity with noise is
+//! better smoothed before.
 
 use serde::Serialize;
 
@@ -104,23 +106,28 @@ pub struct LagFit {
 /// Fewest samples of a recording.
 const FEWEST: usize = 50;
 
-/// Fits the lag of the proposed model or Xiong's to recordings of sliding in one direction, each at any sampling period well below the lag's own time scale.
+/// Fits the lag of the proposed model or Xiong's to recordings of sliding in one direction, each at
+/// any sampling period well below the lag's own time scale.
 ///
 /// # Errors
-/// [`IdentError::TooFewSamples`] below 50 samples a recording, [`IdentError::UnequalLengths`], [`IdentError::NotFinite`], [`IdentError::TimeStep`],
-/// [`IdentError::Reversal`] where the velocity is zero or changes its sign, [`IdentError::Exponent`], [`IdentError::ZeroForce`],
-/// [`IdentError::TooFewSpeeds`] for a constant velocity, [`IdentError::NotFriction`] for a torque that drives.
+/// [`IdentError::TooFewSamples`] below 50 samples a recording, [`IdentError::UnequalLengths`],
+/// [`IdentError::NotFinite`], [`IdentError::TimeStep`], [`IdentError::Reversal`] where the velocity
+/// is zero or changes its sign, [`IdentError::Exponent`], [`IdentError::ZeroForce`],
+/// [`IdentError::TooFewSpeeds`] for a constant velocity, [`IdentError::NotFriction`] for a torque
+/// that drives.
 pub fn fit_lag(recordings: &[LagRecording], options: &LagOptions) -> Result<LagFit, IdentError> {
     let data = Prepared::new(recordings, options)?;
     Ok(search::fit(&data, false)?.0)
 }
 
 /// As [`fit_lag`], with errors that take the likeness of neighbouring residuals into account
-/// ([`effective_share`](crate::residual_whiteness::effective_share)), and with intervals of `v_s` and `tau` from the profile of the likelihood: some
-/// thirty passes more. An interval that stays open makes its parameter not identifiable.
+/// ([`effective_share`](crate::residual_whiteness::effective_share)), and with intervals of `v_s`
+/// and `tau` from the profile of the likelihood: some thirty passes more. An interval that stays
+/// open makes its parameter not identifiable.
 ///
-/// The intervals know of noise only. A torque in steps that the noise does not fill (deviation below half a step) has a mean error besides, and `tau`'s interval then misses in
-/// one recording of nine or more: [`fit_lag_of_coarse_torque`] takes it off.
+/// The intervals know of noise only. A torque in steps that the noise does not fill (deviation
+/// below half a step) has a mean error besides, and `tau`'s interval then misses in one recording
+/// of nine or more: [`fit_lag_of_coarse_torque`] takes it off.
 ///
 /// # Errors
 /// As [`fit_lag`].
@@ -134,11 +141,13 @@ pub fn fit_lag_with_profiles(
     let best = [fit.values.v_s.ln(), fit.values.tau.ln()];
     for (j, name) in ["v_s", "tau"].into_iter().enumerate() {
         let (low, high) = data.range(j);
-        let Some(estimate) = fit.estimates.parameters.iter_mut().find(|estimate| estimate.name == name)
+        let Some(estimate) =
+            fit.estimates.parameters.iter_mut().find(|estimate| estimate.name == name)
         else {
             continue;
         };
-        let relative = estimate.standard_error.map_or(0.1, |error| error / estimate.value).clamp(1e-9, 1.0);
+        let relative =
+            estimate.standard_error.map_or(0.1, |error| error / estimate.value).clamp(1e-9, 1.0);
         let search = Search { best: best[j], step: relative, low, high, limit };
         // In the logarithm; the other one follows from trial to trial.
         let mut other = best[1 - j];
@@ -154,8 +163,10 @@ pub fn fit_lag_with_profiles(
         };
         estimate.interval = Some(ends);
         if (ends.low == 0.0 || ends.high == f64::INFINITY) && estimate.is_identified() {
-            estimate.verdict =
-                Verdict::NotIdentifiable { doubt: crate::Doubt::OpenInterval, remedy: search::remedy(name) };
+            estimate.verdict = Verdict::NotIdentifiable {
+                doubt: crate::Doubt::OpenInterval,
+                remedy: search::remedy(name),
+            };
         }
     }
     Ok(fit)

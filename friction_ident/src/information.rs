@@ -13,7 +13,8 @@ pub struct Information {
     pub parameters: usize,
     /// Mean square.
     pub mse: f64,
-    /// Akaike's criterion `n ln mse + 2 k` (1974), over the effective samples. Only differences between models on the same data count.
+    /// Akaike's criterion `n ln mse + 2 k` (1974), over the effective samples. Only differences
+    /// between models on the same data count.
     pub aic: f64,
     /// Schwarz's criterion `n ln mse + k ln n` (1978), likewise.
     pub bic: f64,
@@ -39,7 +40,8 @@ impl Information {
 /// By how much one model predicts worse than another, paired over blocks of the same data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Difference {
-    /// Mean of the differences of the blocks' mean squares, above zero where the first model is worse.
+    /// Mean of the differences of the blocks' mean squares, above zero where the first model is
+    /// worse.
     pub mean: f64,
     /// Standard error of the mean, from the scatter over the blocks.
     pub standard_error: f64,
@@ -52,7 +54,8 @@ impl Difference {
     }
 }
 
-/// Errors that differ by less are as good as equal, as a ratio: nobody would notice, whichever model compensates.
+/// Errors that differ by less are as good as equal, as a ratio: nobody would notice, whichever
+/// model compensates.
 pub const AS_GOOD: f64 = 1.2;
 
 /// How a model stands beside the best one.
@@ -63,12 +66,14 @@ pub enum Standing {
     Alike,
     /// The data show that it is worse.
     Worse,
-    /// Its error is larger by more than a little, but the difference lies within its uncertainty: these data do not decide.
+    /// Its error is larger by more than a little, but the difference lies within its uncertainty:
+    /// these data do not decide.
     Undecided,
 }
 
 impl Standing {
-    /// From the root mean squares of both and whether their difference lies `within` its uncertainty.
+    /// From the root mean squares of both and whether their difference lies `within` its
+    /// uncertainty.
     pub fn of(error: f64, best: f64, within: bool) -> Self {
         match within {
             false => Self::Worse,
@@ -79,21 +84,28 @@ impl Standing {
     }
 }
 
-/// Compares two models' residuals on the same samples, paired over `blocks` contiguous blocks: neighbouring samples are alike, blocks
-/// are nearly independent. Needs two blocks of at least one sample; otherwise the standard error is infinite.
+/// Compares two models' residuals on the same samples, paired over `blocks` contiguous blocks:
+/// neighbouring samples are alike, blocks are nearly independent. Needs two blocks of at least one
+/// sample; otherwise the standard error is infinite.
 pub fn paired_difference(first: &[f64], second: &[f64], blocks: usize) -> Difference {
     paired(first, second, blocks, |first, second| first - second)
 }
 
-/// The same of the logarithms of the blocks' mean squares. A few blocks with large errors make the standard error of the difference large; here a
-/// model that is worse in nearly every block is told from the other all the same.
+/// The same of the logarithms of the blocks' mean squares. A few blocks with large errors make the
+/// standard error of the difference large; here a model that is worse in nearly every block is told
+/// from the other all the same.
 pub fn paired_ratio(first: &[f64], second: &[f64], blocks: usize) -> Difference {
     // A block without any residual is as good as the smallest number.
     let ln = |mean_square: f64| mean_square.max(f64::MIN_POSITIVE).ln();
     paired(first, second, blocks, |first, second| ln(first) - ln(second))
 }
 
-fn paired(first: &[f64], second: &[f64], blocks: usize, compare: impl Fn(f64, f64) -> f64) -> Difference {
+fn paired(
+    first: &[f64],
+    second: &[f64],
+    blocks: usize,
+    compare: impl Fn(f64, f64) -> f64,
+) -> Difference {
     let n = first.len().min(second.len());
     let blocks = blocks.min(n);
     if blocks < 2 {
@@ -103,7 +115,8 @@ fn paired(first: &[f64], second: &[f64], blocks: usize, compare: impl Fn(f64, f6
     let differences: Vec<f64> = (0..blocks)
         .map(|block| {
             let range = block * size..(block + 1) * size;
-            let square = |r: &[f64]| r[range.clone()].iter().map(|r| r * r).sum::<f64>() / size as f64;
+            let square =
+                |r: &[f64]| r[range.clone()].iter().map(|r| r * r).sum::<f64>() / size as f64;
             compare(square(first), square(second))
         })
         .collect();
@@ -113,8 +126,8 @@ fn paired(first: &[f64], second: &[f64], blocks: usize, compare: impl Fn(f64, f6
     Difference { mean, standard_error: (variance / m).sqrt() }
 }
 
-/// Differences of several kinds of recording put together, each weighed by its samples. What one kind shows otherwise than another is no
-/// scatter: only the scatter within the kinds counts.
+/// Differences of several kinds of recording put together, each weighed by its samples. What one
+/// kind shows otherwise than another is no scatter: only the scatter within the kinds counts.
 pub fn stratified(kinds: &[(Difference, usize)]) -> Difference {
     let all = kinds.iter().map(|(_, n)| *n).sum::<usize>().max(1) as f64;
     let weigh = |n: &usize| *n as f64 / all;
@@ -138,7 +151,8 @@ mod tests {
         assert!((doubled.aic - found.aic).abs() < 1e-12);
     }
 
-    /// The difference of two and a half times and of fifteen times the error may be uncertain, small it is not.
+    /// The difference of two and a half times and of fifteen times the error may be uncertain,
+    /// small it is not.
     #[test]
     fn a_large_difference_is_never_called_none() {
         assert_eq!(Standing::of(1.05, 1.0, true), Standing::Alike);
@@ -160,7 +174,8 @@ mod tests {
 
     #[test]
     fn a_clear_difference_is_told_from_a_tie() {
-        let noise = |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
+        let noise =
+            |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
         let first: Vec<f64> = (0..2000).map(|i| noise(i, 1)).collect();
         let second: Vec<f64> = (0..2000).map(|i| noise(i, 2)).collect();
         let worse: Vec<f64> = (0..2000).map(|i| 1.3 * noise(i, 3)).collect();
@@ -170,13 +185,16 @@ mod tests {
         assert!(paired_difference(&first, &second, 1).standard_error.is_infinite());
     }
 
-    /// Three times the error in every block, and in one block a hundred times: the mean is blurred by that block, the ratio is not.
+    /// Three times the error in every block, and in one block a hundred times: the mean is blurred
+    /// by that block, the ratio is not.
     #[test]
     fn a_model_that_is_worse_everywhere_is_told_from_another_in_spite_of_one_bad_block() {
-        let noise = |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
+        let noise =
+            |i: usize, seed: usize| ((i * 7919 + seed * 104_729) % 1009) as f64 / 504.5 - 1.0;
         let best: Vec<f64> = (0..2000).map(|i| noise(i, 1)).collect();
-        let worse: Vec<f64> =
-            (0..2000).map(|i| if i < 100 { 100.0 * noise(i, 2) } else { 3.0 * noise(i, 2) }).collect();
+        let worse: Vec<f64> = (0..2000)
+            .map(|i| if i < 100 { 100.0 * noise(i, 2) } else { 3.0 * noise(i, 2) })
+            .collect();
         assert!(paired_difference(&worse, &best, 20).is_tie());
         let ratio = paired_ratio(&worse, &best, 20);
         assert!(!ratio.is_tie() && ratio.mean > 9f64.ln(), "{ratio:?}");

@@ -1,4 +1,5 @@
-//! Linear least squares with column scaling: QR of the tall matrix, then the singular values of its small factor.
+//! Linear least squares with column scaling: QR of the tall matrix, then the singular values of its
+//! small factor.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -21,11 +22,12 @@ pub(crate) struct Degenerate {
     pub columns: Vec<usize>,
 }
 
-/// Below this ratio of singular values (of columns scaled to unit length) columns count as dependent.
+/// Below this ratio of singular values (of columns scaled to unit length) columns count as
+/// dependent.
 const DEPENDENT: f64 = 1e-9;
 
-/// Solves `a x = y`; `a` has at least as many rows as columns. Entries that are not finite, or so large that the solution is not, leave all columns
-/// untold.
+/// Solves `a x = y`; `a` has at least as many rows as columns. Entries that are not finite, or so
+/// large that the solution is not, leave all columns untold.
 pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Degenerate> {
     let columns = a.ncols();
     let all = || Degenerate { columns: (0..columns).collect() };
@@ -47,7 +49,8 @@ pub(crate) fn solve(a: &DMatrix<f64>, y: &DVector<f64>) -> Result<Solution, Dege
     let (last, smallest) = svd.singular_values.argmin();
     if smallest <= DEPENDENT * largest || smallest.is_nan() {
         let direction = v_t.row(last);
-        let columns = (0..columns).filter(|&j| direction[j].abs() >= 0.05 || direction[j].is_nan()).collect();
+        let columns =
+            (0..columns).filter(|&j| direction[j].abs() >= 0.05 || direction[j].is_nan()).collect();
         return Err(Degenerate { columns });
     }
     let mut weights = u.tr_mul(&rotated.rows(0, columns));
@@ -103,7 +106,10 @@ mod tests {
             let mut a = DMatrix::from_fn(20, 3, |i, j| ((i * (j + 2)) as f64).sin());
             a[(4, 1)] = wrong;
             if let Ok(solution) = solve(&a, &y) {
-                assert!(solution.x.iter().chain(solution.residual.iter()).all(|x| x.is_finite()), "{wrong}");
+                assert!(
+                    solution.x.iter().chain(solution.residual.iter()).all(|x| x.is_finite()),
+                    "{wrong}"
+                );
             } else {
                 assert!(!wrong.is_finite() || wrong.abs() > 1e300, "{wrong}");
             }

@@ -1,19 +1,28 @@
 //! Friction parameters from recordings: conditioning, least squares, uncertainty.
 //!
-//! The crate is pure: it sees arrays of numbers and returns numbers. Reading files is somebody else's work.
+//! The crate is pure: it sees arrays of numbers and returns numbers. Reading files is somebody
+//! else's work.
 //!
-//! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without phase shift.
-//! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least squares.
-//! * [`axis_structure`]: the same axis with the structure of its friction chosen by cross-validation.
-//! * [`drive`]: gain, time constant, delay, deadband and inertia of a motor from its voltage and motion.
-//! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear least squares.
-//! * [`torque_source`]: friction torque from a sensor, or from a motor's voltage or current, with its uncertainty.
+//! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without
+//!   phase shift.
+//! * [`rigid_axis`]: inertia, viscous and Coulomb friction of a driven axis by linear least
+//!   squares.
+//! * [`axis_structure`]: the same axis with the structure of its friction chosen by
+//!   cross-validation.
+//! * [`drive`]: gain, time constant, delay, deadband and inertia of a motor from its voltage and
+//!   motion.
+//! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear
+//!   least squares.
+//! * [`torque_source`]: friction torque from a sensor, or from a motor's voltage or current, with
+//!   its uncertainty.
 //! * [`two_line`]: two straight lines through steady points by linear least squares.
-//! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement and torque.
+//! * [`pre_sliding`]: stiffness, breakaway displacement and level from slow paths of displacement
+//!   and torque.
 //! * [`micro_damping`]: the micro-damping that a chosen damping ratio asks for.
 //! * [`frictional_lag`]: the lag, from sliding in one direction at varying speed.
 //! * [`quantiser`]: the step of an encoder, and the path between its counts.
-//! * [`rbf_network`]: a network of radial basis functions through steady points by linear least squares.
+//! * [`rbf_network`]: a network of radial basis functions through steady points by linear least
+//!   squares.
 //! * [`zero_phase`]: the low-pass filters behind the conditioning.
 //! * [`bounded`]: nonlinear least squares within bounds.
 //! * [`estimate`]: a parameter with its error, interval and verdict.
@@ -30,7 +39,8 @@
 //! * [`synthetic`]: what the experiments show of a known friction.
 //! * [`truth_matrix`]: which model fits the friction of which.
 //! * [`profile`]: confidence intervals from the profile of the likelihood.
-//! * [`servo`]: a position-controlled servo with a pendulum, its friction by search over simulations.
+//! * [`servo`]: a position-controlled servo with a pendulum, its friction by search over
+//!   simulations.
 //! * [`stiction_cycle`]: friction in volts from an axis that sticks and slips.
 //! * [`cma_es`]: search without derivatives.
 //! * [`savitzky_golay`]: smoothing and differentiation by local polynomials.

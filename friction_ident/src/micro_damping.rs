@@ -1,15 +1,17 @@
 //! Micro-damping from a chosen damping ratio.
 //!
-//! In pre-sliding a body of inertia `J` on a contact of stiffness `k` is an oscillator; with the damping ratio `zeta` its damping is `2 zeta sqrt(J k)`, of
-//! which the viscous friction is one part and the micro-damping the rest:
+//! In pre-sliding a body of inertia `J` on a contact of stiffness `k` is an oscillator; with the
+//! damping ratio `zeta` its damping is `2 zeta sqrt(J k)`, of which the viscous friction is one
+//! part and the micro-damping the rest:
 //!
 //! ```text
 //! sigma = 2 zeta sqrt(J k) - f_v
 //! ```
 //!
-//! (thesis eqs. 4.36 to 4.40; the printed 4.37 lacks the root around `J`, the values in the text follow from this form.) The stiffness is
-//! `F_s pi / (2 Z_b)` for the proposed model and `sigma0` or `K` for the others; GMS and Xiong's model use it element by element. The result is a choice, not a
-//! measurement: it is as good as `zeta` is.
+//! (thesis eqs. 4.36 to 4.40; the printed 4.37 lacks the root around `J`, the values in the text
+//! follow from this form.) The stiffness is `F_s pi / (2 Z_b)` for the proposed model and `sigma0`
+//! or `K` for the others; GMS and Xiong's model use it element by element. The result is a choice,
+//! not a measurement: it is as good as `zeta` is.
 
 use friction_model::Unit;
 
@@ -38,7 +40,8 @@ impl Oscillator {
     /// The micro-damping \[N m s/rad or N s/m\] and its standard error.
     ///
     /// # Errors
-    /// [`IdentError::NotAnOscillator`] unless inertia, stiffness and damping ratio are positive and the viscous friction leaves something over.
+    /// [`IdentError::NotAnOscillator`] unless inertia, stiffness and damping ratio are positive and
+    /// the viscous friction leaves something over.
     ///
     /// ```
     /// use friction_ident::Uncertain;
@@ -59,9 +62,11 @@ impl Oscillator {
     pub fn micro_damping(&self) -> Result<Uncertain, IdentError> {
         let Self { inertia, stiffness, f_v, zeta } = *self;
         let refuse = |what, value| Err(IdentError::NotAnOscillator { what, value });
-        for (what, value) in
-            [("the inertia", inertia.value), ("the stiffness", stiffness.value), ("the damping ratio", zeta)]
-        {
+        for (what, value) in [
+            ("the inertia", inertia.value),
+            ("the stiffness", stiffness.value),
+            ("the damping ratio", zeta),
+        ] {
             if !(value > 0.0 && value.is_finite()) {
                 return refuse(what, value);
             }
@@ -74,14 +79,14 @@ impl Oscillator {
         if value <= 0.0 {
             return refuse("the micro-damping left beside the viscous friction", value);
         }
-        let relative =
-            (inertia.standard_error / inertia.value).hypot(stiffness.standard_error / stiffness.value);
+        let relative = (inertia.standard_error / inertia.value)
+            .hypot(stiffness.standard_error / stiffness.value);
         Ok(Uncertain { value, standard_error: (0.5 * whole * relative).hypot(f_v.standard_error) })
     }
 }
 
-/// Stiffness at rest of the proposed model, `F_s pi / (2 Z_b)` \[N m/rad or N/m\], from estimates of `f_s` and `z_b` with their correlation. None where one of the
-/// two is missing.
+/// Stiffness at rest of the proposed model, `F_s pi / (2 Z_b)` \[N m/rad or N/m\], from estimates
+/// of `f_s` and `z_b` with their correlation. None where one of the two is missing.
 pub fn proposed_stiffness(pre_sliding: &Estimates) -> Option<Uncertain> {
     let (f_s, z_b) = (pre_sliding.value("f_s")?, pre_sliding.value("z_b")?);
     let value = 0.5 * std::f64::consts::PI * f_s / z_b;
@@ -118,7 +123,8 @@ mod tests {
         .value
     }
 
-    /// Erratum 2: all ten values of section 4.6.3, for the proposed model, LuGre, GMS and Xiong's model.
+    /// Erratum 2: all ten values of section 4.6.3, for the proposed model, LuGre, GMS and Xiong's
+    /// model.
     #[test]
     fn the_ten_printed_values_follow() {
         let stiffness = [
@@ -133,10 +139,16 @@ mod tests {
             1.9866,
             0.7792,
         ];
-        let printed =
-            [0.32129, 0.24940, 0.16111, 0.11733, 0.07489, 0.03211, 0.19637, 0.07880, 0.06032, 0.02271];
+        let printed = [
+            0.32129, 0.24940, 0.16111, 0.11733, 0.07489, 0.03211, 0.19637, 0.07880, 0.06032,
+            0.02271,
+        ];
         for (stiffness, printed) in stiffness.into_iter().zip(printed) {
-            assert!((sigma(stiffness) - printed).abs() < 1e-5, "{stiffness}: {} {printed}", sigma(stiffness));
+            assert!(
+                (sigma(stiffness) - printed).abs() < 1e-5,
+                "{stiffness}: {} {printed}",
+                sigma(stiffness)
+            );
         }
     }
 
@@ -164,7 +176,11 @@ mod tests {
         }
         .micro_damping()
         .unwrap();
-        assert!((got.standard_error / expected - 1.0).abs() < 1e-4, "{} {expected}", got.standard_error);
+        assert!(
+            (got.standard_error / expected - 1.0).abs() < 1e-4,
+            "{} {expected}",
+            got.standard_error
+        );
     }
 
     #[test]
@@ -172,7 +188,9 @@ mod tests {
         let x: Vec<f64> = (1..=500).map(|i| 0.0055 * (f64::from(i) * 0.05).sin()).collect();
         let mut y = vec![0.0; x.len()];
         assert!(Operator::Sine.run(&[0.006], &x, &mut y));
-        y.iter_mut().enumerate().for_each(|(i, y)| *y = 0.098 * *y + 1e-3 * (i as f64 * 12.9898).sin());
+        y.iter_mut()
+            .enumerate()
+            .for_each(|(i, y)| *y = 0.098 * *y + 1e-3 * (i as f64 * 12.9898).sin());
         let path = PreSlidingPath { displacement: &x, torque: &y };
         let fit = fit_pre_sliding(&[path], PreSlidingModel::Proposed).unwrap();
         let stiffness = proposed_stiffness(&fit.estimates).unwrap();
@@ -190,7 +208,12 @@ mod tests {
     #[test]
     fn what_is_no_oscillator_is_refused() {
         let exact = Uncertain::exact;
-        let good = Oscillator { inertia: exact(0.0026), stiffness: exact(16.0), f_v: exact(0.04), zeta: 0.7 };
+        let good = Oscillator {
+            inertia: exact(0.0026),
+            stiffness: exact(16.0),
+            f_v: exact(0.04),
+            zeta: 0.7,
+        };
         for bad in [
             Oscillator { inertia: exact(0.0), ..good },
             Oscillator { stiffness: exact(f64::NAN), ..good },
@@ -198,7 +221,10 @@ mod tests {
             Oscillator { f_v: exact(-0.1), ..good },
             Oscillator { f_v: exact(0.5), ..good },
         ] {
-            assert!(matches!(bad.micro_damping(), Err(IdentError::NotAnOscillator { .. })), "{bad:?}");
+            assert!(
+                matches!(bad.micro_damping(), Err(IdentError::NotAnOscillator { .. })),
+                "{bad:?}"
+            );
         }
     }
 }

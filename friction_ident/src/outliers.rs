@@ -1,7 +1,9 @@
-//! Samples that cannot be true: the Hampel identifier (Hampel 1974; Pearson 2002, IEEE Trans. Control Systems Technology 10, 55).
+//! Samples that cannot be true: the Hampel identifier (Hampel 1974; Pearson 2002, IEEE Trans.
+//! Control Systems Technology 10, 55).
 //!
-//! A sample that is further from the median of its neighbourhood than so many robust deviations is replaced by that median. Which, from what and to
-//! what is returned: nothing is changed silently. A step, as friction makes at a reversal, is no outlier: the median follows it at once.
+//! A sample that is further from the median of its neighbourhood than so many robust deviations is
+//! replaced by that median. Which, from what and to what is returned: nothing is changed silently.
+//! A step, as friction makes at a reversal, is no outlier: the median follows it at once.
 
 use serde::Serialize;
 
@@ -13,12 +15,14 @@ use crate::quantiser::step_of;
 pub struct Hampel {
     /// Samples looked at on either side, three at least.
     pub half_window: usize,
-    /// Robust deviations (1.4826 times the median absolute deviation) beyond which a sample is not believed.
+    /// Robust deviations (1.4826 times the median absolute deviation) beyond which a sample is not
+    /// believed.
     pub threshold: f64,
 }
 
 impl Default for Hampel {
-    /// Five samples on either side, six deviations: of white noise fewer than one sample in a million.
+    /// Five samples on either side, six deviations: of white noise fewer than one sample in a
+    /// million.
     fn default() -> Self {
         Self { half_window: 5, threshold: 6.0 }
     }
@@ -48,23 +52,30 @@ pub struct Cleaned {
 const TO_DEVIATION: f64 = 1.4826;
 
 impl Hampel {
-    /// Replaces the outliers of `signal`. The deviation of a neighbourhood never counts as less than the usual one of the signal or than a
-    /// converter's step: eleven samples may be alike by chance, and a signal that mostly stands still may move by its steps. The first and last three
-    /// samples have too few neighbours and stay.
+    /// Replaces the outliers of `signal`. The deviation of a neighbourhood never counts as less
+    /// than the usual one of the signal or than a converter's step: eleven samples may be alike by
+    /// chance, and a signal that mostly stands still may move by its steps. The first and last
+    /// three samples have too few neighbours and stay.
     ///
     /// # Errors
-    /// [`IdentError::Hampel`] for a window of fewer than three samples or a threshold that is not above zero, [`IdentError::NotFinite`].
+    /// [`IdentError::Hampel`] for a window of fewer than three samples or a threshold that is not
+    /// above zero, [`IdentError::NotFinite`].
     pub fn clean(&self, signal: &[f64]) -> Result<Cleaned, IdentError> {
         let Self { half_window, threshold } = *self;
         if half_window < FEWEST || !(threshold > 0.0 && threshold.is_finite()) {
             return Err(IdentError::Hampel { half_window, threshold });
         }
         if let Some(index) = signal.iter().position(|value| !crate::finite::usable(*value)) {
-            return Err(IdentError::NotFinite { channel: "the signal", index, value: signal[index] });
+            return Err(IdentError::NotFinite {
+                channel: "the signal",
+                index,
+                value: signal[index],
+            });
         }
         let n = signal.len();
         let mut window = Vec::with_capacity(2 * half_window + 1);
-        // Near the ends the window shrinks on both sides alike: one-sided it would call a slope an outlier.
+        // Near the ends the window shrinks on both sides alike: one-sided it would call a slope an
+        // outlier.
         let mut around: Vec<(f64, f64)> = (FEWEST..n.saturating_sub(FEWEST))
             .map(|index| {
                 let reach = half_window.min(index).min(n - 1 - index);
@@ -93,7 +104,8 @@ impl Hampel {
 /// Neighbours on either side without which nothing is judged.
 const FEWEST: usize = 3;
 
-/// The converter's step where it is seen ten times at least, and never less than the rounding of printed numbers.
+/// The converter's step where it is seen ten times at least, and never less than the rounding of
+/// printed numbers.
 fn least_deviation(signal: &[f64]) -> f64 {
     let largest = signal.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
     let rounding = 1e-9 * largest;
@@ -149,14 +161,18 @@ mod tests {
     #[test]
     fn the_steps_of_friction_at_reversals_are_no_outliers() {
         for deviation in [0.0, 1e-4, 6e-3] {
-            let signal: Vec<f64> =
-                reversing(20_000).iter().zip(noise(20_000, deviation)).map(|(a, b)| a + b).collect();
+            let signal: Vec<f64> = reversing(20_000)
+                .iter()
+                .zip(noise(20_000, deviation))
+                .map(|(a, b)| a + b)
+                .collect();
             let cleaned = Hampel::default().clean(&signal).unwrap();
             assert!(cleaned.replaced.len() <= 1, "{deviation}: {:?}", cleaned.replaced);
         }
     }
 
-    /// A quiet torque sensor shows one step of its converter most of the time; the next step is no outlier.
+    /// A quiet torque sensor shows one step of its converter most of the time; the next step is no
+    /// outlier.
     #[test]
     fn converter_steps_are_no_outliers() {
         let step = 0.01123;

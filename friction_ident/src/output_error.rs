@@ -1,9 +1,12 @@
-//! Output-error fit: the parameters with which a model, driven along the measured motion, gives the measured friction.
+//! Output-error fit: the parameters with which a model, driven along the measured motion, gives the
+//! measured friction.
 //!
-//! Works for every model and any motion, and refines what the stages found from one kind of recording each. The model runs in its
-//! fixed-step form: the force is that of the state at a sample and the velocity there; the state then advances under the mean velocity up
-//! to the next sample, so that the lag of half a sample which a held velocity would have does not end up in the time constants. Steady
-//! points count through the steady state. All residuals are divided by their standard deviation where that is known.
+//! Works for every model and any motion, and refines what the stages found from one kind of
+//! recording each. The model runs in its fixed-step form: the force is that of the state at a
+//! sample and the velocity there; the state then advances under the mean velocity up to the next
+//! sample, so that the lag of half a sample which a held velocity would have does not end up in the
+//! time constants. Steady points count through the steady state. All residuals are divided by their
+//! standard deviation where that is known.
 
 use std::ops::ControlFlow;
 
@@ -41,10 +44,9 @@ impl Measured<'_> {
     fn square(&self) -> f64 {
         let weight = |deviation: Option<f64>| deviation.unwrap_or(1.0).powi(-2);
         let points = self.points.iter().map(|point| point.torque.powi(2) * weight(point.deviation));
-        let stretches = self
-            .stretches
-            .iter()
-            .map(|stretch| stretch.friction.iter().map(|f| f * f).sum::<f64>() * weight(stretch.deviation));
+        let stretches = self.stretches.iter().map(|stretch| {
+            stretch.friction.iter().map(|f| f * f).sum::<f64>() * weight(stretch.deviation)
+        });
         points.chain(stretches).sum()
     }
 }
@@ -56,7 +58,8 @@ pub struct OutputErrorFit {
     pub model: AnyModel,
     /// The free parameters with their uncertainty.
     pub estimates: Estimates,
-    /// Root mean square of predicted minus measured friction over all points and samples [N or N m].
+    /// Root mean square of predicted minus measured friction over all points and samples
+    /// [N or N m].
     pub rms: f64,
     /// Why the search ended.
     pub ending: Ending,
@@ -85,10 +88,12 @@ impl Default for OutputErrorOptions {
     }
 }
 
-/// Fits the free parameters, from each of `starts` (coordinates of `free`; its own values are tried first) and keeps the best.
+/// Fits the free parameters, from each of `starts` (coordinates of `free`; its own values are tried
+/// first) and keeps the best.
 ///
 /// # Errors
-/// [`IdentError`] for data that is not fit for use, and [`IdentError::NoConvergence`] if no start is allowed by the model.
+/// [`IdentError`] for data that is not fit for use, and [`IdentError::NoConvergence`] if no start
+/// is allowed by the model.
 pub fn fit_output_error(
     free: &FreeParameters,
     data: &Measured,
@@ -115,16 +120,19 @@ pub fn fit_output_error(
     let mut evaluations = 0;
     let rounding = data.square() * f64::EPSILON.powi(2) * 16.0;
     for start in std::iter::once(&own).chain(starts) {
-        let Some(mut found) = minimise(&mut problem, start, &bounds, &options.patience, watch) else {
+        let Some(mut found) = minimise(&mut problem, start, &bounds, &options.patience, watch)
+        else {
             continue;
         };
         evaluations += found.evaluations;
-        // Friction has kinks, at which a search may stall: from where it ended it starts again, with long steps.
+        // Friction has kinks, at which a search may stall: from where it ended it starts again,
+        // with long steps.
         for _ in 0..options.restarts {
             if found.ending == Ending::Stopped || found.sum <= rounding {
                 break;
             }
-            let Some(next) = minimise(&mut problem, &found.x, &bounds, &options.patience, watch) else {
+            let Some(next) = minimise(&mut problem, &found.x, &bounds, &options.patience, watch)
+            else {
                 break;
             };
             evaluations += next.evaluations;
@@ -142,8 +150,9 @@ pub fn fit_output_error(
             break;
         }
     }
-    let refused =
-        || IdentError::NoConvergence("the model does not accept any of the start values".to_owned());
+    let refused = || {
+        IdentError::NoConvergence("the model does not accept any of the start values".to_owned())
+    };
     let minimum = best.ok_or_else(refused)?;
     let ending = minimum.ending;
     let model = free.model(&minimum.x).ok_or_else(refused)?;
@@ -163,7 +172,8 @@ pub fn predict(model: &AnyModel, stretch: &Stretch) -> Vec<f64> {
 
 /// Root mean square of predicted minus measured friction over all points and samples.
 pub fn prediction_rms(model: &AnyModel, data: &Measured) -> f64 {
-    let points = data.points.iter().map(|point| (model.steady_state(point.velocity) - point.torque).powi(2));
+    let points =
+        data.points.iter().map(|point| (model.steady_state(point.velocity) - point.torque).powi(2));
     let stretches = data.stretches.iter().flat_map(|stretch| {
         predict(model, stretch)
             .into_iter()
@@ -189,13 +199,16 @@ impl Residuals for OutputError<'_> {
         let Some(model) = self.free.model(x) else { return false };
         let (points, mut rest) = out.split_at_mut(self.data.points.len());
         for (point, r) in self.data.points.iter().zip(points) {
-            *r = (model.steady_state(point.velocity) - point.torque) / point.deviation.unwrap_or(1.0);
+            *r = (model.steady_state(point.velocity) - point.torque)
+                / point.deviation.unwrap_or(1.0);
         }
         for stretch in self.data.stretches {
             let (here, others) = rest.split_at_mut(stretch.len());
             model.visit(Along { stretch, out: here });
             let weight = 1.0 / stretch.deviation.unwrap_or(1.0);
-            here.iter_mut().zip(&stretch.friction).for_each(|(r, measured)| *r = weight * (*r - measured));
+            here.iter_mut()
+                .zip(&stretch.friction)
+                .for_each(|(r, measured)| *r = weight * (*r - measured));
             rest = others;
         }
         true
@@ -292,7 +305,11 @@ mod tests {
     /// Every free coordinate moved by up to `most`, up and down by turns.
     fn moved(free: &FreeParameters, most: f64) -> Vec<f64> {
         let turns = [1.0, -0.75, 0.8, -1.0, 0.5, -0.5];
-        free.start().iter().zip(turns.iter().cycle()).map(|(x, turn)| x * (1.0 + turn * most)).collect()
+        free.start()
+            .iter()
+            .zip(turns.iter().cycle())
+            .map(|(x, turn)| x * (1.0 + turn * most))
+            .collect()
     }
 
     fn fit(truth: &AnyModel, most: f64) -> (FreeParameters, OutputErrorFit) {
@@ -329,8 +346,9 @@ mod tests {
         }
     }
 
-    /// Models with elements have many minima: from nearby Xiong's is found again. In GMS the damping force of an element jumps by 0.01 N m at
-    /// the sample at which it begins to slip; no derivative sees such a jump move to the next sample, so some of them stay misplaced.
+    /// Models with elements have many minima: from nearby Xiong's is found again. In GMS the
+    /// damping force of an element jumps by 0.01 N m at the sample at which it begins to slip; no
+    /// derivative sees such a jump move to the next sample, so some of them stay misplaced.
     #[test]
     fn elements_are_found_again_from_nearby() {
         for (name, limit) in [(ModelName::Xiong, 1e-6), (ModelName::Gms, 1e-3)] {
@@ -342,16 +360,22 @@ mod tests {
     #[test]
     fn a_search_that_is_stopped_keeps_the_best() {
         let stretch = data(&AnyModel::test_bed(ModelName::LuGre));
-        let free =
-            FreeParameters::usual(&AnyModel::test_bed(ModelName::LuGre).scaled("sigma0", 1.5).unwrap());
+        let free = FreeParameters::usual(
+            &AnyModel::test_bed(ModelName::LuGre).scaled("sigma0", 1.5).unwrap(),
+        );
         let measured = Measured { points: &[], stretches: std::slice::from_ref(&stretch) };
         let mut seen = Vec::new();
-        let fit =
-            fit_output_error(&free, &measured, &[], &OutputErrorOptions::default(), &mut |step: &Step| {
+        let fit = fit_output_error(
+            &free,
+            &measured,
+            &[],
+            &OutputErrorOptions::default(),
+            &mut |step: &Step| {
                 seen.push(step.sum);
                 if seen.len() == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-            .unwrap();
+            },
+        )
+        .unwrap();
         assert_eq!(fit.ending, Ending::Stopped);
         assert!((fit.rms * fit.rms * 6000.0 / seen[2] - 1.0).abs() < 1e-9);
     }

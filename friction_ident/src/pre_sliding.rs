@@ -1,7 +1,8 @@
-//! Pre-sliding: stiffness, breakaway displacement and static level from slow paths of displacement and torque.
+//! Pre-sliding: stiffness, breakaway displacement and static level from slow paths of displacement
+//! and torque.
 //!
-//! The motion is so slow that neither inertia nor damping counts; the torque is then a function of the path alone, and every model reduces to a hysteresis
-//! operator:
+//! The motion is so slow that neither inertia nor damping counts; the torque is then a function of
+//! the path alone, and every model reduces to a hysteresis operator:
 //!
 //! | model | operator | parameters |
 //! |---|---|---|
@@ -11,8 +12,10 @@
 //! | elasto-plastic | LuGre's, elastic below `z_ba` (Dupont et al. 2002) | `f_s`, `sigma0`, `z_ba` |
 //! | GMS, Xiong | `N` stops `k_i` of width `w_i` in parallel (Maxwell slip) | `f_s`, shares and stiffnesses |
 //!
-//! Displacements count from the unloaded contact: a path starts at rest at zero, wherever its first sample lies. Each operator is linear in its level, and
-//! the one or two lengths in it are scanned before the search, so that no start is asked for; Maxwell slip starts from the best spectrum of many stops.
+//! Displacements count from the unloaded contact: a path starts at rest at zero, wherever its first
+//! sample lies. Each operator is linear in its level, and the one or two lengths in it are scanned
+//! before the search, so that no start is asked for; Maxwell slip starts from the best spectrum of
+//! many stops.
 
 use serde::Serialize;
 
@@ -64,7 +67,8 @@ pub enum PreSlidingModel {
         /// Elements, 1 to 16.
         elements: usize,
     },
-    /// Springs side by side that never slip, as the thesis fitted GMS and Xiong (eqs. 4.30 and 4.32): only their sum is seen.
+    /// Springs side by side that never slip, as the thesis fitted GMS and Xiong (eqs. 4.30 and
+    /// 4.32): only their sum is seen.
     Springs {
         /// Springs, 1 to 16.
         elements: usize,
@@ -90,9 +94,10 @@ const MAX_ELEMENTS: usize = 16;
 /// Fits the operator of `model` to slow paths, each of which starts from the unloaded contact.
 ///
 /// # Errors
-/// [`IdentError::TooFewSamples`] below 20 samples in all, [`IdentError::UnequalLengths`], [`IdentError::NotFinite`], [`IdentError::ZeroForce`],
-/// [`IdentError::NoMotion`] for a path that stands still, [`IdentError::Exponent`], [`IdentError::ElementCount`], [`IdentError::NoConvergence`]
-/// for torques that fall where the displacement grows.
+/// [`IdentError::TooFewSamples`] below 20 samples in all, [`IdentError::UnequalLengths`],
+/// [`IdentError::NotFinite`], [`IdentError::ZeroForce`], [`IdentError::NoMotion`] for a path that
+/// stands still, [`IdentError::Exponent`], [`IdentError::ElementCount`],
+/// [`IdentError::NoConvergence`] for torques that fall where the displacement grows.
 pub fn fit_pre_sliding(
     paths: &[PreSlidingPath],
     model: PreSlidingModel,
@@ -108,7 +113,9 @@ pub fn fit_pre_sliding(
             scan::fit(&data, Operator::Power { delta })
         }
         PreSlidingModel::ElastoPlastic => scan::fit(&data, Operator::ElastoPlastic),
-        PreSlidingModel::Gms { elements } => maxwell_slip::fit(&data, check(elements)?, maxwell_slip::GMS),
+        PreSlidingModel::Gms { elements } => {
+            maxwell_slip::fit(&data, check(elements)?, maxwell_slip::GMS)
+        }
         PreSlidingModel::Xiong { elements } => {
             maxwell_slip::fit(&data, check(elements)?, maxwell_slip::XIONG)
         }
@@ -138,7 +145,8 @@ struct Paths {
 
 impl Paths {
     fn new(paths: &[PreSlidingPath]) -> Result<Self, IdentError> {
-        let mut all = Self { displacement: Vec::new(), torque: Vec::new(), starts: Vec::new(), reach: 0.0 };
+        let mut all =
+            Self { displacement: Vec::new(), torque: Vec::new(), starts: Vec::new(), reach: 0.0 };
         for path in paths {
             if path.displacement.len() != path.torque.len() {
                 return Err(IdentError::UnequalLengths {
@@ -147,7 +155,9 @@ impl Paths {
                     expected: path.torque.len(),
                 });
             }
-            for (channel, values) in [("the displacement", path.displacement), ("the torque", path.torque)] {
+            for (channel, values) in
+                [("the displacement", path.displacement), ("the torque", path.torque)]
+            {
                 if let Some((index, &value)) =
                     values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
                 {
@@ -173,11 +183,16 @@ impl Paths {
         Ok(all)
     }
 
-    /// About `samples` samples, the turns among them: operators of the path keep their values at samples that stay.
+    /// About `samples` samples, the turns among them: operators of the path keep their values at
+    /// samples that stay.
     fn thinned(&self, samples: usize) -> Self {
         let stride = (self.torque.len() / samples.max(1)).max(1);
-        let mut thin =
-            Self { displacement: Vec::new(), torque: Vec::new(), starts: Vec::new(), reach: self.reach };
+        let mut thin = Self {
+            displacement: Vec::new(),
+            torque: Vec::new(),
+            starts: Vec::new(),
+            reach: self.reach,
+        };
         for (start, end) in self.ranges() {
             thin.starts.push(thin.torque.len());
             for i in start..end {

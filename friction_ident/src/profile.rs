@@ -1,15 +1,17 @@
 //! Confidence intervals from the profile of the likelihood.
 //!
-//! One parameter is held at a trial value, all others are fitted again, and the sum of squares `S` of that fit is compared with the least one:
-//! the 95 % interval holds every value with
+//! One parameter is held at a trial value, all others are fitted again, and the sum of squares `S`
+//! of that fit is compared with the least one: the 95 % interval holds every value with
 //!
 //! ```text
 //! S(value) <= S_min + t^2 s^2,   s^2 = S_min / (m - n),   t Student's quantile with m - n degrees of freedom
 //! ```
 //!
-//! (Bates and Watts 1988, Nonlinear Regression Analysis, section 6.1; `t^2` is the F quantile with 1 and `m - n` degrees of freedom.) For a
-//! linear problem it is the interval of the standard error. For a curved one it is right where that one is not, and where the sum of
-//! squares never reaches the limit the interval has no end on that side: the data fit as well with any value there.
+//! (Bates and Watts 1988, Nonlinear Regression Analysis, section 6.1; `t^2` is the F quantile with
+//! 1 and `m - n` degrees of freedom.) For a linear problem it is the interval of the standard
+//! error. For a curved one it is right where that one is not, and where the sum of squares never
+//! reaches the limit the interval has no end on that side: the data fit as well with any value
+//! there.
 
 use std::ops::ControlFlow;
 
@@ -22,8 +24,10 @@ const DOUBLINGS: usize = 40;
 /// Relative accuracy of an end, in units of the distance to the best value.
 const ACCURACY: f64 = 1e-4;
 
-/// The sum of squares that the 95 % interval may reach, from the least sum, the number of residuals, the number of free parameters (the profiled
-/// one included) and the share of the residuals that count as independent, see [`effective_share`](crate::residual_whiteness::effective_share).
+/// The sum of squares that the 95 % interval may reach, from the least sum, the number of
+/// residuals, the number of free parameters (the profiled one included) and the share of the
+/// residuals that count as independent, see
+/// [`effective_share`](crate::residual_whiteness::effective_share).
 ///
 /// Infinite where no degree of freedom is left.
 pub fn sum_limit(least: f64, residuals: usize, free: usize, share: f64) -> f64 {
@@ -51,8 +55,9 @@ pub struct Search {
     pub limit: f64,
 }
 
-/// The interval around the best value whose profile stays below the limit. `profile` returns the least sum of squares with the parameter held at a value,
-/// and none where no fit is possible, which ends the interval.
+/// The interval around the best value whose profile stays below the limit. `profile` returns the
+/// least sum of squares with the parameter held at a value, and none where no fit is possible,
+/// which ends the interval.
 ///
 /// ```
 /// use friction_ident::profile::{Search, profile_interval};
@@ -110,8 +115,9 @@ fn end(search: &Search, side: f64, wall: f64, profile: &mut dyn FnMut(f64) -> Op
     if above.is_finite() { 0.5 * (inside + outside) } else { inside }
 }
 
-/// The interval of unknown `j` of a least squares problem at its minimum, the others fitted again at every trial value within their bounds.
-/// `standard_error` sets the first step; `share` is the share of the residuals that count as independent.
+/// The interval of unknown `j` of a least squares problem at its minimum, the others fitted again
+/// at every trial value within their bounds. `standard_error` sets the first step; `share` is the
+/// share of the residuals that count as independent.
 ///
 /// `None` where `j` is not an unknown of the problem.
 pub fn profile_of(
@@ -126,7 +132,11 @@ pub fn profile_of(
     let (&best, bound) = (minimum.x.get(j)?, bounds.get(j)?);
     let free = minimum.held.iter().filter(|&&held| !held).count().max(1);
     let limit = sum_limit(minimum.sum, minimum.residuals.len(), free, share);
-    let step = if standard_error > 0.0 && standard_error.is_finite() { standard_error } else { bound.scale };
+    let step = if standard_error > 0.0 && standard_error.is_finite() {
+        standard_error
+    } else {
+        bound.scale
+    };
     let search = Search { best, step, low: bound.low, high: bound.high, limit };
     // Neighbouring fits start from one another.
     let mut start = minimum.x.clone();

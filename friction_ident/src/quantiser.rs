@@ -1,12 +1,16 @@
 //! Position behind an encoder: what lies between the counts.
 //!
-//! An encoder that rounds down tells the position to within a count `[k, k + 1)`. In pre-sliding that matters: with 4096 counts a turn the breakaway displacement
-//! of the thesis's test bed is 3.9 counts, and a fit to the raw counts finds it several percent too large, because a staircase reaches less far than
-//! the motion does. What is exact are the instants at which the count changes: there the position is the edge between both counts. [`between_counts`] runs a
-//! path through these edges, and beyond the last edge before a turn as far as the motion says: straight to a corner, or on legs that are half a cosine each.
-//! The first edges say how far inside its count the path starts.
+//! An encoder that rounds down tells the position to within a count `[k, k + 1)`. In pre-sliding
+//! that matters: with 4096 counts a turn the breakaway displacement of the thesis's test bed is 3.9
+//! counts, and a fit to the raw counts finds it several percent too large, because a staircase
+//! reaches less far than the motion does. What is exact are the instants at which the count
+//! changes: there the position is the edge between both counts. [`between_counts`] runs a path
+//! through these edges, and beyond the last edge before a turn as far as the motion says: straight
+//! to a corner, or on legs that are half a cosine each. The first edges say how far inside its
+//! count the path starts.
 //!
-//! A motion that changes counts often enough is asked for: a leg within one count leaves no trace. [`step_of`] tells the resolution from the readings.
+//! A motion that changes counts often enough is asked for: a leg within one count leaves no trace.
+//! [`step_of`] tells the resolution from the readings.
 
 use crate::IdentError;
 
@@ -14,8 +18,9 @@ mod cosine_legs;
 
 use cosine_legs::Turns;
 
-/// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which all differences are multiples, where the
-/// position stands still for a fifth of the samples at least. None for a position without such steps.
+/// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which
+/// all differences are multiples, where the position stands still for a fifth of the samples at
+/// least. None for a position without such steps.
 ///
 /// ```
 /// let slow: Vec<f64> = (0..1000).map(|k| (0.03 * k as f64).floor() * 0.5).collect();
@@ -37,10 +42,12 @@ pub fn step_of(position: &[f64]) -> Option<f64> {
     // Positions printed with few digits are multiples to that rounding only.
     let is_multiple = |d: f64| (d / step - (d / step).round()).abs() < 0.05;
     let stands = 5 * still >= position.len().saturating_sub(1);
-    (step.is_finite() && stands && differences.filter(|&d| d > rounding).all(is_multiple)).then_some(step)
+    (step.is_finite() && stands && differences.filter(|&d| d > rounding).all(is_multiple))
+        .then_some(step)
 }
 
-/// Edges for each sample, on average, beyond which readings are not those of an encoder but of a wrong resolution.
+/// Edges for each sample, on average, beyond which readings are not those of an encoder but of a
+/// wrong resolution.
 const MOST_EDGES: f64 = 1e4;
 
 /// How the motion turns.
@@ -53,7 +60,8 @@ pub enum Turn {
     Round,
 }
 
-/// An edge passed: at the instant `time`, in samples, the position is `edge` counts, and the motion goes in direction `side`.
+/// An edge passed: at the instant `time`, in samples, the position is `edge` counts, and the motion
+/// goes in direction `side`.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     time: f64,
@@ -61,12 +69,15 @@ struct Crossing {
     side: f64,
 }
 
-/// The displacement from the first sample on \[unit of `resolution`\], between the counts of an encoder that rounds down.
+/// The displacement from the first sample on \[unit of `resolution`\], between the counts of an
+/// encoder that rounds down.
 ///
 /// `position` are the readings, whole multiples of `resolution` apart; `resolution` is one count.
 ///
 /// # Errors
-/// [`IdentError::Resolution`] unless the resolution is positive and the motion passes fewer than ten thousand edges a sample, [`IdentError::NotFinite`], [`IdentError::TooFewSamples`] for a motion that passes fewer than two edges.
+/// [`IdentError::Resolution`] unless the resolution is positive and the motion passes fewer than
+/// ten thousand edges a sample, [`IdentError::NotFinite`], [`IdentError::TooFewSamples`] for a
+/// motion that passes fewer than two edges.
 ///
 /// ```
 /// use friction_ident::quantiser::{Turn, between_counts};
@@ -78,7 +89,11 @@ struct Crossing {
 /// assert!(path.iter().enumerate().all(|(i, x)| (x - truth(i)).abs() < 0.011));
 /// # Ok::<(), friction_ident::IdentError>(())
 /// ```
-pub fn between_counts(position: &[f64], resolution: f64, turn: Turn) -> Result<Vec<f64>, IdentError> {
+pub fn between_counts(
+    position: &[f64],
+    resolution: f64,
+    turn: Turn,
+) -> Result<Vec<f64>, IdentError> {
     if !(resolution > 0.0 && resolution.is_finite()) {
         return Err(IdentError::Resolution(resolution));
     }
@@ -139,13 +154,16 @@ fn knots(crossings: &[Crossing], samples: usize) -> Option<Vec<(f64, f64)>> {
         let (a, b) = (crossings.get(i)?, crossings.get(i + 1)?);
         (a.side == b.side && b.time > a.time).then(|| 1.0 / (b.time - a.time))
     };
-    let known: Vec<(usize, f64)> = (0..crossings.len()).filter_map(|i| Some((i, speed(i)?))).collect();
-    // The speed nearest to a crossing, before it or after it: legs that pass one edge only borrow it from their neighbours.
+    let known: Vec<(usize, f64)> =
+        (0..crossings.len()).filter_map(|i| Some((i, speed(i)?))).collect();
+    // The speed nearest to a crossing, before it or after it: legs that pass one edge only borrow
+    // it from their neighbours.
     let before = |i: usize| {
         let near = known.iter().rev().find(|(j, _)| *j < i).or(known.first());
         near.map(|(_, speed)| *speed)
     };
-    let after = |i: usize| known.iter().find(|(j, _)| *j >= i).or(known.last()).map(|(_, speed)| *speed);
+    let after =
+        |i: usize| known.iter().find(|(j, _)| *j >= i).or(known.last()).map(|(_, speed)| *speed);
     let (first, last) = (crossings.first()?, crossings.last()?);
     let mut knots = Vec::with_capacity(2 * crossings.len() + 2);
     knots.push((0.0, first.edge - first.side * (after(0)? * first.time).min(1.0)));

@@ -2,14 +2,16 @@
 //!
 //! `F(v) = sgn(v) [w_0 + sum_i w_i exp(-(|v| - c_i)^2 / (2 b_i^2))]`, odd in the velocity.
 //!
-//! The centres `c_i` are placed first ([`Centres`]) and each width is the distance between the neighbours: half the distance from the
-//! one to the other within, the distance to the only one at the ends. What is left is linear in the weights. Bells that overlap
-//! resemble each other, so a small ridge keeps their weights from growing against each other: the sum of squares of the residual plus
-//! `ridge` times the sum of squares of the weights is least. It is solved as one stacked problem, not by normal equations, which would
-//! square the condition.
+//! The centres `c_i` are placed first ([`Centres`]) and each width is the distance between the
+//! neighbours: half the distance from the one to the other within, the distance to the only one at
+//! the ends. What is left is linear in the weights. Bells that overlap resemble each other, so a
+//! small ridge keeps their weights from growing against each other: the sum of squares of the
+//! residual plus `ridge` times the sum of squares of the weights is least. It is solved as one
+//! stacked problem, not by normal equations, which would square the condition.
 //!
-//! Centres spaced logarithmically suit friction, which bends at low speeds and is straight at high ones: on the test bed's Stribeck curve
-//! they need half the bells of uniform ones. The network knows nothing outside the points: see [`friction_model::RbfNetwork`].
+//! Centres spaced logarithmically suit friction, which bends at low speeds and is straight at high
+//! ones: on the test bed's Stribeck curve they need half the bells of uniform ones. The network
+//! knows nothing outside the points: see [`friction_model::RbfNetwork`].
 
 use friction_model::{Elements, FrictionModel, RbfNetwork, RbfNetworkParameters};
 use nalgebra::{DMatrix, DVector};
@@ -77,7 +79,11 @@ pub struct RbfOptions {
 impl Default for RbfOptions {
     /// Ten bells for the speeds of the thesis's test bed, at zero and from 0.05 to 4 rad/s.
     fn default() -> Self {
-        Self { count: 10, centres: Centres::Logarithmic { smallest: 0.05, largest: 4.0 }, ridge: 1e-10 }
+        Self {
+            count: 10,
+            centres: Centres::Logarithmic { smallest: 0.05, largest: 4.0 },
+            ridge: 1e-10,
+        }
     }
 }
 
@@ -104,12 +110,16 @@ impl RbfFit {
 /// Trains a network on steady points of either sign of velocity. Points at rest count for nothing.
 ///
 /// # Errors
-/// [`IdentError::CentreCount`], [`IdentError::CentreSpan`] and [`IdentError::Ridge`] for impossible options;
-/// [`IdentError::TooFewSamples`] and [`IdentError::TooFewSpeeds`] for fewer points or speeds than there are weights,
-/// [`IdentError::NotFinite`], [`IdentError::StandardDeviation`], [`IdentError::MixedDeviations`],
-/// [`IdentError::ZeroForce`]; [`IdentError::NotAModel`] for torques that drive instead of braking at standstill or far beyond
-/// the last centre, [`IdentError::NoConvergence`] for a ridge too small to tell the bells apart.
-pub fn train_rbf_network(points: &[SteadyPoint], options: &RbfOptions) -> Result<RbfFit, IdentError> {
+/// [`IdentError::CentreCount`], [`IdentError::CentreSpan`] and [`IdentError::Ridge`] for impossible
+/// options; [`IdentError::TooFewSamples`] and [`IdentError::TooFewSpeeds`] for fewer points or
+/// speeds than there are weights, [`IdentError::NotFinite`], [`IdentError::StandardDeviation`],
+/// [`IdentError::MixedDeviations`], [`IdentError::ZeroForce`]; [`IdentError::NotAModel`] for
+/// torques that drive instead of braking at standstill or far beyond the last centre,
+/// [`IdentError::NoConvergence`] for a ridge too small to tell the bells apart.
+pub fn train_rbf_network(
+    points: &[SteadyPoint],
+    options: &RbfOptions,
+) -> Result<RbfFit, IdentError> {
     let RbfOptions { count, centres, ridge } = *options;
     if !(3..=32).contains(&count) {
         return Err(IdentError::CentreCount(count));
@@ -146,14 +156,16 @@ pub fn train_rbf_network(points: &[SteadyPoint], options: &RbfOptions) -> Result
         IdentError::NoConvergence("the bells resemble each other: raise the ridge".to_owned())
     })?;
 
-    let list = |numbers: &[f64]| Elements::from_fn(count, |i| numbers.get(i).copied().unwrap_or(0.0));
+    let list =
+        |numbers: &[f64]| Elements::from_fn(count, |i| numbers.get(i).copied().unwrap_or(0.0));
     let network = RbfNetwork::try_from(RbfNetworkParameters {
         w0: solution.x[0],
         weights: list(&solution.x.as_slice()[1..]),
         centres: list(&centres),
         widths: list(&widths),
     })?;
-    let squares = moving.iter().map(|point| (network.steady_state(point.velocity) - point.torque).powi(2));
+    let squares =
+        moving.iter().map(|point| (network.steady_state(point.velocity) - point.torque).powi(2));
     let mse = squares.sum::<f64>() / rows as f64;
     Ok(RbfFit { network, mse, points: rows, speeds })
 }

@@ -1,10 +1,12 @@
 //! How many independent samples a residual is worth.
 //!
-//! Standard errors of least squares count residuals as white. On real axes neighbours are alike, because the model is not the axis and the
-//! filters smooth; the errors are then too small by the root of the integrated correlation time.
+//! Standard errors of least squares count residuals as white. On real axes neighbours are alike,
+//! because the model is not the axis and the filters smooth; the errors are then too small by the
+//! root of the integrated correlation time.
 
-/// Share of the residuals that count as independent, above 0 and at most 1: one over the sum of the autocorrelation over all
-/// lags, cut by Geyer's initial positive sequence (1992, Statistical Science 7, 473): pairs of neighbouring lags are added while their sum is positive.
+/// Share of the residuals that count as independent, above 0 and at most 1: one over the sum of the
+/// autocorrelation over all lags, cut by Geyer's initial positive sequence (1992, Statistical
+/// Science 7, 473): pairs of neighbouring lags are added while their sum is positive.
 ///
 /// ```
 /// // An alternating residual is not worth less than a white one.
@@ -17,7 +19,9 @@ pub fn effective_share(residuals: &[f64]) -> f64 {
     if n < 4 || !(power > 0.0 && power.is_finite()) {
         return 1.0;
     }
-    let lagged = |lag: usize| residuals[lag..].iter().zip(residuals).map(|(a, b)| a * b).sum::<f64>() / power;
+    let lagged = |lag: usize| {
+        residuals[lag..].iter().zip(residuals).map(|(a, b)| a * b).sum::<f64>() / power
+    };
     let mut time = -1.0;
     let mut before = f64::INFINITY;
     for pair in 0..n / 4 {

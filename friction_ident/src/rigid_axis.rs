@@ -1,15 +1,18 @@
-//! Inertia and friction of a driven axis: `M a + Fv v + Fc sign(v) + offset = force`, by linear least squares.
+//! Inertia and friction of a driven axis: `M a + Fv v + Fc sign(v) + offset = force`, by linear
+//! least squares.
 //!
-//! The model of Janot, Gautier and Brunot, "Data set and reference models of EMPS", 2019, and what is behind
-//! most industrial friction identification. [`AxisModel::SYMMETRIC`] has one viscous and one Coulomb
-//! coefficient and an offset; [`AxisModel::ASYMMETRIC`] has a pair for each direction of motion, which takes
-//! the place of the offset (`Fc sign(v) + offset` is `Fc+` upwards and `-Fc-` downwards).
+//! The model of Janot, Gautier and Brunot, "Data set and reference models of EMPS", 2019, and what
+//! is behind most industrial friction identification. [`AxisModel::SYMMETRIC`] has one viscous and
+//! one Coulomb coefficient and an offset; [`AxisModel::ASYMMETRIC`] has a pair for each direction
+//! of motion, which takes the place of the offset (`Fc sign(v) + offset` is `Fc+` upwards and
+//! `-Fc-` downwards).
 //!
-//! The regressors are built at the full sampling rate, then all of them and the force are decimated with the
-//! same filter: a step of `sign(v)` and the step of force it causes stay alike. The standard errors are those
-//! of ordinary least squares, `s^2 (A^T A)^-1` on the decimated samples. They count the residual as white;
-//! where the model leaves a slow pattern in it, as it always does on real axes, they are too small. What it
-//! cannot reproduce: the Stribeck dip, presliding, friction that depends on position or load.
+//! The regressors are built at the full sampling rate, then all of them and the force are decimated
+//! with the same filter: a step of `sign(v)` and the step of force it causes stay alike. The
+//! standard errors are those of ordinary least squares, `s^2 (A^T A)^-1` on the decimated samples.
+//! They count the residual as white; where the model leaves a slow pattern in it, as it always does
+//! on real axes, they are too small. What it cannot reproduce: the Stribeck dip, presliding,
+//! friction that depends on position or load.
 
 use std::fmt;
 
@@ -183,7 +186,8 @@ pub struct Prediction {
     pub measured: Vec<f64>,
     /// Predicted force \[N or N m\].
     pub predicted: Vec<f64>,
-    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left for friction.
+    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left
+    /// for friction.
     pub friction: Vec<f64>,
     /// `100 |measured - predicted| / |measured|` \[%\].
     pub relative_error: f64,
@@ -192,7 +196,11 @@ pub struct Prediction {
 impl Prediction {
     /// Measured minus predicted force \[N or N m\].
     pub fn residual(&self) -> Vec<f64> {
-        self.measured.iter().zip(&self.predicted).map(|(measured, predicted)| measured - predicted).collect()
+        self.measured
+            .iter()
+            .zip(&self.predicted)
+            .map(|(measured, predicted)| measured - predicted)
+            .collect()
     }
 }
 
@@ -210,14 +218,18 @@ impl AxisFit {
     /// Applies the fitted model to a recording, the same one or another: the cross-test.
     ///
     /// # Errors
-    /// [`IdentError::TooFewSamples`] for a recording too short to decimate, [`IdentError::ZeroForce`].
+    /// [`IdentError::TooFewSamples`] for a recording too short to decimate,
+    /// [`IdentError::ZeroForce`].
     pub fn predict(&self, recording: &Conditioned) -> Result<Prediction, IdentError> {
         let regression = Regression::new(recording, self.model)?;
-        let values = DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value));
+        let values =
+            DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value));
         let predicted = &regression.matrix * values;
         let inertia = self.terms.iter().position(|estimate| estimate.term == AxisTerm::Inertia);
         let friction = match inertia {
-            Some(column) => &regression.force - regression.matrix.column(column) * self.terms[column].value,
+            Some(column) => {
+                &regression.force - regression.matrix.column(column) * self.terms[column].value
+            }
             None => regression.force.clone(),
         };
         let step = recording.decimate as f64 * recording.time_step;
@@ -261,8 +273,9 @@ impl AxisFit {
 /// ```
 ///
 /// # Errors
-/// [`IdentError::NotExcited`] with the terms the motion does not show, [`IdentError::NegativeInertia`] where it is clearly below zero,
-/// [`IdentError::ZeroForce`], [`IdentError::TooFewSamples`].
+/// [`IdentError::NotExcited`] with the terms the motion does not show,
+/// [`IdentError::NegativeInertia`] where it is clearly below zero, [`IdentError::ZeroForce`],
+/// [`IdentError::TooFewSamples`].
 pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
     let terms = model.terms();
     if model.inertia && !accelerates(recording) {
@@ -279,12 +292,11 @@ pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, Id
             lower: "the trim or the decimation",
         });
     }
-    let solution =
-        least_squares::solve(&regression.matrix, &regression.force).map_err(|Degenerate { columns }| {
-            IdentError::NotExcited {
-                terms: columns.into_iter().filter_map(|column| terms.get(column).copied()).collect(),
-            }
-        })?;
+    let solution = least_squares::solve(&regression.matrix, &regression.force).map_err(
+        |Degenerate { columns }| IdentError::NotExcited {
+            terms: columns.into_iter().filter_map(|column| terms.get(column).copied()).collect(),
+        },
+    )?;
     let squares = solution.residual.norm_squared();
     let variance = squares / (samples - terms.len()) as f64;
     let terms: Vec<_> = terms
@@ -330,8 +342,9 @@ impl Regression {
             if velocity.abs() <= recording.velocity_floor { 0.0 } else { velocity.signum() }
         };
         let terms = model.terms();
-        let thinned =
-            |column: &[f64]| recording.by_piece(column, |piece| decimate(piece, recording.decimate));
+        let thinned = |column: &[f64]| {
+            recording.by_piece(column, |piece| decimate(piece, recording.decimate))
+        };
         let force = DVector::from_vec(thinned(&recording.force)?);
         let mut matrix = DMatrix::zeros(force.len(), terms.len());
         for (j, term) in terms.iter().enumerate() {
@@ -347,7 +360,8 @@ impl Regression {
     }
 }
 
-/// Whether the velocity changes by more than rounding and the low-pass's settling can make of a constant one.
+/// Whether the velocity changes by more than rounding and the low-pass's settling can make of a
+/// constant one.
 fn accelerates(recording: &Conditioned) -> bool {
     let (slowest, fastest) = recording
         .velocity

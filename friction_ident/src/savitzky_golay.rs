@@ -1,11 +1,14 @@
-//! Smoothing and differentiation by local polynomials (Savitzky and Golay 1964, Analytical Chemistry 36, 1627).
+//! Smoothing and differentiation by local polynomials (Savitzky and Golay 1964, Analytical
+//! Chemistry 36, 1627).
 //!
-//! Each sample is replaced by the value, or the slope, at its place of the polynomial that fits a frame of samples around it best. At both
-//! ends the first and the last frame are fitted once and read off at every place, so that nothing is lost and nothing is invented. Whatever is a
-//! polynomial of the order comes back as it is, peaks keep their height better than under a low-pass, and white noise is damped by a known factor
-//! ([`SavitzkyGolay::noise_gain`]).
+//! Each sample is replaced by the value, or the slope, at its place of the polynomial that fits a
+//! frame of samples around it best. At both ends the first and the last frame are fitted once and
+//! read off at every place, so that nothing is lost and nothing is invented. Whatever is a
+//! polynomial of the order comes back as it is, peaks keep their height better than under a
+//! low-pass, and white noise is damped by a known factor ([`SavitzkyGolay::noise_gain`]).
 //!
-//! Own code, because the crates that offer it stop at the ends, differentiate not at all, or have seen one release.
+//! Own code, because the crates that offer it stop at the ends, differentiate not at all, or have
+//! seen one release.
 
 use nalgebra::DMatrix;
 
@@ -22,7 +25,8 @@ pub struct SavitzkyGolay {
 }
 
 impl SavitzkyGolay {
-    /// Polynomials of `order` (0 to 8) over `frame` samples: an odd number, larger than the order, 999 at most.
+    /// Polynomials of `order` (0 to 8) over `frame` samples: an odd number, larger than the order,
+    /// 999 at most.
     ///
     /// # Errors
     /// [`IdentError::Frame`].
@@ -63,7 +67,8 @@ impl SavitzkyGolay {
         self.value.row(self.frame / 2).norm_squared()
     }
 
-    /// Variance of the derivative over that of the signal's white noise [1/s^2], away from the ends, at the sampling period `time_step` [s].
+    /// Variance of the derivative over that of the signal's white noise [1/s^2], away from the
+    /// ends, at the sampling period `time_step` [s].
     pub fn derivative_noise_gain(&self, time_step: f64) -> f64 {
         self.slope.row(self.frame / 2).norm_squared() / time_step.powi(2)
     }
@@ -76,7 +81,8 @@ impl SavitzkyGolay {
         self.apply(&self.value, signal, 1.0)
     }
 
-    /// The signal's derivative [its unit per second] at the sampling period `time_step` [s]; as long as the signal.
+    /// The signal's derivative [its unit per second] at the sampling period `time_step` [s]; as
+    /// long as the signal.
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`] unless the signal fills a frame, [`IdentError::TimeStep`].
@@ -87,7 +93,12 @@ impl SavitzkyGolay {
         self.apply(&self.slope, signal, 1.0 / time_step)
     }
 
-    fn apply(&self, weights: &DMatrix<f64>, signal: &[f64], factor: f64) -> Result<Vec<f64>, IdentError> {
+    fn apply(
+        &self,
+        weights: &DMatrix<f64>,
+        signal: &[f64],
+        factor: f64,
+    ) -> Result<Vec<f64>, IdentError> {
         let (n, frame, half) = (signal.len(), self.frame, self.frame / 2);
         if n < frame {
             return Err(IdentError::TooFewSamples {
@@ -124,20 +135,39 @@ mod tests {
         assert!((filter.derivative_noise_gain(1.0) / closed - 1.0).abs() < 1e-12);
     }
 
-    /// SciPy 1.17, `savgol_filter(signal, frame, order)` and `deriv=1, delta=0.01`, both ends included.
+    /// SciPy 1.17, `savgol_filter(signal, frame, order)` and `deriv=1, delta=0.01`, both ends
+    /// included.
     #[test]
     fn agrees_with_scipy() {
         for (order, frame, smooth, slope) in [
             (
                 3,
                 31,
-                [0.7573268067639, 0.7122834890676, 0.3706482993086, -0.1236666164627, -0.5606051174744],
-                [-4.126202535455, -4.859119335731, 18.54381782214, -40.24445896855, -47.21311262506],
+                [
+                    0.7573268067639,
+                    0.7122834890676,
+                    0.3706482993086,
+                    -0.1236666164627,
+                    -0.5606051174744,
+                ],
+                [
+                    -4.126202535455,
+                    -4.859119335731,
+                    18.54381782214,
+                    -40.24445896855,
+                    -47.21311262506,
+                ],
             ),
             (
                 2,
                 11,
-                [-0.03317324034808, 0.3242009130959, 0.1739652353884, 0.2539605378648, 0.3723436946545],
+                [
+                    -0.03317324034808,
+                    0.3242009130959,
+                    0.1739652353884,
+                    0.2539605378648,
+                    0.3723436946545,
+                ],
                 [39.35052671216, 32.12430397663, 25.15314307216, 9.20622873373, 14.47040262422],
             ),
         ] {
@@ -158,7 +188,8 @@ mod tests {
         let filter = SavitzkyGolay::thesis().unwrap();
         let dt = 0.01;
         let time: Vec<f64> = (0..100).map(|k| f64::from(k) * dt).collect();
-        let cubic: Vec<f64> = time.iter().map(|t| 1.0 - 2.0 * t + 3.0 * t * t - 4.0 * t * t * t).collect();
+        let cubic: Vec<f64> =
+            time.iter().map(|t| 1.0 - 2.0 * t + 3.0 * t * t - 4.0 * t * t * t).collect();
         let slope = filter.derivative(&cubic, dt).unwrap();
         for ((smooth, value), (slope, t)) in
             filter.smooth(&cubic).unwrap().iter().zip(&cubic).zip(slope.iter().zip(&time))
@@ -177,7 +208,10 @@ mod tests {
             );
         }
         let filter = SavitzkyGolay::thesis().unwrap();
-        assert!(matches!(filter.smooth(&[0.0; 30]), Err(IdentError::TooFewSamples { needed: 31, .. })));
+        assert!(matches!(
+            filter.smooth(&[0.0; 30]),
+            Err(IdentError::TooFewSamples { needed: 31, .. })
+        ));
         assert!(filter.derivative(&[0.0; 31], 0.0).is_err() && filter.smooth(&[]).is_err());
         assert_eq!(SavitzkyGolay::new(0, 1).unwrap().smooth(&[2.0, 3.0]).unwrap(), [2.0, 3.0]);
     }

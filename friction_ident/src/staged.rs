@@ -1,8 +1,11 @@
-//! Staged identification: from steady points, pre-sliding, lag and mixed motion to one model with all its parameters.
+//! Staged identification: from steady points, pre-sliding, lag and mixed motion to one model with
+//! all its parameters.
 //!
-//! Each stage takes the parameters that its kind of recording shows and leaves the others: the static characteristic from constant velocities, the
-//! stiffness from pre-sliding, the micro-damping from a damping ratio and the inertia (thesis eqs. 4.36 to 4.40, corrected), the lag from velocity
-//! that varies one way. An output-error fit over everything (the joint stage) may follow; it starts where the stages end.
+//! Each stage takes the parameters that its kind of recording shows and leaves the others: the
+//! static characteristic from constant velocities, the stiffness from pre-sliding, the
+//! micro-damping from a damping ratio and the inertia (thesis eqs. 4.36 to 4.40, corrected), the
+//! lag from velocity that varies one way. An output-error fit over everything (the joint stage) may
+//! follow; it starts where the stages end.
 
 use std::ops::ControlFlow;
 
@@ -19,7 +22,9 @@ use crate::micro_damping::THESIS_ZETA;
 use crate::output_error::{Measured, OutputErrorFit, OutputErrorOptions, fit_output_error};
 use crate::residual_whiteness::effective_share;
 use crate::starting_model::{scaled_to, with_elements};
-use crate::static_curve::{StribeckFit, StribeckOptions, StribeckParameter, StribeckValues, fit_stribeck};
+use crate::static_curve::{
+    StribeckFit, StribeckOptions, StribeckParameter, StribeckValues, fit_stribeck,
+};
 use crate::stretch::Stretch;
 use crate::uncertain::Uncertain;
 
@@ -40,7 +45,8 @@ pub struct StagedOptions {
     pub joint: bool,
     /// Elements of models that have any.
     pub elements: usize,
-    /// Inertia that moves on the bristles [kg or kg m^2]; without it the micro-damping is left to the recordings.
+    /// Inertia that moves on the bristles [kg or kg m^2]; without it the micro-damping is left to
+    /// the recordings.
     pub inertia: Option<Uncertain>,
     /// Damping ratio of that motion.
     pub damping_ratio: f64,
@@ -49,7 +55,8 @@ pub struct StagedOptions {
 }
 
 impl Default for StagedOptions {
-    /// Symmetric, with the joint stage, four elements, no inertia, the thesis's damping ratio of 0.7.
+    /// Symmetric, with the joint stage, four elements, no inertia, the thesis's damping ratio of
+    /// 0.7.
     fn default() -> Self {
         Self {
             asymmetric: false,
@@ -132,17 +139,20 @@ const DAMPING: [&str; 2] = ["sigma", "sigma1"];
 /// Parameters of the lag.
 const LAG: [&str; 2] = ["tau", "c"];
 
-/// Identifies the model `name` from `data`. `watch` sees every iteration of every stage and may stop; what is there by then is returned.
+/// Identifies the model `name` from `data`. `watch` sees every iteration of every stage and may
+/// stop; what is there by then is returned.
 ///
 /// # Errors
-/// [`IdentError`] where there is no recording from which the static characteristic can be had, and for recordings that are not fit for use.
+/// [`IdentError`] where there is no recording from which the static characteristic can be had, and
+/// for recordings that are not fit for use.
 pub fn identify_model(
     name: ModelName,
     data: &FrictionData,
     options: &StagedOptions,
     watch: &mut dyn FnMut(Stage, &Step) -> ControlFlow<()>,
 ) -> Result<Identified, IdentError> {
-    let mut work = Work { name, data, options, stages: Vec::new(), notes: Vec::new(), stopped: false };
+    let mut work =
+        Work { name, data, options, stages: Vec::new(), notes: Vec::new(), stopped: false };
     let model = work.static_stage(watch)?;
     let model = work.dynamic_stage(Stage::PreSliding, model, watch)?;
     let model = work.micro_damping(model)?;
@@ -151,8 +161,9 @@ pub fn identify_model(
     Ok(work.finish(model))
 }
 
-/// The joint refinement alone, begun at `model`: how its parameters answer when the recordings change a little. `by_stages` is what the stages find
-/// in `data`; its residuals weigh the recordings, as in [`identify_model`]. None where `data` holds no motion.
+/// The joint refinement alone, begun at `model`: how its parameters answer when the recordings
+/// change a little. `by_stages` is what the stages find in `data`; its residuals weigh the
+/// recordings, as in [`identify_model`]. None where `data` holds no motion.
 ///
 /// # Errors
 /// [`IdentError`] for recordings that are not fit for use.
@@ -165,8 +176,14 @@ pub fn refine_jointly(
 ) -> Result<Option<StageResult>, IdentError> {
     let options = StagedOptions { joint: true, ..*options };
     let name = model.name();
-    let mut work =
-        Work { name, data, options: &options, stages: Vec::new(), notes: Vec::new(), stopped: false };
+    let mut work = Work {
+        name,
+        data,
+        options: &options,
+        stages: Vec::new(),
+        notes: Vec::new(),
+        stopped: false,
+    };
     let model = work.micro_damping(*model)?;
     work.joint(model, by_stages, watch)?;
     Ok(work.stages.pop().filter(|last| last.stage == Stage::Joint && !work.stopped))
@@ -189,8 +206,9 @@ impl Work<'_> {
         let points = self.data.static_points();
         let model = with_elements(self.name, self.options.elements)?;
         let reach = self.reach();
-        let start =
-            |fit: &StribeckFit| Ok::<_, IdentError>(scaled_to(&model, &with_dip(&fit.parameters), reach)?);
+        let start = |fit: &StribeckFit| {
+            Ok::<_, IdentError>(scaled_to(&model, &with_dip(&fit.parameters), reach)?)
+        };
         let (start, fits) = if self.options.asymmetric {
             let side = |sign: f64| {
                 let side: Vec<_> =
@@ -227,15 +245,27 @@ impl Work<'_> {
     }
 
     /// A stage that runs the model along the recordings of its kind.
-    fn dynamic_stage(&mut self, stage: Stage, model: AnyModel, watch: Watch) -> Result<AnyModel, IdentError> {
-        let stretches = if stage == Stage::PreSliding { &self.data.pre_sliding } else { &self.data.lag };
+    fn dynamic_stage(
+        &mut self,
+        stage: Stage,
+        model: AnyModel,
+        watch: Watch,
+    ) -> Result<AnyModel, IdentError> {
+        let stretches =
+            if stage == Stage::PreSliding { &self.data.pre_sliding } else { &self.data.lag };
         if self.stopped || stretches.is_empty() {
             return Ok(model);
         }
-        let model = if stage == Stage::PreSliding { self.best_operator(model) } else { self.best_lag(model) };
+        let model = if stage == Stage::PreSliding {
+            self.best_operator(model)
+        } else {
+            self.best_lag(model)
+        };
         let damping = self.options.inertia.is_none();
         let free = FreeParameters::new(&model, |row| match stage {
-            Stage::PreSliding => PRE_SLIDING.contains(&row.name) || (damping && DAMPING.contains(&row.name)),
+            Stage::PreSliding => {
+                PRE_SLIDING.contains(&row.name) || (damping && DAMPING.contains(&row.name))
+            }
             _ => LAG.contains(&row.name),
         });
         if free.handles().is_empty() {
@@ -255,13 +285,25 @@ impl Work<'_> {
             return Ok(model);
         }
         let rotary = self.options.output_error.rotary;
-        let (model, estimates) = with_computed_damping(&model, inertia, self.options.damping_ratio, rotary)?;
-        self.stages.push(StageResult { stage: Stage::MicroDamping, samples: 0, rms: 0.0, estimates });
+        let (model, estimates) =
+            with_computed_damping(&model, inertia, self.options.damping_ratio, rotary)?;
+        self.stages.push(StageResult {
+            stage: Stage::MicroDamping,
+            samples: 0,
+            rms: 0.0,
+            estimates,
+        });
         Ok(model)
     }
 
-    /// Everything free, over everything, each recording as heavy as the residuals of `by_stages` on it are small.
-    fn joint(&mut self, model: AnyModel, by_stages: &AnyModel, watch: Watch) -> Result<AnyModel, IdentError> {
+    /// Everything free, over everything, each recording as heavy as the residuals of `by_stages` on
+    /// it are small.
+    fn joint(
+        &mut self,
+        model: AnyModel,
+        by_stages: &AnyModel,
+        watch: Watch,
+    ) -> Result<AnyModel, IdentError> {
         let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
             .into_iter()
             .flatten()
@@ -306,9 +348,13 @@ impl Work<'_> {
         let residuals = residuals(&model, self.data);
         let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
         let estimates = last_word(&model, &self.stages, self.options.output_error.rotary);
-        let estimated =
-            estimates.parameters.iter().filter(|estimate| estimate.standard_error.is_some()).count();
-        let information = Information::new(mse, residuals.len(), effective_share(&residuals), estimated);
+        let estimated = estimates
+            .parameters
+            .iter()
+            .filter(|estimate| estimate.standard_error.is_some())
+            .count();
+        let information =
+            Information::new(mse, residuals.len(), effective_share(&residuals), estimated);
         let Self { name, stages, notes, stopped, .. } = self;
         Identified { name, model, stages, estimates, information, stopped, notes }
     }
@@ -319,7 +365,8 @@ fn with_dip(values: &StribeckValues) -> StribeckValues {
     StribeckValues { f_s: values.f_s.max(1.001 * values.f_c), ..*values }
 }
 
-/// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and its profile where the intervals end.
+/// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and
+/// its profile where the intervals end.
 fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
     use crate::static_curve::Unidentifiable;
     let has_dip = estimates.get(&format!("v_s{side}")).is_some();
@@ -327,7 +374,8 @@ fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
         let profile = curve.estimate(parameter).interval;
         let parameter = parameter.name();
         let label = format!("{parameter}{side}");
-        if let Some(estimate) = estimates.parameters.iter_mut().find(|estimate| estimate.name == label)
+        if let Some(estimate) =
+            estimates.parameters.iter_mut().find(|estimate| estimate.name == label)
             && let (Some((low, high)), true) = (profile, has_dip)
         {
             estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
@@ -335,7 +383,9 @@ fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
         let found = estimates.parameters.iter_mut().find(|estimate| estimate.name == label);
         if let (Some(estimate), Some(why)) = (found, why) {
             let doubt = match why {
-                Unidentifiable::LargeError { relative_error } => Doubt::LargeError { relative_error },
+                Unidentifiable::LargeError { relative_error } => {
+                    Doubt::LargeError { relative_error }
+                }
                 Unidentifiable::NoDip { dip, standard_error } => {
                     Doubt::BelowNoise { effect: dip, standard_error }
                 }

@@ -39,8 +39,8 @@ pub fn with_elements(name: ModelName, elements: usize) -> Result<AnyModel, Model
     }
 }
 
-/// The model with these static parameters and with its stiffness at a breakaway displacement of `reach` [m or rad]: what scales with the level
-/// and the reach is scaled, times are kept.
+/// The model with these static parameters and with its stiffness at a breakaway displacement of
+/// `reach` [m or rad]: what scales with the level and the reach is scaled, times are kept.
 ///
 /// # Errors
 /// [`ModelError`] if the model does not accept them.
@@ -68,7 +68,8 @@ pub fn scaled_to(
     if let (Some(f_h), Some(before)) = (model.parameter("f_h"), model.parameter("f_s")) {
         parameters.set("f_h", f_h / before * f_s * (1.0 + 1e-12));
     }
-    for (name, value) in [("f_s", f_s), ("f_c", f_c), ("v_s", v_s), ("f_v", f_v), ("delta", delta)] {
+    for (name, value) in [("f_s", f_s), ("f_c", f_c), ("v_s", v_s), ("f_v", f_v), ("delta", delta)]
+    {
         // Dahl's delta is another: the shape of its stress-strain curve.
         if name != "delta" || model.name() != ModelName::Dahl {
             parameters.set(name, value);
@@ -77,20 +78,22 @@ pub fn scaled_to(
     parameters.try_into()
 }
 
-/// How far the contact bends before it slides as a whole, roughly [m or rad]: `z_b`, the level over the stiffness, or the width of the widest element.
+/// How far the contact bends before it slides as a whole, roughly [m or rad]: `z_b`, the level over
+/// the stiffness, or the width of the widest element.
 pub fn breakaway_reach(model: &AnyModel) -> Option<f64> {
     if let Some(z_b) = model.parameter("z_b") {
         return Some(z_b);
     }
     let parameters = model.parameters();
     let level = model.parameter("f_s").or(model.parameter("f_c"))?;
-    let widths = [("alpha", "sigma0"), ("lambda", "k")].into_iter().flat_map(|(share, stiffness)| {
-        parameters
-            .values(share)
-            .into_iter()
-            .zip(parameters.values(stiffness))
-            .map(|(share, k)| share * level / k)
-    });
+    let widths =
+        [("alpha", "sigma0"), ("lambda", "k")].into_iter().flat_map(|(share, stiffness)| {
+            parameters
+                .values(share)
+                .into_iter()
+                .zip(parameters.values(stiffness))
+                .map(|(share, k)| share * level / k)
+        });
     if let Some(widest) = widths.max_by(f64::total_cmp) {
         return Some(widest);
     }
@@ -119,7 +122,10 @@ mod tests {
         for name in [ModelName::Gms, ModelName::Xiong] {
             for n in [1, 3, 4, 10, 16] {
                 let model = with_elements(name, n).unwrap();
-                assert!((model.steady_state(0.5) - AnyModel::test_bed(name).steady_state(0.5)).abs() < 1e-12);
+                assert!(
+                    (model.steady_state(0.5) - AnyModel::test_bed(name).steady_state(0.5)).abs()
+                        < 1e-12
+                );
             }
             assert!(with_elements(name, 17).is_err());
         }

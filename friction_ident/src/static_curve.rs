@@ -1,13 +1,15 @@
 //! The Stribeck curve through steady points, by nonlinear least squares, with honest uncertainty.
 //!
-//! `F(v) = sgn(v) [f_c + (f_s - f_c) exp(-|v/v_s|^delta)] + f_v v`, odd in the velocity, `delta` fixed (2).
+//! `F(v) = sgn(v) [f_c + (f_s - f_c) exp(-|v/v_s|^delta)] + f_v v`, odd in the velocity, `delta`
+//! fixed (2).
 //!
-//! For a given `v_s` the curve is linear in the other three, so the start comes from a scan of `v_s` over the
-//! measured speeds with a small linear fit at each, under `0 < f_c <= f_s` and `f_v >= 0`. From the best of
-//! them Levenberg and Marquardt finish with the analytic Jacobian. Where the data show no dip that is clear of
-//! the noise, or only one outside the measured speeds, the result is Coulomb and viscous friction alone
-//! (`f_s = f_c`), and the parameters that have lost their meaning say so: [`StribeckFit::estimate`] carries an
-//! [`Unidentifiable`] reason instead of an interval.
+//! For a given `v_s` the curve is linear in the other three, so the start comes from a scan of
+//! `v_s` over the measured speeds with a small linear fit at each, under `0 < f_c <= f_s` and
+//! `f_v >= 0`. From the best of them Levenberg and Marquardt finish with the analytic Jacobian.
+//! Where the data show no dip that is clear of the noise, or only one outside the measured speeds,
+//! the result is Coulomb and viscous friction alone (`f_s = f_c`), and the parameters that have
+//! lost their meaning say so: [`StribeckFit::estimate`] carries an [`Unidentifiable`] reason
+//! instead of an interval.
 
 use serde::Serialize;
 
@@ -99,7 +101,8 @@ impl StribeckValues {
         let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
         let power = (velocity / self.v_s).abs().powf(self.delta);
         let dip = (-power).exp();
-        // Where the exponential has vanished the power may be infinite; the product is zero all the same.
+        // Where the exponential has vanished the power may be infinite; the product is zero all the
+        // same.
         let slope = if dip > 0.0 { dip * power * self.delta / self.v_s } else { 0.0 };
         [sign * dip, sign * (1.0 - dip), sign * (self.f_s - self.f_c) * slope, velocity]
     }
@@ -120,8 +123,11 @@ pub enum Unidentifiable {
         /// Standard error over value.
         relative_error: f64,
     },
-    /// The dip `f_s - f_c` is less than three of its standard errors, so that it may not be there at all.
-    #[error("the dip f_s - f_c = {dip:.3e} is not clear of its standard error {standard_error:.3e}")]
+    /// The dip `f_s - f_c` is less than three of its standard errors, so that it may not be there
+    /// at all.
+    #[error(
+        "the dip f_s - f_c = {dip:.3e} is not clear of its standard error {standard_error:.3e}"
+    )]
     NoDip {
         /// `f_s - f_c`.
         dip: f64,
@@ -136,7 +142,8 @@ pub enum Unidentifiable {
         /// Fastest measured speed.
         fastest: f64,
     },
-    /// The interval of the Stribeck velocity has no end on one side: the data fit about as well without a dip among the measured speeds.
+    /// The interval of the Stribeck velocity has no end on one side: the data fit about as well
+    /// without a dip among the measured speeds.
     #[error(
         "its interval, {low:.3e} to {high:.3e}, has no end: the data fit about as well without a dip among the measured speeds"
     )]
@@ -159,11 +166,13 @@ pub enum Unidentifiable {
 pub struct StribeckEstimate {
     /// Which one.
     pub parameter: StribeckParameter,
-    /// Best value; without a visible dip `f_s` is `f_c` and `v_s` a placeholder. Always safe to compute with.
+    /// Best value; without a visible dip `f_s` is `f_c` and `v_s` a placeholder. Always safe to
+    /// compute with.
     pub value: f64,
     /// Standard error, absent for a parameter held by a bound.
     pub standard_error: Option<f64>,
-    /// 95 % interval from the profile of the likelihood; an end that the data leave open is zero or infinite. Absent for a viscous term held at zero.
+    /// 95 % interval from the profile of the likelihood; an end that the data leave open is zero or
+    /// infinite. Absent for a viscous term held at zero.
     pub interval: Option<(f64, f64)>,
     /// Why the data do not determine the parameter, if they do not.
     pub unidentifiable: Option<Unidentifiable>,
@@ -176,8 +185,8 @@ pub struct StribeckFit {
     pub parameters: StribeckValues,
     /// Standard errors of `f_s`, `f_c`, `v_s`, `f_v`; none for a parameter held by a bound.
     pub standard_errors: [Option<f64>; 4],
-    /// Covariance of `f_s`, `f_c`, `v_s`, `f_v`; zero for a parameter held by a bound, and without a dip `f_s`
-    /// moves with `f_c`.
+    /// Covariance of `f_s`, `f_c`, `v_s`, `f_v`; zero for a parameter held by a bound, and without
+    /// a dip `f_s` moves with `f_c`.
     pub covariance: [[f64; 4]; 4],
     /// 95 % intervals of `f_s`, `f_c`, `v_s`, `f_v` from the profile of the likelihood.
     pub intervals: [Option<Interval>; 4],
@@ -211,8 +220,8 @@ impl StribeckFit {
         variance.max(0.0).sqrt()
     }
 
-    /// Lower and upper edge of the 95 % confidence band of the curve at a velocity: where the curve lies, not
-    /// where single measurements scatter.
+    /// Lower and upper edge of the 95 % confidence band of the curve at a velocity: where the curve
+    /// lies, not where single measurements scatter.
     pub fn band(&self, velocity: f64) -> (f64, f64) {
         let centre = self.torque(velocity);
         let half = student_95(self.degrees_of_freedom) * self.standard_error(velocity);
@@ -227,7 +236,8 @@ impl StribeckFit {
             parameter,
             value,
             standard_error,
-            interval: self.intervals[parameter as usize].map(|interval| (interval.low, interval.high)),
+            interval: self.intervals[parameter as usize]
+                .map(|interval| (interval.low, interval.high)),
             unidentifiable: self.unidentifiable[parameter as usize],
         }
     }
@@ -249,5 +259,8 @@ fn check(points: &[SteadyPoint], options: &StribeckOptions) -> Result<(f64, f64)
     if !(0.1..=10.0).contains(&options.delta) {
         return Err(IdentError::Exponent(options.delta));
     }
-    check_points(points, &Needed { what: "a Stribeck curve", points: 8, speeds: 5, lower: "nothing" })
+    check_points(
+        points,
+        &Needed { what: "a Stribeck curve", points: 8, speeds: 5, lower: "nothing" },
+    )
 }

@@ -11,8 +11,8 @@ pub struct SteadyPoint {
     pub velocity: f64,
     /// Friction \[N m or N\]; positive opposes positive velocity.
     pub torque: f64,
-    /// Standard deviation of `torque`, for all points or for none. Only the ratios count: the overall scale is
-    /// taken from the scatter around the curve.
+    /// Standard deviation of `torque`, for all points or for none. Only the ratios count: the
+    /// overall scale is taken from the scatter around the curve.
     pub deviation: Option<f64>,
 }
 
@@ -23,7 +23,8 @@ impl SteadyPoint {
     }
 }
 
-/// Smallest standard deviation, as a share of the largest: beside such a point the others would count for nothing.
+/// Smallest standard deviation, as a share of the largest: beside such a point the others would
+/// count for nothing.
 const SMALLEST_SHARE: f64 = 1e-9;
 /// Torques and speeds below this are rounding [SI units].
 const SMALLEST: f64 = 1e-50;
@@ -41,7 +42,10 @@ pub(crate) struct Needed {
 }
 
 /// Checks the points and returns the slowest and fastest speed.
-pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f64, f64), IdentError> {
+pub(crate) fn check_points(
+    points: &[SteadyPoint],
+    needed: &Needed,
+) -> Result<(f64, f64), IdentError> {
     if points.len() < needed.points {
         return Err(IdentError::TooFewSamples {
             what: needed.what,
@@ -69,7 +73,8 @@ pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f
     let deviations =
         || points.iter().enumerate().filter_map(|(index, point)| Some((index, point.deviation?)));
     let largest = deviations().map(|(_, value)| value).fold(0.0, f64::max);
-    if let Some((index, value)) = deviations().find(|(_, value)| *value < SMALLEST_SHARE * largest) {
+    if let Some((index, value)) = deviations().find(|(_, value)| *value < SMALLEST_SHARE * largest)
+    {
         return Err(IdentError::DeviationRange { index, value, largest });
     }
     if points.iter().all(|point| point.torque.abs() < SMALLEST) {
@@ -82,8 +87,8 @@ pub(crate) fn check_points(points: &[SteadyPoint], needed: &Needed) -> Result<(f
     }
 }
 
-/// The speeds above zero, slowest first. Repetitions at one speed differ by a rounding at most; closer than a millionth counts
-/// as the same, and below a billionth of the fastest is rest.
+/// The speeds above zero, slowest first. Repetitions at one speed differ by a rounding at most;
+/// closer than a millionth counts as the same, and below a billionth of the fastest is rest.
 pub(crate) fn different_speeds(points: &[SteadyPoint]) -> Vec<f64> {
     let fastest = points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max);
     let least = (SMALLEST_SHARE * fastest).max(SMALLEST);
@@ -94,12 +99,15 @@ pub(crate) fn different_speeds(points: &[SteadyPoint]) -> Vec<f64> {
     speeds
 }
 
-/// Square roots of the points' weights. Weights are relative: their mean square is one, so that the residual keeps its unit.
+/// Square roots of the points' weights. Weights are relative: their mean square is one, so that the
+/// residual keeps its unit.
 pub(crate) fn relative_weights(points: &[SteadyPoint]) -> Vec<f64> {
-    // Over a power of two of their size they are of a usual size, whatever the unit, and lose no bit.
+    // Over a power of two of their size they are of a usual size, whatever the unit, and lose no
+    // bit.
     let largest = points.iter().filter_map(|point| point.deviation).fold(0.0, f64::max);
     let size = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
     let inverse = |point: &SteadyPoint| point.deviation.map_or(1.0, |deviation| size / deviation);
-    let mean: f64 = points.iter().map(|point| inverse(point).powi(2)).sum::<f64>() / points.len() as f64;
+    let mean: f64 =
+        points.iter().map(|point| inverse(point).powi(2)).sum::<f64>() / points.len() as f64;
     points.iter().map(|point| inverse(point) / mean.sqrt()).collect()
 }

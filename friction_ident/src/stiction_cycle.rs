@@ -1,8 +1,9 @@
-//! Friction of a position-controlled axis from its stiction limit cycle: it rests, lets go, slides, and rests again.
+//! Friction of a position-controlled axis from its stiction limit cycle: it rests, lets go, slides,
+//! and rests again.
 //!
-//! Where only the motor voltage is recorded, friction comes out in volts: the voltage that holds it in balance at rest.
-//! [`segment`] finds rest and sliding in a quantised angle, [`breakaways`] the voltage at which the axis let go,
-//! [`slip_friction`] what holds while it slides.
+//! Where only the motor voltage is recorded, friction comes out in volts: the voltage that holds it
+//! in balance at rest. [`segment`] finds rest and sliding in a quantised angle, [`breakaways`] the
+//! voltage at which the axis let go, [`slip_friction`] what holds while it slides.
 
 pub mod segment;
 pub mod slip_friction;
@@ -53,7 +54,9 @@ impl StictionRecording<'_> {
             ("the pendulum", self.pendulum),
             ("the voltage", Some(self.voltage)),
         ];
-        for (channel, values) in channels.into_iter().filter_map(|(name, values)| Some((name, values?))) {
+        for (channel, values) in
+            channels.into_iter().filter_map(|(name, values)| Some((name, values?)))
+        {
             if values.len() != expected {
                 return Err(IdentError::UnequalLengths { channel, found: values.len(), expected });
             }
@@ -76,9 +79,11 @@ pub struct Breakaway {
     pub direction: f64,
     /// How long it had rested \[s\].
     pub rest: f64,
-    /// Greatest voltage towards the motion, from the last stretch of rest to the first count of motion \[V\].
+    /// Greatest voltage towards the motion, from the last stretch of rest to the first count of
+    /// motion \[V\].
     pub voltage: f64,
-    /// Greatest voltage towards the motion that it withstood earlier in the same rest \[V\]; may be negative.
+    /// Greatest voltage towards the motion that it withstood earlier in the same rest \[V\]; may be
+    /// negative.
     pub withstood: f64,
 }
 
@@ -87,7 +92,8 @@ pub struct Breakaway {
 pub struct BreakawayOptions {
     /// Rest shorter than this does not count \[s\].
     pub shortest_rest: f64,
-    /// The voltage is looked for this long before the first count \[s\]: the time it takes to turn by one count.
+    /// The voltage is looked for this long before the first count \[s\]: the time it takes to turn
+    /// by one count.
     pub look_back: f64,
 }
 
@@ -127,8 +133,9 @@ pub fn breakaways(
     found
 }
 
-/// The median of repeated voltages with the 95 % interval of the median that their ranks give, whatever their distribution
-/// (David and Nagaraja 2003, Order Statistics, section 7.1). Below six values no ranks enclose 95 %: the verdict says so.
+/// The median of repeated voltages with the 95 % interval of the median that their ranks give,
+/// whatever their distribution (David and Nagaraja 2003, Order Statistics, section 7.1). Below six
+/// values no ranks enclose 95 %: the verdict says so.
 pub fn median(name: &str, values: &[f64], remedy: &'static str) -> Option<Estimate> {
     let middle = Quartiles::of(values)?.median;
     let mut sorted = values.to_vec();
@@ -147,7 +154,11 @@ pub fn median(name: &str, values: &[f64], remedy: &'static str) -> Option<Estima
         tail += term;
     }
     let interval = rank.and_then(|k| {
-        Some(Interval { low: *sorted.get(k)?, high: *sorted.get(n - 1 - k)?, method: IntervalMethod::Ranks })
+        Some(Interval {
+            low: *sorted.get(k)?,
+            high: *sorted.get(n - 1 - k)?,
+            method: IntervalMethod::Ranks,
+        })
     });
     let verdict = match interval {
         Some(interval) if interval.low > 0.0 => Verdict::Identified,

@@ -12,11 +12,13 @@ pub struct Stretch {
     pub time_step: f64,
     /// Velocity [m/s or rad/s] at each sample.
     pub velocity: Vec<f64>,
-    /// Position [m or rad] at each sample, where it was measured. Between samples it decides over the velocity.
+    /// Position [m or rad] at each sample, where it was measured. Between samples it decides over
+    /// the velocity.
     pub position: Option<Vec<f64>>,
     /// Friction [N or N m] at each sample; positive opposes positive velocity.
     pub friction: Vec<f64>,
-    /// Standard deviation of one sample of the friction, where it is known; only ratios between stretches count.
+    /// Standard deviation of one sample of the friction, where it is known; only ratios between
+    /// stretches count.
     pub deviation: Option<f64>,
     /// What the contact did before the first sample.
     pub before: Before,
@@ -73,8 +75,14 @@ impl Stretch {
         position: Option<Vec<f64>>,
         friction: Vec<f64>,
     ) -> Result<Self, IdentError> {
-        let mut stretch =
-            Self { time_step, velocity, position, friction, deviation: None, before: Before::Rested };
+        let mut stretch = Self {
+            time_step,
+            velocity,
+            position,
+            friction,
+            deviation: None,
+            before: Before::Rested,
+        };
         stretch.check()?;
         if matches!(stretch.kind(None), StretchKind::Steady | StretchKind::Lag) {
             stretch.before = Before::Slid;
@@ -85,8 +93,8 @@ impl Stretch {
     /// Checks lengths and values.
     ///
     /// # Errors
-    /// [`IdentError`] for channels of different length, values that are not finite, a sampling period that is not above zero, and
-    /// fewer than two samples.
+    /// [`IdentError`] for channels of different length, values that are not finite, a sampling
+    /// period that is not above zero, and fewer than two samples.
     pub fn check(&self) -> Result<(), IdentError> {
         if !(self.time_step > 0.0 && self.time_step.is_finite()) {
             return Err(IdentError::TimeStep(self.time_step));
@@ -109,7 +117,11 @@ impl Stretch {
             channels.into_iter().filter_map(|(name, values)| values.map(|values| (name, values)))
         {
             if values.len() != n {
-                return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
+                return Err(IdentError::UnequalLengths {
+                    channel,
+                    found: values.len(),
+                    expected: n,
+                });
             }
             if let Some(index) = values.iter().position(|value| !crate::finite::usable(*value)) {
                 return Err(IdentError::NotFinite { channel, index, value: values[index] });
@@ -136,8 +148,8 @@ impl Stretch {
         }
     }
 
-    /// What it shows. `reach` is how far the bristles bend at most [m or rad], if that is known: motion that never leaves a range of
-    /// twice that is pre-sliding.
+    /// What it shows. `reach` is how far the bristles bend at most [m or rad], if that is known:
+    /// motion that never leaves a range of twice that is pre-sliding.
     pub fn kind(&self, reach: Option<f64>) -> StretchKind {
         let position = self.travel();
         let range = extent(&position);
@@ -161,14 +173,17 @@ impl Stretch {
         let one_way = slowest > 0.0 || fastest < 0.0;
         if one_way && (fastest - slowest) < 0.05 * mean.abs() + deviation.min(0.2 * mean.abs()) {
             StretchKind::Steady
-        } else if one_way && slowest.abs().min(fastest.abs()) > 1e-3 * slowest.abs().max(fastest.abs()) {
+        } else if one_way
+            && slowest.abs().min(fastest.abs()) > 1e-3 * slowest.abs().max(fastest.abs())
+        {
             StretchKind::Lag
         } else {
             StretchKind::Mixed
         }
     }
 
-    /// The steady point that a stretch at constant velocity is worth: means, and the standard error of the mean friction.
+    /// The steady point that a stretch at constant velocity is worth: means, and the standard error
+    /// of the mean friction.
     pub fn steady_point(&self) -> SteadyPoint {
         let n = self.len() as f64;
         let torque = self.friction.iter().sum::<f64>() / n;
@@ -177,7 +192,11 @@ impl Stretch {
         let duration = self.time_step * (n - 1.0);
         let velocity = (travel[travel.len() - 1] - travel[0]) / duration;
         let deviation = (squares / (n - 1.0) / n).sqrt();
-        SteadyPoint { velocity, torque, deviation: (deviation > 1e-12 * torque.abs()).then_some(deviation) }
+        SteadyPoint {
+            velocity,
+            torque,
+            deviation: (deviation > 1e-12 * torque.abs()).then_some(deviation),
+        }
     }
 
     /// The position, integrated from the velocity where it was not measured.
@@ -198,8 +217,9 @@ impl Stretch {
 }
 
 fn extent(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
     high - low
 }
 
@@ -217,7 +237,10 @@ mod tests {
     fn each_motion_is_recognised() {
         let noise = |t: f64| 0.01 * (1e5 * t).sin();
         assert_eq!(stretch(|t| 0.05 + noise(t)).kind(Some(0.006)), StretchKind::Steady);
-        assert_eq!(stretch(|t| 1.0 - 0.95 * (5.0 * t).cos() + noise(t)).kind(Some(0.006)), StretchKind::Lag);
+        assert_eq!(
+            stretch(|t| 1.0 - 0.95 * (5.0 * t).cos() + noise(t)).kind(Some(0.006)),
+            StretchKind::Lag
+        );
         assert_eq!(stretch(|t| (5.0 * t).sin() + noise(t)).kind(Some(0.006)), StretchKind::Mixed);
         assert_eq!(stretch(|t| (5.0 * t).sin()).before, Before::Rested);
         assert_eq!(stretch(|_| 0.05).before, Before::Slid);

@@ -1,7 +1,9 @@
-//! What the experiments show of a known friction: recordings for studies of the identification itself.
+//! What the experiments show of a known friction: recordings for studies of the identification
+//! itself.
 //!
-//! Made by the model along given motions, with white noise on the friction. The motions are scaled to how far the contact bends. Two sets of
-//! different motions exist, one to fit and one to try the fit on.
+//! Made by the model along given motions, with white noise on the friction. The motions are scaled
+//! to how far the contact bends. Two sets of different motions exist, one to fit and one to try the
+//! fit on.
 
 use friction_model::AnyModel;
 use rand::{RngExt, SeedableRng};
@@ -27,14 +29,16 @@ pub enum Set {
     Validation,
 }
 
-/// The recordings of a truth that bends by `reach` [m or rad], with `noise` [N or N m] on each sample of the friction (a tenth of it on steady
-/// points, which are means).
+/// The recordings of a truth that bends by `reach` [m or rad], with `noise` [N or N m] on each
+/// sample of the friction (a tenth of it on steady points, which are means).
 pub fn experiments(truth: &AnyModel, reach: f64, noise: f64, set: Set, seed: u64) -> FrictionData {
-    let mut rng =
-        Pcg64Mcg::seed_from_u64(seed.wrapping_mul(2).wrapping_add(u64::from(set == Set::Validation)));
+    let mut rng = Pcg64Mcg::seed_from_u64(
+        seed.wrapping_mul(2).wrapping_add(u64::from(set == Set::Validation)),
+    );
     let mut white = move |deviation: f64| deviation * rng.sample::<f64, _>(StandardNormal);
     let shift = if set == Set::Estimation { 0.0 } else { 0.5 };
-    let speed = |i: f64| if i < 30.0 { 0.03 + 0.47 * i / 29.0 } else { 0.55 + 3.45 * (i - 30.0) / 49.0 };
+    let speed =
+        |i: f64| if i < 30.0 { 0.03 + 0.47 * i / 29.0 } else { 0.55 + 3.45 * (i - 30.0) / 49.0 };
     let points = (0..80)
         .map(|i| speed(f64::from(i) + shift))
         .flat_map(|v| [v, -v])
@@ -46,7 +50,9 @@ pub fn experiments(truth: &AnyModel, reach: f64, noise: f64, set: Set, seed: u64
         Set::Estimation => vec![
             along(truth, 4000, |t| nested(t, (3.5, 2.5))),
             along(truth, 9425, |t| 1.0 - 0.95 * (0.53 * t * t).cos()),
-            along(truth, 6000, |t| 0.4 * (1.3 * t).sin() * (0.37 * t).cos() + 0.03 * (11.0 * t).sin()),
+            along(truth, 6000, |t| {
+                0.4 * (1.3 * t).sin() * (0.37 * t).cos() + 0.03 * (11.0 * t).sin()
+            }),
         ],
         Set::Validation => vec![
             along(truth, 4000, |t| nested(t, (4.3, 1.7))),
@@ -97,16 +103,20 @@ mod tests {
             );
         }
         assert!(
-            one.points.iter().all(|point| other.points.iter().all(|other| point.velocity != other.velocity))
+            one.points
+                .iter()
+                .all(|point| other.points.iter().all(|other| point.velocity != other.velocity))
         );
-        let range = one.pre_sliding[0].travel().into_iter().fold(0.0f64, |range, x| range.max(x.abs()));
+        let range =
+            one.pre_sliding[0].travel().into_iter().fold(0.0f64, |range, x| range.max(x.abs()));
         assert!((0.003..0.006).contains(&range), "{range}");
     }
 
     #[test]
     fn noise_is_white_and_of_the_given_size() {
         let truth = AnyModel::test_bed(ModelName::Stribeck);
-        let [clean, noisy] = [0.0, 1e-3].map(|noise| experiments(&truth, 0.006, noise, Set::Estimation, 3));
+        let [clean, noisy] =
+            [0.0, 1e-3].map(|noise| experiments(&truth, 0.006, noise, Set::Estimation, 3));
         let off: Vec<f64> =
             clean.lag[0].friction.iter().zip(&noisy.lag[0].friction).map(|(a, b)| b - a).collect();
         let rms = (off.iter().map(|r| r * r).sum::<f64>() / off.len() as f64).sqrt();

@@ -1,6 +1,7 @@
 //! Friction torque of a drive that has no torque sensor, with what is not known about it.
 //!
-//! The balance of torques at the load side of a geared DC motor (thesis appendix A) gives the friction:
+//! The balance of torques at the load side of a geared DC motor (thesis appendix A) gives the
+//! friction:
 //!
 //! ```text
 //! F = (k / R_a) (u - k w) - J w'        from the voltage
@@ -8,16 +9,18 @@
 //! F = T - J w'                          from a recorded force T that drives the axis
 //! ```
 //!
-//! * `w` and `w'` come from the measured velocity through a zero-phase Butterworth low-pass ([`VELOCITY_CUTOFF`],
-//!   second order in each direction), `w'` by central differences of the smoothed velocity.
-//! * A voltage or current sample is the mean over the period that *ends* at its instant. Its value at the instant
-//!   is the mean of this sample and the next; without this, half a period of delay would look like frictional lag. A driving force counts
-//!   as read at its instant.
+//! * `w` and `w'` come from the measured velocity through a zero-phase Butterworth low-pass
+//!   ([`VELOCITY_CUTOFF`], second order in each direction), `w'` by central differences of the
+//!   smoothed velocity.
+//! * A voltage or current sample is the mean over the period that *ends* at its instant. Its value
+//!   at the instant is the mean of this sample and the next; without this, half a period of delay
+//!   would look like frictional lag. A driving force counts as read at its instant.
 //!
-//! Two kinds of uncertainty are kept apart. Noise differs from sample to sample and averages out. An error of a drive
-//! constant is the same throughout a recording and does not; it is kept as the torque error that one standard
-//! error of each constant makes, sample by sample, so that whatever is computed linearly from the torque (a mean, a
-//! loop area, a difference) can be computed from these errors too.
+//! Two kinds of uncertainty are kept apart. Noise differs from sample to sample and averages out.
+//! An error of a drive constant is the same throughout a recording and does not; it is kept as the
+//! torque error that one standard error of each constant makes, sample by sample, so that whatever
+//! is computed linearly from the torque (a mean, a loop area, a difference) can be computed from
+//! these errors too.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,9 +75,11 @@ impl TorqueSource {
     pub const fn constants(self) -> &'static [DriveConstant] {
         match self {
             Self::Sensor => &[],
-            Self::Voltage => {
-                &[DriveConstant::TorqueConstant, DriveConstant::ArmatureResistance, DriveConstant::Inertia]
-            }
+            Self::Voltage => &[
+                DriveConstant::TorqueConstant,
+                DriveConstant::ArmatureResistance,
+                DriveConstant::Inertia,
+            ],
             Self::Current => &[DriveConstant::TorqueConstant, DriveConstant::Inertia],
             Self::Driving => &[DriveConstant::Inertia],
         }
@@ -94,17 +99,29 @@ pub struct DriveConstants {
 }
 
 impl DriveConstants {
-    /// A drive whose force is recorded itself: torque constant and resistance are one, and only the inertia must be known.
+    /// A drive whose force is recorded itself: torque constant and resistance are one, and only the
+    /// inertia must be known.
     #[must_use]
     pub const fn force_recorded(inertia: Uncertain) -> Self {
-        Self { torque_constant: Uncertain::exact(1.0), armature_resistance: Uncertain::exact(1.0), inertia }
+        Self {
+            torque_constant: Uncertain::exact(1.0),
+            armature_resistance: Uncertain::exact(1.0),
+            inertia,
+        }
     }
 
-    /// Friction \[N m or N\] at an instant: `channel` is what `source` names there \[V, A or N m\], beside the velocity \[rad/s\] and the
-    /// acceleration \[rad/s^2\].
+    /// Friction \[N m or N\] at an instant: `channel` is what `source` names there \[V, A or N m\],
+    /// beside the velocity \[rad/s\] and the acceleration \[rad/s^2\].
     #[must_use]
-    pub fn friction(&self, source: TorqueSource, channel: f64, velocity: f64, acceleration: f64) -> f64 {
-        let (k, r, j) = (self.torque_constant.value, self.armature_resistance.value, self.inertia.value);
+    pub fn friction(
+        &self,
+        source: TorqueSource,
+        channel: f64,
+        velocity: f64,
+        acceleration: f64,
+    ) -> f64 {
+        let (k, r, j) =
+            (self.torque_constant.value, self.armature_resistance.value, self.inertia.value);
         match source {
             TorqueSource::Sensor => channel,
             TorqueSource::Voltage => k / r * (channel - k * velocity) - j * acceleration,
@@ -113,7 +130,8 @@ impl DriveConstants {
         }
     }
 
-    /// What one standard error of `constant` adds to [`friction`](Self::friction) \[N m or N\], to first order and with its sign.
+    /// What one standard error of `constant` adds to [`friction`](Self::friction) \[N m or N\], to
+    /// first order and with its sign.
     #[must_use]
     pub fn friction_error(
         &self,
@@ -140,7 +158,8 @@ impl DriveConstants {
         }
     }
 
-    /// Checks that the constants which `source` needs are above zero and their standard errors not below.
+    /// Checks that the constants which `source` needs are above zero and their standard errors not
+    /// below.
     ///
     /// # Errors
     /// [`IdentError::DriveConstant`], naming the one that is out of range.
@@ -148,10 +167,16 @@ impl DriveConstants {
         for constant in source.constants() {
             let (name, Uncertain { value, standard_error }) = match constant {
                 DriveConstant::TorqueConstant => ("torque_constant", self.torque_constant),
-                DriveConstant::ArmatureResistance => ("armature_resistance", self.armature_resistance),
+                DriveConstant::ArmatureResistance => {
+                    ("armature_resistance", self.armature_resistance)
+                }
                 DriveConstant::Inertia => ("inertia", self.inertia),
             };
-            if !(value > 0.0 && value.is_finite() && standard_error >= 0.0 && standard_error.is_finite()) {
+            if !(value > 0.0
+                && value.is_finite()
+                && standard_error >= 0.0
+                && standard_error.is_finite())
+            {
                 return Err(IdentError::DriveConstant { name, value, standard_error });
             }
         }
@@ -182,7 +207,8 @@ impl DriveConstant {
     }
 }
 
-/// Standard deviation of one sample of each channel: its noise and its rounding, step / sqrt(12), together.
+/// Standard deviation of one sample of each channel: its noise and its rounding, step / sqrt(12),
+/// together.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelDeviations {
@@ -196,8 +222,8 @@ pub struct ChannelDeviations {
     pub current: f64,
 }
 
-/// What was recorded, all channels at the same instants and as long as `velocity`; those that `source` does not need may
-/// be empty.
+/// What was recorded, all channels at the same instants and as long as `velocity`; those that
+/// `source` does not need may be empty.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveSignals<'a> {
     /// Sampling period \[s\].
@@ -240,8 +266,8 @@ impl FrictionTorque {
         self.propagate(|torque| torque.get(index).copied().unwrap_or(0.0))
     }
 
-    /// Standard deviation by the constants of a quantity that is linear in the torque: `quantity` is given the torque
-    /// error of each constant in place of the torque.
+    /// Standard deviation by the constants of a quantity that is linear in the torque: `quantity`
+    /// is given the torque error of each constant in place of the torque.
     pub fn propagate(&self, quantity: impl Fn(&[f64]) -> f64) -> f64 {
         self.constants.iter().map(|error| quantity(&error.torque).powi(2)).sum::<f64>().sqrt()
     }
@@ -250,8 +276,8 @@ impl FrictionTorque {
 /// Friction torque from the chosen source.
 ///
 /// # Errors
-/// [`IdentError`] for a sampling period or a constant out of range, channels of different length, samples that are not finite,
-/// and recordings too short for the velocity's low-pass.
+/// [`IdentError`] for a sampling period or a constant out of range, channels of different length,
+/// samples that are not finite, and recordings too short for the velocity's low-pass.
 pub fn friction_torque(
     source: TorqueSource,
     signals: &DriveSignals<'_>,
@@ -276,7 +302,8 @@ pub fn friction_torque(
     let smoothing = Smoothing::new(signals.time_step)?;
     let velocity = smoothing.filter.filter(signals.velocity)?;
     let acceleration = slopes(&velocity, signals.time_step);
-    let at = if source == TorqueSource::Driving { driving.1.to_vec() } else { at_instants(driving.1) };
+    let at =
+        if source == TorqueSource::Driving { driving.1.to_vec() } else { at_instants(driving.1) };
     let each = |value: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
         let motion = velocity.iter().zip(&acceleration);
         at.iter().zip(motion).map(|(&channel, (&w, &slope))| value(channel, w, slope)).collect()
@@ -287,7 +314,9 @@ pub fn friction_torque(
         .iter()
         .map(|&constant| ConstantError {
             constant,
-            torque: each(&|channel, w, slope| drive.friction_error(source, constant, channel, w, slope)),
+            torque: each(&|channel, w, slope| {
+                drive.friction_error(source, constant, channel, w, slope)
+            }),
         })
         .collect();
     let (k, r) = (drive.torque_constant.value, drive.armature_resistance.value);
@@ -298,7 +327,8 @@ pub fn friction_torque(
         TorqueSource::Current => (k * deviations.current * halved, 0.0),
         TorqueSource::Driving | TorqueSource::Sensor => (deviations.torque, 0.0),
     };
-    // The smoothed velocity and its slope come from the same noise but are orthogonal: even and odd weights.
+    // The smoothed velocity and its slope come from the same noise but are orthogonal: even and odd
+    // weights.
     let velocity_noise = deviations.velocity
         * (by_velocity * smoothing.value_gain).hypot(drive.inertia.value * smoothing.slope_gain);
     Ok(FrictionTorque { source, torque, noise: drive_noise.hypot(velocity_noise), constants })
@@ -321,7 +351,11 @@ impl Smoothing {
         impulse[200] = 1.0;
         let response = filter.filter(&impulse)?;
         let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        Ok(Self { filter, value_gain: norm(&response), slope_gain: norm(&slopes(&response, time_step)) })
+        Ok(Self {
+            filter,
+            value_gain: norm(&response),
+            slope_gain: norm(&slopes(&response, time_step)),
+        })
     }
 }
 
@@ -349,7 +383,11 @@ fn check(signals: &DriveSignals<'_>, driving: (&'static str, &[f64])) -> Result<
     }
     let expected = signals.velocity.len();
     if driving.1.len() != expected {
-        return Err(IdentError::UnequalLengths { channel: driving.0, found: driving.1.len(), expected });
+        return Err(IdentError::UnequalLengths {
+            channel: driving.0,
+            found: driving.1.len(),
+            expected,
+        });
     }
     for (channel, values) in [("the velocity", signals.velocity), driving] {
         if let Some(index) = values.iter().position(|value| !crate::finite::usable(*value)) {

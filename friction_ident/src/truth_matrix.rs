@@ -1,7 +1,8 @@
 //! Truth by model: which model fits the friction of which, on data it has not seen.
 //!
-//! The model that made the data wins: a ranking from one truth says nothing about models, the matrix does. Each cell is the held-out error of a model
-//! identified from the experiments of a truth, over several noise seeds.
+//! The model that made the data wins: a ranking from one truth says nothing about models, the
+//! matrix does. Each cell is the held-out error of a model identified from the experiments of a
+//! truth, over several noise seeds.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +11,9 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::information::Difference;
-use crate::staged::{Identified, StagedOptions, difference, identify_model, residuals, rms_of_kind};
+use crate::staged::{
+    Identified, StagedOptions, difference, identify_model, residuals, rms_of_kind,
+};
 use crate::stretch::StretchKind;
 use crate::synthetic::{Set, experiments};
 
@@ -47,7 +50,8 @@ pub struct Trial {
     pub behind: Difference,
 }
 
-/// Identifies every model of `models` from the experiments of `truth` and tries each on the other set. The best comes first.
+/// Identifies every model of `models` from the experiments of `truth` and tries each on the other
+/// set. The best comes first.
 ///
 /// # Errors
 /// [`IdentError`] where a model cannot be identified at all.
@@ -93,14 +97,18 @@ mod tests {
         let models = [ModelName::Stribeck, ModelName::Dahl, ModelName::LuGre, ModelName::Proposed];
         for name in [ModelName::Dahl, ModelName::LuGre, ModelName::Proposed] {
             let truth = AnyModel::test_bed(name);
-            let trials = try_models(&truth, 0.006, &models, 1e-3, 1, &StagedOptions::default()).unwrap();
+            let trials =
+                try_models(&truth, 0.006, &models, 1e-3, 1, &StagedOptions::default()).unwrap();
             assert_eq!(trials[0].behind.mean, 0.0);
             let own = trials.iter().find(|trial| trial.model == name).unwrap();
             // Dahl is LuGre without a dip: the two may tie.
             assert!(trials[0].model == name || own.behind.is_tie(), "{name}: {trials:?}");
             assert!((own.held_out / 1e-3 - 1.0).abs() < 0.05, "{own:?}");
             let stribeck = trials.iter().find(|trial| trial.model == ModelName::Stribeck).unwrap();
-            assert!(!stribeck.behind.is_tie() && stribeck.held_out > 2.0 * own.held_out, "{stribeck:?}");
+            assert!(
+                !stribeck.behind.is_tie() && stribeck.held_out > 2.0 * own.held_out,
+                "{stribeck:?}"
+            );
         }
     }
 }

@@ -1,16 +1,20 @@
 //! Two straight lines through steady points, by linear least squares in two regions.
 //!
-//! In each region the friction is linear in its parameters, `F = Phi^T xi` with `Phi = [a, b]` and `xi = [sgn v, v]` (thesis eq.
-//! 2.14). The lines must meet where the regions do, at the switch speed, or friction would jump.
+//! In each region the friction is linear in its parameters, `F = Phi^T xi` with `Phi = [a, b]` and
+//! `xi = [sgn v, v]` (thesis eq. 2.14). The lines must meet where the regions do, at the switch
+//! speed, or friction would jump.
 //!
-//! The least sum of squares is found by scanning the breakpoint over the measured speeds (Hudson 1966). With the break between two
-//! neighbouring speeds the regions are fitted apart; if those lines meet between the two speeds, that is the best curve with this break.
-//! Otherwise the best one near by bends at a measured speed itself, and is linear in three parameters there. Each region keeps at least three
-//! speeds, since two always lie on a line. A second line that would fall is held level (`b2 = 0`): falling on, it would push at high speeds.
+//! The least sum of squares is found by scanning the breakpoint over the measured speeds (Hudson
+//! 1966). With the break between two neighbouring speeds the regions are fitted apart; if those
+//! lines meet between the two speeds, that is the best curve with this break. Otherwise the best
+//! one near by bends at a measured speed itself, and is linear in three parameters there. Each
+//! region keeps at least three speeds, since two always lie on a line. A second line that would
+//! fall is held level (`b2 = 0`): falling on, it would push at high speeds.
 //!
-//! Standard errors come from the scatter around the lines, the points of each region taken for known: right for points that scatter
-//! about two lines. A Stribeck curve is no two lines, and its bend counts as scatter here. The best lines through it are not its tangents either: they
-//! bend later and start lower, so that `a1` is below the breakaway level unless most points are slow.
+//! Standard errors come from the scatter around the lines, the points of each region taken for
+//! known: right for points that scatter about two lines. A Stribeck curve is no two lines, and its
+//! bend counts as scatter here. The best lines through it are not its tangents either: they bend
+//! later and start lower, so that `a1` is below the breakaway level unless most points are slow.
 
 use friction_model::{FrictionModel, TwoLine, TwoLineParameters};
 use serde::Serialize;
@@ -59,7 +63,8 @@ impl TwoLineFit {
         let values = [a1, b1, a2, b2];
         let factor = student_95(self.degrees_of_freedom);
         std::array::from_fn(|i| {
-            self.standard_errors[i].map(|error| (values[i] - factor * error, values[i] + factor * error))
+            self.standard_errors[i]
+                .map(|error| (values[i] - factor * error, values[i] + factor * error))
         })
     }
 

@@ -1,12 +1,14 @@
 //! Low-pass filters run forwards and backwards, so that nothing is delayed.
 //!
-//! Butterworth for smoothing, Chebyshev (type I, 0.05 dB) before decimation. Both are kept as second-order
-//! sections: an eighth-order filter at a twelfth of the sampling rate already loses half its digits as one
-//! polynomial. That, and the missing Chebyshev, is why this is not done with a ready-made Butterworth crate.
+//! Butterworth for smoothing, Chebyshev (type I, 0.05 dB) before decimation. Both are kept as
+//! second-order sections: an eighth-order filter at a twelfth of the sampling rate already loses
+//! half its digits as one polynomial. That, and the missing Chebyshev, is why this is not done with
+//! a ready-made Butterworth crate.
 //!
-//! The conventions are those of MATLAB's `filtfilt`: the signal is extended at both ends by its point
-//! reflection over three times the order, and each pass starts in the steady state of its first sample. The
-//! resulting gain is the square of the filter's, so the cutoff lies at -6 dB for Butterworth.
+//! The conventions are those of MATLAB's `filtfilt`: the signal is extended at both ends by its
+//! point reflection over three times the order, and each pass starts in the steady state of its
+//! first sample. The resulting gain is the square of the filter's, so the cutoff lies at -6 dB for
+//! Butterworth.
 
 use std::f64::consts::PI;
 
@@ -35,20 +37,29 @@ impl LowPass {
         Self::from_prototype(order, cutoff, rate, |angle| (-angle.sin(), angle.cos()))
     }
 
-    /// A Chebyshev low-pass of type I with `ripple` \[dB\] in the pass band; `cutoff` is where the band ends.
+    /// A Chebyshev low-pass of type I with `ripple` \[dB\] in the pass band; `cutoff` is where the
+    /// band ends.
     ///
-    /// The gain at rest is one (the ripple then lies above it for even orders), so that filtering leaves a
-    /// constant as it is.
+    /// The gain at rest is one (the ripple then lies above it for even orders), so that filtering
+    /// leaves a constant as it is.
     ///
     /// # Errors
     /// As for [`butterworth`](Self::butterworth).
-    pub fn chebyshev(order: usize, ripple: f64, cutoff: f64, rate: f64) -> Result<Self, IdentError> {
+    pub fn chebyshev(
+        order: usize,
+        ripple: f64,
+        cutoff: f64,
+        rate: f64,
+    ) -> Result<Self, IdentError> {
         let epsilon = (10f64.powf(ripple.abs() / 10.0) - 1.0).sqrt();
         let mu = (1.0 / epsilon).asinh() / order.max(1) as f64;
-        Self::from_prototype(order, cutoff, rate, |angle| (-mu.sinh() * angle.sin(), mu.cosh() * angle.cos()))
+        Self::from_prototype(order, cutoff, rate, |angle| {
+            (-mu.sinh() * angle.sin(), mu.cosh() * angle.cos())
+        })
     }
 
-    /// Bilinear transform of the analog poles that `pole` places at the angles `pi (2k+1) / (2 order)`.
+    /// Bilinear transform of the analog poles that `pole` places at the angles
+    /// `pi (2k+1) / (2 order)`.
     fn from_prototype(
         order: usize,
         cutoff: f64,
@@ -117,8 +128,9 @@ impl LowPass {
         Ok(extended[pad..pad + n].to_vec())
     }
 
-    /// One pass in place, started in the steady state of the first sample. All sections take a sample before the next one comes: that
-    /// is several times faster than one section after the other, because they then do not wait for themselves.
+    /// One pass in place, started in the steady state of the first sample. All sections take a
+    /// sample before the next one comes: that is several times faster than one section after the
+    /// other, because they then do not wait for themselves.
     fn run(&self, signal: &mut [f64]) {
         let start = signal.first().copied().unwrap_or(0.0);
         // At most six sections: the order is at most twelve.
@@ -139,8 +151,9 @@ impl LowPass {
     }
 }
 
-/// Keeps every `factor`-th sample, the first one included, after a zero-phase Chebyshev low-pass of order 8 that
-/// ends at 0.8 of the new Nyquist frequency (what MATLAB's `decimate` does). A factor of one changes nothing.
+/// Keeps every `factor`-th sample, the first one included, after a zero-phase Chebyshev low-pass of
+/// order 8 that ends at 0.8 of the new Nyquist frequency (what MATLAB's `decimate` does). A factor
+/// of one changes nothing.
 ///
 /// # Errors
 /// [`IdentError::Decimation`] for a factor outside 1 to 1000, [`IdentError::TooFewSamples`].
@@ -165,7 +178,8 @@ mod tests {
         }
     }
 
-    /// A signal without symmetry, and samples of it filtered by SciPy 1.17 (`sosfiltfilt`, `padlen = 3 order`).
+    /// A signal without symmetry, and samples of it filtered by SciPy 1.17 (`sosfiltfilt`,
+    /// `padlen = 3 order`).
     fn signal() -> Vec<f64> {
         (0..40).map(f64::from).map(|i| (0.3 * i).sin() + 0.005 * i.powf(1.5)).collect()
     }
@@ -179,12 +193,19 @@ mod tests {
 
     #[test]
     fn agrees_with_scipy() {
-        let expected = [-0.0001972263906, 0.3054733474651, 0.1673908583355, 0.3267403526174, 0.4809730805705];
+        let expected =
+            [-0.0001972263906, 0.3054733474651, 0.1673908583355, 0.3267403526174, 0.4809730805705];
         assert_close(&picked(&LowPass::butterworth(4, 100.0, 1000.0).unwrap()), &expected, 1e-10);
-        let expected = [0.079614821957, 0.2523290386253, 0.2673539692787, 0.4138480103193, 0.3926274122155];
+        let expected =
+            [0.079614821957, 0.2523290386253, 0.2673539692787, 0.4138480103193, 0.3926274122155];
         assert_close(&picked(&LowPass::butterworth(3, 50.0, 1000.0).unwrap()), &expected, 1e-10);
-        let expected = [-0.0668923468282, -0.0134906894499, 0.3508902299256, 1.0442065591553, 1.048175289436];
-        assert_close(&picked(&LowPass::chebyshev(8, 0.05, 40.0, 1000.0).unwrap()), &expected, 1e-10);
+        let expected =
+            [-0.0668923468282, -0.0134906894499, 0.3508902299256, 1.0442065591553, 1.048175289436];
+        assert_close(
+            &picked(&LowPass::chebyshev(8, 0.05, 40.0, 1000.0).unwrap()),
+            &expected,
+            1e-10,
+        );
     }
 
     #[test]
@@ -225,7 +246,10 @@ mod tests {
         }
         assert!(LowPass::butterworth(4, 1.0, f64::NAN).is_err());
         let filter = LowPass::butterworth(4, 1.0, 10.0).unwrap();
-        assert!(matches!(filter.filter(&[0.0; 12]), Err(IdentError::TooFewSamples { needed: 13, .. })));
+        assert!(matches!(
+            filter.filter(&[0.0; 12]),
+            Err(IdentError::TooFewSamples { needed: 13, .. })
+        ));
         assert!(filter.filter(&[]).is_err());
         assert!(decimate(&[0.0; 100], 0).is_err());
     }

@@ -1,7 +1,7 @@
 //! The EMPS benchmark: a real ball-screw axis, against the figures its authors published.
 //!
-//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and beside the
-//! checkout, and says so where it finds none.
+//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and
+//! beside the checkout, and says so where it finds none.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,8 +13,9 @@ const NEWTONS_PER_VOLT: f64 = 35.150_651_882_485_47;
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found =
-        folders.map(|folder| folder.join("emps")).find(|folder| folder.join("estimation.csv").is_file());
+    let found = folders
+        .map(|folder| folder.join("emps"))
+        .find(|folder| folder.join("estimation.csv").is_file());
     if found.is_none() {
         // Straight to the stream: the test harness would swallow eprintln.
         let _ = writeln!(
@@ -27,12 +28,15 @@ fn data() -> Option<PathBuf> {
 
 fn load(file: &Path) -> Conditioned {
     let text = std::fs::read_to_string(file).unwrap();
-    let rows =
-        text.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect());
+    let rows = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect());
     let rows: Vec<Vec<f64>> = rows.collect();
     let position: Vec<_> = rows.iter().map(|row| row[2]).collect();
     let force: Vec<_> = rows.iter().map(|row| row[3] * NEWTONS_PER_VOLT).collect();
-    let signals = Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    let signals =
+        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 

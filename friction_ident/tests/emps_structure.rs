@@ -1,4 +1,5 @@
-//! The structure of the EMPS axis, chosen inside the estimation recording; the validation recording is read once, for the structure that was chosen.
+//! The structure of the EMPS axis, chosen inside the estimation recording; the validation recording
+//! is read once, for the structure that was chosen.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -7,7 +8,9 @@ use std::path::{Path, PathBuf};
 use friction_ident::axis_structure::closed_loop::{
     BristleAxis, CascadeController, Loop, Task, refine, relative_error,
 };
-use friction_ident::axis_structure::{AxisStructure, AxisUnits, choose, cross_validate, fit_structure};
+use friction_ident::axis_structure::{
+    AxisStructure, AxisUnits, choose, cross_validate, fit_structure,
+};
 use friction_ident::{Conditioned, Conditioning, Signals, condition};
 
 const NEWTONS_PER_VOLT: f64 = 35.150_651_882_485_47;
@@ -15,8 +18,9 @@ const NEWTONS_PER_VOLT: f64 = 35.150_651_882_485_47;
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found =
-        folders.map(|folder| folder.join("emps")).find(|folder| folder.join("estimation.csv").is_file());
+    let found = folders
+        .map(|folder| folder.join("emps"))
+        .find(|folder| folder.join("estimation.csv").is_file());
     if found.is_none() {
         let _ = writeln!(
             std::io::stderr(),
@@ -28,8 +32,10 @@ fn data() -> Option<PathBuf> {
 
 fn rows(file: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(file).unwrap();
-    let rows =
-        text.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect());
+    let rows = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse::<f64>().unwrap()).collect());
     rows.collect()
 }
 
@@ -41,7 +47,8 @@ fn load(file: &Path) -> Conditioned {
     let rows = rows(file);
     let position: Vec<_> = rows.iter().map(|row| row[2]).collect();
     let force: Vec<_> = rows.iter().map(|row| row[3] * NEWTONS_PER_VOLT).collect();
-    let signals = Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+    let signals =
+        Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
@@ -58,9 +65,13 @@ fn the_chosen_structure_beats_the_published_models_on_both_recordings() {
     assert!(chosen.asymmetric && chosen.delay && chosen.stribeck, "{chosen}");
     // The published models are worse by far more than the blocks scatter.
     for name in ["symmetric", "asymmetric"] {
-        let ranked = choice.ranking.iter().find(|ranked| scores[ranked.index].structure.to_string() == name);
+        let ranked =
+            choice.ranking.iter().find(|ranked| scores[ranked.index].structure.to_string() == name);
         let ranked = ranked.unwrap();
-        assert!(ranked.excess > 5.0 * ranked.excess_error && ranked.excess > 1.0, "{name}: {ranked:?}");
+        assert!(
+            ranked.excess > 5.0 * ranked.excess_error && ranked.excess > 1.0,
+            "{name}: {ranked:?}"
+        );
     }
 
     let fit = fit_structure(&estimation, chosen, &AxisUnits::LINEAR).unwrap();
@@ -108,8 +119,12 @@ fn the_closed_loop_reproduces_both_recordings() {
     assert!((0.1e-3..0.5e-3).contains(&refined.axis.delay), "{:?}", refined.axis);
 
     let validation = rows(&folder.join("validation.csv"));
-    let (reference, position, control, pulse) =
-        (column(&validation, 1), column(&validation, 2), column(&validation, 3), column(&validation, 4));
+    let (reference, position, control, pulse) = (
+        column(&validation, 1),
+        column(&validation, 2),
+        column(&validation, 3),
+        column(&validation, 4),
+    );
     let task = Task { reference: &reference, disturbance: Some(&pulse), start: position[0] };
     let run = refined.axis.run(&CascadeController::EMPS, NEWTONS_PER_VOLT, &task);
     let error = relative_error(&control, &run.control);

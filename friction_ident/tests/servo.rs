@@ -1,7 +1,8 @@
-//! The servo logs of Better Actuator Models (arXiv 2410.08650): the peer's own figures, reached with the peer's own parameters.
+//! The servo logs of Better Actuator Models (arXiv 2410.08650): the peer's own figures, reached
+//! with the peer's own parameters.
 //!
-//! The recordings are not part of the project. The tests look for them in `$FRICTION_DATA` and beside the checkout, and say
-//! so where they find none.
+//! The recordings are not part of the project. The tests look for them in `$FRICTION_DATA` and
+//! beside the checkout, and say so where they find none.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -15,9 +16,13 @@ use friction_ident::servo::{
 fn logs() -> Option<Vec<ServoLog>> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let Some(folder) = folders.map(|folder| folder.join("xl330")).find(|folder| folder.is_dir()) else {
+    let Some(folder) = folders.map(|folder| folder.join("xl330")).find(|folder| folder.is_dir())
+    else {
         // Straight to the stream: the test harness would swallow eprintln.
-        let _ = writeln!(std::io::stderr(), "SKIPPED servo: no xl330 in $FRICTION_DATA or ../shared/data");
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED servo: no xl330 in $FRICTION_DATA or ../shared/data"
+        );
         return None;
     };
     let mut files: Vec<PathBuf> =
@@ -27,9 +32,11 @@ fn logs() -> Option<Vec<ServoLog>> {
 }
 
 fn load(file: &Path) -> ServoLog {
-    let log: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let log: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
     let entries = log["entries"].as_array().unwrap();
-    let column = |name: &str| entries.iter().map(|entry| entry[name].as_f64().unwrap()).collect::<Vec<_>>();
+    let column =
+        |name: &str| entries.iter().map(|entry| entry[name].as_f64().unwrap()).collect::<Vec<_>>();
     ServoLog::new(&RawServoLog {
         mass: log["mass"].as_f64().unwrap(),
         length: log["length"].as_f64().unwrap(),
@@ -97,8 +104,8 @@ fn lanes_agree_with_a_plain_simulation() {
         assert_eq!(positions.len(), log.samples());
         let off = positions.iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off < 1e-6, "{off}");
-        let mean =
-            plain.iter().zip(log.position()).map(|(a, b)| (a - b).abs()).sum::<f64>() / plain.len() as f64;
+        let mean = plain.iter().zip(log.position()).map(|(a, b)| (a - b).abs()).sum::<f64>()
+            / plain.len() as f64;
         assert!((mean - error).abs() < 1e-7);
     }
 }
@@ -111,8 +118,8 @@ fn plain(log: &ServoLog, of: &dyn Fn(ServoParameter) -> f64) -> Vec<f64> {
     let mut out = Vec::new();
     for (k, goal) in log.goal().iter().enumerate() {
         out.push(q);
-        let duty =
-            ((goal - q) * log.gain() * (4096.0 / std::f64::consts::TAU) / (256.0 * 885.0)).clamp(-1.0, 1.0);
+        let duty = ((goal - q) * log.gain() * (4096.0 / std::f64::consts::TAU) / (256.0 * 885.0))
+            .clamp(-1.0, 1.0);
         let on = if log.enabled()[k] { 1.0 } else { 0.0 };
         let m = on * (k_t * 7.4 * duty / r - k_t * k_t * w / r);
         let e = -0.49 * 9.80665 * 0.1 * (q + of(PositionOffset)).sin();
@@ -144,7 +151,8 @@ fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
     let effort = Effort { evaluations: 2500, abandon: true };
     for seed in [0, 1] {
         let parameters = FrictionLevel::M1.parameters();
-        let found = search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+        let found =
+            search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
         let held = held.error(&Physics::new(parameters, &found.values), f64::INFINITY);
         assert!((1e3 * found.error - 56.05).abs() < 0.03, "{}", 1e3 * found.error);
         assert!((1e3 * held - 62.82).abs() < 0.1, "{}", 1e3 * held);
@@ -157,7 +165,8 @@ fn a_search_is_reproducible_and_stops_when_told() {
     let lanes = Lanes::new(&logs.iter().take(1).collect::<Vec<_>>());
     let effort = Effort { evaluations: 600, abandon: true };
     let parameters = FrictionLevel::M4.parameters();
-    let run = |seed| search(&lanes, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+    let run =
+        |seed| search(&lanes, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
     assert_eq!(run(3), run(3));
     assert_ne!(run(3).values, run(4).values);
     let stopped = search(&lanes, parameters, 3, &effort, &mut |_, _| ControlFlow::Break(()));

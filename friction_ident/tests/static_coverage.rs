@@ -1,8 +1,12 @@
-//! Constant-velocity stage: efficiency against the Cramér-Rao bound, and how often the reported intervals cover the truth.
+//! Constant-velocity stage: efficiency against the Cramér-Rao bound, and how often the reported
+//! intervals cover the truth.
 //!
-//! `FRICTION_COVERAGE` sets the number of seeded repetitions, 200 if unset; `cargo xtask test --full` sets 2000.
+//! `FRICTION_COVERAGE` sets the number of seeded repetitions, 200 if unset;
+//! `cargo xtask test --full` sets 2000.
 
-use friction_ident::{SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Verdict, fit_stribeck};
+use friction_ident::{
+    SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Verdict, fit_stribeck,
+};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
@@ -32,7 +36,8 @@ fn measured(noise: f64, seed: u64) -> StribeckFit {
     fit_stribeck(&points, &StribeckOptions::default()).unwrap()
 }
 
-/// How far from `share` the share of `n` independent cases may lie by chance: four standard deviations, which happens once in 16 000.
+/// How far from `share` the share of `n` independent cases may lie by chance: four standard
+/// deviations, which happens once in 16 000.
 fn chance(share: f64, n: f64) -> f64 {
     4.0 * (share * (1.0 - share) / n).sqrt()
 }
@@ -50,9 +55,14 @@ fn intervals_cover_the_truth_as_often_as_they_say_and_errors_reach_the_bound() {
             let estimates = fit.to_estimates();
             for (i, name) in NAMES.iter().enumerate() {
                 let estimate = estimates.get(name).unwrap();
-                assert_eq!(estimate.verdict, Verdict::Identified, "{name} at noise {noise}, seed {seed}");
+                assert_eq!(
+                    estimate.verdict,
+                    Verdict::Identified,
+                    "{name} at noise {noise}, seed {seed}"
+                );
                 squares[i] += (estimate.value / VALUES[i] - 1.0).powi(2) / n;
-                covered[i] += f64::from(u8::from(estimate.interval.unwrap().contains(VALUES[i]))) / n;
+                covered[i] +=
+                    f64::from(u8::from(estimate.interval.unwrap().contains(VALUES[i]))) / n;
             }
         }
         println!(
@@ -62,17 +72,27 @@ fn intervals_cover_the_truth_as_often_as_they_say_and_errors_reach_the_bound() {
         for i in 0..4 {
             let ratio = squares[i].sqrt() / (BOUND[i] * noise / 1e-3);
             // No unbiased estimator lies below 1; an rms of n draws scatters by 1 / sqrt(2 n).
-            assert!((0.8..1.35).contains(&ratio), "{} at noise {noise}: {ratio} times the bound", NAMES[i]);
+            assert!(
+                (0.8..1.35).contains(&ratio),
+                "{} at noise {noise}: {ratio} times the bound",
+                NAMES[i]
+            );
             let off = covered[i] - 0.95;
-            assert!(off.abs() < chance(0.95, n), "{} at noise {noise}: covered in {}", NAMES[i], covered[i]);
+            assert!(
+                off.abs() < chance(0.95, n),
+                "{} at noise {noise}: covered in {}",
+                NAMES[i],
+                covered[i]
+            );
         }
         let expected = noise * noise * (1.0 - 4.0 / 80.0);
         assert!((mse / expected - 1.0).abs() < 0.1, "{mse}, not {expected}");
     }
 }
 
-/// At the thesis's own noise (mse 3.73e-5) the dip is as large as the noise. The intervals open instead of missing; that of `v_s` covers a little less
-/// often than it says (.928 of 2000), because without a dip its likelihood has no regular limit.
+/// At the thesis's own noise (mse 3.73e-5) the dip is as large as the noise. The intervals open
+/// instead of missing; that of `v_s` covers a little less often than it says (.928 of 2000),
+/// because without a dip its likelihood has no regular limit.
 #[test]
 fn at_the_printed_noise_the_intervals_open_and_still_cover() {
     let n = repetitions() as f64;

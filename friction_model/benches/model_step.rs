@@ -1,7 +1,7 @@
 //! Time of one control step of every model: `cargo bench -p friction_model`.
 //!
-//! Each iteration steps once around a table of velocities with reversals and sliding, at 1 kHz: with a model known at compile time, and
-//! with one chosen while the program runs.
+//! Each iteration steps once around a table of velocities with reversals and sliding, at 1 kHz:
+//! with a model known at compile time, and with one chosen while the program runs.
 
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -22,7 +22,11 @@ fn velocities() -> Vec<f64> {
         .collect()
 }
 
-fn bench(group: &mut BenchmarkGroup<'_, WallTime>, name: ModelName, mut step: impl FnMut(f64) -> f64) {
+fn bench(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: ModelName,
+    mut step: impl FnMut(f64) -> f64,
+) {
     let velocity = velocities();
     group.bench_function(name.as_str(), |b| {
         b.iter(|| velocity.iter().fold(0.0, |sum, &v| sum + step(black_box(v))))

@@ -1,15 +1,17 @@
 //! Nanoseconds a step of every model: the Rust side of `cargo xtask bench`.
 //!
-//! `step_bench STEPS [MODEL ...]` prints, for each model and scheme, the model's name, the scheme, nanoseconds a step and the sum of
-//! all forces. The schemes:
+//! `step_bench STEPS [MODEL ...]` prints, for each model and scheme, the model's name, the scheme,
+//! nanoseconds a step and the sum of all forces. The schemes:
 //!
-//! * `exact`: the fixed-step form, `Stepper::step`, in a loop that the compiler may keep the state in registers for;
+//! * `exact`: the fixed-step form, `Stepper::step`, in a loop that the compiler may keep the state
+//!   in registers for;
 //! * `rk4`: the derivative form under classical Runge-Kutta, for models with states;
-//! * `known`: the fixed-step form with the state in memory between steps, as in a control loop, of a model known at compile time;
+//! * `known`: the fixed-step form with the state in memory between steps, as in a control loop, of
+//!   a model known at compile time;
 //! * `chosen`: the same behind `AnyStepper::step`, which finds the model while the program runs.
 //!
-//! The C side, `xtask/bench/`, does the first two with the same velocities and parameters. Time is the processor's time of this
-//! thread: what other programs take is not counted.
+//! The C side, `xtask/bench/`, does the first two with the same velocities and parameters. Time is
+//! the processor's time of this thread: what other programs take is not counted.
 
 use std::f64::consts::PI;
 use std::hint::black_box;
@@ -28,11 +30,13 @@ type Velocities = [f64; SAMPLES];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
-    let steps = arguments.next().and_then(|text| text.parse().ok()).filter(|&steps: &usize| steps >= 10);
+    let steps =
+        arguments.next().and_then(|text| text.parse().ok()).filter(|&steps: &usize| steps >= 10);
     let names = arguments.map(|text| text.parse()).collect::<Result<Vec<ModelName>, _>>();
     let (Some(steps), Ok(mut names), Ok(dt)) = (steps, names, TimeStep::new(1e-3)) else {
         // Nothing is lost if nobody reads it.
-        let _ = writeln!(std::io::stderr(), "usage: step_bench STEPS [MODEL ...] (at least 10 steps)");
+        let _ =
+            writeln!(std::io::stderr(), "usage: step_bench STEPS [MODEL ...] (at least 10 steps)");
         return ExitCode::from(2);
     };
     if names.is_empty() {
@@ -97,7 +101,9 @@ fn measure_in_turns(
     let mut times = [Duration::ZERO; 2];
     for _ in 0..10 {
         let turns = [timed(|| a(turn)), timed(|| b(turn))];
-        for ((time, sum), (total_time, total_sum)) in turns.into_iter().zip(times.iter_mut().zip(&mut sums)) {
+        for ((time, sum), (total_time, total_sum)) in
+            turns.into_iter().zip(times.iter_mut().zip(&mut sums))
+        {
             *total_time += time;
             *total_sum += sum;
         }
@@ -125,12 +131,20 @@ fn processor_time() -> Duration {
 }
 
 #[inline(never)]
-fn run_exact<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
+fn run_exact<M: FrictionModel>(
+    stepper: &mut Stepper<M>,
+    velocity: &Velocities,
+    steps: usize,
+) -> f64 {
     (0..steps).fold(0.0, |sum, k| sum + stepper.step(velocity[k % SAMPLES]))
 }
 
 #[inline(never)]
-fn run_known<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: &Velocities, steps: usize) -> f64 {
+fn run_known<M: FrictionModel>(
+    stepper: &mut Stepper<M>,
+    velocity: &Velocities,
+    steps: usize,
+) -> f64 {
     (0..steps).fold(0.0, |sum, k| sum + black_box(&mut *stepper).step(velocity[k % SAMPLES]))
 }
 

@@ -27,7 +27,8 @@ impl AnyModel {
         (*self).into()
     }
 
-    /// `forward` against forward motion and `backward` against backward motion, see [`crate::Asymmetric`].
+    /// `forward` against forward motion and `backward` against backward motion, see
+    /// [`crate::Asymmetric`].
     ///
     /// # Errors
     /// [`ModelError::TwoModels`] if they are of different models, or asymmetric themselves.
@@ -35,8 +36,8 @@ impl AnyModel {
         AnyParameters::asymmetric(forward.parameters(), backward.parameters())?.try_into()
     }
 
-    /// The value of the parameter `name`, of an asymmetric contact the forward one; `None` if there is none of that name or
-    /// if it is a list.
+    /// The value of the parameter `name`, of an asymmetric contact the forward one; `None` if there
+    /// is none of that name or if it is a list.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let (forward, _) = self.parameters().sides();
@@ -45,8 +46,8 @@ impl AnyModel {
         value.filter(|_| count == 1)
     }
 
-    /// The same model with the parameter `name` multiplied by `factor`, in both directions. A name that the model does not
-    /// have changes nothing.
+    /// The same model with the parameter `name` multiplied by `factor`, in both directions. A name
+    /// that the model does not have changes nothing.
     ///
     /// # Errors
     /// [`ModelError`] if the model does not accept it.
@@ -77,9 +78,13 @@ mod tests {
     #[test]
     fn an_asymmetric_model_reads_back_from_a_file() {
         for name in ModelName::ALL {
-            let model = AnyModel::asymmetric(&AnyModel::test_bed(name), &AnyModel::chapter_3(name)).unwrap();
+            let model = AnyModel::asymmetric(&AnyModel::test_bed(name), &AnyModel::chapter_3(name))
+                .unwrap();
             let text = serde_json::to_string(&model).unwrap();
-            assert!(text.starts_with(&format!("{{\"asymmetric\":{{\"{name}\":{{\"forward\":")), "{text}");
+            assert!(
+                text.starts_with(&format!("{{\"asymmetric\":{{\"{name}\":{{\"forward\":")),
+                "{text}"
+            );
             assert_eq!(serde_json::from_str::<AnyModel>(&text).unwrap(), model);
             assert_eq!(model.name(), name);
             assert_eq!(model.steady_state(-0.3), AnyModel::chapter_3(name).steady_state(-0.3));
@@ -99,7 +104,12 @@ mod tests {
                 let mut scaled = parameters;
                 assert!(scaled.scale(row.name, 2.0), "{name}.{}", row.name);
                 scaled.each(row.name, &mut |x| after.push(x));
-                assert_eq!(after, before.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), "{name}.{}", row.name);
+                assert_eq!(
+                    after,
+                    before.iter().map(|x| 2.0 * x).collect::<Vec<_>>(),
+                    "{name}.{}",
+                    row.name
+                );
                 assert!(before.iter().all(|&x| row.range.holds(x)), "{name}.{}", row.name);
                 assert!(!before.is_empty() || row.optional, "{name}.{}", row.name);
                 assert!(row.meaning.len() > 10, "{name}.{}: {}", row.name, row.meaning);
@@ -114,7 +124,11 @@ mod tests {
             for row in before.table() {
                 for (index, value) in before.values(row.name).into_iter().enumerate() {
                     let mut after = before;
-                    assert!(after.set_at(row.name, index, 3.0 * value), "{name}.{}[{index}]", row.name);
+                    assert!(
+                        after.set_at(row.name, index, 3.0 * value),
+                        "{name}.{}[{index}]",
+                        row.name
+                    );
                     assert_eq!(after.values(row.name)[index], 3.0 * value);
                 }
                 assert!(!{ before }.set_at(row.name, 200, 1.0));
@@ -124,7 +138,8 @@ mod tests {
 
     #[test]
     fn a_file_with_an_impossible_parameter_is_refused_with_the_reason() {
-        let text = r#"{"lugre":{"f_s":1.0,"f_c":1.0,"v_s":0.1,"sigma0":-5.0,"sigma1":0.1,"f_v":0.0}}"#;
+        let text =
+            r#"{"lugre":{"f_s":1.0,"f_c":1.0,"v_s":0.1,"sigma0":-5.0,"sigma1":0.1,"f_v":0.0}}"#;
         let message = serde_json::from_str::<AnyModel>(text).unwrap_err().to_string();
         assert!(message.contains("lugre.sigma0") && message.contains("-5"), "{message}");
     }

@@ -6,9 +6,10 @@
 //! rising static friction:  F_s(gamma, t_2) = F_sa + (F_sinf - F_sa) t_2 / (t_2 + gamma)
 //! ```
 //!
-//! `F_sa` is the Stribeck friction at the end of the last slip, `t_2` the time that the contact was stuck before this one.
-//! B. Armstrong-Helouvry, P. Dupont and C. Canudas de Wit, "A survey of models, analysis tools and compensation methods for the control of
-//! machines with friction", Automatica 30 (1994), 1083-1138, section on the integrated model.
+//! `F_sa` is the Stribeck friction at the end of the last slip, `t_2` the time that the contact was
+//! stuck before this one. B. Armstrong-Helouvry, P. Dupont and C. Canudas de Wit, "A survey of
+//! models, analysis tools and compensation methods for the control of machines with friction",
+//! Automatica 30 (1994), 1083-1138, section on the integrated model.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -20,26 +21,33 @@
 //! | `gamma` | s | > 0 | dwell after which half of the static friction has come back |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! The paper gives the two branches and leaves open how the contact changes from one to the other (H. Olsson and others, "Friction
-//! models and friction compensation", European Journal of Control 4 (1998), remark on that gap). The rules here:
+//! The paper gives the two branches and leaves open how the contact changes from one to the other
+//! (H. Olsson and others, "Friction models and friction compensation", European Journal of Control
+//! 4 (1998), remark on that gap). The rules here:
 //!
-//! * **it breaks away** when `k_t |x|` reaches `F_c + F_s(gamma, t_2)`; that `F_s` then belongs to the whole slip. The force is
-//!   continuous there as far as the delayed velocity is still small, and jumps by the viscous friction of the moment;
-//! * **it sticks** when the velocity changes its sign or is zero; `x` starts anew where the spring carries the force of the moment,
-//!   `k_t x = +-(F_c + F_sa)`, so that the force is continuous, and the dwell time starts at zero;
+//! * **it breaks away** when `k_t |x|` reaches `F_c + F_s(gamma, t_2)`; that `F_s` then belongs to
+//!   the whole slip. The force is continuous there as far as the delayed velocity is still small,
+//!   and jumps by the viscous friction of the moment;
+//! * **it sticks** when the velocity changes its sign or is zero; `x` starts anew where the spring
+//!   carries the force of the moment, `k_t x = +-(F_c + F_sa)`, so that the force is continuous,
+//!   and the dwell time starts at zero;
 //! * at rest the contact has been stuck for ever.
 //!
-//! It was made to gather everything known about friction of machines at low speed in one formula: spring-like pre-sliding, the Stribeck curve
-//! (a Lorentz curve), lag as a pure delay, and static friction that rises with the dwell. Use it for stick-slip where dwell and lag matter.
-//! It does not drift. Its pre-sliding is a spring without damping or hysteresis. **Its sliding friction depends on the last dwell:**
-//! after a short one the Stribeck part stays smaller for the whole slip. The steady state given here is that of a slip after a long rest.
+//! It was made to gather everything known about friction of machines at low speed in one formula:
+//! spring-like pre-sliding, the Stribeck curve (a Lorentz curve), lag as a pure delay, and static
+//! friction that rises with the dwell. Use it for stick-slip where dwell and lag matter. It does
+//! not drift. Its pre-sliding is a spring without damping or hysteresis. **Its sliding friction
+//! depends on the last dwell:** after a short one the Stribeck part stays smaller for the whole
+//! slip. The steady state given here is that of a slip after a long rest.
 //!
-//! It is passive. No force within a slip exceeds that of its breakaway, so the spring never gives back more than it took;
-//! the stored energy is `k_t x^2 / 2`, in a slip with the deflection of its breakaway. Bound: `|F| <= F_s + f_v |v|`.
+//! It is passive. No force within a slip exceeds that of its breakaway, so the spring never gives
+//! back more than it took; the stored energy is `k_t x^2 / 2`, in a slip with the deflection of its
+//! breakaway. Bound: `|F| <= F_s + f_v |v|`.
 //!
-//! Fixed-step form: `x` and the dwell time are exact for a held velocity, breakaway takes effect at the next period. The delay is a line
-//! with 32 intervals of `tau_l/32`, linear in between, for any period. In the derivative form the changes take
-//! effect when a step is accepted: runs converge with the first order of the step.
+//! Fixed-step form: `x` and the dwell time are exact for a held velocity, breakaway takes effect at
+//! the next period. The delay is a line with 32 intervals of `tau_l/32`, linear in between, for any
+//! period. In the derivative form the changes take effect when a step is accepted: runs converge
+//! with the first order of the step.
 
 use serde::{Deserialize, Serialize};
 
@@ -47,8 +55,8 @@ use crate::delay_line::DelayLine;
 use crate::model::{bounded, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 parameters! {
@@ -72,12 +80,14 @@ parameters! {
 }
 
 impl Presets for ArmstrongParameters {
-    /// Levels, stiffness and viscous friction of table 4.13, the lag of table 4.8; the dwell of one second is chosen.
+    /// Levels, stiffness and viscous friction of table 4.13, the lag of table 4.8; the dwell of one
+    /// second is chosen.
     fn test_bed() -> Self {
         let k_t = 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006;
         Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, k_t, tau_l: 0.0111, gamma: 1.0, f_v: 0.0403 }
     }
-    /// Levels, stiffness (2356 N/m) and lag of the proposed model; the dwell of one second is chosen.
+    /// Levels, stiffness (2356 N/m) and lag of the proposed model; the dwell of one second is
+    /// chosen.
     fn chapter_3() -> Self {
         let k_t = 1.5 * core::f64::consts::FRAC_PI_2 / 0.001;
         Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, k_t, tau_l: 0.002, gamma: 1.0, f_v: 0.0 }
@@ -97,7 +107,8 @@ pub struct ArmstrongMemory {
     dwell: f64,
 }
 
-/// Armstrong-Helouvry's model with valid parameters. State: `[x, time since the last sample]`, the past velocity, the dwell.
+/// Armstrong-Helouvry's model with valid parameters. State: `[x, time since the last sample]`, the
+/// past velocity, the dwell.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ArmstrongParameters", into = "ArmstrongParameters")]
 pub struct Armstrong {
@@ -125,7 +136,8 @@ impl Armstrong {
         }
     }
 
-    /// Lets `elapsed` [s] go by, to a moment at which the velocity is `velocity`, and changes between sticking and sliding.
+    /// Lets `elapsed` [s] go by, to a moment at which the velocity is `velocity`, and changes
+    /// between sticking and sliding.
     #[inline]
     fn advance(&self, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64, elapsed: f64) {
         let ArmstrongParameters { f_c, k_t, .. } = self.parameters;
@@ -161,7 +173,13 @@ impl TryFrom<ArmstrongParameters> for Armstrong {
         let require = ArmstrongParameters::require;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
         require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
-        require(name, (p.f_s / p.k_t).is_finite(), "k_t", p.k_t, "large enough for a finite deflection")?;
+        require(
+            name,
+            (p.f_s / p.k_t).is_finite(),
+            "k_t",
+            p.k_t,
+            "large enough for a finite deflection",
+        )?;
         Ok(Self { parameters: p })
     }
 }
@@ -196,7 +214,10 @@ impl FrictionModel for Armstrong {
     ) -> Evaluation<[f64; 2]> {
         let level = self.level(memory, velocity, ahead);
         if memory.slip == 0.0 {
-            return Evaluation { force: saturate(level, self.parameters.k_t * x), rates: [velocity, 1.0] };
+            return Evaluation {
+                force: saturate(level, self.parameters.k_t * x),
+                rates: [velocity, 1.0],
+            };
         }
         // A stage beyond the end of the slip: the force stays what it is, the viscous part is gone.
         let forward = if velocity * memory.slip > 0.0 { velocity } else { 0.0 };
@@ -212,20 +233,28 @@ impl FrictionModel for Armstrong {
         dt.seconds()
     }
 
-    /// The period goes by at the beginning of the next step, when it is known where the velocity went.
+    /// The period goes by at the beginning of the next step, when it is known where the velocity
+    /// went.
     #[inline]
     fn step(&self, dt: &f64, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64) -> f64 {
         let v = bounded(velocity);
         let [_, elapsed] = state.continuous;
         self.advance(state, v, elapsed);
-        let Evaluation { force, rates: [x_rate, _] } = self.evaluate(&state.continuous, &state.memory, v);
+        let Evaluation { force, rates: [x_rate, _] } =
+            self.evaluate(&state.continuous, &state.memory, v);
         state.continuous = [state.continuous[0] + x_rate * dt, *dt];
         force
     }
 
     /// The spring alone; in a slip nothing is left to deflect.
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], ArmstrongMemory>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 2], ArmstrongMemory>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         let ArmstrongParameters { f_s, k_t, .. } = self.parameters;
         let [x, elapsed] = state.continuous;
         if state.memory.slip == 0.0 {
@@ -258,8 +287,11 @@ impl FrictionModel for Armstrong {
     fn stored_energy(&self, state: &State<[f64; 2], ArmstrongMemory>) -> Option<f64> {
         let [x, ahead] = state.continuous;
         let k_t = self.parameters.k_t;
-        let most =
-            if state.memory.slip == 0.0 { self.level(&state.memory, 0.0, ahead) / k_t } else { x.abs() };
+        let most = if state.memory.slip == 0.0 {
+            self.level(&state.memory, 0.0, ahead) / k_t
+        } else {
+            x.abs()
+        };
         let x = saturate(most, x);
         Some(0.5 * k_t * x * x)
     }

@@ -4,18 +4,22 @@
 //! F = max(F_forward, 0) + min(F_backward, 0)
 //! ```
 //!
-//! Two contacts of the same model see the same motion, each with its own parameters; one carries the positive forces, the other the
-//! negative ones, as the two flanks of a gear tooth do. It is the construction that keeps what makes a model trustworthy, for every
-//! model and for every parameter, stiffness included:
+//! Two contacts of the same model see the same motion, each with its own parameters; one carries
+//! the positive forces, the other the negative ones, as the two flanks of a gear tooth do. It is
+//! the construction that keeps what makes a model trustworthy, for every model and for every
+//! parameter, stiffness included:
 //!
 //! * with equal parameters it is the symmetric model, to the last bit;
-//! * constant forward motion gives the forward parameters' steady state, backward motion the backward ones';
-//! * the force is as continuous as the two are; at a reversal nothing jumps, because each side passes through zero by itself;
-//! * cutting a force at zero is monotone in the force, and a monotone function of an operator whose loops close (return-point memory)
-//!   dissipates where the operator does.
+//! * constant forward motion gives the forward parameters' steady state, backward motion the
+//!   backward ones';
+//! * the force is as continuous as the two are; at a reversal nothing jumps, because each side
+//!   passes through zero by itself;
+//! * cutting a force at zero is monotone in the force, and a monotone function of an operator whose
+//!   loops close (return-point memory) dissipates where the operator does.
 //!
-//! Switching parameters by the sign of the velocity, as is often done, has none of these once the stiffness differs: moving a stuck contact to and
-//! fro would then raise its force by `(k_forward - k_backward) dx` a cycle, energy from nowhere.
+//! Switching parameters by the sign of the velocity, as is often done, has none of these once the
+//! stiffness differs: moving a stuck contact to and fro would then raise its force by
+//! `(k_forward - k_backward) dx` a cycle, energy from nowhere.
 
 use crate::{Evaluation, FrictionModel, Holding, Internals, ModelName, State, TimeStep};
 
@@ -87,7 +91,10 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+    fn at(
+        &self,
+        velocity: f64,
+    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
         let (forward, backward) = (self.forward.at(velocity), self.backward.at(velocity));
         move |(a, b), memory| {
             let forward = forward(a, &memory.0.memory);
@@ -119,7 +126,10 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         velocity: f64,
     ) -> f64 {
         with_both(state, |a, b| {
-            carried(self.forward.step(&discrete.0, a, velocity), self.backward.step(&discrete.1, b, velocity))
+            carried(
+                self.forward.step(&discrete.0, a, velocity),
+                self.backward.step(&discrete.1, b, velocity),
+            )
         })
     }
 
@@ -158,7 +168,8 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
     }
 
     fn holding(&self, force_rate: f64) -> Option<Holding> {
-        let (forward, backward) = (self.forward.holding(force_rate)?, self.backward.holding(force_rate)?);
+        let (forward, backward) =
+            (self.forward.holding(force_rate)?, self.backward.holding(force_rate)?);
         Some(Holding {
             band: forward.band.min(backward.band),
             forward: forward.forward,
@@ -189,7 +200,8 @@ mod tests {
         let forward = LuGre::test_bed();
         let p = *forward.parameters();
         let backward =
-            LuGre::try_from(LuGreParameters { f_s: 0.08, f_c: 0.06, sigma0: 30.0, f_v: 0.02, ..p }).unwrap();
+            LuGre::try_from(LuGreParameters { f_s: 0.08, f_c: 0.06, sigma0: 30.0, f_v: 0.02, ..p })
+                .unwrap();
         let model = Asymmetric { forward, backward };
         let mut stepper = Stepper::new(model, TimeStep::new(1e-4).unwrap());
         let mut before = 0.0;

@@ -5,8 +5,9 @@
 //! F = [F_c + (F_s - F_c) exp(-xi (|v| - v_0))] sgn v + f_v v           |v| >  v_0
 //! ```
 //!
-//! M. T. Bengisu and A. Akay, "Stability of friction-induced vibrations in multi-degree-of-freedom systems", Journal of Sound and
-//! Vibration 171 (1994), 557-570. The viscous term is an addition of this crate, zero if left out; theirs has none.
+//! M. T. Bengisu and A. Akay, "Stability of friction-induced vibrations in multi-degree-of-freedom
+//! systems", Journal of Sound and Vibration 171 (1994), 557-570. The viscous term is an addition of
+//! this crate, zero if left out; theirs has none.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -16,12 +17,14 @@
 //! | `xi` | s/m or s/rad | > 0 | rate of the fall beyond the top |
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
-//! The jump of the static models at zero velocity is replaced by a parabola, which ends level at the top. Integrators without
-//! events can run it, and it shows stick-slip: friction falls with speed beyond `v_0`.
+//! The jump of the static models at zero velocity is replaced by a parabola, which ends level at
+//! the top. Integrators without events can run it, and it shows stick-slip: friction falls with
+//! speed beyond `v_0`.
 //!
-//! It creeps. Below `F_s` every force has its speed, `v = v_0 [1 - sqrt(1 - F/F_s)]` (without viscous friction): a loaded contact
-//! never stands still, and nothing holds. It has no pre-sliding displacement, no lag and no memory. At zero velocity it is
-//! a damper of `2 F_s / v_0`: a small `v_0` creeps less and makes the simulation stiffer (Runge-Kutta steps below `1.39 m v_0 / F_s`).
+//! It creeps. Below `F_s` every force has its speed, `v = v_0 [1 - sqrt(1 - F/F_s)]` (without
+//! viscous friction): a loaded contact never stands still, and nothing holds. It has no pre-sliding
+//! displacement, no lag and no memory. At zero velocity it is a damper of `2 F_s / v_0`: a small
+//! `v_0` creeps less and makes the simulation stiffer (Runge-Kutta steps below `1.39 m v_0 / F_s`).
 //! Use it where a smooth static law is wanted and holding does not matter.
 //!
 //! Fixed-step form: the law itself; there is no state.
@@ -33,7 +36,9 @@ use serde::{Deserialize, Serialize};
 use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
-use crate::{FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State};
+use crate::{
+    FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+};
 
 parameters! {
     /// Parameters of [`BengisuAkay`] as files carry them.
@@ -53,7 +58,8 @@ parameters! {
 }
 
 impl Presets for BengisuAkayParameters {
-    /// The levels and the Stribeck velocity of table 4.13: `xi = 1 / v_s`, and the top at a tenth of `v_s`.
+    /// The levels and the Stribeck velocity of table 4.13: `xi = 1 / v_s`, and the top at a tenth
+    /// of `v_s`.
     fn test_bed() -> Self {
         Self { f_s: 0.0994, f_c: 0.0925, v_0: 0.01407, xi: 1.0 / 0.1407, f_v: 0.0403 }
     }
@@ -91,7 +97,13 @@ impl TryFrom<BengisuAkayParameters> for BengisuAkay {
     fn try_from(p: BengisuAkayParameters) -> Result<Self, ModelError> {
         p.check(ModelName::BengisuAkay)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        BengisuAkayParameters::require(ModelName::BengisuAkay, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        BengisuAkayParameters::require(
+            ModelName::BengisuAkay,
+            p.f_c <= p.f_s,
+            "f_c",
+            p.f_c,
+            condition,
+        )?;
         Ok(Self { parameters: p })
     }
 }
@@ -109,7 +121,8 @@ impl FrictionModel for BengisuAkay {
 
     /// Slip beyond the top; below it the contact creeps where others stick.
     fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let regime = if velocity.abs() > self.parameters.v_0 { Regime::Slip } else { Regime::Stick };
+        let regime =
+            if velocity.abs() > self.parameters.v_0 { Regime::Slip } else { Regime::Stick };
         Internals { deflection: 0.0, gamma: self.level(velocity), regime }
     }
 
@@ -135,7 +148,8 @@ mod tests {
         assert_eq!(model.steady_state(-0.011), -model.steady_state(0.011));
     }
 
-    /// Continuous at zero and at the top; the parabola starts with the slope `2 F_s / v_0` and ends level.
+    /// Continuous at zero and at the top; the parabola starts with the slope `2 F_s / v_0` and ends
+    /// level.
     #[test]
     fn is_continuous_and_starts_as_a_damper() {
         let model = BengisuAkay::chapter_3();
@@ -147,7 +161,8 @@ mod tests {
         assert!(before_the_top.abs() < 0.01, "{before_the_top}");
     }
 
-    /// Under four fifths of the static friction a body drifts at the speed that the law gives that force.
+    /// Under four fifths of the static friction a body drifts at the speed that the law gives that
+    /// force.
     #[test]
     fn creeps_below_the_static_level() {
         let mut body = Body::<_, 0>::new(BengisuAkay::chapter_3(), 1.0);

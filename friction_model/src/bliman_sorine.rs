@@ -5,9 +5,10 @@
 //! A = diag(-1/(eta eps_f), -1/eps_f),   B = [f_1/(eta eps_f), -f_2/eps_f]
 //! ```
 //!
-//! P.-A. Bliman and M. Sorine, "Friction modelling by hysteresis operators: application to Dahl, sticktion and Stribeck
-//! effects" (Models of Hysteresis, Trento 1991), and "Easy-to-use realistic dry friction models for automatic control" (3rd European
-//! Control Conference, Rome 1995, 3788-3794). The viscous term is an addition of this crate, zero if left out.
+//! P.-A. Bliman and M. Sorine, "Friction modelling by hysteresis operators: application to Dahl,
+//! sticktion and Stribeck effects" (Models of Hysteresis, Trento 1991), and "Easy-to-use realistic
+//! dry friction models for automatic control" (3rd European Control Conference, Rome 1995,
+//! 3788-3794). The viscous term is an addition of this crate, zero if left out.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -18,30 +19,38 @@
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
 //! Two Dahl models in parallel, the slower one with a negative sign. From rest,
-//! `F(s) = f_1 (1 - e^(-s/(eta eps_f))) - f_2 (1 - e^(-s/eps_f))`. With `q = eta f_2 / f_1` it follows that
+//! `F(s) = f_1 (1 - e^(-s/(eta eps_f))) - f_2 (1 - e^(-s/eps_f))`. With `q = eta f_2 / f_1` it
+//! follows that
 //!
 //! * it starts with the stiffness `(f_1/eta - f_2) / eps_f`;
-//! * its peak, the stiction, lies at `s_p = eps_f eta/(1 - eta) ln(1/q)` and is `F_s = F_c + D`, `D = f_2 (1 - eta) q^(eta/(1 - eta))`;
+//! * its peak, the stiction, lies at `s_p = eps_f eta/(1 - eta) ln(1/q)` and is `F_s = F_c + D`,
+//!   `D = f_2 (1 - eta) q^(eta/(1 - eta))`;
 //! * it ends at `F_c = f_1 - f_2`;
-//! * after long sliding and a reversal the peak lies as far away and is `F_c + 2 D`, the most it ever reaches: `F_c + 2 D` is the integral
-//!   of the magnitude of the impulse response, so no path from rest exceeds it.
+//! * after long sliding and a reversal the peak lies as far away and is `F_c + 2 D`, the most it
+//!   ever reaches: `F_c + 2 D` is the integral of the magnitude of the impulse response, so no path
+//!   from rest exceeds it.
 //!
 //! With `f_2 = 0` it is Dahl's model with `F_c = f_1` and `sigma0 = f_1/(eta eps_f)`.
 //!
-//! **Passive**, for every parameter set that is accepted. The work is `int F sgn v ds`, so the model is passive if its transfer function from
-//! `sgn v` to `F`, `f_1/(1 + eta eps_f p) - f_2/(1 + eps_f p)`, is positive real. Its real part at `p = i w/eps_f` is
-//! `[(f_1 - f_2) + (f_1 - eta^2 f_2) w^2] / [(1 + eta^2 w^2)(1 + w^2)]`: the condition is `f_1 >= f_2` and `f_1 >= eta^2 f_2`, of which
-//! `eta < 1` leaves `f_1 >= f_2`. (This derivation is ours; it was not compared with that of the papers.) The energy that
-//! [`FrictionModel::stored_energy`] gives is the smallest storage function of the linear system, the lower solution of its
-//! Riccati equation. With `f_1 < f_2` sliding would drive the motion; such parameters are refused.
+//! **Passive**, for every parameter set that is accepted. The work is `int F sgn v ds`, so the
+//! model is passive if its transfer function from `sgn v` to `F`,
+//! `f_1/(1 + eta eps_f p) - f_2/(1 + eps_f p)`, is positive real. Its real part at `p = i w/eps_f`
+//! is `[(f_1 - f_2) + (f_1 - eta^2 f_2) w^2] / [(1 + eta^2 w^2)(1 + w^2)]`: the condition is
+//! `f_1 >= f_2` and `f_1 >= eta^2 f_2`, of which `eta < 1` leaves `f_1 >= f_2`. (This derivation is
+//! ours; it was not compared with that of the papers.) The energy that
+//! [`FrictionModel::stored_energy`] gives is the smallest storage function of the linear system,
+//! the lower solution of its Riccati equation. With `f_1 < f_2` sliding would drive the motion;
+//! such parameters are refused.
 //!
-//! It has stiction, the fall after it, pre-sliding displacement and hysteresis, and between reversals it is linear. All of it is
-//! rate-independent: the fall depends on distance, so there is no Stribeck curve over speed and no lag, and a slow slide settles at
-//! `F_c` as a fast one does. As Dahl's model, it drifts under small oscillating loads and inner loops do not close.
-//! Use it for short strokes, where stiction falls over a distance.
+//! It has stiction, the fall after it, pre-sliding displacement and hysteresis, and between
+//! reversals it is linear. All of it is rate-independent: the fall depends on distance, so there is
+//! no Stribeck curve over speed and no lag, and a slow slide settles at `F_c` as a fast one does.
+//! As Dahl's model, it drifts under small oscillating loads and inner loops do not close. Use it
+//! for short strokes, where stiction falls over a distance.
 //!
-//! Fixed-step form: the exact solution for a velocity held over the period, `x_i <- x_i' + (x_i - x_i') exp(-|v| dt/l_i)` with
-//! `x' = (f_1, -f_2) sgn v` and `l = (eta eps_f, eps_f)`; stable at any period.
+//! Fixed-step form: the exact solution for a velocity held over the period,
+//! `x_i <- x_i' + (x_i - x_i') exp(-|v| dt/l_i)` with `x' = (f_1, -f_2) sgn v` and
+//! `l = (eta eps_f, eps_f)`; stable at any period.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -50,8 +59,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 parameters! {
@@ -61,7 +70,8 @@ parameters! {
         f_1: f64, Force, Range::Positive;
         /// Level f_2 of the slow part [N or N m], zero or more.
         f_2: f64, Force, Range::NonNegative;
-        /// Ratio eta of the distance constants of the fast and the slow part, between 0 and 1, neither allowed.
+        /// Ratio eta of the distance constants of the fast and the slow part, between 0 and 1,
+        /// neither allowed.
         eta: f64, None, Range::Within(0.0, 1.0);
         /// Distance constant eps_f of the slow part [m or rad], above zero.
         eps_f: f64, Deflection, Range::Positive;
@@ -72,8 +82,8 @@ parameters! {
 }
 
 impl BlimanSorineParameters {
-    /// With `eta = 1/2`, from the peak `f_s >= f_c` that is reached from rest and the level `f_c` after it [N or N m], and the
-    /// stiffness at rest [N/m or N m/rad].
+    /// With `eta = 1/2`, from the peak `f_s >= f_c` that is reached from rest and the level `f_c`
+    /// after it [N or N m], and the stiffness at rest [N/m or N m/rad].
     ///
     /// There `F_s - F_c = f_2^2 / (4 f_1)`, which determines `f_2`.
     #[must_use]
@@ -115,8 +125,8 @@ impl BlimanSorine {
         f_1 * self.decay[0] - f_2 * self.decay[1]
     }
 
-    /// The stiction that is reached from rest: the distance [m or rad] and the force [N or N m], without viscous friction. `None` where
-    /// the force only rises, `f_2 = 0`.
+    /// The stiction that is reached from rest: the distance [m or rad] and the force [N or N m],
+    /// without viscous friction. `None` where the force only rises, `f_2 = 0`.
     #[must_use]
     pub fn peak(&self) -> Option<(f64, f64)> {
         let BlimanSorineParameters { f_1, f_2, eta, eps_f, .. } = self.parameters;
@@ -133,8 +143,8 @@ impl BlimanSorine {
     }
 }
 
-/// The smallest storage function, in closed form. For `P B = C^T` one unknown is left, here `beta`; the dissipation inequality is a
-/// quadratic in it with the roots `2 / (u +- w)`.
+/// The smallest storage function, in closed form. For `P B = C^T` one unknown is left, here `beta`;
+/// the dissipation inequality is a quadratic in it with the roots `2 / (u +- w)`.
 fn smallest_storage(p: &BlimanSorineParameters) -> [f64; 3] {
     let BlimanSorineParameters { f_1, f_2, eta, eps_f, .. } = *p;
     let ratio = f_2 / f_1;
@@ -154,7 +164,13 @@ impl TryFrom<BlimanSorineParameters> for BlimanSorine {
         let name = ModelName::BlimanSorine;
         p.check(name)?;
         let require = BlimanSorineParameters::require;
-        require(name, p.f_1 > p.f_2, "f_1", p.f_1, "above f_2: their difference is the kinetic friction")?;
+        require(
+            name,
+            p.f_1 > p.f_2,
+            "f_1",
+            p.f_1,
+            "above f_2: their difference is the kinetic friction",
+        )?;
         require(name, p.eta < 1.0, "eta", p.eta, "below 1: the slow part is the slower one")?;
         let decay = [1.0 / (p.eta * p.eps_f), 1.0 / p.eps_f];
         let steep = "large enough for a finite stiffness";
@@ -217,11 +233,19 @@ impl FrictionModel for BlimanSorine {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], ()>, velocity: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 2], ()>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
         let [x_1, x_2] = state.continuous;
-        let [decay_1, decay_2] = self.decay.map(|decay| relaxed(velocity.abs() * decay, dt.seconds()));
+        let [decay_1, decay_2] =
+            self.decay.map(|decay| relaxed(velocity.abs() * decay, dt.seconds()));
         let (f_1, f_2) = (self.parameters.f_1, self.parameters.f_2);
-        state.continuous = [saturate(f_1, x_1 + rate * decay_1), saturate(f_2, x_2 + rate * decay_2)];
+        state.continuous =
+            [saturate(f_1, x_1 + rate * decay_1), saturate(f_2, x_2 + rate * decay_2)];
         0.0
     }
 
@@ -230,12 +254,14 @@ impl FrictionModel for BlimanSorine {
         end_1 + end_2 + self.parameters.f_v * velocity
     }
 
-    /// The deflection that carries the force at the stiffness of rest. Slip once the force has come within 5 % of the kinetic level.
+    /// The deflection that carries the force at the stiffness of rest. Slip once the force has come
+    /// within 5 % of the kinetic level.
     fn internals(&self, state: &State<[f64; 2], ()>, velocity: f64) -> Internals {
         let [x_1, x_2] = state.continuous;
         let force = x_1 + x_2;
         let gamma = self.parameters.f_1 - self.parameters.f_2;
-        let regime = if force * sign(velocity) >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
+        let regime =
+            if force * sign(velocity) >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: force / self.stiffness(), gamma, regime }
     }
 

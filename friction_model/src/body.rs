@@ -1,8 +1,9 @@
 //! A body under friction: `m x'' = F_e - F`, integrated together with the friction's states.
 //!
-//! Dynamic friction models are integrated with the body by the classical Runge-Kutta method. Models that are discontinuous at
-//! zero velocity ([`FrictionModel::holding`]) stick and break away as events: the body is held while the applied force lies within
-//! the holding levels, and a change of sign of the velocity ends a slip.
+//! Dynamic friction models are integrated with the body by the classical Runge-Kutta method. Models
+//! that are discontinuous at zero velocity ([`FrictionModel::holding`]) stick and break away as
+//! events: the body is held while the applied force lies within the holding levels, and a change of
+//! sign of the velocity ends a slip.
 
 use crate::{ContinuousState, FrictionModel, State};
 
@@ -56,7 +57,14 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
     pub fn new(model: M, inertia: f64) -> Self {
         let moment = Moment { time: 0.0, position: 0.0, velocity: 0.0, driver: [0.0; A] };
         let friction = model.rest();
-        Self { model, friction, inverse_inertia: 1.0 / inertia, moment, applied: 0.0, force_rate: 0.0 }
+        Self {
+            model,
+            friction,
+            inverse_inertia: 1.0 / inertia,
+            moment,
+            applied: 0.0,
+            force_rate: 0.0,
+        }
     }
 
     /// Gives the body another `inertia` [kg or kg m^2], above zero; it keeps its velocity.
@@ -92,7 +100,8 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
     /// Advances by `h` [s] under the force and driver that `drive` gives at each moment.
     #[inline]
     pub fn advance(&mut self, h: f64, drive: impl Fn(&Moment<A>) -> Drive<A>) {
-        // Models without stiction never look at the rate; the compiler drops its computation for them.
+        // Models without stiction never look at the rate; the compiler drops its computation for
+        // them.
         match self.model.holding(self.force_rate) {
             None => self.runge_kutta(h, drive, None),
             Some(_) => self.advance_with_events(h, drive),
@@ -101,7 +110,8 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
 
     fn advance_with_events(&mut self, h: f64, drive: impl Fn(&Moment<A>) -> Drive<A>) {
         let applied = drive(&self.moment).force;
-        self.force_rate = if self.moment.time > 0.0 { (applied - self.applied).abs() / h } else { 0.0 };
+        self.force_rate =
+            if self.moment.time > 0.0 { (applied - self.applied).abs() / h } else { 0.0 };
         self.applied = applied;
         let Some(holding) = self.model.holding(self.force_rate) else { return };
         let Moment { position, velocity, .. } = self.moment;
@@ -115,7 +125,8 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
         self.runge_kutta(h, drive, Some(direction));
         if self.moment.velocity * direction <= 0.0 {
             if !resting {
-                // The slip ended inside the step, after the fraction of it that linear deceleration takes.
+                // The slip ended inside the step, after the fraction of it that linear deceleration
+                // takes.
                 let fraction = velocity / (velocity - self.moment.velocity);
                 self.moment.position = position + 0.5 * velocity * fraction * h;
             }
@@ -140,9 +151,15 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
         self.model.commit(&mut self.friction, 0.0, h);
     }
 
-    /// One step; `slipping` in a direction keeps a discontinuous model on that side of zero velocity.
+    /// One step; `slipping` in a direction keeps a discontinuous model on that side of zero
+    /// velocity.
     #[inline]
-    fn runge_kutta(&mut self, h: f64, drive: impl Fn(&Moment<A>) -> Drive<A>, slipping: Option<f64>) {
+    fn runge_kutta(
+        &mut self,
+        h: f64,
+        drive: impl Fn(&Moment<A>) -> Drive<A>,
+        slipping: Option<f64>,
+    ) {
         let here = self.moment;
         let x = self.friction.continuous;
         let rates = |x: &M::Continuous, at: &Moment<A>| {
@@ -182,7 +199,10 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
 /// `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
 #[inline]
 pub(crate) fn sum<C: ContinuousState>(x: &C, [k1, k2, k3, k4]: [&C; 4], h: f64) -> C {
-    x.plus_scaled(k1, h / 6.0).plus_scaled(k2, h / 3.0).plus_scaled(k3, h / 3.0).plus_scaled(k4, h / 6.0)
+    x.plus_scaled(k1, h / 6.0)
+        .plus_scaled(k2, h / 3.0)
+        .plus_scaled(k3, h / 3.0)
+        .plus_scaled(k4, h / 6.0)
 }
 
 #[cfg(test)]
@@ -199,7 +219,8 @@ mod tests {
         for k in 1..=5000 {
             body.advance(1e-3, |at| Drive::from(4.0 * (1.0 - at.position)));
             let t = 1e-3 * f64::from(k);
-            let expected = 1.0 - (-0.05 * t).exp() * ((omega * t).cos() + 0.05 / omega * (omega * t).sin());
+            let expected =
+                1.0 - (-0.05 * t).exp() * ((omega * t).cos() + 0.05 / omega * (omega * t).sin());
             assert!((body.moment().position - expected).abs() < 1e-11, "at {t} s");
         }
     }
@@ -233,7 +254,10 @@ mod tests {
         for _ in 0..1000 {
             body.advance(1e-3, |_| Drive { force: 1.4, rates: [2.0] });
         }
-        assert_eq!((body.moment().position, body.friction(1.4), body.friction(-3.0)), (0.0, 1.4, -1.5));
+        assert_eq!(
+            (body.moment().position, body.friction(1.4), body.friction(-3.0)),
+            (0.0, 1.4, -1.5)
+        );
         assert!((body.moment().driver[0] - 2.0).abs() < 1e-12, "the driver goes on");
     }
 }

@@ -1,4 +1,5 @@
-//! The bristle model of Haessig and Friedland: bonds that stretch, snap and are made anew at random.
+//! The bristle model of Haessig and Friedland: bonds that stretch, snap and are made anew at
+//! random.
 //!
 //! ```text
 //! u_i = x - b_i                             extension of bond i = 1..N, made at b_i
@@ -6,8 +7,9 @@
 //! |u_i| >= delta_s:  the bond snaps and is made anew, with u_i uniform in (-delta_s, delta_s)
 //! ```
 //!
-//! D. A. Haessig and B. Friedland, "On the modeling and simulation of friction", ASME Journal of Dynamic Systems, Measurement, and
-//! Control 113 (1991), 354-362, the first of the two models there. The viscous term is an addition of this crate, zero if left out.
+//! D. A. Haessig and B. Friedland, "On the modeling and simulation of friction", ASME Journal of
+//! Dynamic Systems, Measurement, and Control 113 (1991), 354-362, the first of the two models
+//! there. The viscous term is an addition of this crate, zero if left out.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -17,27 +19,34 @@
 //! | `seed` | - | >= 0 | seed of the random numbers, whole |
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
-//! In sliding, a bond lives for a travel uniform in `(0, 2 delta_s)`: a renewal process. It follows, without viscous friction,
+//! In sliding, a bond lives for a travel uniform in `(0, 2 delta_s)`: a renewal process. It
+//! follows, without viscous friction,
 //!
-//! * in sliding a bond's extension has the density `(delta_s + u) / (2 delta_s^2)`: mean force `F_c = N sigma0 delta_s / 3`, relative standard
-//!   deviation `sqrt(2/N)`;
-//! * from rest the mean force is `N sigma0 delta_s (1 + x/delta_s - e^(x/(2 delta_s)))` for `x <= 2 delta_s`. It starts with the stiffness
-//!   `N sigma0 / 2`, because the bonds near the end snap at once, and has its peak `3 (2 ln 2 - 1) F_c = 1.159 F_c` at `2 ln 2 delta_s`;
+//! * in sliding a bond's extension has the density `(delta_s + u) / (2 delta_s^2)`: mean force
+//!   `F_c = N sigma0 delta_s / 3`, relative standard deviation `sqrt(2/N)`;
+//! * from rest the mean force is `N sigma0 delta_s (1 + x/delta_s - e^(x/(2 delta_s)))` for
+//!   `x <= 2 delta_s`. It starts with the stiffness `N sigma0 / 2`, because the bonds near the end
+//!   snap at once, and has its peak `3 (2 ln 2 - 1) F_c = 1.159 F_c` at `2 ln 2 delta_s`;
 //! * always `|F - f_v v| <= N sigma0 delta_s = 3 F_c`.
 //!
-//! New bonds may already be loaded, either way. (If they were made unloaded, the mean would be `N sigma0 delta_s / 2`.)
-//! At rest the bonds are spread evenly over `(-delta_s, delta_s)`: they hold each other, and store energy.
+//! New bonds may already be loaded, either way. (If they were made unloaded, the mean would be
+//! `N sigma0 delta_s / 2`.) At rest the bonds are spread evenly over `(-delta_s, delta_s)`: they
+//! hold each other, and store energy.
 //!
-//! It shows friction as many contacts that give way one by one: stiction, pre-sliding displacement, and noise that falls with the number of
-//! bonds. It dissipates: a snapping bond always loses energy. The mean does not depend on speed, so there is no
-//! Stribeck curve and no lag; inner loops do not close, since what was made anew is random; the noise makes it unfit for compensation; and each
-//! step costs time in proportion to N. Use it to test what friction noise does to a controller.
-//! The same seed gives the same numbers, to the last bit; resetting a model starts the sequence again.
+//! It shows friction as many contacts that give way one by one: stiction, pre-sliding displacement,
+//! and noise that falls with the number of bonds. It dissipates: a snapping bond always loses
+//! energy. The mean does not depend on speed, so there is no Stribeck curve and no lag; inner loops
+//! do not close, since what was made anew is random; the noise makes it unfit for compensation; and
+//! each step costs time in proportion to N. Use it to test what friction noise does to a
+//! controller. The same seed gives the same numbers, to the last bit; resetting a model starts the
+//! sequence again.
 //!
-//! Only extensions are kept, so nothing grows with the distance. Fixed-step form: every bond travels `v dt`, snapping on the way as often as it
-//! must; the force has the right distribution at any period. A bond that travels more than `20 delta_s` in a step has
-//! forgotten its past to one part in 10^8, and takes its extension from the density of sliding: a step's time is bounded.
-//! Within a step of the derivative form, bonds beyond `delta_s` count with `delta_s`; they snap when the step is accepted.
+//! Only extensions are kept, so nothing grows with the distance. Fixed-step form: every bond
+//! travels `v dt`, snapping on the way as often as it must; the force has the right distribution at
+//! any period. A bond that travels more than `20 delta_s` in a step has forgotten its past to one
+//! part in 10^8, and takes its extension from the density of sliding: a step's time is bounded.
+//! Within a step of the derivative form, bonds beyond `delta_s` count with `delta_s`; they snap
+//! when the step is accepted.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -48,18 +57,19 @@ use serde::{Deserialize, Serialize};
 use crate::model::{bounded, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 /// Most bonds a model can have.
 pub const MAX_BONDS: usize = 128;
 
-/// Travel in one step, in units of `delta_s`, after which a bond's extension no longer depends on what it was: the slowest mode of the
-/// renewal process falls as `exp(-1.04 travel / delta_s)`.
+/// Travel in one step, in units of `delta_s`, after which a bond's extension no longer depends on
+/// what it was: the slowest mode of the renewal process falls as `exp(-1.04 travel / delta_s)`.
 const FORGOTTEN: f64 = 20.0;
 
-/// Snaps of one bond in one step beyond which nothing is followed up. The travel above takes 20 in the mean, with a standard deviation of 2.6.
+/// Snaps of one bond in one step beyond which nothing is followed up. The travel above takes 20 in
+/// the mean, with a standard deviation of 2.6.
 const MOST_SNAPS: u32 = 64;
 
 parameters! {
@@ -80,7 +90,8 @@ parameters! {
 }
 
 impl BristleParameters {
-    /// `bonds` bonds with the mean sliding force `f_c` [N or N m] and, from rest, the mean stiffness `stiffness` [N/m or N m/rad].
+    /// `bonds` bonds with the mean sliding force `f_c` [N or N m] and, from rest, the mean
+    /// stiffness `stiffness` [N/m or N m/rad].
     #[must_use]
     pub fn from_levels(bonds: u32, f_c: f64, stiffness: f64, f_v: f64) -> Self {
         let sigma0 = 2.0 * stiffness / f64::from(bonds);
@@ -89,7 +100,8 @@ impl BristleParameters {
 }
 
 impl Presets for BristleParameters {
-    /// Kinetic level, stiffness from rest and viscous friction of table 4.13. The static level follows: 1.159 of the kinetic one.
+    /// Kinetic level, stiffness from rest and viscous friction of table 4.13. The static level
+    /// follows: 1.159 of the kinetic one.
     fn test_bed() -> Self {
         Self::from_levels(100, 0.0925, 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006, 0.0403)
     }
@@ -105,11 +117,13 @@ pub struct BristleMemory {
     /// Extensions [m or rad]; those beyond the number of bonds are not used.
     extensions: [f64; MAX_BONDS],
     random: Pcg32,
-    /// Travel in the present direction, up to `2 delta_s`, after which every bond has snapped [m or rad].
+    /// Travel in the present direction, up to `2 delta_s`, after which every bond has snapped
+    /// [m or rad].
     run: f64,
 }
 
-/// Haessig and Friedland's bristle model with valid parameters. State: the travel since the last accepted step, and the bonds.
+/// Haessig and Friedland's bristle model with valid parameters. State: the travel since the last
+/// accepted step, and the bonds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "BristleParameters", into = "BristleParameters")]
 pub struct Bristle {
@@ -217,8 +231,14 @@ impl FrictionModel for Bristle {
     }
 
     #[inline]
-    fn evaluate(&self, &[travel]: &[f64; 1], bonds: &BristleMemory, velocity: f64) -> Evaluation<[f64; 1]> {
-        let force = self.parameters.sigma0 * self.sum(bonds, travel) + self.parameters.f_v * velocity;
+    fn evaluate(
+        &self,
+        &[travel]: &[f64; 1],
+        bonds: &BristleMemory,
+        velocity: f64,
+    ) -> Evaluation<[f64; 1]> {
+        let force =
+            self.parameters.sigma0 * self.sum(bonds, travel) + self.parameters.f_v * velocity;
         Evaluation { force, rates: [velocity] }
     }
 
@@ -244,7 +264,13 @@ impl FrictionModel for Bristle {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], BristleMemory>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], BristleMemory>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         self.travel(&mut state.memory, rate * dt.seconds());
         0.0
     }
@@ -254,12 +280,14 @@ impl FrictionModel for Bristle {
         sign(velocity) * self.kinetic() + self.parameters.f_v * velocity
     }
 
-    /// The mean extension. Slip once the contact has travelled `2 delta_s` in one direction: by then every bond has snapped.
+    /// The mean extension. Slip once the contact has travelled `2 delta_s` in one direction: by
+    /// then every bond has snapped.
     fn internals(&self, state: &State<[f64; 1], BristleMemory>, velocity: f64) -> Internals {
         let [travel] = state.continuous;
         let deflection = self.sum(&state.memory, travel) / f64::from(self.parameters.bonds);
         let run = state.memory.run * sign(velocity);
-        let regime = if run >= 2.0 * self.parameters.delta_s { Regime::Slip } else { Regime::Stick };
+        let regime =
+            if run >= 2.0 * self.parameters.delta_s { Regime::Slip } else { Regime::Stick };
         Internals { deflection, gamma: self.kinetic(), regime }
     }
 

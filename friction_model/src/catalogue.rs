@@ -1,4 +1,5 @@
-//! The one list of all models, and what is made from it: the names, and the enums that hold any model, its parameters or its stepper.
+//! The one list of all models, and what is made from it: the names, and the enums that hold any
+//! model, its parameters or its stepper.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +19,9 @@ pub trait ModelVisitor {
             + 'static;
 }
 
-/// Makes everything that must know every model. Each line: the name, as files spell it, as headings spell it, the
-/// parameters, and the types that run it: the first that has room for the parameters is taken.
+/// Makes everything that must know every model. Each line: the name, as files spell it, as headings
+/// spell it, the parameters, and the types that run it: the first that has room for the parameters
+/// is taken.
 macro_rules! models {
     ($($name:ident $text:literal $title:literal $parameters:ident: $($variant:ident($model:ty)),+;)+) => {
         /// Which friction model.
@@ -49,8 +51,9 @@ macro_rules! models {
             }
         }
 
-        /// The parameters of a model chosen by name, as files carry them: the name, and the parameters under it; or
-        /// `asymmetric`, under it the name, and under that `forward` and `backward` with the parameters of each direction.
+        /// The parameters of a model chosen by name, as files carry them: the name, and the
+        /// parameters under it; or `asymmetric`, under it the name, and under that `forward` and
+        /// `backward` with the parameters of each direction.
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         #[expect(clippy::large_enum_variant, reason = "lists live in place: no allocation")]
         pub enum AnyParameters {
@@ -67,7 +70,8 @@ macro_rules! models {
             $(#[doc = $title] #[serde(rename = $text)] $name(BothWays<$parameters>),)+
         }
 
-        /// A friction model chosen by name, with valid parameters. In files it looks as its [`AnyParameters`].
+        /// A friction model chosen by name, with valid parameters. In files it looks as its
+        /// [`AnyParameters`].
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         #[serde(try_from = "AnyParameters", into = "AnyParameters")]
         #[expect(clippy::large_enum_variant, reason = "models live in place: no allocation, and they can be copied")]
@@ -124,7 +128,8 @@ macro_rules! models {
                 }
             }
 
-            /// Parameters for the forward and the backward direction; the same twice unless they are asymmetric.
+            /// Parameters for the forward and the backward direction; the same twice unless they
+            /// are asymmetric.
             #[must_use]
             pub const fn sides(&self) -> (Self, Self) {
                 match *self {
@@ -154,7 +159,8 @@ macro_rules! models {
                 }
             }
 
-            /// Calls `f` with every number of the parameter `name`, of an asymmetric contact first the forward ones.
+            /// Calls `f` with every number of the parameter `name`, of an asymmetric contact first
+            /// the forward ones.
             pub fn each(&self, name: &str, f: &mut dyn FnMut(f64)) {
                 match self {
                     $(Self::$name(parameters) => parameters.each(name, f),)+
@@ -166,7 +172,8 @@ macro_rules! models {
                 }
             }
 
-            /// Multiplies the parameter `name` by `factor`, in both directions; false if there is none of that name.
+            /// Multiplies the parameter `name` by `factor`, in both directions; false if there is
+            /// none of that name.
             pub fn scale(&mut self, name: &str, factor: f64) -> bool {
                 match self {
                     $(
@@ -179,7 +186,8 @@ macro_rules! models {
         }
 
         impl AnyParameters {
-            /// Sets the parameter `name` to `value`, in both directions; false if there is none of that name, or if it is a list.
+            /// Sets the parameter `name` to `value`, in both directions; false if there is none of
+            /// that name, or if it is a list.
             pub fn set(&mut self, name: &str, value: f64) -> bool {
                 match self {
                     $(
@@ -190,7 +198,8 @@ macro_rules! models {
                 }
             }
 
-            /// Sets the number at `index` of the parameter `name` to `value`, in both directions; false if there is none.
+            /// Sets the number at `index` of the parameter `name` to `value`, in both directions;
+            /// false if there is none.
             pub fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool {
                 match self {
                     $(
@@ -201,7 +210,8 @@ macro_rules! models {
                 }
             }
 
-            /// The numbers of the parameter `name`, of an asymmetric contact the forward ones; empty if there is none.
+            /// The numbers of the parameter `name`, of an asymmetric contact the forward ones;
+            /// empty if there is none.
             #[cfg(feature = "std")]
             #[must_use]
             pub fn values(&self, name: &str) -> Vec<f64> {
@@ -265,7 +275,8 @@ macro_rules! models {
                 }
             }
 
-            /// The force after a long time at constant `velocity`, see [`FrictionModel::steady_state`].
+            /// The force after a long time at constant `velocity`, see
+            /// [`FrictionModel::steady_state`].
             #[must_use]
             pub fn steady_state(&self, velocity: f64) -> f64 {
                 match self {
@@ -290,8 +301,8 @@ macro_rules! models {
         }
 
         impl AsymmetricStepper {
-            /// The friction now at `velocity`; the state then advances by one period. Apart from [`AnyStepper::step`], which stays smaller
-            /// and faster for it.
+            /// The friction now at `velocity`; the state then advances by one period. Apart from
+            /// [`AnyStepper::step`], which stays smaller and faster for it.
             #[inline(never)]
             fn step(&mut self, velocity: f64) -> f64 {
                 match self {
@@ -309,7 +320,8 @@ macro_rules! models {
                 }
             }
 
-            /// The friction now at `velocity`; the state then advances by one period. See [`Stepper::step`].
+            /// The friction now at `velocity`; the state then advances by one period. See
+            /// [`Stepper::step`].
             #[inline]
             pub fn step(&mut self, velocity: f64) -> f64 {
                 match self {
@@ -318,7 +330,8 @@ macro_rules! models {
                 }
             }
 
-            /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state. See [`Stepper::step_injected`].
+            /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous
+            /// state. See [`Stepper::step_injected`].
             #[inline]
             pub fn step_injected(&mut self, velocity: f64, rate: f64) -> f64 {
                 match self {

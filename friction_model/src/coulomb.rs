@@ -9,9 +9,9 @@
 //! |---|---|---|---|
 //! | `f_c` | N or N m | > 0 | kinetic friction |
 //!
-//! It gives the direction and the size of sliding friction. It knows no pre-sliding displacement, no static level above
-//! the kinetic one and no dependence on speed; at zero velocity a simulator needs the applied force (see
-//! [`FrictionModel::holding`]).
+//! It gives the direction and the size of sliding friction. It knows no pre-sliding displacement,
+//! no static level above the kinetic one and no dependence on speed; at zero velocity a simulator
+//! needs the applied force (see [`FrictionModel::holding`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,8 @@ use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State,
 };
 
 parameters! {

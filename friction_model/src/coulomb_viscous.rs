@@ -10,15 +10,15 @@
 //! | `f_c` | N or N m | > 0 | kinetic friction |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! It reproduces sliding friction that grows with speed, and a contact that holds up to the kinetic level. It has no static level
-//! above the kinetic one and no falling characteristic, so nothing sticks and slips under it; it has no pre-sliding displacement, no
-//! lag and no memory.
+//! It reproduces sliding friction that grows with speed, and a contact that holds up to the kinetic
+//! level. It has no static level above the kinetic one and no falling characteristic, so nothing
+//! sticks and slips under it; it has no pre-sliding displacement, no lag and no memory.
 //!
-//! Use it for well lubricated axes, for a first identification (both parameters are linear in the force) and for speeds well above
-//! the Stribeck velocity.
+//! Use it for well lubricated axes, for a first identification (both parameters are linear in the
+//! force) and for speeds well above the Stribeck velocity.
 //!
-//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be known (see
-//! [`FrictionModel::holding`]).
+//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
+//! known (see [`FrictionModel::holding`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -26,7 +26,8 @@ use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State,
 };
 
 parameters! {
@@ -105,15 +106,21 @@ mod tests {
         }
         assert_eq!(model.steady_state(0.0), 0.0);
         assert_eq!(model.holding(1.0), Some(Holding::up_to(0.0925)));
-        for (f_c, f_v) in [(0.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
-            assert!(CoulombViscous::try_from(CoulombViscousParameters { f_c, f_v }).is_err(), "{f_c} {f_v}");
+        for (f_c, f_v) in
+            [(0.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (f64::NAN, 1.0), (1.0, f64::INFINITY)]
+        {
+            assert!(
+                CoulombViscous::try_from(CoulombViscousParameters { f_c, f_v }).is_err(),
+                "{f_c} {f_v}"
+            );
         }
     }
 
     /// `m v' = F_e - F_c - f_v v`: the speed settles exponentially at `(F_e - F_c) / f_v`.
     #[test]
     fn a_pushed_body_settles_exponentially() {
-        let model = CoulombViscous::try_from(CoulombViscousParameters { f_c: 1.0, f_v: 0.5 }).unwrap();
+        let model =
+            CoulombViscous::try_from(CoulombViscousParameters { f_c: 1.0, f_v: 0.5 }).unwrap();
         let mut body = Body::<_, 0>::new(model, 2.0);
         for k in 1..=8000 {
             body.advance(1e-3, |_| Drive::from(3.0));

@@ -5,7 +5,8 @@
 //! F_b   = sigma0 z,   F = F_b + f_v v
 //! ```
 //!
-//! With `delta = 1`: `z' = v - sigma0 |v| z / F_c`, that is LuGre without Stribeck effect and micro-damping.
+//! With `delta = 1`: `z' = v - sigma0 |v| z / F_c`, that is LuGre without Stribeck effect and
+//! micro-damping.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -14,13 +15,15 @@
 //! | `delta` | - | (0, 10], 1 if left out | shape of the curve: below 1 brittle, above 1 ductile |
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
-//! It gives pre-sliding displacement and a hysteresis that depends on the path alone, not on its speed, and it dissipates over every closed
-//! cycle. It has no static level above the kinetic one, so no stick-slip; inner loops do not close, and it drifts under small oscillating loads.
-//! Use it where stiffness and one level are all that is known.
+//! It gives pre-sliding displacement and a hysteresis that depends on the path alone, not on its
+//! speed, and it dissipates over every closed cycle. It has no static level above the kinetic one,
+//! so no stick-slip; inner loops do not close, and it drifts under small oscillating loads. Use it
+//! where stiffness and one level are all that is known.
 //!
-//! Fixed-step form: exact for any travel `d = v dt`. With `w = 1 - u`, `w' = -(sigma0/F_c) w^delta` along the path:
-//! `w <- w exp(-sigma0 |d| / F_c)` for `delta = 1`, else `w <- [w^(1-delta) - (1-delta) sigma0 |d| / F_c]^(1/(1-delta))`, zero once the
-//! bracket of a brittle contact is used up.
+//! Fixed-step form: exact for any travel `d = v dt`. With `w = 1 - u`, `w' = -(sigma0/F_c) w^delta`
+//! along the path: `w <- w exp(-sigma0 |d| / F_c)` for `delta = 1`, else
+//! `w <- [w^(1-delta) - (1-delta) sigma0 |d| / F_c]^(1/(1-delta))`, zero once the bracket of a
+//! brittle contact is used up.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -30,8 +33,8 @@ use crate::model::{bounded, fused, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 /// The exponent that files may leave out.
@@ -96,7 +99,8 @@ impl TryFrom<DahlParameters> for Dahl {
 }
 
 impl Dahl {
-    /// How much of `w = 1 - u` is left after a travel of `strain = sigma0 |d| / F_c`, for an exponent other than 1.
+    /// How much of `w = 1 - u` is left after a travel of `strain = sigma0 |d| / F_c`, for an
+    /// exponent other than 1.
     fn remaining(&self, w: f64, strain: f64) -> f64 {
         let e = 1.0 - self.parameters.delta;
         let left = w.powf(e) - e * strain;
@@ -169,7 +173,13 @@ impl FrictionModel for Dahl {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], ()>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
         let [z] = state.continuous;
         let moved = rate * relaxed(velocity.abs() * self.inverse_z_c, dt.seconds());
         state.continuous = [saturate(self.z_c, z + moved)];
@@ -180,10 +190,12 @@ impl FrictionModel for Dahl {
         self.parameters.f_c * sign(velocity) + self.parameters.f_v * velocity
     }
 
-    /// Slip once the bristle force is within 5 % of F_c in the direction of motion; Dahl's model itself knows no switch.
+    /// Slip once the bristle force is within 5 % of F_c in the direction of motion; Dahl's model
+    /// itself knows no switch.
     fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
         let [z] = state.continuous;
-        let regime = if z * sign(velocity) >= 0.95 * self.z_c { Regime::Slip } else { Regime::Stick };
+        let regime =
+            if z * sign(velocity) >= 0.95 * self.z_c { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma: self.parameters.f_c, regime }
     }
 
@@ -207,7 +219,8 @@ mod tests {
         DahlParameters { delta, ..DahlParameters::test_bed() }.try_into().unwrap()
     }
 
-    /// One long step equals a thousand steps of the derivative form, for ductile and brittle curves.
+    /// One long step equals a thousand steps of the derivative form, for ductile and brittle
+    /// curves.
     #[test]
     fn the_fixed_step_is_exact_for_any_exponent() {
         for delta in [0.5, 1.0, 1.5, 2.0, 3.0] {

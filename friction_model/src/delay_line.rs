@@ -1,8 +1,9 @@
 //! A pure delay of a sampled signal, in a fixed amount of memory.
 //!
-//! The signal is taken as straight between the values that are pushed. The line keeps it at [`INTERVALS`] equal intervals over the delay,
-//! however long or short the steps are, and interpolates between them. So a straight signal is delayed exactly, one that
-//! curves to second order in the spacing, and a jump is smeared over one spacing and one step.
+//! The signal is taken as straight between the values that are pushed. The line keeps it at
+//! [`INTERVALS`] equal intervals over the delay, however long or short the steps are, and
+//! interpolates between them. So a straight signal is delayed exactly, one that curves to second
+//! order in the spacing, and a jump is smeared over one spacing and one step.
 
 /// Intervals into which the delay is divided.
 pub(crate) const INTERVALS: usize = 32;
@@ -45,7 +46,8 @@ impl DelayLine {
             let end = self.since + dt;
             // Truncated; a number too large becomes the largest.
             let passed = (end / self.spacing) as usize;
-            self.since = crate::model::between(0.0, self.spacing, end - passed as f64 * self.spacing);
+            self.since =
+                crate::model::between(0.0, self.spacing, end - passed as f64 * self.spacing);
             for later in (0..passed.min(LENGTH)).rev() {
                 let ago = later as f64 * self.spacing + self.since;
                 self.newest = (self.newest + 1) % LENGTH;
@@ -55,7 +57,8 @@ impl DelayLine {
         self.now = value;
     }
 
-    /// The delayed signal at a moment `ahead` [s] of now, to which the signal goes straight to `value`.
+    /// The delayed signal at a moment `ahead` [s] of now, to which the signal goes straight to
+    /// `value`.
     #[inline]
     pub(crate) fn delayed(&self, value: f64, ahead: f64) -> f64 {
         let ago = self.delay - ahead;
@@ -73,7 +76,11 @@ impl DelayLine {
     fn past(&self, ago: f64) -> f64 {
         let newest = self.sample(0);
         if ago <= self.since {
-            return if self.since > 0.0 { between(self.now, newest, ago / self.since) } else { self.now };
+            return if self.since > 0.0 {
+                between(self.now, newest, ago / self.since)
+            } else {
+                self.now
+            };
         }
         let place = (ago - self.since) / self.spacing;
         let before = place as usize;
@@ -99,7 +106,8 @@ mod tests {
 
     const DELAY: f64 = 0.0111;
 
-    /// Steps much shorter than the spacing (0.35 ms), about as long, longer, as long as the delay, and longer than it.
+    /// Steps much shorter than the spacing (0.35 ms), about as long, longer, as long as the delay,
+    /// and longer than it.
     const STEPS: [f64; 7] = [1e-5, 3.3e-4, DELAY / 32.0, 1e-3, 0.01, DELAY, 0.025];
 
     #[test]
@@ -114,7 +122,10 @@ mod tests {
                     // Any moment of the step to come, too.
                     for ahead in [0.1 * dt, 0.5 * dt, dt] {
                         let then = t + ahead;
-                        assert!((line.delayed(then, ahead) - (then - DELAY)).abs() < 1e-12, "dt {dt}, t {t}");
+                        assert!(
+                            (line.delayed(then, ahead) - (then - DELAY)).abs() < 1e-12,
+                            "dt {dt}, t {t}"
+                        );
                     }
                 }
             }

@@ -16,12 +16,14 @@
 //! | `z_ba` | m or rad | > 0, below `f_c / sigma0` | deflection up to which the contact is purely elastic |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! `z_ba` must lie below the sliding deflection at every speed, that is below `F_c / sigma0`; 0.7 of it is usual. Below `sigma0 z_ba` the contact is a
-//! spring: it does not drift there, and it has no hysteresis there either. Above, inner loops do not close. Everything else is as in LuGre:
+//! `z_ba` must lie below the sliding deflection at every speed, that is below `F_c / sigma0`; 0.7
+//! of it is usual. Below `sigma0 z_ba` the contact is a spring: it does not drift there, and it has
+//! no hysteresis there either. Above, inner loops do not close. Everything else is as in LuGre:
 //! steady state `sgn(v) g(v) + f_v v`, stick-slip, lag.
 //!
-//! Fixed-step form: the exact solution for velocity and `alpha` held over the period; a deflection that moves outward stops at `z_ss`, which it
-//! could otherwise overshoot from within the elastic range.
+//! Fixed-step form: the exact solution for velocity and `alpha` held over the period; a deflection
+//! that moves outward stops at `z_ss`, which it could otherwise overshoot from within the elastic
+//! range.
 
 use core::f64::consts::PI;
 
@@ -33,8 +35,8 @@ use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
 };
 
 parameters! {
@@ -53,7 +55,8 @@ parameters! {
         sigma0: f64, Stiffness, Range::Positive;
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
         sigma1: f64, Damping, Range::NonNegative;
-        /// Deflection z_ba up to which the contact is elastic [m or rad], above zero and below `f_c / sigma0`.
+        /// Deflection z_ba up to which the contact is elastic [m or rad], above zero and below
+        /// `f_c / sigma0`.
         z_ba: f64, Deflection, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
         f_v: f64, Damping, Range::NonNegative;
@@ -76,7 +79,16 @@ impl Presets for ElastoPlasticParameters {
     }
     fn chapter_3() -> Self {
         let sigma1 = 1e5f64.sqrt();
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, z_ba: 0.7e-5, f_v: 0.0 }
+        Self {
+            f_s: 1.5,
+            f_c: 1.0,
+            v_s: 0.01,
+            delta: 2.0,
+            sigma0: 1e5,
+            sigma1,
+            z_ba: 0.7e-5,
+            f_v: 0.0,
+        }
     }
 }
 
@@ -105,7 +117,8 @@ impl TryFrom<ElastoPlasticParameters> for ElastoPlastic {
 }
 
 impl ElastoPlastic {
-    /// The part of the motion that is plastic, from 0 (elastic) to 1 (sliding), where the sliding deflection is `z_ss`.
+    /// The part of the motion that is plastic, from 0 (elastic) to 1 (sliding), where the sliding
+    /// deflection is `z_ss`.
     #[inline]
     fn alpha(&self, z: f64, velocity: f64, z_ss: f64) -> f64 {
         let z_ba = self.parameters.z_ba;
@@ -147,7 +160,10 @@ impl FrictionModel for ElastoPlastic {
         let z_ss = self.curve.level(velocity) / p.sigma0;
         move |&[z], ()| {
             let z_rate = velocity - self.alpha(z, velocity, z_ss) * velocity.abs() * z / z_ss;
-            Evaluation { force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity, rates: [z_rate] }
+            Evaluation {
+                force: p.sigma0 * z + p.sigma1 * z_rate + p.f_v * velocity,
+                rates: [z_rate],
+            }
         }
     }
 
@@ -179,7 +195,13 @@ impl FrictionModel for ElastoPlastic {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], ()>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
         let p = &self.parameters;
         let [z] = state.continuous;
         let z_ss = self.curve.level(velocity) / p.sigma0;
@@ -198,7 +220,11 @@ impl FrictionModel for ElastoPlastic {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);
         let alpha = self.alpha(z, velocity, gamma / self.parameters.sigma0);
-        Internals { deflection: z, gamma, regime: if alpha > 0.5 { Regime::Slip } else { Regime::Stick } }
+        Internals {
+            deflection: z,
+            gamma,
+            regime: if alpha > 0.5 { Regime::Slip } else { Regime::Stick },
+        }
     }
 
     #[inline]
@@ -241,7 +267,12 @@ mod tests {
         let velocity = |t: f64| 0.9 * z_ba * 7.0 * (7.0 * t).cos();
         for k in 0..3000 {
             let t = 1e-3 * f64::from(k);
-            rk4::step(&model, &mut state, [velocity(t), velocity(t + 5e-4), velocity(t + 1e-3)], 1e-3);
+            rk4::step(
+                &model,
+                &mut state,
+                [velocity(t), velocity(t + 5e-4), velocity(t + 1e-3)],
+                1e-3,
+            );
             let displacement = 0.9 * z_ba * (7.0 * (t + 1e-3)).sin();
             assert!((state.continuous[0] - displacement).abs() < 1e-8 * z_ba);
         }
@@ -261,7 +292,8 @@ mod tests {
 
     #[test]
     fn an_elastic_range_beyond_sliding_is_refused() {
-        let p = ElastoPlasticParameters { z_ba: 0.7 * 1.5e-5, ..ElastoPlasticParameters::chapter_3() };
+        let p =
+            ElastoPlasticParameters { z_ba: 0.7 * 1.5e-5, ..ElastoPlasticParameters::chapter_3() };
         let message = ElastoPlastic::try_from(p).unwrap_err().to_string();
         assert!(message.contains("elasto_plastic.z_ba must be below f_c / sigma0"), "{message}");
     }

@@ -97,7 +97,8 @@ impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
     }
 }
 
-/// Checks the lists of a model with elements: the shares sum to 1, there is room for all of them, and every other list is as long.
+/// Checks the lists of a model with elements: the shares sum to 1, there is room for all of them,
+/// and every other list is as long.
 ///
 /// Printed shares are rounded, so their sum may be off by a thousandth.
 pub(crate) fn check(
@@ -107,7 +108,8 @@ pub(crate) fn check(
     share: &[f64],
     others: &[(&'static str, &[f64])],
 ) -> Result<(), ModelError> {
-    let length = |parameter, given, expected| ModelError::Elements { model, parameter, given, expected };
+    let length =
+        |parameter, given, expected| ModelError::Elements { model, parameter, given, expected };
     if share.is_empty() || share.len() > room {
         return Err(length(shares, share.len(), if share.is_empty() { 1 } else { room }));
     }

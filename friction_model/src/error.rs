@@ -37,7 +37,9 @@ pub enum ModelError {
         expected: usize,
     },
     /// The period of the fixed-step form lies outside (0, 10 ms].
-    #[error("the fixed step must lie in (0, 0.01] s, but is {0} s; run the loop at 100 Hz or faster")]
+    #[error(
+        "the fixed step must lie in (0, 0.01] s, but is {0} s; run the loop at 100 Hz or faster"
+    )]
     TimeStep(f64),
     /// The two directions of an asymmetric contact are of different models.
     #[error(

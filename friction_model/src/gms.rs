@@ -1,4 +1,5 @@
-//! The generalised Maxwell-slip model, GMS (Lampaert, Al-Bender, Swevers 2003): elements that stick and slip side by side.
+//! The generalised Maxwell-slip model, GMS (Lampaert, Al-Bender, Swevers 2003): elements that stick
+//! and slip side by side.
 //!
 //! ```text
 //! element i sticks:  z_i' = v                                            until |z_i| reaches W_i(v) = alpha_i g(v) / sigma0_i
@@ -6,7 +7,8 @@
 //! F = sum_i ( sigma0_i z_i + sigma1_i z_i' ) + f_v v,     sum_i alpha_i = 1
 //! ```
 //!
-//! The printed 2.28 has the wrong fixed point for `v < 0`. `C_i` is a speed here; the original's common attraction `C_0` [N/s] is `C_i = C_0 alpha_i / sigma0_i`.
+//! The printed 2.28 has the wrong fixed point for `v < 0`. `C_i` is a speed here; the original's
+//! common attraction `C_0` [N/s] is `C_i = C_0 alpha_i / sigma0_i`.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -17,15 +19,18 @@
 //! | `c` | m/s or rad/s | > 0 | attraction of each element: how fast it follows the Stribeck curve in slip |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! In pre-sliding each element is a stop, so the hysteresis has non-local memory: inner loops close and are wiped out, and it does not drift. In
-//! sliding it lags. The `sigma1 z'` term jumps when an element begins to slip or sticks: with the thesis's chapter 3 set the force peaks at
-//! 2.08 N, above `F_s` = 1.5 N, and the loop of frictional lag runs the wrong way round. That is the model, not an error of integration; with `sigma1 = 0`
-//! neither happens.
+//! In pre-sliding each element is a stop, so the hysteresis has non-local memory: inner loops close
+//! and are wiped out, and it does not drift. In sliding it lags. The `sigma1 z'` term jumps when an
+//! element begins to slip or sticks: with the thesis's chapter 3 set the force peaks at 2.08 N,
+//! above `F_s` = 1.5 N, and the loop of frictional lag runs the wrong way round. That is the model,
+//! not an error of integration; with `sigma1 = 0` neither happens.
 //!
-//! Fixed-step form: the exact solution of each regime for a held velocity, with the change from stick to slip at the end of the period it falls in.
-//! In the derivative form too, elements change regime at the end of an accepted step, so the error is of first order in the step.
+//! Fixed-step form: the exact solution of each regime for a held velocity, with the change from
+//! stick to slip at the end of the period it falls in. In the derivative form too, elements change
+//! regime at the end of an accepted step, so the error is of first order in the step.
 //!
-//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry nothing.
+//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
+//! nothing.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -35,8 +40,8 @@ use crate::model::{bounded, relaxed, saturate, sign};
 use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets,
+    Range, Regime, State, StribeckCurve, TimeStep,
 };
 
 parameters! {
@@ -98,7 +103,8 @@ impl Presets for GmsParameters {
     }
 }
 
-/// GMS with valid parameters and room for `N` elements. State: `[z_i]`, and in which direction each element slips.
+/// GMS with valid parameters and room for `N` elements. State: `[z_i]`, and in which direction each
+/// element slips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "GmsParameters", into = "GmsParameters")]
 pub struct Gms<const N: usize> {
@@ -164,7 +170,8 @@ impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
         let mut elements = [Element::default(); N];
         let lists = p.alpha.iter().zip(p.sigma0.iter()).zip(p.sigma1.iter().zip(p.c.iter()));
         for (element, ((&alpha, &sigma0), (&sigma1, &c))) in elements.iter_mut().zip(lists) {
-            *element = Element { sigma0, sigma1, width: alpha / sigma0, inverse_width: sigma0 / alpha, c };
+            *element =
+                Element { sigma0, sigma1, width: alpha / sigma0, inverse_width: sigma0 / alpha, c };
             let usable = element.width > 0.0 && element.inverse_width.is_finite();
             GmsParameters::require(
                 model,
@@ -207,7 +214,9 @@ impl<const N: usize> FrictionModel for Gms<N> {
         move |z, slips| {
             let mut force = self.parameters.f_v * velocity;
             let mut rates = [velocity; N];
-            for (((element, &z), &slips), rate) in self.elements.iter().zip(z).zip(slips).zip(&mut rates) {
+            for (((element, &z), &slips), rate) in
+                self.elements.iter().zip(z).zip(slips).zip(&mut rates)
+            {
                 if slips * direction > 0.0 {
                     *rate = element.c * (direction - z * element.inverse_width * inverse_g);
                 }
@@ -221,7 +230,9 @@ impl<const N: usize> FrictionModel for Gms<N> {
     fn commit(&self, state: &mut State<[f64; N], [f64; N]>, velocity: f64, _: f64) {
         let g = self.curve.level(velocity);
         let direction = sign(velocity);
-        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory) {
+        for ((element, z), slips) in
+            self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory)
+        {
             if *slips == 0.0 {
                 if direction != 0.0 && direction * *z >= element.width * g {
                     *slips = direction;
@@ -244,12 +255,15 @@ impl<const N: usize> FrictionModel for Gms<N> {
         let inverse_g = 1.0 / g;
         let direction = sign(v);
         let mut force = self.parameters.f_v * v;
-        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory) {
+        for ((element, z), slips) in
+            self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory)
+        {
             if *slips * direction > 0.0 {
                 // Rate at which the element relaxes towards W [1/s].
                 let relaxation = element.c * element.inverse_width * inverse_g;
                 let rest = direction * element.width * g;
-                force += element.sigma0 * *z + element.sigma1 * (element.c * direction - relaxation * *z);
+                force += element.sigma0 * *z
+                    + element.sigma1 * (element.c * direction - relaxation * *z);
                 *z = rest + (*z - rest) * (-relaxation * dt).exp();
             } else {
                 force += element.sigma0 * *z + element.sigma1 * v;
@@ -264,12 +278,21 @@ impl<const N: usize> FrictionModel for Gms<N> {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; N], [f64; N]>, velocity: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; N], [f64; N]>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
         let p = &self.parameters;
         let inverse_g = 1.0 / self.curve.level(velocity);
         let mut damping = 0.0;
-        for ((element, z), slips) in self.elements.iter().zip(&mut state.continuous).zip(&state.memory) {
-            let relaxation = if *slips == 0.0 { 0.0 } else { element.c * element.inverse_width * inverse_g };
+        for ((element, z), slips) in
+            self.elements.iter().zip(&mut state.continuous).zip(&state.memory)
+        {
+            let relaxation =
+                if *slips == 0.0 { 0.0 } else { element.c * element.inverse_width * inverse_g };
             *z = saturate(element.width * p.f_s, *z + rate * relaxed(relaxation, dt.seconds()));
             damping += element.sigma1;
         }

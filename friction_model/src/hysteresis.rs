@@ -1,15 +1,18 @@
-//! Hysteresis with non-local memory: a virgin curve, Masing's doubling and a stack of reversal points.
+//! Hysteresis with non-local memory: a virgin curve, Masing's doubling and a stack of reversal
+//! points.
 //!
-//! From a reversal point `(z_r, f_r)` the force follows the virgin curve `f` doubled in both directions, in direction `s = +-1`:
+//! From a reversal point `(z_r, f_r)` the force follows the virgin curve `f` doubled in both
+//! directions, in direction `s = +-1`:
 //!
 //! ```text
 //! F = f_r + 2 s f( s (z - z_r) / 2 )                          (thesis eq. 3.53)
 //! ```
 //!
-//! until the branch meets the point from which the previous one started; there the inner loop is closed and forgotten
-//! (wiping-out), and the outer branch goes on as if nothing had happened. The first branch closes at the mirror image of
-//! its reversal point, on the virgin curve. Loops therefore close exactly, and congruent loops have the same shape
-//! wherever they lie. The operator equals a Prandtl-Ishlinskii operator with weight `w(r) = -f''(r)`.
+//! until the branch meets the point from which the previous one started; there the inner loop is
+//! closed and forgotten (wiping-out), and the outer branch goes on as if nothing had happened. The
+//! first branch closes at the mirror image of its reversal point, on the virgin curve. Loops
+//! therefore close exactly, and congruent loops have the same shape wherever they lie. The operator
+//! equals a Prandtl-Ishlinskii operator with weight `w(r) = -f''(r)`.
 
 use crate::model::saturate;
 
@@ -34,7 +37,8 @@ pub trait VirginCurve {
     fn limit(&self) -> f64;
 }
 
-/// Deepest nesting kept. A noisy sine of 200 000 samples reaches a depth of 19; only a strictly nested sequence grows without end.
+/// Deepest nesting kept. A noisy sine of 200 000 samples reaches a depth of 19; only a strictly
+/// nested sequence grows without end.
 pub const CAPACITY: usize = 120;
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,7 +54,8 @@ struct Course {
     s: f64,
     /// The reversal from which it starts; zero for the virgin curve.
     origin: Point,
-    /// Where it meets the point from which the previous branch started; infinitely far for the virgin curve.
+    /// Where it meets the point from which the previous branch started; infinitely far for the
+    /// virgin curve.
     closes_at: f64,
     /// `s` for the virgin curve, `2 s` for a doubled one; and the inverse.
     stretch: f64,
@@ -62,7 +67,13 @@ impl Course {
     #[inline]
     fn behind(points: &[Point], s: f64) -> Self {
         match points {
-            [] => Self { s, origin: Point::default(), closes_at: s * f64::INFINITY, stretch: s, shrink: s },
+            [] => Self {
+                s,
+                origin: Point::default(),
+                closes_at: s * f64::INFINITY,
+                stretch: s,
+                shrink: s,
+            },
             [origin] => Self::from(*origin, -origin.z, s),
             [.., start, origin] => Self::from(*origin, start.z, s),
         }
@@ -87,7 +98,8 @@ impl Course {
 
 /// The memory of reversal points. Starts unloaded, with nothing to remember.
 ///
-/// When the stack is full the two innermost points, one closed loop, are dropped: the error is at most that loop.
+/// When the stack is full the two innermost points, one closed loop, are dropped: the error is at
+/// most that loop.
 #[derive(Debug, Clone)]
 pub struct Hysteresis {
     last: Point,
@@ -106,14 +118,18 @@ impl Default for Hysteresis {
 }
 
 impl PartialEq for Hysteresis {
-    /// Two memories are equal when they remember the same points; what lies above the stack's top does not count.
+    /// Two memories are equal when they remember the same points; what lies above the stack's top
+    /// does not count.
     fn eq(&self, other: &Self) -> bool {
-        self.course.s == other.course.s && self.last == other.last && self.reversals() == other.reversals()
+        self.course.s == other.course.s
+            && self.last == other.last
+            && self.reversals() == other.reversals()
     }
 }
 
 impl Hysteresis {
-    /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for the stages of an integrator.
+    /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for
+    /// the stages of an integrator.
     #[inline]
     #[must_use]
     pub fn peek(&self, curve: &impl VirginCurve, z: f64) -> f64 {
@@ -127,7 +143,8 @@ impl Hysteresis {
         }
     }
 
-    /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force there.
+    /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force
+    /// there.
     #[inline]
     pub fn commit(&mut self, curve: &impl VirginCurve, z: f64) -> f64 {
         let z = saturate(curve.limit(), z);
@@ -158,14 +175,16 @@ impl Hysteresis {
         }
     }
 
-    /// The branch on which `z` lies, which differs from the last deflection, and how many reversals are behind it: a
-    /// branch that has reached the point where it closes is forgotten together with the one that it closes.
+    /// The branch on which `z` lies, which differs from the last deflection, and how many reversals
+    /// are behind it: a branch that has reached the point where it closes is forgotten together
+    /// with the one that it closes.
     #[inline(never)]
     fn turn(&self, z: f64) -> (Course, usize) {
         let s = if z > self.last.z { 1.0 } else { -1.0 };
         let mut points = self.reversals();
         if self.course.s == -s {
-            // The branch that starts here, then those that are open behind it. A full stack loses its innermost loop for it.
+            // The branch that starts here, then those that are open behind it. A full stack loses
+            // its innermost loop for it.
             if points.len() == CAPACITY {
                 points = without(points, 2);
             }
@@ -203,10 +222,12 @@ impl Hysteresis {
         self.last.z
     }
 
-    /// Energy stored [J]: that of the Prandtl-Ishlinskii stops, `1/2 int w(r) s_r^2 dr` with `w = -f''`.
+    /// Energy stored [J]: that of the Prandtl-Ishlinskii stops, `1/2 int w(r) s_r^2 dr` with
+    /// `w = -f''`.
     ///
-    /// The stop of threshold `r` was last cut at the latest reversal whose branch is longer than `2 r`; since then it has moved with
-    /// the deflection. So the reversals divide the thresholds into intervals on which `s_r` is linear in `r`.
+    /// The stop of threshold `r` was last cut at the latest reversal whose branch is longer than
+    /// `2 r`; since then it has moved with the deflection. So the reversals divide the thresholds
+    /// into intervals on which `s_r` is linear in `r`.
     #[must_use]
     pub fn stored_energy(&self, curve: &impl VirginCurve) -> f64 {
         let limit = curve.limit();

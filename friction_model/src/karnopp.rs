@@ -5,8 +5,9 @@
 //! F = sat(F_s, T)                                                |v| <= D_v      (stick, v is taken for 0)
 //! ```
 //!
-//! Thesis eq. 2.13 in its torque form, with the Stribeck curve of eq. 2.11 in slip. `T` is the sum of all other forces on the inertia; for
-//! a motor the driving torque minus the load. As long as `|T| <= F_s` a body in the band has no acceleration.
+//! Thesis eq. 2.13 in its torque form, with the Stribeck curve of eq. 2.11 in slip. `T` is the sum
+//! of all other forces on the inertia; for a motor the driving torque minus the load. As long as
+//! `|T| <= F_s` a body in the band has no acceleration.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -14,18 +15,22 @@
 //! | `d_v` | m/s or rad/s | > 0 | half width `D_v` of the band |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! It reproduces sticking, breakaway and stick-slip in a simulation with fixed steps that looks for no event. It has no pre-sliding
-//! displacement, no lag and no memory, and it does not resolve motion within the band: a speed that stays below `D_v` is lost.
-//! The friction while sticking belongs to the whole machine, because it needs `T`.
+//! It reproduces sticking, breakaway and stick-slip in a simulation with fixed steps that looks for
+//! no event. It has no pre-sliding displacement, no lag and no memory, and it does not resolve
+//! motion within the band: a speed that stays below `D_v` is lost. The friction while sticking
+//! belongs to the whole machine, because it needs `T`.
 //!
-//! Use it in simulations that cannot stop at an event. Choose `D_v > max|a| dt`, with the largest acceleration near zero speed and the
-//! step of the simulation: a body that comes to rest must not jump across the band in one step. Wider than that only costs accuracy:
-//! a slip that ends with the deceleration `a` ends `D_v / a` too early. [`crate::Body`] detects the change of sign as well, so that with it a band
-//! too narrow does no harm.
+//! Use it in simulations that cannot stop at an event. Choose `D_v > max|a| dt`, with the largest
+//! acceleration near zero speed and the step of the simulation: a body that comes to rest must not
+//! jump across the band in one step. Wider than that only costs accuracy: a slip that ends with the
+//! deceleration `a` ends `D_v / a` too early. [`crate::Body`] detects the change of sign as well,
+//! so that with it a band too narrow does no harm.
 //!
-//! The derivative form gives the sliding force at every speed, because a simulator that knows `T` asks [`FrictionModel::holding`] whether
-//! the body sticks before it asks for that force. Fixed-step form: the sliding force outside the band. Inside it the answer would be `sat(F_s, T)`;
-//! the fixed-step form does not know `T` and returns 0, as the other static models do at `v = 0`.
+//! The derivative form gives the sliding force at every speed, because a simulator that knows `T`
+//! asks [`FrictionModel::holding`] whether the body sticks before it asks for that force.
+//! Fixed-step form: the sliding force outside the band. Inside it the answer would be
+//! `sat(F_s, T)`; the fixed-step form does not know `T` and returns 0, as the other static models
+//! do at `v = 0`.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,8 +38,8 @@ use crate::memoryless::memoryless;
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State, StribeckCurve,
 };
 
 parameters! {
@@ -57,8 +62,8 @@ parameters! {
 }
 
 impl Presets for KarnoppParameters {
-    /// The levels of table 4.13. The drop of the friction accelerates the bed's inertia of 0.0026 kg m^2 by 2.7 rad/s^2: the band fits
-    /// steps up to 0.3 ms.
+    /// The levels of table 4.13. The drop of the friction accelerates the bed's inertia of 0.0026
+    /// kg m^2 by 2.7 rad/s^2: the band fits steps up to 0.3 ms.
     fn test_bed() -> Self {
         Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, d_v: 1e-3, f_v: 0.0403 }
     }
@@ -145,7 +150,8 @@ mod tests {
         for v in [0.0, 1e-9, -1e-3] {
             assert_eq!((model.steady_state(v), model.viscous(v)), (0.0, 0.0));
             assert_eq!(model.internals(&model.rest(), v).regime, Regime::Stick);
-            // Once a body leaves, the band has no say: friction opposes the motion from the first moment.
+            // Once a body leaves, the band has no say: friction opposes the motion from the first
+            // moment.
             assert_eq!(model.evaluate(&[], &(), v).force, curve.steady_state(v));
         }
         assert!(Karnopp::try_from(KarnoppParameters { d_v: 0.0, ..*model.parameters() }).is_err());
@@ -159,10 +165,14 @@ mod tests {
             assert!(!holding.holds(velocity, 1.5001));
         }
         assert!(!holding.holds(1.001e-4, 0.0));
-        assert_eq!([0.7, -1.5, 2.0, -9.0].map(|applied| holding.force(applied)), [0.7, -1.5, 1.5, -1.5]);
+        assert_eq!(
+            [0.7, -1.5, 2.0, -9.0].map(|applied| holding.force(applied)),
+            [0.7, -1.5, 1.5, -1.5]
+        );
     }
 
-    /// A sliding body that slows down into the band stays where it enters it, and has no acceleration from then on.
+    /// A sliding body that slows down into the band stays where it enters it, and has no
+    /// acceleration from then on.
     #[test]
     fn a_body_that_enters_the_band_is_held() {
         let model = Karnopp::chapter_3();

@@ -1,4 +1,5 @@
-//! The Leuven model (Swevers, Al-Bender, Ganseman, Prajogo 2000), as modified by Lampaert, Swevers and Al-Bender (2002).
+//! The Leuven model (Swevers, Al-Bender, Ganseman, Prajogo 2000), as modified by Lampaert, Swevers
+//! and Al-Bender (2002).
 //!
 //! ```text
 //! z' = v (1 - sgn(r) |r|^n),     r = F_h(z) / s(v),   s(v) = sgn(v) g(v)
@@ -6,8 +7,9 @@
 //! F_h : virgin curve f_h sin(pi z / (2 z_b)), |z| <= z_b, with the memory of [`crate::Hysteresis`]
 //! ```
 //!
-//! Thesis eqs. 2.24 to 2.26. The original's transition force `r = F_d / (s(v) - F_b)` jumps where branches meet; the modified form used here is continuous.
-//! The virgin curve is free (any odd concave one); here it is the sine of the proposed model.
+//! Thesis eqs. 2.24 to 2.26. The original's transition force `r = F_d / (s(v) - F_b)` jumps where
+//! branches meet; the modified form used here is continuous. The virgin curve is free (any odd
+//! concave one); here it is the sine of the proposed model.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -18,12 +20,16 @@
 //! | `sigma1` | N s/m or N m s/rad | >= 0 | micro-damping |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! The hysteresis has non-local memory in `z`, where inner loops close exactly. In the displacement `x` they close only as `n` grows, because the
-//! bristles slip a little in pre-sliding too: so for small `n` the model drifts. Steady state `sgn(v) g(v) + f_v v` for every `n`, since `r` tends to 1.
-//! Use it where the measured pre-sliding curve is to be reproduced and its inner loops matter more than a strictly closed displacement.
+//! The hysteresis has non-local memory in `z`, where inner loops close exactly. In the displacement
+//! `x` they close only as `n` grows, because the bristles slip a little in pre-sliding too: so for
+//! small `n` the model drifts. Steady state `sgn(v) g(v) + f_v v` for every `n`, since `r` tends to
+//! 1. Use it where the measured pre-sliding curve is to be reproduced and its inner loops matter
+//!    more than a strictly closed displacement.
 //!
-//! Fixed-step form: a linearly implicit step with the steepest possible fall of the rate, `B = n rho^(n-1) k / g` per travel, where `k = f_h pi / (2 z_b)` and
-//! `rho = max(1, |r|)`: `dz = v dt h / (1 + |v| dt B)` with `h = 1 - sgn(r)|r|^n`. It never passes the sliding deflection, at any period.
+//! Fixed-step form: a linearly implicit step with the steepest possible fall of the rate,
+//! `B = n rho^(n-1) k / g` per travel, where `k = f_h pi / (2 z_b)` and `rho = max(1, |r|)`:
+//! `dz = v dt h / (1 + |v| dt B)` with `h = 1 - sgn(r)|r|^n`. It never passes the sliding
+//! deflection, at any period.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -34,8 +40,8 @@ use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets,
+    Range, Regime, State, StribeckCurve, TimeStep,
 };
 
 parameters! {
@@ -81,7 +87,17 @@ impl Presets for LeuvenParameters {
     }
     fn chapter_3() -> Self {
         let sigma1 = 1e5f64.sqrt();
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, f_h: 1.5, z_b: 0.001, n: 2.0, sigma1, f_v: 0.0 }
+        Self {
+            f_s: 1.5,
+            f_c: 1.0,
+            v_s: 0.01,
+            delta: 2.0,
+            f_h: 1.5,
+            z_b: 0.001,
+            n: 2.0,
+            sigma1,
+            f_v: 0.0,
+        }
     }
 }
 
@@ -141,7 +157,12 @@ impl FrictionModel for Leuven {
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 1], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(
+        &self,
+        state: &[f64; 1],
+        memory: &Hysteresis,
+        velocity: f64,
+    ) -> Evaluation<[f64; 1]> {
         self.at(velocity)(state, memory)
     }
 
@@ -185,7 +206,13 @@ impl FrictionModel for Leuven {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], Hysteresis>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], Hysteresis>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         let [z] = state.continuous;
         state.memory.commit(&self.sine, z + rate * dt.seconds());
         state.continuous = [state.memory.deflection()];
@@ -224,7 +251,8 @@ mod tests {
         LeuvenParameters { n, ..LeuvenParameters::chapter_3() }.try_into().unwrap()
     }
 
-    /// With a virgin curve that ends flat at the static level, slow sliding comes close to its end: the approach takes long.
+    /// With a virgin curve that ends flat at the static level, slow sliding comes close to its end:
+    /// the approach takes long.
     #[test]
     fn reaches_the_stribeck_curve_for_every_exponent() {
         for n in [1.0, 2.0, 5.0, 10.0, 20.0] {
@@ -240,7 +268,8 @@ mod tests {
         }
     }
 
-    /// Force at the second arrival at the inner loop's start minus the first, over the loop's height: closes as n grows.
+    /// Force at the second arrival at the inner loop's start minus the first, over the loop's
+    /// height: closes as n grows.
     #[test]
     fn inner_loops_close_in_displacement_only_as_the_exponent_grows() {
         let gap = |n: f64| {
@@ -249,15 +278,18 @@ mod tests {
             let steps = 20_000;
             let amplitude = 6e-4;
             for turn in [1.0, -0.5, 0.5, -0.1, 0.5] {
-                let v: f64 = (turn * amplitude - x) / f64::abs(turn * amplitude - x) * amplitude / 10.0;
+                let v: f64 =
+                    (turn * amplitude - x) / f64::abs(turn * amplitude - x) * amplitude / 10.0;
                 let dt = (turn * amplitude - x) / v / f64::from(steps);
-                let force = (0..steps).map(|_| rk4::step(&model, &mut state, [v; 3], dt)).last().unwrap();
+                let force =
+                    (0..steps).map(|_| rk4::step(&model, &mut state, [v; 3], dt)).last().unwrap();
                 at_turns.push(force);
                 x = turn * amplitude;
             }
             (at_turns[4] - at_turns[2]) / (at_turns[2] - at_turns[3])
         };
-        // An independent implementation, whose settings are not known, has -10.2 %, -3.4 %, -0.14 % and -3e-5; here -9.74 %, -3.20 %, -0.132 %.
+        // An independent implementation, whose settings are not known, has -10.2 %, -3.4 %, -0.14 %
+        // and -3e-5; here -9.74 %, -3.20 %, -0.132 %.
         for (n, figure) in [(1.0, -0.102), (2.0, -0.034), (5.0, -1.4e-3)] {
             assert!((gap(n) / figure - 1.0).abs() < 0.07, "n {n}: {}", gap(n));
         }

@@ -1,16 +1,19 @@
 //! What friction is: every model one file, for simulation and for real time.
 //!
-//! A model is a value with validated parameters that implements [`FrictionModel`]. The same value serves two masters:
+//! A model is a value with validated parameters that implements [`FrictionModel`]. The same value
+//! serves two masters:
 //!
-//! * a **simulator** asks for the force and the rates of the states ([`FrictionModel::evaluate`]) as often as its
-//!   integrator likes, and commits once an accepted step ([`FrictionModel::commit`]); [`rk4`] does that for a prescribed velocity;
-//! * a **real-time observer** holds a [`Stepper`] and calls it once a period; the fixed-step form is stable at any
-//!   period up to 10 ms, allocates nothing and cannot panic.
+//! * a **simulator** asks for the force and the rates of the states ([`FrictionModel::evaluate`])
+//!   as often as its integrator likes, and commits once an accepted step
+//!   ([`FrictionModel::commit`]); [`rk4`] does that for a prescribed velocity;
+//! * a **real-time observer** holds a [`Stepper`] and calls it once a period; the fixed-step form
+//!   is stable at any period up to 10 ms, allocates nothing and cannot panic.
 //!
-//! Conventions: `v` is the relative velocity, `z` the bristle deflection, and the friction `F` *opposes* motion, so that
-//! `m x'' = F_e - F`. Quantities are SI: N, m, s for linear examples and N m, rad, s for the test bed; the formulas are the same.
-//! Equation numbers in the model files are those of the 2017 thesis on position and velocity drives subject to friction
-//! (A. C. Nnaji), with its misprints corrected where a file says so.
+//! Conventions: `v` is the relative velocity, `z` the bristle deflection, and the friction `F`
+//! *opposes* motion, so that `m x'' = F_e - F`. Quantities are SI: N, m, s for linear examples and
+//! N m, rad, s for the test bed; the formulas are the same. Equation numbers in the model files are
+//! those of the 2017 thesis on position and velocity drives subject to friction (A. C. Nnaji), with
+//! its misprints corrected where a file says so.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
@@ -62,8 +65,8 @@ pub use bliman_sorine::{BlimanSorine, BlimanSorineParameters};
 pub use body::{Body, Drive, Moment};
 pub use bristle::{Bristle, BristleMemory, BristleParameters, MAX_BONDS};
 pub use catalogue::{
-    AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper, BothWays,
-    ModelName, ModelVisitor,
+    AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper,
+    BothWays, ModelName, ModelVisitor,
 };
 pub use coulomb::{Coulomb, CoulombParameters};
 pub use coulomb_viscous::{CoulombViscous, CoulombViscousParameters};
@@ -78,8 +81,8 @@ pub use leuven::{Leuven, LeuvenParameters};
 pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
 pub use model::{
-    ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED, Regime, State,
-    TimeStep,
+    ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED,
+    Regime, State, TimeStep,
 };
 pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
 pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};

@@ -4,13 +4,15 @@
 //! F(v, T) = (1 + c |T|) (F - f_v v) + f_v v
 //! ```
 //!
-//! so that the Coulomb level is `F_c + c F_c |T|`, and likewise every other level of the model. `T` is the transmitted torque [N m] (or force),
-//! `c` the relative increase per torque [1/(N m)]; the viscous part does not depend on the load. The thesis names load dependence as future
-//! work; gears show it (the slope `c F_c` is what a load experiment measures).
+//! so that the Coulomb level is `F_c + c F_c |T|`, and likewise every other level of the model. `T`
+//! is the transmitted torque [N m] (or force), `c` the relative increase per torque [1/(N m)]; the
+//! viscous part does not depend on the load. The thesis names load dependence as future work; gears
+//! show it (the slope `c F_c` is what a load experiment measures).
 //!
-//! The model's own states do not see the load: more bristles carry a higher load, each deflecting as before, so stiffness and levels grow together and
-//! the breakaway deflection stays. For a constant load the model is as passive as it was; a load that changes while the bristles are deflected
-//! works on them, and that work is not friction's.
+//! The model's own states do not see the load: more bristles carry a higher load, each deflecting
+//! as before, so stiffness and levels grow together and the breakaway deflection stays. For a
+//! constant load the model is as passive as it was; a load that changes while the bristles are
+//! deflected works on them, and that work is not friction's.
 
 use crate::{FrictionModel, ModelError, Range, State, Stepper, TimeStep, Unit};
 
@@ -22,7 +24,8 @@ pub struct LoadDependent<M: FrictionModel> {
 }
 
 impl<M: FrictionModel> LoadDependent<M> {
-    /// Starts `model` at rest with the period `dt`; its levels rise by `gain` [1/(N m)] of themselves per unit of load.
+    /// Starts `model` at rest with the period `dt`; its levels rise by `gain` [1/(N m)] of
+    /// themselves per unit of load.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] unless `gain` is finite and not below zero.
@@ -31,12 +34,18 @@ impl<M: FrictionModel> LoadDependent<M> {
             Ok(Self { stepper: Stepper::new(model, dt), gain })
         } else {
             let (parameter, expected) = ("load_gain", Range::NonNegative);
-            Err(ModelError::OutOfRange { model: M::NAME, parameter, value: gain, unit: Unit::None, expected })
+            Err(ModelError::OutOfRange {
+                model: M::NAME,
+                parameter,
+                value: gain,
+                unit: Unit::None,
+                expected,
+            })
         }
     }
 
-    /// The friction now at `velocity` under the transmitted torque `load`; the state then advances by one period. A load that
-    /// is not finite counts as none.
+    /// The friction now at `velocity` under the transmitted torque `load`; the state then advances
+    /// by one period. A load that is not finite counts as none.
     #[inline]
     pub fn step(&mut self, velocity: f64, load: f64) -> f64 {
         let load = if load.is_finite() { load.abs() } else { 0.0 };

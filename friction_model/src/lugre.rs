@@ -13,11 +13,13 @@
 //! | `v_d` | m/s or rad/s | > 0, may be left out | micro-damping falls as `sigma1 exp(-(v/v_d)^2)` |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! Steady state `F = sgn(v) g(v) + f_v v`; gives stick-slip, pre-sliding displacement and lag. It drifts under small
-//! oscillating loads, and its hysteresis has no non-local memory: inner loops do not close.
+//! Steady state `F = sgn(v) g(v) + f_v v`; gives stick-slip, pre-sliding displacement and lag. It
+//! drifts under small oscillating loads, and its hysteresis has no non-local memory: inner loops do
+//! not close.
 //!
 //! Fixed-step form: the exact solution for a velocity held over the period,
-//! `z <- z_s + (z - z_s) exp(-sigma0 |v| dt / g)` with `z_s = sgn(v) g(v) / sigma0`; stable at any period.
+//! `z <- z_s + (z - z_s) exp(-sigma0 |v| dt / g)` with `z_s = sgn(v) g(v) / sigma0`; stable at any
+//! period.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -27,8 +29,8 @@ use crate::model::{bounded, relaxed, saturate};
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, StribeckCurve, TimeStep,
 };
 
 parameters! {
@@ -47,7 +49,8 @@ parameters! {
         sigma0: f64, Stiffness, Range::Positive;
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
         sigma1: f64, Damping, Range::NonNegative;
-        /// Speed v_d at which the micro-damping has fallen to 1/e [m/s or rad/s], above zero; constant damping if left out.
+        /// Speed v_d at which the micro-damping has fallen to 1/e [m/s or rad/s], above zero;
+        /// constant damping if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         v_d: Option<f64>, Speed, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
@@ -164,7 +167,13 @@ impl FrictionModel for LuGre {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, velocity: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], ()>,
+        velocity: f64,
+        rate: f64,
+    ) -> f64 {
         let p = &self.parameters;
         let [z] = state.continuous;
         let relaxation = p.sigma0 * velocity.abs() / self.curve.level(velocity);
@@ -177,7 +186,8 @@ impl FrictionModel for LuGre {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
-    /// Slip once the bristle force is within 5 % of the sliding level in the direction of motion; LuGre itself knows no switch.
+    /// Slip once the bristle force is within 5 % of the sliding level in the direction of motion;
+    /// LuGre itself knows no switch.
     fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);

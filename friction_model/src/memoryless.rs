@@ -1,7 +1,9 @@
-//! What a model whose force depends on the velocity alone has no need of: states, memory and coefficients of the period.
+//! What a model whose force depends on the velocity alone has no need of: states, memory and
+//! coefficients of the period.
 
-/// The items of [`crate::FrictionModel`] that are the same for every model without states: the fixed-step form is the steady
-/// state, and so is the derivative form unless another method is named.
+/// The items of [`crate::FrictionModel`] that are the same for every model without states: the
+/// fixed-step form is the steady state, and so is the derivative form unless another method is
+/// named.
 macro_rules! memoryless {
     ($set:ty) => {
         memoryless!($set, steady_state);

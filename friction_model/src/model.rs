@@ -11,7 +11,8 @@ use crate::{ModelError, ModelName, ParameterSet};
 /// Velocities beyond this magnitude are cut to it by the fixed-step form [m/s or rad/s].
 pub const MAX_SPEED: f64 = 1e6;
 
-/// The continuous states of a model: a small fixed array, so that integrators neither allocate nor loop over a length they do not know.
+/// The continuous states of a model: a small fixed array, so that integrators neither allocate nor
+/// loop over a length they do not know.
 pub trait ContinuousState: Copy + Debug + PartialEq {
     /// `self + h * rate`, element by element.
     #[must_use]
@@ -99,7 +100,11 @@ impl TimeStep {
     /// # Errors
     /// [`ModelError::TimeStep`] outside (0, 0.01] s.
     pub fn new(seconds: f64) -> Result<Self, ModelError> {
-        if seconds > 0.0 && seconds <= 0.01 { Ok(Self(seconds)) } else { Err(ModelError::TimeStep(seconds)) }
+        if seconds > 0.0 && seconds <= 0.01 {
+            Ok(Self(seconds))
+        } else {
+            Err(ModelError::TimeStep(seconds))
+        }
     }
 
     /// The period [s].
@@ -109,10 +114,12 @@ impl TimeStep {
     }
 }
 
-/// How a model that is discontinuous at zero velocity holds there. A simulator treats the sticking as an event.
+/// How a model that is discontinuous at zero velocity holds there. A simulator treats the sticking
+/// as an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Holding {
-    /// Speeds up to this one count as standing still [m/s or rad/s]; zero for all models but Karnopp's.
+    /// Speeds up to this one count as standing still [m/s or rad/s]; zero for all models but
+    /// Karnopp's.
     pub band: f64,
     /// Largest force that is held against motion forward [N or N m].
     pub forward: f64,
@@ -127,14 +134,16 @@ impl Holding {
         Self { band: 0.0, forward: level, backward: level }
     }
 
-    /// Whether the contact stays where it is at `velocity` under the sum `applied` of all other forces.
+    /// Whether the contact stays where it is at `velocity` under the sum `applied` of all other
+    /// forces.
     #[inline]
     #[must_use]
     pub fn holds(&self, velocity: f64, applied: f64) -> bool {
         velocity.abs() <= self.band && applied <= self.forward && applied >= -self.backward
     }
 
-    /// The friction while standing still: it balances `applied` as far as the levels allow (thesis eqs. 2.7, 2.8, 2.13).
+    /// The friction while standing still: it balances `applied` as far as the levels allow (thesis
+    /// eqs. 2.7, 2.8, 2.13).
     #[inline]
     #[must_use]
     pub fn force(&self, applied: f64) -> f64 {
@@ -144,8 +153,9 @@ impl Holding {
 
 /// A friction model with valid parameters.
 ///
-/// `F` opposes motion. For the derivative form use [`evaluate`](Self::evaluate) in the stages of an integrator and
-/// [`commit`](Self::commit) once for each accepted step. For the fixed-step form use a [`crate::Stepper`].
+/// `F` opposes motion. For the derivative form use [`evaluate`](Self::evaluate) in the stages of an
+/// integrator and [`commit`](Self::commit) once for each accepted step. For the fixed-step form use
+/// a [`crate::Stepper`].
 pub trait FrictionModel: Clone + Debug {
     /// The model's name.
     const NAME: ModelName;
@@ -172,23 +182,29 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> Evaluation<Self::Continuous>;
 
-    /// [`evaluate`](Self::evaluate) at one velocity: what depends on the velocity alone is computed here, and not again for each state.
+    /// [`evaluate`](Self::evaluate) at one velocity: what depends on the velocity alone is computed
+    /// here, and not again for each state.
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+    fn at(
+        &self,
+        velocity: f64,
+    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
         move |state, memory| self.evaluate(state, memory, velocity)
     }
 
-    /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds and lets the memory know
-    /// where they arrived.
+    /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds
+    /// and lets the memory know where they arrived.
     fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64);
 
     /// Coefficients of the fixed-step form for the period `dt`.
     fn discretise(&self, dt: TimeStep) -> Self::Discrete;
 
-    /// The fixed-step form: the force now at `velocity`, after which the state advances by one period under that velocity.
+    /// The fixed-step form: the force now at `velocity`, after which the state advances by one
+    /// period under that velocity.
     ///
-    /// Stable for every valid parameter set and period. A velocity beyond [`MAX_SPEED`] is cut to it; one that is not a
-    /// number counts as zero, so that the state stays finite (whoever measures velocities must raise the fault).
+    /// Stable for every valid parameter set and period. A velocity beyond [`MAX_SPEED`] is cut to
+    /// it; one that is not a number counts as zero, so that the state stays finite (whoever
+    /// measures velocities must raise the fault).
     fn step(
         &self,
         discrete: &Self::Discrete,
@@ -196,10 +212,12 @@ pub trait FrictionModel: Clone + Debug {
         velocity: f64,
     ) -> f64;
 
-    /// What an extra `rate` in the derivative of every continuous state does in one period `dt`, after [`step`](Self::step) at
-    /// `velocity`: moves the states, projects them back onto their bounds, and returns what the extra rates add to the force of that step where the
-    /// force depends on them (micro-damping). The rate has each state's own unit per second, as in a state observer
-    /// with one scalar gain (thesis eqs. 5.12 to 5.14). Models without states ignore it.
+    /// What an extra `rate` in the derivative of every continuous state does in one period `dt`,
+    /// after [`step`](Self::step) at `velocity`: moves the states, projects them back onto their
+    /// bounds, and returns what the extra rates add to the force of that step where the force
+    /// depends on them (micro-damping). The rate has each state's own unit per second, as in a
+    /// state observer with one scalar gain (thesis eqs. 5.12 to 5.14). Models without states ignore
+    /// it.
     fn inject(
         &self,
         _dt: TimeStep,
@@ -210,8 +228,9 @@ pub trait FrictionModel: Clone + Debug {
         0.0
     }
 
-    /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, see [`inject`](Self::inject). What is not a
-    /// number counts as zero, and more than [`MAX_SPEED`] is cut to it.
+    /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, see
+    /// [`inject`](Self::inject). What is not a number counts as zero, and more than [`MAX_SPEED`]
+    /// is cut to it.
     #[inline]
     fn step_injected(
         &self,
@@ -232,13 +251,15 @@ pub trait FrictionModel: Clone + Debug {
     /// The inner quantities at this state and velocity.
     fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: f64) -> Internals;
 
-    /// The part of the force that is viscous, `f_v v`: what is left is the contact's. Zero for models without such a term.
+    /// The part of the force that is viscous, `f_v v`: what is left is the contact's. Zero for
+    /// models without such a term.
     fn viscous(&self, _velocity: f64) -> f64 {
         0.0
     }
 
-    /// How a model that is discontinuous at zero velocity holds there, where the applied force changes at `force_rate`
-    /// [N/s or N m/s]. `None` for models that describe pre-sliding themselves.
+    /// How a model that is discontinuous at zero velocity holds there, where the applied force
+    /// changes at `force_rate` [N/s or N m/s]. `None` for models that describe pre-sliding
+    /// themselves.
     fn holding(&self, _force_rate: f64) -> Option<Holding> {
         None
     }
@@ -260,7 +281,8 @@ pub(crate) fn bounded(velocity: f64) -> f64 {
     if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
 }
 
-/// `int_0^h exp(-a t) dt`: what is left after `h` [s] of a rate of one into a state that relaxes at `a` [1/s], zero or more.
+/// `int_0^h exp(-a t) dt`: what is left after `h` [s] of a rate of one into a state that relaxes at
+/// `a` [1/s], zero or more.
 #[inline]
 pub(crate) fn relaxed(a: f64, h: f64) -> f64 {
     let x = a * h;
@@ -268,7 +290,8 @@ pub(crate) fn relaxed(a: f64, h: f64) -> f64 {
     if x < 1e-8 { h } else { -(-x).exp_m1() / a }
 }
 
-/// `a b + c`: with one rounding where the program is built for a processor that has an instruction for it, as C compilers do.
+/// `a b + c`: with one rounding where the program is built for a processor that has an instruction
+/// for it, as C compilers do.
 #[inline]
 pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
     #[cfg(all(feature = "std", target_feature = "fma"))]
@@ -289,8 +312,8 @@ pub(crate) fn saturate(b: f64, x: f64) -> f64 {
     between(-b, b, x)
 }
 
-/// `x` cut to `[low, high]`. Unlike `f64::clamp` it cannot panic, and unlike `f64::min` and `max`, which must sort out what is
-/// not a number, each comparison is one instruction.
+/// `x` cut to `[low, high]`. Unlike `f64::clamp` it cannot panic, and unlike `f64::min` and `max`,
+/// which must sort out what is not a number, each comparison is one instruction.
 #[inline]
 pub(crate) fn between(low: f64, high: f64, x: f64) -> f64 {
     let x = if x < high { x } else { high };

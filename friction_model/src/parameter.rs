@@ -1,5 +1,5 @@
-//! Parameters: their names, units and ranges in one table per model, and the checks that every set passes before a
-//! model exists.
+//! Parameters: their names, units and ranges in one table per model, and the checks that every set
+//! passes before a model exists.
 
 use core::fmt;
 
@@ -123,13 +123,15 @@ pub struct Parameter {
     pub meaning: &'static str,
     /// Its unit.
     pub unit: Unit,
-    /// What each of its values must satisfy; conditions between parameters are checked when the model is built.
+    /// What each of its values must satisfy; conditions between parameters are checked when the
+    /// model is built.
     pub range: Range,
     /// Whether a file may leave it out.
     pub optional: bool,
 }
 
-/// What a parameter's field can hold: one number, a list with one number an element, or a whole number.
+/// What a parameter's field can hold: one number, a list with one number an element, or a whole
+/// number.
 pub trait Value {
     /// Calls `f` with every number.
     fn each(&self, f: &mut dyn FnMut(f64));
@@ -140,7 +142,8 @@ pub trait Value {
     /// Becomes `value`; false for a list, which one number does not determine.
     fn set(&mut self, value: f64) -> bool;
 
-    /// The number at `index` becomes `value`; false if there is none. A parameter that is no list has the index 0 only.
+    /// The number at `index` becomes `value`; false if there is none. A parameter that is no list
+    /// has the index 0 only.
     fn set_at(&mut self, index: usize, value: f64) -> bool {
         index == 0 && self.set(value)
     }
@@ -205,18 +208,21 @@ impl Value for u32 {
     }
 }
 
-/// The parameters of a model as files carry them: plain numbers, not yet checked against each other.
+/// The parameters of a model as files carry them: plain numbers, not yet checked against each
+/// other.
 pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
     /// One row a field, in the order of the fields.
     const TABLE: &'static [Parameter];
 
-    /// Calls `f` with every number of the parameter `name`; not at all if there is none of that name.
+    /// Calls `f` with every number of the parameter `name`; not at all if there is none of that
+    /// name.
     fn each(&self, name: &str, f: &mut dyn FnMut(f64));
 
     /// Multiplies the parameter `name` by `factor`; false if there is none of that name.
     fn scale(&mut self, name: &str, factor: f64) -> bool;
 
-    /// Sets the parameter `name` to `value`; false if there is none of that name, or if it is a list.
+    /// Sets the parameter `name` to `value`; false if there is none of that name, or if it is a
+    /// list.
     fn set(&mut self, name: &str, value: f64) -> bool;
 
     /// Sets the number at `index` of the parameter `name` to `value`; false if there is none.
@@ -252,8 +258,15 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
         if holds {
             return Ok(());
         }
-        let unit = Self::TABLE.iter().find(|row| row.name == parameter).map_or(Unit::None, |row| row.unit);
-        Err(ModelError::OutOfRange { model, parameter, value, unit, expected: Range::Such(condition) })
+        let unit =
+            Self::TABLE.iter().find(|row| row.name == parameter).map_or(Unit::None, |row| row.unit);
+        Err(ModelError::OutOfRange {
+            model,
+            parameter,
+            value,
+            unit,
+            expected: Range::Such(condition),
+        })
     }
 }
 
@@ -263,10 +276,11 @@ impl Parameter {
     }
 }
 
-/// Declares the parameters of a model: the struct that files carry and its [`ParameterSet`] table in one place.
+/// Declares the parameters of a model: the struct that files carry and its [`ParameterSet`] table
+/// in one place.
 ///
-/// A field is its documentation (with the unit in brackets), a serde attribute where it may be left out, then
-/// `name: type, Unit, Range;`.
+/// A field is its documentation (with the unit in brackets), a serde attribute where it may be left
+/// out, then `name: type, Unit, Range;`.
 macro_rules! parameters {
     (
         $(#[doc = $about:literal])+
@@ -334,8 +348,8 @@ macro_rules! parameters {
 
 /// Parameter sets that every model has.
 pub trait Presets: ParameterSet {
-    /// The thesis's test bed (tables 4.13 to 4.16, harmonised; N m, rad, s), or for models that it does not fit there, the values that
-    /// give the same levels.
+    /// The thesis's test bed (tables 4.13 to 4.16, harmonised; N m, rad, s), or for models that it
+    /// does not fit there, the values that give the same levels.
     fn test_bed() -> Self;
 
     /// The default set of the thesis's chapter 3 (N, m, s), likewise.
@@ -361,7 +375,8 @@ macro_rules! built_from {
                 <$set as $crate::Presets>::test_bed().try_into().expect("constants within range")
             }
 
-            /// With the default parameters of the thesis's chapter 3 (N, m, s), see [`Presets`](crate::Presets).
+            /// With the default parameters of the thesis's chapter 3 (N, m, s), see
+            /// [`Presets`](crate::Presets).
             ///
             /// # Panics
             /// Never: a test builds it.

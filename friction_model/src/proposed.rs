@@ -1,4 +1,5 @@
-//! The thesis's own model: non-drift, with hysteresis of non-local memory in pre-sliding and frictional lag in sliding.
+//! The thesis's own model: non-drift, with hysteresis of non-local memory in pre-sliding and
+//! frictional lag in sliding.
 //!
 //! ```text
 //! gamma' = (g(v) - gamma) / tau
@@ -8,8 +9,8 @@
 //! F_hyst : virgin curve F_s sin(pi z / (2 Z_b)), |z| <= Z_b, with the memory of [`crate::Hysteresis`]
 //! ```
 //!
-//! Thesis eqs. 3.8 to 3.18 and 3.53, with the signs that 3.11, 3.12, 3.17 and 3.18 omit, and with the sine that its
-//! listing B.2 forgets. At rest `gamma(0) = F_s` and `z = 0`.
+//! Thesis eqs. 3.8 to 3.18 and 3.53, with the signs that 3.11, 3.12, 3.17 and 3.18 omit, and with
+//! the sine that its listing B.2 forgets. At rest `gamma(0) = F_s` and `z = 0`.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -19,15 +20,16 @@
 //! | `z_b` | m or rad | > 0 | breakaway deflection |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! While the contact sticks, `z' = v` and `F = F_hyst(z) + (sigma + f_v) v`; while it slips, `F = +-gamma + f_v v` and `z`
-//! relaxes to where the hysteresis carries `+-gamma`. Since gamma falls in sliding, `z` moves back then: a genuine
-//! reversal, which the memory records. It does not drift, closes inner loops exactly, never exceeds `F_s + f_v |v|` and dissipates.
-//! Its hysteresis is rate-independent; what depends on rate is the lag alone.
+//! While the contact sticks, `z' = v` and `F = F_hyst(z) + (sigma + f_v) v`; while it slips,
+//! `F = +-gamma + f_v v` and `z` relaxes to where the hysteresis carries `+-gamma`. Since gamma
+//! falls in sliding, `z` moves back then: a genuine reversal, which the memory records. It does not
+//! drift, closes inner loops exactly, never exceeds `F_s + f_v |v|` and dissipates. Its hysteresis
+//! is rate-independent; what depends on rate is the lag alone.
 //!
-//! Fixed-step form: `gamma` exactly for a held velocity; `z` by an implicit step with the steepest slope of the
-//! hysteresis, `k = F_s pi / (2 Z_b)`:
-//! `dz = dt sat-between(v, (-gamma - F_hyst) / (sigma + k dt), (gamma - F_hyst) / (sigma + k dt))`, which can neither
-//! overshoot nor oscillate at any period.
+//! Fixed-step form: `gamma` exactly for a held velocity; `z` by an implicit step with the steepest
+//! slope of the hysteresis, `k = F_s pi / (2 Z_b)`:
+//! `dz = dt sat-between(v, (-gamma - F_hyst) / (sigma + k dt), (gamma - F_hyst) / (sigma + k dt))`,
+//! which can neither overshoot nor oscillate at any period.
 
 use core::fmt::Debug;
 
@@ -40,8 +42,8 @@ use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep, VirginCurve,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets,
+    Range, Regime, State, StribeckCurve, TimeStep, VirginCurve,
 };
 
 parameters! {
@@ -87,8 +89,8 @@ impl Presets for ProposedParameters {
     }
 }
 
-/// The structure of the proposed model over a virgin curve: [`Proposed`] with the thesis's sine, [`ProposedLinear`] with a
-/// straight line. State: `[gamma, z]` and the reversal points.
+/// The structure of the proposed model over a virgin curve: [`Proposed`] with the thesis's sine,
+/// [`ProposedLinear`] with a straight line. State: `[gamma, z]` and the reversal points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ProposedParameters", into = "ProposedParameters", bound = "C: Branch")]
 pub struct NonDrift<C> {
@@ -143,12 +145,14 @@ impl<C: Branch> NonDrift<C> {
         ProposedParameters::chapter_3().try_into().expect("constants within range")
     }
 
-    /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and returns `F_hyst` there.
+    /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and
+    /// returns `F_hyst` there.
     pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
         memory.commit(&self.virgin, z)
     }
 
-    /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` for the sine, `F_s / Z_b` for the line [N/m or N m/rad].
+    /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` for the sine, `F_s / Z_b` for the line
+    /// [N/m or N m/rad].
     #[must_use]
     pub fn stiffness(&self) -> f64 {
         self.virgin.stiffness()
@@ -165,7 +169,13 @@ impl<C: Branch> TryFrom<ProposedParameters> for NonDrift<C> {
         let steep = "large enough for a finite stiffness";
         ProposedParameters::require(C::NAME, virgin.stiffness().is_finite(), "z_b", p.z_b, steep)?;
         let divisor = "large enough to divide by";
-        ProposedParameters::require(C::NAME, (1.0 / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
+        ProposedParameters::require(
+            C::NAME,
+            (1.0 / p.sigma).is_finite(),
+            "sigma",
+            p.sigma,
+            divisor,
+        )?;
         Ok(Self { parameters: p, curve, virgin, inverse_sigma: 1.0 / p.sigma })
     }
 }
@@ -202,7 +212,12 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 2], memory: &Hysteresis, velocity: f64) -> Evaluation<[f64; 2]> {
+    fn evaluate(
+        &self,
+        state: &[f64; 2],
+        memory: &Hysteresis,
+        velocity: f64,
+    ) -> Evaluation<[f64; 2]> {
         self.at(velocity)(state, memory)
     }
 
@@ -258,7 +273,13 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 2], Hysteresis>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 2], Hysteresis>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         let p = &self.parameters;
         let [gamma, z] = state.continuous;
         let gamma = gamma + rate * relaxed(1.0 / p.tau, dt.seconds());

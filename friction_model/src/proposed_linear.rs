@@ -1,16 +1,21 @@
-//! The proposed model with straight branches, as the thesis's listing B.2 is printed: why it must not be copied.
+//! The proposed model with straight branches, as the thesis's listing B.2 is printed: why it must
+//! not be copied.
 //!
 //! ```text
 //! F_hyst : virgin curve F_s z / Z_b, |z| <= Z_b, with the memory of [`crate::Hysteresis`]; all else as in the proposed model
 //! ```
 //!
-//! The doubling of a straight line is the same straight line, `f_r + 2 s f(s (z - z_r) / 2) = f_r + (F_s / Z_b) (z - z_r)`. Every branch therefore lies on the virgin
-//! line, every loop inside `+-Z_b` has the area zero, and all that is left of the hysteresis is a spring: in pre-sliding it stores what it is given
-//! and gives it back. (In Prandtl and Ishlinskii's terms the weight `w = -f''` vanishes; only the stop at `Z_b` remains.) What it dissipates there is the work of `sigma`
-//! alone, which vanishes with the speed; with the sine, a loop of amplitude `Z_b` dissipates 1.0930 `F_s Z_b` at any speed.
+//! The doubling of a straight line is the same straight line,
+//! `f_r + 2 s f(s (z - z_r) / 2) = f_r + (F_s / Z_b) (z - z_r)`. Every branch therefore lies on the
+//! virgin line, every loop inside `+-Z_b` has the area zero, and all that is left of the hysteresis
+//! is a spring: in pre-sliding it stores what it is given and gives it back. (In Prandtl and
+//! Ishlinskii's terms the weight `w = -f''` vanishes; only the stop at `Z_b` remains.) What it
+//! dissipates there is the work of `sigma` alone, which vanishes with the speed; with the sine, a
+//! loop of amplitude `Z_b` dissipates 1.0930 `F_s Z_b` at any speed.
 //!
-//! Parameters, steady state, lag and bounds are those of [`crate::Proposed`]. In sliding the two differ little. Use it to see what the curvature of the virgin
-//! curve is worth, or where a contact is known to be elastic up to its breakaway.
+//! Parameters, steady state, lag and bounds are those of [`crate::Proposed`]. In sliding the two
+//! differ little. Use it to see what the curvature of the virgin curve is worth, or where a contact
+//! is known to be elastic up to its breakaway.
 
 use crate::virgin_curve::Line;
 use crate::{Branch, ModelName, NonDrift};
@@ -34,7 +39,8 @@ mod tests {
     use super::*;
     use crate::{FrictionModel, Hysteresis, Proposed};
 
-    /// Work of the hysteresis force over one loop of amplitude `a Z_b`, in units of `F_s Z_b`, exactly integrated along fine steps.
+    /// Work of the hysteresis force over one loop of amplitude `a Z_b`, in units of `F_s Z_b`,
+    /// exactly integrated along fine steps.
     fn loop_area<C: Branch>(model: &NonDrift<C>, a: f64) -> f64 {
         let p = *model.parameters();
         let mut memory = Hysteresis::default();

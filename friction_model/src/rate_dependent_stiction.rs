@@ -14,16 +14,18 @@
 //! | `delta_t` | - | (0, 10], 2 if left out | shape exponent |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! It reproduces breakaway forces that fall as the ramp gets faster, from `F_s` to `F_c`, as experiments with ramps show. Sliding is at the
-//! kinetic level: a curve of the velocity alone that started above `F_c` would stop the contact again wherever a fast ramp had broken it
-//! loose below that start. It has no falling characteristic, no pre-sliding displacement, no lag and no memory. In LuGre and the proposed
-//! model the same effect comes out by itself, but smaller.
+//! It reproduces breakaway forces that fall as the ramp gets faster, from `F_s` to `F_c`, as
+//! experiments with ramps show. Sliding is at the kinetic level: a curve of the velocity alone that
+//! started above `F_c` would stop the contact again wherever a fast ramp had broken it loose below
+//! that start. It has no falling characteristic, no pre-sliding displacement, no lag and no memory.
+//! In LuGre and the proposed model the same effect comes out by itself, but smaller.
 //!
-//! Use it to study breakaway under ramps, or where the breakaway level was measured at several rates. The rate of a measured force is
-//! noisy, and noise counts as a fast ramp: the level then falls towards `F_c`.
+//! Use it to study breakaway under ramps, or where the breakaway level was measured at several
+//! rates. The rate of a measured force is noisy, and noise counts as a fast ramp: the level then
+//! falls towards `F_c`.
 //!
-//! Fixed-step form: the sliding formula, with 0 at `v = 0`, where the applied force and its rate would have to be known (see
-//! [`FrictionModel::holding`]).
+//! Fixed-step form: the sliding formula, with 0 at `v = 0`, where the applied force and its rate
+//! would have to be known (see [`FrictionModel::holding`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -32,8 +34,8 @@ use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State, StribeckCurve,
 };
 
 parameters! {
@@ -41,7 +43,8 @@ parameters! {
     RateDependentStictionParameters {
         /// Breakaway level F_s under an infinitely slow ramp [N or N m], at least `f_c`.
         f_s: f64, Force, Range::Positive;
-        /// Kinetic friction F_c, also the breakaway level under an infinitely fast ramp [N or N m], above zero.
+        /// Kinetic friction F_c, also the breakaway level under an infinitely fast ramp [N or N m],
+        /// above zero.
         f_c: f64, Force, Range::Positive;
         /// Force rate t_s that scales the fall of the breakaway level [N/s or N m/s], above zero.
         t_s: f64, ForceRate, Range::Positive;
@@ -58,7 +61,8 @@ impl Presets for RateDependentStictionParameters {
     fn test_bed() -> Self {
         Self { f_s: 0.0994, f_c: 0.0925, t_s: 0.0066, delta_t: 1.0, f_v: 0.0403 }
     }
-    /// The thesis gives no `t_s`: the middle of the ramps of its breakaway experiment (0.05, 0.1 and 0.2 N/s).
+    /// The thesis gives no `t_s`: the middle of the ramps of its breakaway experiment (0.05, 0.1
+    /// and 0.2 N/s).
     fn chapter_3() -> Self {
         Self { f_s: 1.5, f_c: 1.0, t_s: 0.1, delta_t: 1.0, f_v: 0.0 }
     }
@@ -74,8 +78,8 @@ pub struct RateDependentStiction {
 }
 
 impl RateDependentStiction {
-    /// `Phi_s` [N or N m]: the applied force at which a contact at rest breaks away where that force changes at `force_rate` [N/s or
-    /// N m/s]. A rate that is not a number counts as zero.
+    /// `Phi_s` [N or N m]: the applied force at which a contact at rest breaks away where that
+    /// force changes at `force_rate` [N/s or N m/s]. A rate that is not a number counts as zero.
     #[inline]
     #[must_use]
     pub fn breakaway_level(&self, force_rate: f64) -> f64 {
@@ -90,7 +94,13 @@ impl TryFrom<RateDependentStictionParameters> for RateDependentStiction {
         let name = ModelName::RateDependentStiction;
         p.check(name)?;
         let divisor = "large enough to divide by";
-        RateDependentStictionParameters::require(name, (1.0 / p.t_s).is_finite(), "t_s", p.t_s, divisor)?;
+        RateDependentStictionParameters::require(
+            name,
+            (1.0 / p.t_s).is_finite(),
+            "t_s",
+            p.t_s,
+            divisor,
+        )?;
         let breakaway = StribeckCurve::new(name, p.f_s, p.f_c, p.t_s, p.delta_t)?;
         Ok(Self { parameters: p, breakaway })
     }
@@ -151,7 +161,8 @@ mod tests {
         assert!((gaussian.breakaway_level(0.05) - (1.0 + 0.5 * (-0.25f64).exp())).abs() < 1e-15);
     }
 
-    /// The first applied force under which the body moves is the level of its ramp, to one step of the ramp; and it goes on moving.
+    /// The first applied force under which the body moves is the level of its ramp, to one step of
+    /// the ramp; and it goes on moving.
     #[test]
     fn a_body_breaks_away_earlier_under_a_faster_ramp() {
         for (rate, level) in LEVELS {
@@ -175,7 +186,11 @@ mod tests {
                 }
                 // m v' = F_e - F_c for one second.
                 let gained = (applied.abs() - 1.0) + 0.5 * rate;
-                assert!((body.moment().velocity.abs() - gained).abs() < 1e-3, "{:?}", body.moment());
+                assert!(
+                    (body.moment().velocity.abs() - gained).abs() < 1e-3,
+                    "{:?}",
+                    body.moment()
+                );
             }
         }
     }
@@ -184,9 +199,10 @@ mod tests {
     fn refuses_what_is_no_rate() {
         let p = RateDependentStictionParameters::chapter_3();
         for t_s in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-310] {
-            let message = RateDependentStiction::try_from(RateDependentStictionParameters { t_s, ..p })
-                .unwrap_err()
-                .to_string();
+            let message =
+                RateDependentStiction::try_from(RateDependentStictionParameters { t_s, ..p })
+                    .unwrap_err()
+                    .to_string();
             assert!(message.starts_with("rate_dependent_stiction.t_s must be"), "{message}");
         }
     }

@@ -5,8 +5,8 @@
 //! F = sat(F(0+), F_e)                                                   v = 0
 //! ```
 //!
-//! Thesis section 2.3.1 (neural networks), without an equation. With centres and widths given, the force is linear in the weights, so
-//! that training is a linear least squares problem.
+//! Thesis section 2.3.1 (neural networks), without an equation. With centres and widths given, the
+//! force is linear in the weights, so that training is a linear least squares problem.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -15,20 +15,22 @@
 //! | `centres` | m/s or rad/s | >= 0 | speeds `c_i` of the bells |
 //! | `widths` | m/s or rad/s | > 0 | widths `b_i` of the bells |
 //!
-//! One to 32 bells. The level at standstill must be above zero. Between the centres a sum of bells may dip below zero, where the friction would
-//! push: the model is cut to zero there.
+//! One to 32 bells. The level at standstill must be above zero. Between the centres a sum of bells
+//! may dip below zero, where the friction would push: the model is cut to zero there.
 //!
-//! It reproduces any smooth curve between the speeds it was trained with, including those that no Stribeck curve fits. **Beyond the
-//! last centre it falls back to `w0`**, within three widths or so, whatever the friction does there: a network trained on viscous friction up to
-//! 4 rad/s knows nothing of 10 rad/s. Below the slowest training speed it extrapolates too, and the level at which it holds,
-//! `F(0+)`, is such an extrapolation unless breakaway was among the training points. Its parameters have no physical meaning. It has no
-//! pre-sliding displacement, no lag and no memory.
+//! It reproduces any smooth curve between the speeds it was trained with, including those that no
+//! Stribeck curve fits. **Beyond the last centre it falls back to `w0`**, within three widths or
+//! so, whatever the friction does there: a network trained on viscous friction up to 4 rad/s knows
+//! nothing of 10 rad/s. Below the slowest training speed it extrapolates too, and the level at
+//! which it holds, `F(0+)`, is such an extrapolation unless breakaway was among the training
+//! points. Its parameters have no physical meaning. It has no pre-sliding displacement, no lag and
+//! no memory.
 //!
-//! Use it to compensate friction whose curve was measured densely over all the speeds that will occur. Training is in the
-//! `friction_ident` crate.
+//! Use it to compensate friction whose curve was measured densely over all the speeds that will
+//! occur. Training is in the `friction_ident` crate.
 //!
-//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be known (see
-//! [`FrictionModel::holding`]).
+//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
+//! known (see [`FrictionModel::holding`]).
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -38,8 +40,8 @@ use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Elements, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State,
+    Elements, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets,
+    Range, Regime, State,
 };
 
 /// Most bells that a network can have.
@@ -61,8 +63,9 @@ parameters! {
 
 #[rustfmt::skip]
 impl Presets for RbfNetworkParameters {
-    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above standstill and at the thesis's 80 speeds of 0.03 to
-    /// 4 rad/s: the rms error is 7.3e-4 N m there, and `F(0+)` 0.1016 N m. From 5 rad/s on the true friction is higher.
+    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above
+    /// standstill and at the thesis's 80 speeds of 0.03 to 4 rad/s: the rms error is 7.3e-4 N m
+    /// there, and `F(0+)` 0.1016 N m. From 5 rad/s on the true friction is higher.
     fn test_bed() -> Self {
         Self {
             w0: 0.291279804329,
@@ -81,8 +84,9 @@ impl Presets for RbfNetworkParameters {
             ]),
         }
     }
-    /// Ten bells trained on chapter 3's Stribeck curve every 0.001 m/s from standstill to 0.1 m/s: the rms error is 6.8e-4 N, and
-    /// `F(0+)` 1.498 N. Beyond, the curve is flat, and `w_0` is its level.
+    /// Ten bells trained on chapter 3's Stribeck curve every 0.001 m/s from standstill to 0.1 m/s:
+    /// the rms error is 6.8e-4 N, and `F(0+)` 1.498 N. Beyond, the curve is flat, and `w_0` is its
+    /// level.
     fn chapter_3() -> Self {
         Self {
             w0: 1.00000170386,
@@ -123,7 +127,8 @@ impl RbfNetwork {
         })
     }
 
-    /// The friction of a contact that slides at a speed of this magnitude, zero or more; at zero speed `F(0+)`.
+    /// The friction of a contact that slides at a speed of this magnitude, zero or more; at zero
+    /// speed `F(0+)`.
     #[inline]
     fn level(&self, velocity: f64) -> f64 {
         let sum = self.sum(velocity.abs());
@@ -190,7 +195,12 @@ mod tests {
     use super::*;
     use crate::{MAX_SPEED, Stribeck};
 
-    fn network(w0: f64, weights: &[f64], centres: &[f64], widths: &[f64]) -> Result<RbfNetwork, ModelError> {
+    fn network(
+        w0: f64,
+        weights: &[f64],
+        centres: &[f64],
+        widths: &[f64],
+    ) -> Result<RbfNetwork, ModelError> {
         let list = |numbers| Elements::from_slice(numbers).unwrap();
         let (weights, centres, widths) = (list(weights), list(centres), list(widths));
         RbfNetworkParameters { w0, weights, centres, widths }.try_into()
@@ -200,7 +210,8 @@ mod tests {
     fn is_a_sum_of_bells() {
         let model = network(0.3, &[0.5, -0.1], &[0.0, 2.0], &[1.0, 0.5]).unwrap();
         for v in [0.01, 0.7, 1.9, 2.0, 5.0] {
-            let expected = 0.3 + 0.5 * f64::exp(-v * v / 2.0) - 0.1 * f64::exp(-(v - 2.0) * (v - 2.0) / 0.5);
+            let expected =
+                0.3 + 0.5 * f64::exp(-v * v / 2.0) - 0.1 * f64::exp(-(v - 2.0) * (v - 2.0) / 0.5);
             assert!((model.steady_state(v) - expected).abs() < 1e-15, "{v}");
             assert_eq!(model.steady_state(-v), -model.steady_state(v));
         }
@@ -224,7 +235,8 @@ mod tests {
         let model = RbfNetwork::test_bed();
         let slow = (0..30).map(|i| 0.03 + 0.47 * f64::from(i) / 29.0);
         let fast = (0..50).map(|i| 0.55 + 3.45 * f64::from(i) / 49.0);
-        let error = rms(&model, &Stribeck::test_bed(), core::iter::once(1e-9).chain(slow).chain(fast));
+        let error =
+            rms(&model, &Stribeck::test_bed(), core::iter::once(1e-9).chain(slow).chain(fast));
         assert!((error - 7.32e-4).abs() < 1e-6, "{error}");
         assert!((model.holding(0.0).unwrap().forward - 0.1016).abs() < 1e-5);
         // At 12 rad/s the friction is 0.576 N m; the network says what it says at infinity.
@@ -253,7 +265,9 @@ mod tests {
     #[test]
     fn lists_of_different_lengths_and_impossible_numbers_are_refused() {
         let elements = |outcome: Result<RbfNetwork, ModelError>| match outcome {
-            Err(ModelError::Elements { parameter, given, expected, .. }) => (parameter, given, expected),
+            Err(ModelError::Elements { parameter, given, expected, .. }) => {
+                (parameter, given, expected)
+            }
             other => panic!("{other:?}"),
         };
         assert_eq!(elements(network(1.0, &[1.0, 1.0], &[0.0], &[1.0, 1.0])), ("centres", 1, 2));

@@ -7,8 +7,9 @@
 //! F  = sigma0 p + sigma1 p' + f_v v                |p| = p_0   (slip: p' = 0 while the motion goes on)
 //! ```
 //!
-//! D. A. Haessig and B. Friedland, "On the modeling and simulation of friction", ASME Journal of Dynamic Systems, Measurement, and
-//! Control 113 (1991), 354-362, the second of the two models there.
+//! D. A. Haessig and B. Friedland, "On the modeling and simulation of friction", ASME Journal of
+//! Dynamic Systems, Measurement, and Control 113 (1991), 354-362, the second of the two models
+//! there.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -18,13 +19,16 @@
 //! | `p_0` | m or rad | > 0 | deflection at which it breaks away |
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
-//! The bristle model made cheap: one spring that gives way at `p_0`. Breakaway at `(1 + a) sigma0 p_0`, sliding at
-//! `F_c = sigma0 p_0`, pre-sliding displacement, damped sticking. The steady state is `F_c sgn v + f_v v`.
+//! The bristle model made cheap: one spring that gives way at `p_0`. Breakaway at
+//! `(1 + a) sigma0 p_0`, sliding at `F_c = sigma0 p_0`, pre-sliding displacement, damped sticking.
+//! The steady state is `F_c sgn v + f_v v`.
 //!
-//! It has no Stribeck curve beyond the drop from one level to the other and no lag. The force jumps: down by `a F_c` at breakaway, and up by
-//! as much when the motion turns back. Below breakaway it is a linear spring: inner loops enclose no area but the damping's.
-//! It does not drift. With the storage `(1 + a) sigma0 p^2 / 2` it is passive.
-//! Bound: `|F| <= (1 + a) sigma0 p_0 + (sigma1 + f_v) |v|`. Use it where sticking must be cheap to simulate.
+//! It has no Stribeck curve beyond the drop from one level to the other and no lag. The force
+//! jumps: down by `a F_c` at breakaway, and up by as much when the motion turns back. Below
+//! breakaway it is a linear spring: inner loops enclose no area but the damping's. It does not
+//! drift. With the storage `(1 + a) sigma0 p^2 / 2` it is passive. Bound:
+//! `|F| <= (1 + a) sigma0 p_0 + (sigma1 + f_v) |v|`. Use it where sticking must be cheap to
+//! simulate.
 //!
 //! Fixed-step form: `p <- sat(p_0, p + v dt)`, exact for a velocity held over the period.
 
@@ -33,8 +37,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::{bounded, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 parameters! {
@@ -55,7 +59,8 @@ parameters! {
 }
 
 impl ResetIntegratorParameters {
-    /// From the levels `f_s >= f_c` [N or N m] and the stiffness `(1 + a) sigma0` of the sticking contact [N/m or N m/rad].
+    /// From the levels `f_s >= f_c` [N or N m] and the stiffness `(1 + a) sigma0` of the sticking
+    /// contact [N/m or N m/rad].
     #[must_use]
     pub fn from_levels(f_s: f64, f_c: f64, stiffness: f64, sigma1: f64, f_v: f64) -> Self {
         let p_0 = f_s / stiffness;
@@ -66,9 +71,16 @@ impl ResetIntegratorParameters {
 impl Presets for ResetIntegratorParameters {
     /// Levels, stiffness, damping and viscous friction of table 4.13.
     fn test_bed() -> Self {
-        Self::from_levels(0.0994, 0.0925, 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006, 0.3213, 0.0403)
+        Self::from_levels(
+            0.0994,
+            0.0925,
+            0.0994 * core::f64::consts::FRAC_PI_2 / 0.006,
+            0.3213,
+            0.0403,
+        )
     }
-    /// Levels and stiffness (2356 N/m) of the proposed model; the damping is the root of the stiffness, as LuGre's is there.
+    /// Levels and stiffness (2356 N/m) of the proposed model; the damping is the root of the
+    /// stiffness, as LuGre's is there.
     fn chapter_3() -> Self {
         Self::from_levels(1.5, 1.0, 1.5 * core::f64::consts::FRAC_PI_2 / 0.001, 48.54, 0.0)
     }
@@ -236,7 +248,8 @@ mod tests {
         assert!(breakaways > 20 && work > 10.0 * most_stored, "{breakaways} breakaways, {work} J");
     }
 
-    /// Runge-Kutta stages that overrun the end of the spring make the derivative form late by less than a step there.
+    /// Runge-Kutta stages that overrun the end of the spring make the derivative form late by less
+    /// than a step there.
     #[test]
     fn both_forms_agree_under_a_held_velocity() {
         let model = ResetIntegrator::test_bed();

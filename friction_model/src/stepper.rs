@@ -25,8 +25,8 @@ impl<M: FrictionModel> Stepper<M> {
         self.model.step(&self.discrete, &mut self.state, velocity)
     }
 
-    /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, for an observer's error injection. See
-    /// [`FrictionModel::step_injected`].
+    /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, for
+    /// an observer's error injection. See [`FrictionModel::step_injected`].
     #[inline]
     pub fn step_injected(&mut self, velocity: f64, rate: f64) -> f64 {
         self.model.step_injected(&self.discrete, self.dt, &mut self.state, velocity, rate)

@@ -11,15 +11,17 @@
 //! | `f_c` | N or N m | > 0 | kinetic friction |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! It reproduces breakaway at `F_s` and stick-slip: a mass pulled by a spring at a constant speed sticks and slips with a period in
-//! closed form. The drop from `F_s` to `F_c` comes at once, so that slow sliding is always at `F_c`: it has no falling
-//! characteristic, no pre-sliding displacement, no lag and no memory.
+//! It reproduces breakaway at `F_s` and stick-slip: a mass pulled by a spring at a constant speed
+//! sticks and slips with a period in closed form. The drop from `F_s` to `F_c` comes at once, so
+//! that slow sliding is always at `F_c`: it has no falling characteristic, no pre-sliding
+//! displacement, no lag and no memory.
 //!
-//! Use it where the drop matters and the Stribeck velocity is far below the speeds of interest. A solver that treats `sgn v` as a
-//! plain function chatters about zero velocity and misses the sticking; [`crate::Body`] handles it as an event.
+//! Use it where the drop matters and the Stribeck velocity is far below the speeds of interest. A
+//! solver that treats `sgn v` as a plain function chatters about zero velocity and misses the
+//! sticking; [`crate::Body`] handles it as an event.
 //!
-//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be known (see
-//! [`FrictionModel::holding`]).
+//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
+//! known (see [`FrictionModel::holding`]).
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +29,8 @@ use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State,
 };
 
 parameters! {
@@ -113,9 +116,13 @@ mod tests {
             assert_eq!(model.steady_state(-v), -model.steady_state(v));
         }
         let holding = model.holding(0.0).unwrap();
-        assert_eq!([0.05, 0.2, -0.05, -0.2].map(|f| holding.force(f)), [0.05, 0.0994, -0.05, -0.0994]);
-        let message =
-            Stiction::try_from(StictionParameters { f_s: 1.0, f_c: 1.5, f_v: 0.0 }).unwrap_err().to_string();
+        assert_eq!(
+            [0.05, 0.2, -0.05, -0.2].map(|f| holding.force(f)),
+            [0.05, 0.0994, -0.05, -0.0994]
+        );
+        let message = Stiction::try_from(StictionParameters { f_s: 1.0, f_c: 1.5, f_v: 0.0 })
+            .unwrap_err()
+            .to_string();
         assert!(message.starts_with("stiction.f_c must be at most f_s"), "{message}");
     }
 

@@ -1,4 +1,5 @@
-//! The static Stribeck model: Coulomb, viscous and static friction with the falling characteristic between.
+//! The static Stribeck model: Coulomb, viscous and static friction with the falling characteristic
+//! between.
 //!
 //! ```text
 //! F = [F_c + (F_s - F_c) exp(-|v/v_s|^delta)] sgn v + f_v v      v != 0      (thesis eq. 2.11, sgn and |.| restored)
@@ -13,8 +14,8 @@
 //! | `delta` | - | (0, 10], 2 if left out | shape exponent |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! It gives the steady sliding characteristic of every dynamic model here and stick-slip where sticking is handled as an
-//! event. It has no pre-sliding displacement, no lag and no memory.
+//! It gives the steady sliding characteristic of every dynamic model here and stick-slip where
+//! sticking is handled as an event. It has no pre-sliding displacement, no lag and no memory.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +23,8 @@ use crate::memoryless::memoryless;
 use crate::parameter::{built_from, parameters};
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State, StribeckCurve,
 };
 
 parameters! {

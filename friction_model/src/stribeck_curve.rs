@@ -5,8 +5,8 @@ use num_traits::Float as _;
 
 use crate::{ModelError, ModelName, Range, Unit};
 
-/// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs. 2.9 to 2.11 with
-/// the absolute value inside the power.
+/// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs.
+/// 2.9 to 2.11 with the absolute value inside the power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StribeckCurve {
     f_s: f64,
@@ -17,13 +17,21 @@ pub struct StribeckCurve {
 }
 
 impl StribeckCurve {
-    /// A curve from the static level `f_s` and the kinetic level `f_c` [N or N m], the Stribeck velocity `v_s` [m/s or
-    /// rad/s] and the shape exponent `delta` (2 for the Gaussian form).
+    /// A curve from the static level `f_s` and the kinetic level `f_c` [N or N m], the Stribeck
+    /// velocity `v_s` [m/s or rad/s] and the shape exponent `delta` (2 for the Gaussian form).
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and `0 < delta <= 10`.
-    pub fn new(model: ModelName, f_s: f64, f_c: f64, v_s: f64, delta: f64) -> Result<Self, ModelError> {
-        let positive = [("f_s", f_s, Unit::Force), ("f_c", f_c, Unit::Force), ("v_s", v_s, Unit::Speed)];
+    /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and
+    /// `0 < delta <= 10`.
+    pub fn new(
+        model: ModelName,
+        f_s: f64,
+        f_c: f64,
+        v_s: f64,
+        delta: f64,
+    ) -> Result<Self, ModelError> {
+        let positive =
+            [("f_s", f_s, Unit::Force), ("f_c", f_c, Unit::Force), ("v_s", v_s, Unit::Speed)];
         let refusal = |parameter, value, unit, expected| ModelError::OutOfRange {
             model,
             parameter,
@@ -37,7 +45,8 @@ impl StribeckCurve {
             }
         }
         if f_c > f_s {
-            let expected = Range::Such("at most f_s: kinetic friction does not exceed static friction");
+            let expected =
+                Range::Such("at most f_s: kinetic friction does not exceed static friction");
             return Err(refusal("f_c", f_c, Unit::Force, expected));
         }
         if 1.0 / v_s == f64::INFINITY {
@@ -115,7 +124,8 @@ mod tests {
 
     #[test]
     fn refuses_a_kinetic_level_above_the_static_one() {
-        let message = StribeckCurve::new(ModelName::LuGre, 1.0, 1.5, 0.01, 2.0).unwrap_err().to_string();
+        let message =
+            StribeckCurve::new(ModelName::LuGre, 1.0, 1.5, 0.01, 2.0).unwrap_err().to_string();
         assert!(message.starts_with("lugre.f_c must be at most f_s"), "{message}");
     }
 }

@@ -1,4 +1,5 @@
-//! The two-line model (Marton and Lantos 2007; "Lorinc" in the thesis): the Stribeck curve as two straight lines.
+//! The two-line model (Marton and Lantos 2007; "Lorinc" in the thesis): the Stribeck curve as two
+//! straight lines.
 //!
 //! ```text
 //! F = a_1 sgn v + b_1 v    0 < |v| <= v_sw
@@ -6,8 +7,9 @@
 //! F = sat(a_1, F_e)        v = 0
 //! ```
 //!
-//! Thesis eq. 2.14: in each region `F = Phi^T xi` with the parameters `Phi = [a, b]` and the regressor `xi = [sgn v, v]`, so that both
-//! lines are linear in their parameters. They meet at the switch speed `v_sw`, where nothing jumps.
+//! Thesis eq. 2.14: in each region `F = Phi^T xi` with the parameters `Phi = [a, b]` and the
+//! regressor `xi = [sgn v, v]`, so that both lines are linear in their parameters. They meet at the
+//! switch speed `v_sw`, where nothing jumps.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -16,18 +18,21 @@
 //! | `a2` | N or N m | > 0 | level at which the second line would start: kinetic friction |
 //! | `b2` | N s/m or N m s/rad | >= 0 | slope of the second line: viscous friction |
 //!
-//! The lines must meet at a speed above zero: `a1 > a2` with `b2 > b1` (the Stribeck case), or both the other way round. With these
-//! ranges friction keeps its sign at every speed: at `v_sw` it is `a2 + b2 v_sw > 0`, below it lies between that and `a1`, and above
-//! it does not fall. A negative `b2` is refused because the second line has no end: it would push at high speeds.
+//! The lines must meet at a speed above zero: `a1 > a2` with `b2 > b1` (the Stribeck case), or both
+//! the other way round. With these ranges friction keeps its sign at every speed: at `v_sw` it is
+//! `a2 + b2 v_sw > 0`, below it lies between that and `a1`, and above it does not fall. A negative
+//! `b2` is refused because the second line has no end: it would push at high speeds.
 //!
-//! It reproduces the falling and the rising part of the sliding characteristic and sticking up to `a1`. It cuts the bend between
-//! them: as tangents of a Tustin curve ([`TwoLineParameters::from_tustin`]) the lines lie below it, by almost `(F_s - F_c)/e` at `v_s`. It has no
-//! pre-sliding displacement, no lag and no memory.
+//! It reproduces the falling and the rising part of the sliding characteristic and sticking up to
+//! `a1`. It cuts the bend between them: as tangents of a Tustin curve
+//! ([`TwoLineParameters::from_tustin`]) the lines lie below it, by almost `(F_s - F_c)/e` at `v_s`.
+//! It has no pre-sliding displacement, no lag and no memory.
 //!
-//! Use it for identification and adaptation by linear least squares, and where exponentials are too dear.
+//! Use it for identification and adaptation by linear least squares, and where exponentials are too
+//! dear.
 //!
-//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be known (see
-//! [`FrictionModel::holding`]).
+//! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
+//! known (see [`FrictionModel::holding`]).
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -37,8 +42,8 @@ use crate::memoryless::memoryless;
 use crate::model::sign;
 use crate::parameter::{built_from, parameters};
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    StribeckCurve, Unit,
+    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
+    State, StribeckCurve, Unit,
 };
 
 parameters! {
@@ -56,8 +61,9 @@ parameters! {
 }
 
 impl TwoLineParameters {
-    /// The tangents of the Tustin curve `F_c + (F_s - F_c) exp(-v/v_s) + f_v v` at standstill and at `v_max` [m/s or rad/s]: levels
-    /// `f_s` and `f_c` [N or N m], Stribeck velocity `v_s` [m/s or rad/s], viscous coefficient `f_v` [N s/m or N m s/rad].
+    /// The tangents of the Tustin curve `F_c + (F_s - F_c) exp(-v/v_s) + f_v v` at standstill and
+    /// at `v_max` [m/s or rad/s]: levels `f_s` and `f_c` [N or N m], Stribeck velocity `v_s`
+    /// [m/s or rad/s], viscous coefficient `f_v` [N s/m or N m s/rad].
     ///
     /// ```
     /// use friction_model::{TwoLine, TwoLineParameters};
@@ -67,13 +73,22 @@ impl TwoLineParameters {
     /// ```
     ///
     /// # Errors
-    /// [`ModelError::OutOfRange`] unless `f_s > f_c > 0`, `v_s > 0`, `f_v >= 0` and `v_max > 0`, and where the tangents are no
-    /// two-line model: at a `v_max` so low that the curve still falls there.
-    pub fn from_tustin(f_s: f64, f_c: f64, v_s: f64, f_v: f64, v_max: f64) -> Result<Self, ModelError> {
+    /// [`ModelError::OutOfRange`] unless `f_s > f_c > 0`, `v_s > 0`, `f_v >= 0` and `v_max > 0`,
+    /// and where the tangents are no two-line model: at a `v_max` so low that the curve still falls
+    /// there.
+    pub fn from_tustin(
+        f_s: f64,
+        f_c: f64,
+        v_s: f64,
+        f_v: f64,
+        v_max: f64,
+    ) -> Result<Self, ModelError> {
         let model = ModelName::TwoLine;
         StribeckCurve::new(model, f_s, f_c, v_s, 1.0)?;
-        let rest =
-            [("f_v", f_v, Unit::Damping, Range::NonNegative), ("v_max", v_max, Unit::Speed, Range::Positive)];
+        let rest = [
+            ("f_v", f_v, Unit::Damping, Range::NonNegative),
+            ("v_max", v_max, Unit::Speed, Range::Positive),
+        ];
         for (parameter, value, unit, expected) in rest {
             if !expected.holds(value) {
                 return Err(ModelError::OutOfRange { model, parameter, value, unit, expected });
@@ -81,8 +96,12 @@ impl TwoLineParameters {
         }
         let dip = f_s - f_c;
         let left = dip * (-v_max / v_s).exp();
-        let lines =
-            Self { a1: f_s, b1: f_v - dip / v_s, a2: f_c + left * (1.0 + v_max / v_s), b2: f_v - left / v_s };
+        let lines = Self {
+            a1: f_s,
+            b1: f_v - dip / v_s,
+            a2: f_c + left * (1.0 + v_max / v_s),
+            b2: f_v - left / v_s,
+        };
         lines.switch_speed()?;
         Ok(lines)
     }
@@ -94,8 +113,7 @@ impl TwoLineParameters {
     pub fn switch_speed(&self) -> Result<f64, ModelError> {
         self.check(ModelName::TwoLine)?;
         let speed = (self.a1 - self.a2) / (self.b2 - self.b1);
-        let condition =
-            "such that the lines meet at a speed above zero: below a1 if b1 is below b2, else above a1";
+        let condition = "such that the lines meet at a speed above zero: below a1 if b1 is below b2, else above a1";
         let meet = speed > 0.0 && (self.a2 + self.b2 * speed).is_finite();
         Self::require(ModelName::TwoLine, meet, "a2", self.a2, condition)?;
         Ok(speed)
@@ -165,7 +183,8 @@ impl FrictionModel for TwoLine {
         Internals { deflection: 0.0, gamma, regime }
     }
 
-    /// `b_2 v`: the slope at high speeds is the viscous coefficient of the curve that the lines stand for.
+    /// `b_2 v`: the slope at high speeds is the viscous coefficient of the curve that the lines
+    /// stand for.
     #[inline]
     fn viscous(&self, velocity: f64) -> f64 {
         self.parameters.b2 * velocity
@@ -263,7 +282,8 @@ mod tests {
             let message = TwoLine::try_from(p).unwrap_err().to_string();
             assert!(message.starts_with(&format!("two_line.{parameter} must be")), "{message}");
         }
-        let tangents = |f_s, v_s, v_max| TwoLineParameters::from_tustin(f_s, 0.09, v_s, 0.04, v_max);
+        let tangents =
+            |f_s, v_s, v_max| TwoLineParameters::from_tustin(f_s, 0.09, v_s, 0.04, v_max);
         for (parameter, outcome) in [
             ("f_c", tangents(0.08, 0.14, 4.0)),
             ("a2", tangents(0.09, 0.14, 4.0)),

@@ -6,7 +6,8 @@ use crate::VirginCurve;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 
-/// The virgin curve `f_end sin(pi z / (2 z_b))`, flat at its end: loops have area, and no corner where they saturate.
+/// The virgin curve `f_end sin(pi z / (2 z_b))`, flat at its end: loops have area, and no corner
+/// where they saturate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sine {
     end: f64,
@@ -57,7 +58,8 @@ impl VirginCurve for Sine {
     }
 }
 
-/// The virgin curve `end z / z_b`: a spring that saturates. Its doubled branches are the same line, so its loops have no area.
+/// The virgin curve `end z / z_b`: a spring that saturates. Its doubled branches are the same line,
+/// so its loops have no area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     slope: f64,

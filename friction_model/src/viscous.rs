@@ -14,7 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::memoryless::memoryless;
 use crate::parameter::{built_from, parameters};
-use crate::{FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State};
+use crate::{
+    FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+};
 
 parameters! {
     /// Parameters of [`Viscous`] as files carry them.

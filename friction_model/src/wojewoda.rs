@@ -1,5 +1,5 @@
-//! Hysteretic dry friction after Wojewoda, Stefanski, Wiercigroch and Kapitaniak: a characteristic that the sign of the acceleration splits
-//! in two, on a spring.
+//! Hysteretic dry friction after Wojewoda, Stefanski, Wiercigroch and Kapitaniak: a characteristic
+//! that the sign of the acceleration splits in two, on a spring.
 //!
 //! ```text
 //! stuck:     z' = v,  F = k_t z + f_v v           until k_t |z| reaches F_s
@@ -8,17 +8,21 @@
 //! w = sat(1, a sgn v / a_0)        without a_0: w = sgn(a sgn v)         a: acceleration
 //! ```
 //!
-//! So a contact that speeds up follows the upper branch `F_c + (F_s - F_c) exp(-|v|/v_s)`, one that slows down the lower
-//! branch `F_c + (F_d - F_c) exp(-|v|/v_s)`, and at constant velocity it lies midway: force over velocity is a loop.
+//! So a contact that speeds up follows the upper branch `F_c + (F_s - F_c) exp(-|v|/v_s)`, one that
+//! slows down the lower branch `F_c + (F_d - F_c) exp(-|v|/v_s)`, and at constant velocity it lies
+//! midway: force over velocity is a loop.
 //!
-//! **What is from the papers and what is not.** J. Wojewoda, A. Stefanski, M. Wiercigroch and T. Kapitaniak, "Hysteretic effects of dry
-//! friction: modelling and experimental studies", Philosophical Transactions of the Royal Society A 366 (2008), 747-765; and A. Stefanski, J. Wojewoda,
-//! M. Wiercigroch and T. Kapitaniak, "Chaos caused by non-reversible dry friction", Chaos, Solitons and Fractals 16 (2003), 661-664. For this
-//! file only the abstract and the opening of the first could be read, of the second the title: **not their equations**. The abstract has that
-//! measured friction shows hysteresis, and that a simple model captures it; the title calls the characteristic non-reversible. At second hand, and
-//! not checked, is that the sign of the acceleration chooses the branch and that a spring precedes sliding. Reconstructed here are the
-//! exponential shape, `F_d`, the level midway at zero acceleration, the width `a_0`, and the rules of sticking. Parameters and figures of the
-//! papers cannot be carried over.
+//! **What is from the papers and what is not.** J. Wojewoda, A. Stefanski, M. Wiercigroch and T.
+//! Kapitaniak, "Hysteretic effects of dry friction: modelling and experimental studies",
+//! Philosophical Transactions of the Royal Society A 366 (2008), 747-765; and A. Stefanski, J.
+//! Wojewoda, M. Wiercigroch and T. Kapitaniak, "Chaos caused by non-reversible dry friction",
+//! Chaos, Solitons and Fractals 16 (2003), 661-664. For this file only the abstract and the opening
+//! of the first could be read, of the second the title: **not their equations**. The abstract has
+//! that measured friction shows hysteresis, and that a simple model captures it; the title calls
+//! the characteristic non-reversible. At second hand, and not checked, is that the sign of the
+//! acceleration chooses the branch and that a spring precedes sliding. Reconstructed here are the
+//! exponential shape, `F_d`, the level midway at zero acceleration, the width `a_0`, and the rules
+//! of sticking. Parameters and figures of the papers cannot be carried over.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -30,16 +34,20 @@
 //! | `a_0` | m/s^2 or rad/s^2 | > 0, may be left out | acceleration at which a branch is reached; a jump at zero if left out |
 //! | `f_v` | N s/m or N m s/rad | >= 0, 0 if left out | viscous coefficient |
 //!
-//! It sticks again where the velocity changes its sign or is zero: the spring goes on from where it is, and has to reach `F_s`
-//! once more. Steady state: `sgn v [F_c + ((F_s + F_d)/2 - F_c) exp(-|v|/v_s)] + f_v v`.
+//! It sticks again where the velocity changes its sign or is zero: the spring goes on from where it
+//! is, and has to reach `F_s` once more. Steady state:
+//! `sgn v [F_c + ((F_s + F_d)/2 - F_c) exp(-|v|/v_s)] + f_v v`.
 //!
-//! Use it where friction measured over velocity shows a loop and no memory is wanted beyond the last velocity. The loop does not depend on
-//! how fast the velocity changes (with `a_0` left out), which tells it from a lag. A measured velocity's noise changes the sign of the
-//! acceleration all the time: choose `a_0` above the noise. It does not drift; its pre-sliding is a spring without hysteresis.
-//! It is passive with the storage `k_t z^2 / 2`, since a changing level only ever cuts the deflection. Bound: `|F - f_v v| <= F_s`.
+//! Use it where friction measured over velocity shows a loop and no memory is wanted beyond the
+//! last velocity. The loop does not depend on how fast the velocity changes (with `a_0` left out),
+//! which tells it from a lag. A measured velocity's noise changes the sign of the acceleration all
+//! the time: choose `a_0` above the noise. It does not drift; its pre-sliding is a spring without
+//! hysteresis. It is passive with the storage `k_t z^2 / 2`, since a changing level only ever cuts
+//! the deflection. Bound: `|F - f_v v| <= F_s`.
 //!
-//! Fixed-step form: `a` is the change of the velocity since the last step over the period; `z` advances under the held velocity,
-//! and is cut to the level at the next step. In the derivative form `a` is that of the last accepted step.
+//! Fixed-step form: `a` is the change of the velocity since the last step over the period; `z`
+//! advances under the held velocity, and is cut to the level at the next step. In the derivative
+//! form `a` is that of the last accepted step.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -48,8 +56,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::{bounded, saturate, sign};
 use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
-    TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
+    Regime, State, TimeStep,
 };
 
 parameters! {
@@ -59,14 +67,16 @@ parameters! {
         f_s: f64, Force, Range::Positive;
         /// Kinetic friction F_c at high speed [N or N m], above zero.
         f_c: f64, Force, Range::Positive;
-        /// Friction F_d at low speed while slowing down [N or N m], above zero, at most `f_s`; `f_c` if left out.
+        /// Friction F_d at low speed while slowing down [N or N m], above zero, at most `f_s`;
+        /// `f_c` if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         f_d: Option<f64>, Force, Range::Positive;
         /// Speed v_s over which the branches approach each other [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Stiffness k_t of the contact [N/m or N m/rad], above zero.
         k_t: f64, Stiffness, Range::Positive;
-        /// Acceleration a_0 at which a branch is reached [m/s^2 or rad/s^2], above zero; a jump at zero if left out.
+        /// Acceleration a_0 at which a branch is reached [m/s^2 or rad/s^2], above zero; a jump at
+        /// zero if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         a_0: Option<f64>, Acceleration, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
@@ -76,12 +86,14 @@ parameters! {
 }
 
 impl Presets for WojewodaParameters {
-    /// Levels, Stribeck velocity, stiffness and viscous friction of table 4.13; the lower branch is flat.
+    /// Levels, Stribeck velocity, stiffness and viscous friction of table 4.13; the lower branch is
+    /// flat.
     fn test_bed() -> Self {
         let k_t = 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006;
         Self { f_s: 0.0994, f_c: 0.0925, f_d: None, v_s: 0.1407, k_t, a_0: None, f_v: 0.0403 }
     }
-    /// Levels, Stribeck velocity and stiffness (2356 N/m) of the proposed model; the lower branch is flat.
+    /// Levels, Stribeck velocity and stiffness (2356 N/m) of the proposed model; the lower branch
+    /// is flat.
     fn chapter_3() -> Self {
         let k_t = 1.5 * core::f64::consts::FRAC_PI_2 / 0.001;
         Self { f_s: 1.5, f_c: 1.0, f_d: None, v_s: 0.01, k_t, a_0: None, f_v: 0.0 }
@@ -99,7 +111,8 @@ pub struct WojewodaMemory {
     slip: f64,
 }
 
-/// The hysteretic model with valid parameters. State: `[z]`, the last velocity and acceleration, and whether it slides.
+/// The hysteretic model with valid parameters. State: `[z]`, the last velocity and acceleration,
+/// and whether it slides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "WojewodaParameters", into = "WojewodaParameters")]
 pub struct Wojewoda {
@@ -129,12 +142,21 @@ impl Wojewoda {
             return self.parameters.f_s;
         }
         let faster = if velocity < 0.0 { -motion.acceleration } else { motion.acceleration };
-        self.sliding(falling, self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)))
+        self.sliding(
+            falling,
+            self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)),
+        )
     }
 
     /// Force and rate at deflection `z`.
     #[inline]
-    fn contact(&self, z: f64, motion: &WojewodaMemory, velocity: f64, falling: f64) -> Evaluation<[f64; 1]> {
+    fn contact(
+        &self,
+        z: f64,
+        motion: &WojewodaMemory,
+        velocity: f64,
+        falling: f64,
+    ) -> Evaluation<[f64; 1]> {
         let p = &self.parameters;
         let (level, spring) = (self.level(motion, velocity, falling), p.k_t * z);
         let at_the_end = motion.slip != 0.0 && spring.abs() >= level && spring * velocity > 0.0;
@@ -152,7 +174,13 @@ impl Wojewoda {
 
     /// Takes in a sample of the velocity, `elapsed` [s] after the last one.
     #[inline]
-    fn sample(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, falling: f64, elapsed: f64) {
+    fn sample(
+        &self,
+        state: &mut State<[f64; 1], WojewodaMemory>,
+        velocity: f64,
+        falling: f64,
+        elapsed: f64,
+    ) {
         let motion = &mut state.memory;
         let [z] = state.continuous;
         motion.acceleration = (velocity - motion.velocity) / elapsed;
@@ -161,7 +189,8 @@ impl Wojewoda {
         if velocity * motion.slip <= 0.0 {
             motion.slip = 0.0;
         }
-        state.continuous = [saturate(self.level(motion, velocity, falling) / self.parameters.k_t, z)];
+        state.continuous =
+            [saturate(self.level(motion, velocity, falling) / self.parameters.k_t, z)];
     }
 }
 
@@ -175,8 +204,20 @@ impl TryFrom<WojewodaParameters> for Wojewoda {
         let condition = "at most f_s: kinetic friction does not exceed static friction";
         require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
         let f_d = p.f_d.unwrap_or(p.f_c);
-        require(name, f_d <= p.f_s, "f_d", f_d, "at most f_s: the lower branch lies below the upper one")?;
-        require(name, (p.f_s / p.k_t).is_finite(), "k_t", p.k_t, "large enough for a finite deflection")?;
+        require(
+            name,
+            f_d <= p.f_s,
+            "f_d",
+            f_d,
+            "at most f_s: the lower branch lies below the upper one",
+        )?;
+        require(
+            name,
+            (p.f_s / p.k_t).is_finite(),
+            "k_t",
+            p.k_t,
+            "large enough for a finite deflection",
+        )?;
         let (midway, half_width) = (0.5 * p.f_s + 0.5 * f_d - p.f_c, 0.5 * p.f_s - 0.5 * f_d);
         Ok(Self { parameters: p, midway, half_width })
     }
@@ -197,11 +238,19 @@ impl FrictionModel for Wojewoda {
     }
 
     fn rest(&self) -> State<[f64; 1], WojewodaMemory> {
-        State { continuous: [0.0], memory: WojewodaMemory { velocity: 0.0, acceleration: 0.0, slip: 0.0 } }
+        State {
+            continuous: [0.0],
+            memory: WojewodaMemory { velocity: 0.0, acceleration: 0.0, slip: 0.0 },
+        }
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 1], motion: &WojewodaMemory, velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(
+        &self,
+        state: &[f64; 1],
+        motion: &WojewodaMemory,
+        velocity: f64,
+    ) -> Evaluation<[f64; 1]> {
         self.at(velocity)(state, motion)
     }
 
@@ -233,7 +282,13 @@ impl FrictionModel for Wojewoda {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], WojewodaMemory>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<[f64; 1], WojewodaMemory>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         let [z] = state.continuous;
         let z = z + rate * dt.seconds();
         self.break_away(&mut state.memory, z);

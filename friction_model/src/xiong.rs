@@ -1,4 +1,5 @@
-//! Xiong's multistate model (Xiong, Kikuuwe, Yamamoto 2013): Maxwell-slip elements that lag and need no switches.
+//! Xiong's multistate model (Xiong, Kikuuwe, Yamamoto 2013): Maxwell-slip elements that lag and
+//! need no switches.
 //!
 //! ```text
 //! gamma' = (g(v) - gamma) / tau
@@ -16,14 +17,18 @@
 //! | `sigma` | N s/m or N m s/rad | > 0 | micro-damping of each element |
 //! | `f_v` | N s/m or N m s/rad | >= 0 | viscous coefficient |
 //!
-//! While an element sticks, `z_i' = v`; while it slips, `z_i` relaxes to `+-lambda_i gamma / K_i` with the time constant `sigma_i / K_i`. It has hysteresis with
-//! non-local memory, does not drift, never exceeds `F_s + f_v |v|`, and dissipates. In steady gross sliding `F = gamma + f_v v`, exactly as the proposed
-//! model: measurements of frictional lag cannot tell the two apart. Its virgin curve is a polygon with as many corners as elements.
+//! While an element sticks, `z_i' = v`; while it slips, `z_i` relaxes to `+-lambda_i gamma / K_i`
+//! with the time constant `sigma_i / K_i`. It has hysteresis with non-local memory, does not drift,
+//! never exceeds `F_s + f_v |v|`, and dissipates. In steady gross sliding `F = gamma + f_v v`,
+//! exactly as the proposed model: measurements of frictional lag cannot tell the two apart. Its
+//! virgin curve is a polygon with as many corners as elements.
 //!
-//! Fixed-step form: `gamma` exactly for a held velocity, each `z_i` by an implicit step of its limited rate, see [`crate::Proposed`]; it can neither overshoot
-//! nor oscillate at any period, and has no branches.
+//! Fixed-step form: `gamma` exactly for a held velocity, each `z_i` by an implicit step of its
+//! limited rate, see [`crate::Proposed`]; it can neither overshoot nor oscillate at any period, and
+//! has no branches.
 //!
-//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry nothing.
+//! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
+//! nothing.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -33,12 +38,13 @@ use crate::model::{between, bounded, relaxed, saturate};
 use crate::parameter::parameters;
 use crate::stribeck_curve::{SHAPE, gaussian};
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets,
+    Range, Regime, State, StribeckCurve, TimeStep,
 };
 
 parameters! {
-    /// Parameters of [`Xiong`] as files carry them; the lists have one number an element, at most 16.
+    /// Parameters of [`Xiong`] as files carry them; the lists have one number an element, at most
+    /// 16.
     XiongParameters {
         /// Static friction F_s [N or N m], at least `f_c`.
         f_s: f64, Force, Range::Positive;
@@ -190,7 +196,12 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn evaluate(&self, state: &Self::Continuous, (): &(), velocity: f64) -> Evaluation<Self::Continuous> {
+    fn evaluate(
+        &self,
+        state: &Self::Continuous,
+        (): &(),
+        velocity: f64,
+    ) -> Evaluation<Self::Continuous> {
         self.at(velocity)(state, &())
     }
 
@@ -247,7 +258,13 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<Self::Continuous, ()>, _: f64, rate: f64) -> f64 {
+    fn inject(
+        &self,
+        dt: TimeStep,
+        state: &mut State<Self::Continuous, ()>,
+        _: f64,
+        rate: f64,
+    ) -> f64 {
         let p = &self.parameters;
         let ([gamma], z) = &mut state.continuous;
         *gamma = between(p.f_c, p.f_s, *gamma + rate * relaxed(1.0 / p.tau, dt.seconds()));
@@ -307,7 +324,8 @@ mod tests {
         check(Xiong::chapter_3());
     }
 
-    /// In unidirectional gross sliding `F = gamma + f_v v` in both models: lag cannot tell them apart.
+    /// In unidirectional gross sliding `F = gamma + f_v v` in both models: lag cannot tell them
+    /// apart.
     #[test]
     fn in_gross_sliding_it_is_the_proposed_model() {
         let xiong = Xiong::chapter_3();
@@ -326,7 +344,8 @@ mod tests {
         for k in 0..40_000 {
             let t = 1e-4 * f64::from(k);
             let v = [velocity(t), velocity(t + 5e-5), velocity(t + 1e-4)];
-            let difference = rk4::step(&xiong, &mut a, v, 1e-4) - rk4::step(&proposed, &mut b, v, 1e-4);
+            let difference =
+                rk4::step(&xiong, &mut a, v, 1e-4) - rk4::step(&proposed, &mut b, v, 1e-4);
             assert!(t < 1.0 || difference.abs() < 1e-14, "at {t} s: {difference}");
         }
     }
@@ -336,7 +355,8 @@ mod tests {
     fn empty_elements_carry_nothing() {
         let dt = TimeStep::new(1e-3).unwrap();
         let mut four = Stepper::new(Xiong::test_bed(), dt);
-        let mut sixteen = Stepper::new(Xiong::<16>::try_from(XiongParameters::test_bed()).unwrap(), dt);
+        let mut sixteen =
+            Stepper::new(Xiong::<16>::try_from(XiongParameters::test_bed()).unwrap(), dt);
         for k in 0..5000 {
             let v = 0.3 * (0.003 * f64::from(k)).sin() + 0.1 * (0.02 * f64::from(k)).sin();
             assert!((four.step(v) - sixteen.step(v)).abs() < 1e-16);

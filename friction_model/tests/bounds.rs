@@ -20,7 +20,8 @@ const BY_STATIC_FRICTION: &[ModelName] = &[
     ModelName::ProposedLinear,
 ];
 
-/// `bound (1 + 1e-12)`, with room for the rounding of the viscous part that is subtracted from the force.
+/// `bound (1 + 1e-12)`, with room for the rounding of the viscous part that is subtracted from the
+/// force.
 fn within(value: f64, bound: f64, subtracted: f64) -> bool {
     value.abs() <= bound * (1.0 + 1e-12) + 1e-15 * subtracted.abs()
 }
@@ -69,7 +70,8 @@ proptest! {
         }
     }
 
-    /// GMS: `|sum sigma0 z| <= F_s`; an element's damping is `sigma1 |v|` in stick and at most `sigma1 C F_s / F_c` in slip.
+    /// GMS: `|sum sigma0 z| <= F_s`; an element's damping is `sigma1 |v|` in stick and at most
+    /// `sigma1 C F_s / F_c` in slip.
     #[test]
     fn the_elements_of_gms_are_bounded(model in model(ModelName::Gms), dt in period(), path in velocities()) {
         let AnyParameters::Gms(p) = model.parameters() else { unreachable!() };

@@ -1,10 +1,11 @@
-//! Error injection: an extra rate in the derivative of every continuous state, as a state observer needs it.
+//! Error injection: an extra rate in the derivative of every continuous state, as a state observer
+//! needs it.
 
 mod arbitrary;
 
 use friction_model::{
-    AnyModel, ContinuousState, Dahl, ElastoPlastic, FrictionModel, Gms, Leuven, LuGre, ModelName, Proposed,
-    Stepper, TimeStep, Xiong,
+    AnyModel, ContinuousState, Dahl, ElastoPlastic, FrictionModel, Gms, Leuven, LuGre, ModelName,
+    Proposed, Stepper, TimeStep, Xiong,
 };
 use proptest::prelude::*;
 
@@ -17,8 +18,9 @@ fn rate(t: f64) -> f64 {
     0.02 * (3.7 * t).sin()
 }
 
-/// Classical Runge-Kutta of `x' = f(x, v) + r` with fine steps, force included: independent of the fixed-step form.
-/// `spread` writes a rate into every state, `damping` says what the force gains per rate, `bound` cuts states where the model alone would never go.
+/// Classical Runge-Kutta of `x' = f(x, v) + r` with fine steps, force included: independent of the
+/// fixed-step form. `spread` writes a rate into every state, `damping` says what the force gains
+/// per rate, `bound` cuts states where the model alone would never go.
 fn fine<M: FrictionModel>(
     model: &M,
     spread: impl Fn(f64) -> M::Continuous,
@@ -51,8 +53,8 @@ fn fine<M: FrictionModel>(
     forces
 }
 
-/// Root mean square difference of the fixed-step form at the period `dt` from the fine solution, over the force's. A regime that switches a
-/// sample sooner or later weighs little in it.
+/// Root mean square difference of the fixed-step form at the period `dt` from the fine solution,
+/// over the force's. A regime that switches a sample sooner or later weighs little in it.
 fn difference<M: FrictionModel>(model: &M, truth: &[f64], dt: f64) -> f64 {
     let mut stepper = Stepper::new(model.clone(), TimeStep::new(dt).unwrap());
     let every = (1e-3 / dt).round() as u32;
@@ -85,8 +87,10 @@ fn agrees<M: FrictionModel>(
     assert!(middle < 0.0006, "{}: {middle} at .1 ms", M::NAME);
     // The injection matters: without it the forces differ by much more.
     let mut plain = Stepper::new(model, TimeStep::new(1e-3).unwrap());
-    let apart = (0u32..).zip(&truth).map(|(k, force)| plain.step(velocity(1e-3 * f64::from(k))) - force);
-    let apart = (apart.map(|d| d * d).sum::<f64>() / truth.iter().map(|f| f * f).sum::<f64>()).sqrt();
+    let apart =
+        (0u32..).zip(&truth).map(|(k, force)| plain.step(velocity(1e-3 * f64::from(k))) - force);
+    let apart =
+        (apart.map(|d| d * d).sum::<f64>() / truth.iter().map(|f| f * f).sum::<f64>()).sqrt();
     assert!(apart > 10.0 * coarse, "{}: {apart} without, {coarse} with", M::NAME);
 }
 
@@ -105,7 +109,8 @@ fn the_fixed_step_form_follows_a_fine_integration_of_the_same_equations() {
     agrees(proposed, |r| [r, r], proposed.parameters().sigma, |_| ());
     let gms = Gms::<4>::test_bed();
     let p = *gms.parameters();
-    let widths: Vec<f64> = p.alpha.iter().zip(p.sigma0.iter()).map(|(alpha, k)| alpha * p.f_s / k).collect();
+    let widths: Vec<f64> =
+        p.alpha.iter().zip(p.sigma0.iter()).map(|(alpha, k)| alpha * p.f_s / k).collect();
     agrees(
         gms,
         |r| [r; 4],
@@ -114,7 +119,8 @@ fn the_fixed_step_form_follows_a_fine_integration_of_the_same_equations() {
     );
     let xiong = Xiong::<4>::test_bed();
     let p = *xiong.parameters();
-    let widths: Vec<f64> = p.lambda.iter().zip(p.k.iter()).map(|(lambda, k)| lambda * p.f_s / k).collect();
+    let widths: Vec<f64> =
+        p.lambda.iter().zip(p.k.iter()).map(|(lambda, k)| lambda * p.f_s / k).collect();
     agrees(
         xiong,
         |r| ([r], [r; 4]),
@@ -125,7 +131,8 @@ fn the_fixed_step_form_follows_a_fine_integration_of_the_same_equations() {
     );
 }
 
-/// `z' = v + r - sigma0 |v| z / g` rests at `z = (v + r) g / (sigma0 |v|)`, where `F = g (1 + r / v) + f_v v`.
+/// `z' = v + r - sigma0 |v| z / g` rests at `z = (v + r) g / (sigma0 |v|)`, where
+/// `F = g (1 + r / v) + f_v v`.
 #[test]
 fn lugre_settles_where_the_closed_form_says() {
     let model = LuGre::test_bed();

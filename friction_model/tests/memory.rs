@@ -1,4 +1,5 @@
-//! Hysteresis with non-local memory: what the reversal stack is, and what the models make of it in pre-sliding.
+//! Hysteresis with non-local memory: what the reversal stack is, and what the models make of it in
+//! pre-sliding.
 
 mod arbitrary;
 
@@ -8,7 +9,8 @@ use friction_model::{
 };
 use proptest::prelude::*;
 
-/// A Prandtl-Ishlinskii operator: `n` stops (elastic, perfectly plastic) with thresholds `r` and weights `-f''(r)`.
+/// A Prandtl-Ishlinskii operator: `n` stops (elastic, perfectly plastic) with thresholds `r` and
+/// weights `-f''(r)`.
 struct Stops(Vec<(f64, f64, f64)>);
 
 impl Stops {
@@ -60,7 +62,8 @@ proptest! {
 proptest! {
     #![proptest_config(config())]
 
-    /// Loops between the same deflections have the same shape wherever they lie, and an inner loop leaves no trace.
+    /// Loops between the same deflections have the same shape wherever they lie, and an inner loop
+    /// leaves no trace.
     #[test]
     fn loops_are_congruent_and_wiped_out(
         history in prop::collection::vec(-1.0..1.0f64, 0..20), low in -0.9..0.9f64, width in 0.01..0.5f64, way in 0.0..=1.0f64,
@@ -93,7 +96,8 @@ proptest! {
         prop_assert_eq!(at(&mut used, outside), at(&mut without, outside));
     }
 
-    /// Nested deeper than there is room for: each loss costs at most the innermost loop of that moment.
+    /// Nested deeper than there is room for: each loss costs at most the innermost loop of that
+    /// moment.
     #[test]
     fn a_full_stack_loses_at_most_the_innermost_loop(shrink in 0.97..0.995f64, reversals in 120..400u32) {
         let model = Proposed::chapter_3();
@@ -137,7 +141,9 @@ impl ModelVisitor for Along<'_> {
             let steps = ((turn - x) / v / 10.0 / self.largest_step).ceil().max(200.0);
             let dt = (turn - x) / v / 10.0 / steps;
             for _ in 0..10 {
-                forces.extend((0..steps as u32).map(|_| rk4::step(&model, &mut state, [v; 3], dt)).last());
+                forces.extend(
+                    (0..steps as u32).map(|_| rk4::step(&model, &mut state, [v; 3], dt)).last(),
+                );
             }
             x = turn;
         }
@@ -145,10 +151,13 @@ impl ModelVisitor for Along<'_> {
     }
 }
 
-/// In slow pre-sliding the force depends on the path alone: a tenth of the speed gives the same forces, to a tenth of the damping.
+/// In slow pre-sliding the force depends on the path alone: a tenth of the speed gives the same
+/// forces, to a tenth of the damping.
 #[test]
 fn pre_sliding_is_rate_independent_when_it_is_slow() {
-    use ModelName::{BlimanSorine, Dahl, ElastoPlastic, Gms, Leuven, LuGre, Proposed, ProposedLinear, Xiong};
+    use ModelName::{
+        BlimanSorine, Dahl, ElastoPlastic, Gms, Leuven, LuGre, Proposed, ProposedLinear, Xiong,
+    };
     for (name, amplitude, largest_step) in [
         (Dahl, 1e-5, 1.0),
         (LuGre, 1e-5, 1.0),
@@ -164,9 +173,11 @@ fn pre_sliding_is_rate_independent_when_it_is_slow() {
         let model = AnyModel::chapter_3(name);
         let turns = [1.0, -0.5, 0.5, -0.1, 0.5, 0.8].map(|turn| turn * amplitude);
         let at = |speed: f64| model.visit(Along { turns: &turns, speed, largest_step });
-        let (slow, slower, slowest) = (at(amplitude / 10.0), at(amplitude / 100.0), at(amplitude / 1000.0));
+        let (slow, slower, slowest) =
+            (at(amplitude / 10.0), at(amplitude / 100.0), at(amplitude / 1000.0));
         let largest = slowest.iter().fold(0.0f64, |m, f| m.max(f.abs()));
-        let difference = |a: &[f64]| a.iter().zip(&slowest).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        let difference =
+            |a: &[f64]| a.iter().zip(&slowest).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
         let (coarse, fine) = (difference(&slow), difference(&slower));
         assert!(fine < 0.01 * largest, "{name}: {fine} N of {largest} N");
         assert!(fine <= 0.15 * coarse + 1e-9 * largest, "{name}: {coarse} N, then {fine} N");

@@ -4,13 +4,14 @@ use std::hint::black_box;
 
 use allocation_counter::measure;
 use friction_model::{
-    AnyModel, Body, Drive, FrictionModel, LoadDependent, ModelName, ModelVisitor, Proposed, Stepper,
-    TimeStep, rk4,
+    AnyModel, Body, Drive, FrictionModel, LoadDependent, ModelName, ModelVisitor, Proposed,
+    Stepper, TimeStep, rk4,
 };
 
 const STEPS: u32 = 20_000;
 
-/// Sliding, reversals, and now and then a train of ever smaller ones, more than a hysteresis can remember.
+/// Sliding, reversals, and now and then a train of ever smaller ones, more than a hysteresis can
+/// remember.
 fn velocity(k: u32) -> f64 {
     let t = 1e-3 * f64::from(k);
     let phase = k % 5000;
@@ -66,7 +67,8 @@ impl ModelVisitor for EveryWay {
             black_box(contact.step(measured(k), velocity(k)));
         });
 
-        // A force beyond the levels of either preset, so that models with stiction hold, slip and hold again; and a state of the driver.
+        // A force beyond the levels of either preset, so that models with stiction hold, slip and
+        // hold again; and a state of the driver.
         let mut body = Body::<M, 1>::new(model, 1.0);
         let moved = allocations(|_| {
             body.advance(1e-4, |at| Drive {
@@ -94,7 +96,8 @@ fn no_model_allocates_while_it_steps() {
     for name in ModelName::ALL {
         let (forward, backward) = (AnyModel::test_bed(name), AnyModel::chapter_3(name));
         let both = AnyModel::asymmetric(&forward, &backward).unwrap();
-        for (kind, model) in [("test bed", forward), ("chapter 3", backward), ("asymmetric", both)] {
+        for (kind, model) in [("test bed", forward), ("chapter 3", backward), ("asymmetric", both)]
+        {
             for (way, count) in model.visit(EveryWay) {
                 assert_eq!(count, 0, "{name}, {kind}: {way} allocates");
             }

@@ -1,9 +1,10 @@
-//! Every valid parameter set, period and motion leaves a model within the bound that its file states, and odd in the motion.
+//! Every valid parameter set, period and motion leaves a model within the bound that its file
+//! states, and odd in the motion.
 
 use friction_model::{
-    Armstrong, ArmstrongParameters, BengisuAkay, BengisuAkayParameters, BlimanSorine, BlimanSorineParameters,
-    FrictionModel, ResetIntegrator, ResetIntegratorParameters, Stepper, TimeStep, Wojewoda,
-    WojewodaParameters,
+    Armstrong, ArmstrongParameters, BengisuAkay, BengisuAkayParameters, BlimanSorine,
+    BlimanSorineParameters, FrictionModel, ResetIntegrator, ResetIntegratorParameters, Stepper,
+    TimeStep, Wojewoda, WojewodaParameters,
 };
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
@@ -64,7 +65,8 @@ fn period() -> impl Strategy<Value = TimeStep> {
     (-6.0..=-2.0f64).prop_map(|e| TimeStep::new(10f64.powf(e).min(0.01)).unwrap())
 }
 
-/// The force stays within `bound` of the speed; the opposite motion has the opposite force; energy is never negative.
+/// The force stays within `bound` of the speed; the opposite motion has the opposite force; energy
+/// is never negative.
 fn stays_within<M: FrictionModel>(
     model: M,
     dt: TimeStep,
@@ -76,10 +78,19 @@ fn stays_within<M: FrictionModel>(
         let force = there.step(v);
         prop_assert_eq!(force, -back.step(-v));
         let most = bound(v.abs());
-        prop_assert!(force.abs() <= most * (1.0 + 1e-12), "{:?}: {} exceeds {} at {}", model, force, most, v);
+        prop_assert!(
+            force.abs() <= most * (1.0 + 1e-12),
+            "{:?}: {} exceeds {} at {}",
+            model,
+            force,
+            most,
+            v
+        );
         prop_assert!(model.steady_state(v).abs() <= most * (1.0 + 1e-12));
         prop_assert!(
-            model.stored_energy(there.state()).is_none_or(|energy| energy >= 0.0 && energy.is_finite())
+            model
+                .stored_energy(there.state())
+                .is_none_or(|energy| energy >= 0.0 && energy.is_finite())
         );
         prop_assert!(there.internals(v).deflection.is_finite());
     }

@@ -1,20 +1,21 @@
 //! Which models can only take energy out of a motion, and which can give some.
 //!
-//! A model with the stored energy `E` is passive if `F v >= dE/dt` at every state and velocity: then the work over a closed cycle is not negative. The
-//! inequality is checked pointwise, in the derivative form, at states that random motions lead to: no integrator's error blurs it.
+//! A model with the stored energy `E` is passive if `F v >= dE/dt` at every state and velocity:
+//! then the work over a closed cycle is not negative. The inequality is checked pointwise, in the
+//! derivative form, at states that random motions lead to: no integrator's error blurs it.
 
 mod arbitrary;
 
 use arbitrary::{config, model, model_of, velocities};
 use friction_model::{
-    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms, GmsParameters,
-    Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor, ParameterSet, Proposed, State,
-    Stepper, TimeStep, rk4,
+    AnyModel, AnyParameters, ElastoPlastic, ElastoPlasticParameters, FrictionModel, Gms,
+    GmsParameters, Leuven, LeuvenParameters, LuGre, LuGreParameters, ModelName, ModelVisitor,
+    ParameterSet, Proposed, State, Stepper, TimeStep, rk4,
 };
 use proptest::prelude::*;
 
-/// Smallest surplus `F v - dE/dt` along a motion, relative to the size of its parts. `E` is quadratic, so its rate along
-/// `x'` is `(E(x + x') - E(x - x')) / 2`, exactly.
+/// Smallest surplus `F v - dE/dt` along a motion, relative to the size of its parts. `E` is
+/// quadratic, so its rate along `x'` is `(E(x + x') - E(x - x')) / 2`, exactly.
 struct Surplus<'a>(&'a [f64]);
 
 impl ModelVisitor for Surplus<'_> {
@@ -31,7 +32,9 @@ impl ModelVisitor for Surplus<'_> {
                 let now = model.evaluate(continuous, memory, v);
                 let energy = |h| {
                     let continuous = continuous.plus_scaled(&now.rates, h);
-                    model.stored_energy(&State { continuous, memory: memory.clone() }).unwrap_or(0.0)
+                    model
+                        .stored_energy(&State { continuous, memory: memory.clone() })
+                        .unwrap_or(0.0)
                 };
                 let (up, down) = (energy(1.0), energy(-1.0));
                 let scale = (now.force * v).abs() + up + down + 1e-300;
@@ -45,7 +48,8 @@ impl ModelVisitor for Surplus<'_> {
 /// Rounding of the sums above.
 const ROUNDING: f64 = -1e-12;
 
-/// Sets the viscous coefficient of LuGre or the elasto-plastic model to `part` of what passivity needs.
+/// Sets the viscous coefficient of LuGre or the elasto-plastic model to `part` of what passivity
+/// needs.
 fn with_viscous_part(model: &AnyModel, part: f64) -> AnyModel {
     let [f_s, f_c, sigma1] = ["f_s", "f_c", "sigma1"].map(|name| model.parameter(name).unwrap());
     let mut parameters = model.parameters();
@@ -65,10 +69,12 @@ proptest! {
         ]),
         path in velocities(),
     ) {
-        // A network or two lines with arbitrary weights may push: only those whose force opposes the motion are friction.
+        // A network or two lines with arbitrary weights may push: only those whose force opposes
+        // the motion are friction.
         prop_assume!(path.iter().all(|&v| model.steady_state(v) * v >= 0.0 && model.steady_state(10.0 * v) * v >= 0.0));
         prop_assume!(path.iter().all(|&v| model.steady_state(0.1 * v) * v >= 0.0));
-        // Xiong's rates are small differences of forces over sigma: their rounding counts K / sigma times.
+        // Xiong's rates are small differences of forces over sigma: their rounding counts K / sigma
+        // times.
         let stiff = match model.parameters() {
             AnyParameters::Xiong(p) => p.k.iter().zip(p.sigma.iter()).map(|(k, sigma)| k / sigma).fold(0.0, f64::max),
             _ => 0.0,
@@ -77,8 +83,9 @@ proptest! {
         prop_assert!(surplus >= ROUNDING - 1e-15 * stiff, "{surplus}");
     }
 
-    /// `F v - dE/dt = g |v| u^2 + v^2 [sigma1 (1 - u) + f_v]` with `u = sigma0 z sgn v / g <= F_s / F_c` for LuGre; the elasto-plastic
-    /// model likewise (Barahona and Canudas de Wit 2000 for LuGre).
+    /// `F v - dE/dt = g |v| u^2 + v^2 [sigma1 (1 - u) + f_v]` with
+    /// `u = sigma0 z sgn v / g <= F_s / F_c` for LuGre; the elasto-plastic model likewise (Barahona
+    /// and Canudas de Wit 2000 for LuGre).
     #[test]
     fn lugre_and_elasto_plastic_are_passive_with_enough_viscous_friction(
         model in model_of(&[ModelName::LuGre, ModelName::ElastoPlastic]), path in velocities(),
@@ -91,7 +98,8 @@ proptest! {
         prop_assert!(surplus >= ROUNDING, "{surplus}");
     }
 
-    /// The contact's power covers what flows into the hysteresis, `F v >= F_hyst z'`; the hysteresis itself is the next test.
+    /// The contact's power covers what flows into the hysteresis, `F v >= F_hyst z'`; the
+    /// hysteresis itself is the next test.
     #[test]
     fn proposed_is_passive(model in model(ModelName::Proposed), path in velocities()) {
         let AnyModel::Proposed(model) = model else { unreachable!() };
@@ -110,7 +118,8 @@ proptest! {
         }
     }
 
-    /// Leuven: `F v - F_h z' = F_h v sgn(r)|r|^n + v^2 [sigma1 (1 - sgn(r)|r|^n) + f_v]`, where `|r| <= F_s / F_c`.
+    /// Leuven: `F v - F_h z' = F_h v sgn(r)|r|^n + v^2 [sigma1 (1 - sgn(r)|r|^n) + f_v]`, where
+    /// `|r| <= F_s / F_c`.
     #[test]
     fn leuven_is_passive_with_enough_viscous_friction(model in model(ModelName::Leuven), path in velocities()) {
         let [f_s, f_c, n, sigma1] = ["f_s", "f_c", "n", "sigma1"].map(|name| model.parameter(name).unwrap());
@@ -130,8 +139,9 @@ proptest! {
         }
     }
 
-    /// Different parameters for each direction, stiffness included: a closed path through pre-sliding and sliding costs energy. (Dahl's contact
-    /// is passive so too, with `int max(F, 0) dF / sigma0` as storage, but it takes many cycles to repeat.)
+    /// Different parameters for each direction, stiffness included: a closed path through
+    /// pre-sliding and sliding costs energy. (Dahl's contact is passive so too, with
+    /// `int max(F, 0) dF / sigma0` as storage, but it takes many cycles to repeat.)
     #[test]
     fn an_asymmetric_contact_of_a_passive_model_takes_energy(
         (forward, backward) in model_of(&[ModelName::Proposed, ModelName::Xiong])
@@ -167,7 +177,8 @@ proptest! {
         prop_assert!(work >= -0.03 * moved - 1e-300, "{work} J of {moved} J moved");
     }
 
-    /// Along any path the hysteresis takes at least what it stores, and over a closed one it takes energy.
+    /// Along any path the hysteresis takes at least what it stores, and over a closed one it takes
+    /// energy.
     #[test]
     fn the_hysteresis_stores_no_more_than_it_takes(turns in prop::collection::vec(-1.0..1.0f64, 2..30)) {
         let model = Proposed::chapter_3();
@@ -207,9 +218,13 @@ proptest! {
     }
 }
 
-/// Work that friction takes in one period of a velocity that alternates between `slow` for `t_slow` and `fast` for
-/// `t_fast`, both forward, once the states repeat.
-fn work_per_cycle<M: FrictionModel>(model: &M, [slow, t_slow]: [f64; 2], [fast, t_fast]: [f64; 2]) -> f64 {
+/// Work that friction takes in one period of a velocity that alternates between `slow` for `t_slow`
+/// and `fast` for `t_fast`, both forward, once the states repeat.
+fn work_per_cycle<M: FrictionModel>(
+    model: &M,
+    [slow, t_slow]: [f64; 2],
+    [fast, t_fast]: [f64; 2],
+) -> f64 {
     let mut state = model.rest();
     let mut work = 0.0;
     for cycle in 0..30 {
@@ -230,12 +245,13 @@ fn work_per_cycle<M: FrictionModel>(model: &M, [slow, t_slow]: [f64; 2], [fast, 
     work
 }
 
-/// Chapter 3's LuGre without viscous friction gives energy when the velocity alternates between .001 and 1 m/s; with the viscous friction that passivity
-/// asks for, 158 N s/m, it does not.
+/// Chapter 3's LuGre without viscous friction gives energy when the velocity alternates between
+/// .001 and 1 m/s; with the viscous friction that passivity asks for, 158 N s/m, it does not.
 #[test]
 fn lugre_without_enough_viscous_friction_gives_energy() {
     let alternate = |f_v: f64| {
-        let model: LuGre = LuGreParameters { f_v, ..*LuGre::chapter_3().parameters() }.try_into().unwrap();
+        let model: LuGre =
+            LuGreParameters { f_v, ..*LuGre::chapter_3().parameters() }.try_into().unwrap();
         work_per_cycle(&model, [0.001, 0.05], [1.0, 2e-5])
     };
     assert!(alternate(0.0) < -1e-3, "{} J", alternate(0.0));
@@ -263,8 +279,9 @@ fn so_does_leuven() {
     assert!(alternate(1e5f64.sqrt() * (1.5f64.powi(2) - 1.0)) > 0.0);
 }
 
-/// GMS: a slipping element is drawn to its level at the speed C, whatever the velocity; its damping then pushes, and its spring is loaded without
-/// travel. No viscous coefficient mends that for all motions: GMS is not passive.
+/// GMS: a slipping element is drawn to its level at the speed C, whatever the velocity; its damping
+/// then pushes, and its spring is loaded without travel. No viscous coefficient mends that for all
+/// motions: GMS is not passive.
 #[test]
 fn gms_gives_energy() {
     let alternate = |damping: f64| {
@@ -277,8 +294,9 @@ fn gms_gives_energy() {
     assert!(alternate(0.0) > 1e-3, "{} J without damping, forward only", alternate(0.0));
 }
 
-/// An element is brought to the edge of slip slowly, let go by a burst of speed, and creeps on: it is drawn up to the static level without travel.
-/// On the way back it gives what it was never given, `1/2 sigma0 (W_s^2 - W_c^2)`, and no viscous friction acts on motions this slow.
+/// An element is brought to the edge of slip slowly, let go by a burst of speed, and creeps on: it
+/// is drawn up to the static level without travel. On the way back it gives what it was never
+/// given, `1/2 sigma0 (W_s^2 - W_c^2)`, and no viscous friction acts on motions this slow.
 #[test]
 fn gms_gives_energy_whatever_its_viscous_friction() {
     let p = GmsParameters {
@@ -308,7 +326,10 @@ fn gms_gives_energy_whatever_its_viscous_friction() {
     go(slow, 0.999e-3 / slow, 1e-2);
     go(0.05, 1e-4, 1e-4);
     let (_, there, z) = go(slow, 0.5, 1e-3);
-    assert!((z - 1.5e-3).abs() < 1e-9 && there < 1.02e-3, "drawn up to {z} m within a travel of {there} m");
+    assert!(
+        (z - 1.5e-3).abs() < 1e-9 && there < 1.02e-3,
+        "drawn up to {z} m within a travel of {there} m"
+    );
     // Back until the spring is slack: the state it began in.
     let (work, _, _) = go(-slow, 1.5e-3 / slow, 1e-2);
     let gain = 0.5 * 1000.0 * (1.5e-3f64.powi(2) - 1e-3f64.powi(2));

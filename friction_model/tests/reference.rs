@@ -11,7 +11,8 @@ fn column(text: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(index).unwrap().parse().unwrap()).collect()
 }
 
-/// Largest difference between the model's force and the reference, stepping by RK4 between the reference's samples.
+/// Largest difference between the model's force and the reference, stepping by RK4 between the
+/// reference's samples.
 fn largest_difference<M: FrictionModel>(
     model: &M,
     velocity: impl Fn(f64) -> f64,
@@ -20,14 +21,20 @@ fn largest_difference<M: FrictionModel>(
 ) -> f64 {
     let dt = 0.01 / f64::from(steps_per_sample);
     let mut state = model.rest();
-    let mut worst: f64 =
-        (model.evaluate(&state.continuous, &state.memory, velocity(0.0)).force - reference[0]).abs();
+    let mut worst: f64 = (model.evaluate(&state.continuous, &state.memory, velocity(0.0)).force
+        - reference[0])
+        .abs();
     let mut k = 0u32;
     for expected in &reference[1..] {
         let mut force = 0.0;
         for _ in 0..steps_per_sample {
             let t = f64::from(k) * dt;
-            force = rk4::step(model, &mut state, [velocity(t), velocity(t + 0.5 * dt), velocity(t + dt)], dt);
+            force = rk4::step(
+                model,
+                &mut state,
+                [velocity(t), velocity(t + 0.5 * dt), velocity(t + dt)],
+                dt,
+            );
             k += 1;
         }
         worst = worst.max((force - expected).abs());
@@ -54,7 +61,9 @@ fn lugre_follows_the_reference() {
 #[test]
 fn proposed_follows_the_reference() {
     let reference = column(include_str!("reference/ref_ch3.csv"), "Proposed");
-    assert!(largest_difference(&Proposed::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6);
+    assert!(
+        largest_difference(&Proposed::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6
+    );
     let reference = column(include_str!("reference/ref_testbed.csv"), "Proposed");
     assert!(largest_difference(&Proposed::test_bed(), test_bed_velocity, &reference, 1000) < 1e-6);
 }
@@ -62,10 +71,14 @@ fn proposed_follows_the_reference() {
 #[test]
 fn elasto_plastic_follows_the_reference() {
     let reference = column(include_str!("reference/ref_ch3.csv"), "EP");
-    assert!(largest_difference(&ElastoPlastic::chapter_3(), chapter_3_velocity, &reference, 1000) < 1e-6);
+    assert!(
+        largest_difference(&ElastoPlastic::chapter_3(), chapter_3_velocity, &reference, 1000)
+            < 1e-6
+    );
 }
 
-/// Elements change regime at the end of a step: both implementations are of first order in it there.
+/// Elements change regime at the end of a step: both implementations are of first order in it
+/// there.
 #[test]
 fn gms_follows_the_reference() {
     let reference = column(include_str!("reference/ref_ch3.csv"), "GMS10");
@@ -100,7 +113,8 @@ fn the_hysteresis_follows_the_reference() {
     }
 }
 
-/// What the 1 kHz observer gives away against the exact trajectory, and that it is of first order in the period.
+/// What the 1 kHz observer gives away against the exact trajectory, and that it is of first order
+/// in the period.
 fn fixed_step_error<M: FrictionModel>(model: M, column_name: &str, dt: f64) -> f64 {
     let reference = column(include_str!("reference/ref_testbed.csv"), column_name);
     let steps = (0.01 / dt).round() as usize;
@@ -121,7 +135,10 @@ fn fixed_step_error<M: FrictionModel>(model: M, column_name: &str, dt: f64) -> f
 #[test]
 fn the_fixed_step_form_converges_to_the_reference() {
     fn both<M: FrictionModel>(model: &M, column: &str) -> (f64, f64) {
-        (fixed_step_error(model.clone(), column, 1e-3), fixed_step_error(model.clone(), column, 1e-4))
+        (
+            fixed_step_error(model.clone(), column, 1e-3),
+            fixed_step_error(model.clone(), column, 1e-4),
+        )
     }
     for (at_1_ms, at_a_tenth) in [
         both(&LuGre::test_bed(), "LuGre"),

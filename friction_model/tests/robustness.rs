@@ -1,4 +1,5 @@
-//! Whatever a sensor says and however coarse the period: a model keeps its numbers, its symmetry and its reproducibility.
+//! Whatever a sensor says and however coarse the period: a model keeps its numbers, its symmetry
+//! and its reproducibility.
 
 mod arbitrary;
 
@@ -59,8 +60,18 @@ proptest! {
 /// Velocities that are no velocities, and the way back from them.
 #[test]
 fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
-    let nonsense =
-        [0.0, 1e6, -1e6, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -0.0, f64::MIN_POSITIVE, 0.1];
+    let nonsense = [
+        0.0,
+        1e6,
+        -1e6,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1e300,
+        -0.0,
+        f64::MIN_POSITIVE,
+        0.1,
+    ];
     for name in ModelName::ALL {
         for dt in [1e-3, 1e-2] {
             let model = AnyModel::test_bed(name);
@@ -80,7 +91,8 @@ fn nothing_a_sensor_says_makes_a_model_forget_its_numbers() {
                 continue;
             }
             if name == ModelName::Armstrong {
-                // Its Stribeck friction is that of the last dwell; the steady state is that of a slip after a long rest.
+                // Its Stribeck friction is that of the last dwell; the steady state is that of a
+                // slip after a long rest.
                 for _ in 0..5000 {
                     stepper.step(0.1);
                 }

@@ -2,7 +2,8 @@
 
 use friction_model::{
     AnyModel, AnyParameters, CoulombViscousParameters, Elements, KarnoppParameters,
-    RateDependentStictionParameters, RbfNetworkParameters, StictionParameters, TimeStep, TwoLineParameters,
+    RateDependentStictionParameters, RbfNetworkParameters, StictionParameters, TimeStep,
+    TwoLineParameters,
 };
 use proptest::prelude::*;
 
@@ -68,7 +69,8 @@ fn static_model() -> impl Strategy<Value = AnyModel> {
 }
 
 proptest! {
-    /// At no speed does friction push; it is odd in the velocity, without memory, and always a number.
+    /// At no speed does friction push; it is odd in the velocity, without memory, and always a
+    /// number.
     #[test]
     fn friction_opposes_every_motion(
         model in static_model(),

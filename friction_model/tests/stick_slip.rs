@@ -1,7 +1,8 @@
 //! Stick-slip: a mass pulled over a surface by a spring whose end moves at a constant speed.
 //!
-//! With Coulomb friction and stiction the motion has a closed form: the mass sticks until the spring reaches `F_s`, then swings about the
-//! level `F_c` until its speed is zero again, which is where the spring pulls with `2 F_c - F_s`.
+//! With Coulomb friction and stiction the motion has a closed form: the mass sticks until the
+//! spring reaches `F_s`, then swings about the level `F_c` until its speed is zero again, which is
+//! where the spring pulls with `2 F_c - F_s`.
 
 use friction_model::{Body, Drive, FrictionModel, Karnopp, KarnoppParameters, Stiction};
 
@@ -26,7 +27,8 @@ fn stick_slip<M: FrictionModel>(model: M, dt: f64) -> StickSlip {
     let pull = |time: f64, position: f64| SPRING * (PULL * time - position);
     let mut body = Body::<M, 0>::new(model, MASS);
     let (mut first, mut last, mut breakaways) = (0.0, 0.0, 0u32);
-    let mut seen = StickSlip { period: 0.0, spring: (0.0, f64::INFINITY), peak: 0.0, friction: 0.0 };
+    let mut seen =
+        StickSlip { period: 0.0, spring: (0.0, f64::INFINITY), peak: 0.0, friction: 0.0 };
     let mut before = 0.0;
     for _ in 0..(60.0 / dt).round() as u64 {
         body.advance(dt, |at| Drive::from(pull(at.time, at.position)));
@@ -53,7 +55,8 @@ fn assert_near(value: f64, expected: f64, tolerance: f64) {
     assert!((value / expected - 1.0).abs() < tolerance, "{value} instead of {expected}");
 }
 
-/// Chapter 3's levels with a Stribeck velocity below every speed of the simulation: Coulomb friction and stiction.
+/// Chapter 3's levels with a Stribeck velocity below every speed of the simulation: Coulomb
+/// friction and stiction.
 fn karnopp_without_dip(d_v: f64) -> Karnopp {
     let chapter_3 = *Karnopp::chapter_3().parameters();
     Karnopp::try_from(KarnoppParameters { v_s: 1e-9, d_v, ..chapter_3 }).unwrap()
@@ -82,7 +85,8 @@ fn a_falling_characteristic_makes_the_period_longer() {
     assert_near(seen.friction, 1.5, 5e-4);
 }
 
-/// Error of the period against the closed form at three steps: of the order of one step, at which breakaway is seen.
+/// Error of the period against the closed form at three steps: of the order of one step, at which
+/// breakaway is seen.
 #[test]
 fn smaller_steps_lead_to_the_closed_form() {
     let (f_s, f_c): (f64, f64) = (1.5, 1.0);
@@ -95,11 +99,18 @@ fn smaller_steps_lead_to_the_closed_form() {
     let swing = (a * omega).hypot(PULL);
     for dt in [1e-3, 1e-4, 1e-5] {
         // The band falls with the step, as max|a| dt = .5 dt demands.
-        for seen in [stick_slip(karnopp_without_dip(dt), dt), stick_slip(Stiction::chapter_3(), dt)] {
+        for seen in [stick_slip(karnopp_without_dip(dt), dt), stick_slip(Stiction::chapter_3(), dt)]
+        {
             assert!((seen.period - period).abs() < 4.0 * dt, "{dt} s: {seen:?}");
             assert!((seen.peak - PULL - swing).abs() < 0.5 * dt, "{dt} s: {seen:?}");
-            assert!((seen.spring.0 - f_c - SPRING * swing / omega).abs() < 0.5 * dt, "{dt} s: {seen:?}");
-            assert!((seen.spring.1 - f_c + SPRING * swing / omega).abs() < 0.5 * dt, "{dt} s: {seen:?}");
+            assert!(
+                (seen.spring.0 - f_c - SPRING * swing / omega).abs() < 0.5 * dt,
+                "{dt} s: {seen:?}"
+            );
+            assert!(
+                (seen.spring.1 - f_c + SPRING * swing / omega).abs() < 0.5 * dt,
+                "{dt} s: {seen:?}"
+            );
         }
     }
 }

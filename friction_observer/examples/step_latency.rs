@@ -1,7 +1,10 @@
-//! How long a whole control step takes: estimator and controller, for every model and technique. `cargo xtask bench-step` runs it.
+//! How long a whole control step takes: estimator and controller, for every model and technique.
+//! `cargo xtask bench-step` runs it.
 //!
-//! Each step is timed alone with the monotonic clock; the median cost of reading the clock twice with nothing between is taken off. The motion goes to and fro with noise, so
-//! that sticking, sliding and reversals are all among the steps. Prints the median and the 99.9th percentile in nanoseconds; ends with code 1 if a percentile is above 1000.
+//! Each step is timed alone with the monotonic clock; the median cost of reading the clock twice
+//! with nothing between is taken off. The motion goes to and fro with noise, so that sticking,
+//! sliding and reversals are all among the steps. Prints the median and the 99.9th percentile in
+//! nanoseconds; ends with code 1 if a percentile is above 1000.
 
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -37,7 +40,8 @@ fn quantiles(mut times: Vec<u64>, clock: f64) -> Latency {
 
 /// Cost of reading the clock twice [ns].
 fn clock_cost() -> f64 {
-    let mut times: Vec<u64> = (0..STEPS).map(|_| Instant::now().elapsed().as_nanos() as u64).collect();
+    let mut times: Vec<u64> =
+        (0..STEPS).map(|_| Instant::now().elapsed().as_nanos() as u64).collect();
     times.sort_unstable();
     times[STEPS / 2] as f64
 }
@@ -56,8 +60,8 @@ fn readings() -> Vec<(Seen, Reference)> {
                 acceleration: (2.0 * t).cos(),
             };
             let velocity = reference.velocity + noise;
-            let position =
-                (reference.position / VelocitySource::ENCODER_STEP).round() * VelocitySource::ENCODER_STEP;
+            let position = (reference.position / VelocitySource::ENCODER_STEP).round()
+                * VelocitySource::ENCODER_STEP;
             let voltage = velocity / 1.86 + 0.45 * (velocity / 0.02).tanh();
             let seen = Seen {
                 velocity,
@@ -103,8 +107,16 @@ fn main() -> ExitCode {
         ("with Kalman", Technique::Feedback, VelocitySource::FUSED),
         ("both", Technique::Both { share: 0.5 }, VelocitySource::Tachometer),
         ("adaptive", Technique::Adaptive(LevelOptions::SRV02), VelocitySource::Tachometer),
-        ("parameters", Technique::AdaptiveParameters(ParameterOptions::SRV02), VelocitySource::Tachometer),
-        ("stiffness", Technique::AdaptiveStiffness(StiffnessOptions::SRV02), VelocitySource::Tachometer),
+        (
+            "parameters",
+            Technique::AdaptiveParameters(ParameterOptions::SRV02),
+            VelocitySource::Tachometer,
+        ),
+        (
+            "stiffness",
+            Technique::AdaptiveStiffness(StiffnessOptions::SRV02),
+            VelocitySource::Tachometer,
+        ),
     ];
     let plain = [
         ("disturbance observer", Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02)),
@@ -120,7 +132,8 @@ fn main() -> ExitCode {
     let mut slow = Vec::new();
     let mut take = |name: String, latency: Option<Latency>| match latency {
         Some(Latency { median, high }) => {
-            // Three bundles of bristles side by side are reported only: that model is not for real time, see its page.
+            // Three bundles of bristles side by side are reported only: that model is not for real
+            // time, see its page.
             if high > BAR && name != "bristle, stiffness" {
                 slow.push(format!("{name}: {high:.0} ns"));
             }

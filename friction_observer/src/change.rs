@@ -5,7 +5,10 @@ use crate::{Estimate, Seen};
 
 /// What is being left.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "states live in place: the step path does not allocate")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "states live in place: the step path does not allocate"
+)]
 enum Leaving {
     /// An estimator that goes on estimating.
     Running(Running),

@@ -1,11 +1,13 @@
-//! The disturbance observer: friction as whatever the nominal drive does not explain (Ohnishi 1987; Ohnishi, Shibata and Murakami 1996).
+//! The disturbance observer: friction as whatever the nominal drive does not explain (Ohnishi 1987;
+//! Ohnishi, Shibata and Murakami 1996).
 //!
 //! ```text
 //! F^ = Q(s) (u - P^-1(s) w) / r,     P(s) = K / (T s + 1),     Q(s) = 1 / (s/b + 1)^n
 //! ```
 //!
-//! It knows no friction model, follows anything slower than `b`, and lags: a step of friction is followed as by `Q`. Fed back, it acts as an integrator
-//! of about `b/s` beside the linear controller: it is more gain, and amplifies the velocity's noise as gain does.
+//! It knows no friction model, follows anything slower than `b`, and lags: a step of friction is
+//! followed as by `Q`. Fed back, it acts as an integrator of about `b/s` beside the linear
+//! controller: it is more gain, and amplifies the velocity's noise as gain does.
 
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
@@ -81,8 +83,9 @@ impl DisturbanceObserver {
         })
     }
 
-    /// The friction now [N m], from the `velocity` [rad/s] and the `voltage` [V] applied since the last call. Readings that are not finite
-    /// are not believed: the torque is zero then, and the filters stay where they are.
+    /// The friction now [N m], from the `velocity` [rad/s] and the `voltage` [V] applied since the
+    /// last call. Readings that are not finite are not believed: the torque is zero then, and the
+    /// filters stay where they are.
     #[inline]
     pub fn observe(&mut self, velocity: f64, voltage: f64) -> f64 {
         let raw = self.inverse.torque(velocity, voltage);
@@ -112,7 +115,8 @@ impl DisturbanceObserver {
 mod tests {
     use super::*;
 
-    /// The nominal drive, started at rest, under a step of friction: the estimate is the step response of Q.
+    /// The nominal drive, started at rest, under a step of friction: the estimate is the step
+    /// response of Q.
     fn step_response(order: FilterOrder, gain_error: f64) -> Vec<f64> {
         let drive = NominalDrive::SRV02;
         let dt = TimeStep::new(1e-3).unwrap();
@@ -125,7 +129,8 @@ mod tests {
         (0..300)
             .map(|_| {
                 let volts = 1.0;
-                w = decay * w + (1.0 - decay) * drive.gain * (volts - drive.volts_per_newton_metre * 0.1);
+                w = decay * w
+                    + (1.0 - decay) * drive.gain * (volts - drive.volts_per_newton_metre * 0.1);
                 observer.observe(w, volts)
             })
             .collect()
@@ -139,7 +144,10 @@ mod tests {
         ] {
             for (k, estimate) in (1u32..).zip(step_response(order, 1.0)) {
                 let expected = 0.1 * response(50.0 * 1e-3 * f64::from(k));
-                assert!((estimate - expected).abs() < 0.003, "{order:?}, {k}: {estimate}, not {expected}");
+                assert!(
+                    (estimate - expected).abs() < 0.003,
+                    "{order:?}, {k}: {estimate}, not {expected}"
+                );
             }
         }
     }

@@ -4,8 +4,10 @@
 //! F = (u - (w_k - p w_(k-1)) / ((1 - p) K)) / r,    p = exp(-dt/T)
 //! ```
 //!
-//! is the friction that takes the drive `T w' + w = K (u - r F)` from one sampled velocity to the next under a held voltage: exact for friction that is
-//! constant over the period. It differentiates: with 0.011 rad/s of noise at 1 ms on the SRV-02 a single value is 0.04 N m off. Whoever uses it filters it.
+//! is the friction that takes the drive `T w' + w = K (u - r F)` from one sampled velocity to the
+//! next under a held voltage: exact for friction that is constant over the period. It
+//! differentiates: with 0.011 rad/s of noise at 1 ms on the SRV-02 a single value is 0.04 N m off.
+//! Whoever uses it filters it.
 
 use friction_model::TimeStep;
 
@@ -34,14 +36,18 @@ impl DriveInverse {
         }
     }
 
-    /// The friction [N m] since the last call, while `voltage` [V] was applied and the `velocity` [rad/s] went where it is now. `None` at the first call, and
-    /// while a reading or the one before is not finite.
+    /// The friction [N m] since the last call, while `voltage` [V] was applied and the `velocity`
+    /// [rad/s] went where it is now. `None` at the first call, and while a reading or the one
+    /// before is not finite.
     #[inline]
     pub fn torque(&mut self, velocity: f64, voltage: f64) -> Option<f64> {
         let now = believed(velocity);
         let before = std::mem::replace(&mut self.before, now);
         let (now, before, voltage) = (now?, before?, believed(voltage)?);
-        Some((voltage - (now - self.decay * before) * self.volts_per_velocity) * self.newton_metres_per_volt)
+        Some(
+            (voltage - (now - self.decay * before) * self.volts_per_velocity)
+                * self.newton_metres_per_volt,
+        )
     }
 
     /// Forgets the velocity before.
@@ -65,7 +71,8 @@ mod tests {
         assert_eq!(inverse.torque(w, 0.0), None);
         for k in 0..1000 {
             let (u, friction) = ((0.01 * f64::from(k)).sin(), 0.1 * (0.023 * f64::from(k)).cos());
-            w = decay * w + (1.0 - decay) * drive.gain * (u - drive.volts_per_newton_metre * friction);
+            w = decay * w
+                + (1.0 - decay) * drive.gain * (u - drive.volts_per_newton_metre * friction);
             assert!((inverse.torque(w, u).unwrap() - friction).abs() < 1e-12);
         }
         assert_eq!(inverse.torque(f64::NAN, 0.0), None);

@@ -35,5 +35,9 @@ pub(crate) fn within(
     range: std::ops::RangeInclusive<f64>,
     expected: &'static str,
 ) -> Result<(), ObserverError> {
-    if range.contains(&value) { Ok(()) } else { Err(ObserverError::OutOfRange { name, value, expected }) }
+    if range.contains(&value) {
+        Ok(())
+    } else {
+        Err(ObserverError::OutOfRange { name, value, expected })
+    }
 }

@@ -14,13 +14,15 @@ use crate::{Estimate, NominalDrive, ObserverError, Seen, Technique, VelocitySour
 pub struct EstimatorOptions {
     /// Where the estimate comes from.
     pub technique: Technique,
-    /// Error injection gain k of the observer on the measured velocity: `-k e` in each state's derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without
-    /// such an observer ignore it.
+    /// Error injection gain k of the observer on the measured velocity: `-k e` in each state's
+    /// derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without such an
+    /// observer ignore it.
     pub injection: f64,
     /// Which velocity the estimator believes.
     #[serde(default)]
     pub velocity: VelocitySource,
-    /// Whether the velocity controller is given the estimator's velocity too, in place of the tachometer's.
+    /// Whether the velocity controller is given the estimator's velocity too, in place of the
+    /// tachometer's.
     #[serde(default)]
     pub feeds_controller: bool,
     /// What is believed of the drive.
@@ -73,12 +75,17 @@ impl FrictionEstimator {
     ///
     /// # Errors
     /// [`ObserverError`] names the option that is out of range.
-    pub fn new(model: &AnyModel, options: EstimatorOptions, dt: TimeStep) -> Result<Self, ObserverError> {
+    pub fn new(
+        model: &AnyModel,
+        options: EstimatorOptions,
+        dt: TimeStep,
+    ) -> Result<Self, ObserverError> {
         let running = Running::new(model, &options, dt)?;
         Ok(Self { options, dt, running, change: None, velocity: 0.0, torque: 0.0 })
     }
 
-    /// The friction now. What is not a finite number is not believed, see [`crate::FrictionObserver::observe`].
+    /// The friction now. What is not a finite number is not believed, see
+    /// [`crate::FrictionObserver::observe`].
     #[inline]
     pub fn estimate(&mut self, seen: &Seen) -> Estimate {
         let (velocity, mut estimate) = self.running.estimate(seen);
@@ -91,12 +98,19 @@ impl FrictionEstimator {
         estimate
     }
 
-    /// Goes over to another model or other options. What estimated before goes on beside the new one and fades out, linearly in [`FADE`](Self::FADE) seconds; the torque does
-    /// not jump. A change during another one fades from the last torque. What an adaptation had learned is not carried over.
+    /// Goes over to another model or other options. What estimated before goes on beside the new
+    /// one and fades out, linearly in [`FADE`](Self::FADE) seconds; the torque does not jump. A
+    /// change during another one fades from the last torque. What an adaptation had learned is not
+    /// carried over.
     ///
     /// # Errors
-    /// [`ObserverError`] names the option that is out of range; the estimator goes on as it was then.
-    pub fn change(&mut self, model: &AnyModel, options: EstimatorOptions) -> Result<(), ObserverError> {
+    /// [`ObserverError`] names the option that is out of range; the estimator goes on as it was
+    /// then.
+    pub fn change(
+        &mut self,
+        model: &AnyModel,
+        options: EstimatorOptions,
+    ) -> Result<(), ObserverError> {
         let next = Running::new(model, &options, self.dt)?;
         let cycles = Self::FADE / self.dt.seconds();
         let before = std::mem::replace(&mut self.running, next);
@@ -115,7 +129,8 @@ impl FrictionEstimator {
         (self.velocity, self.torque) = (0.0, 0.0);
     }
 
-    /// The velocity that the estimator believed in the last cycle [rad/s]; zero before the first, not a number while there was none to believe.
+    /// The velocity that the estimator believed in the last cycle [rad/s]; zero before the first,
+    /// not a number while there was none to believe.
     #[must_use]
     pub const fn velocity(&self) -> f64 {
         self.velocity

@@ -1,8 +1,10 @@
 //! Friction observers: what the friction torque is now.
 //!
-//! [`FrictionEstimator`] is the whole: which velocity it believes ([`VelocitySource`]), which [`Technique`] makes the estimate, and over which model.
-//! The parts can be used alone: [`FrictionObserver`] runs any model of `friction_model` at the control period, [`DisturbanceObserver`] and
-//! [`RbfCompensator`] need no model, and [`adaptive`] follows friction that drifts. None allocates or panics while it steps.
+//! [`FrictionEstimator`] is the whole: which velocity it believes ([`VelocitySource`]), which
+//! [`Technique`] makes the estimate, and over which model. The parts can be used alone:
+//! [`FrictionObserver`] runs any model of `friction_model` at the control period,
+//! [`DisturbanceObserver`] and [`RbfCompensator`] need no model, and [`adaptive`] follows friction
+//! that drifts. None allocates or panics while it steps.
 
 pub mod adaptive;
 mod change;

@@ -5,7 +5,8 @@ use msgs::{friction_msgs::FrictionEstimate, std_msgs::Header};
 
 use crate::Estimate;
 
-/// The estimate as a message. `stamp_ns` is the time of the measurement it was made with, in nanoseconds since the epoch.
+/// The estimate as a message. `stamp_ns` is the time of the measurement it was made with, in
+/// nanoseconds since the epoch.
 #[must_use]
 pub fn friction_estimate(stamp_ns: u64, estimate: &Estimate) -> FrictionEstimate {
     let &Estimate { source, torque, deflection, gamma, regime, velocity, residual } = estimate;

@@ -1,11 +1,14 @@
-//! The observer: a friction model driven by the measured velocity, with error injection (thesis section 5.2).
+//! The observer: a friction model driven by the measured velocity, with error injection (thesis
+//! section 5.2).
 //!
 //! ```text
 //! x^' = f(x^, v) - k e,     F^ = F(x^, x^', v)
 //! ```
 //!
-//! for every state of the model, `e` the controlled output minus its reference (eqs. 5.12 to 5.14, with the terms in `sigma v` that 5.13 leaves out). The last of these equations contains the rates, so that
-//! part of the injection is plain proportional gain: `sigma k` N m per unit of error for a model with micro-damping `sigma`.
+//! for every state of the model, `e` the controlled output minus its reference (eqs. 5.12 to 5.14,
+//! with the terms in `sigma v` that 5.13 leaves out). The last of these equations contains the
+//! rates, so that part of the injection is plain proportional gain: `sigma k` N m per unit of error
+//! for a model with micro-damping `sigma`.
 
 use friction_model::{AnyModel, AnyStepper, ModelName, TimeStep};
 
@@ -24,18 +27,25 @@ impl FrictionObserver {
         Self { stepper: model.start(dt) }
     }
 
-    /// The friction now at the measured `velocity` [rad/s]; the model then advances by one period. `measured_torque`
-    /// [N m], where there is a sensor, is compared with the estimate.
+    /// The friction now at the measured `velocity` [rad/s]; the model then advances by one period.
+    /// `measured_torque` [N m], where there is a sensor, is compared with the estimate.
     ///
-    /// A velocity that is not a finite number is not believed: the estimate is zero torque and the model stays where it is.
+    /// A velocity that is not a finite number is not believed: the estimate is zero torque and the
+    /// model stays where it is.
     #[inline]
     pub fn observe(&mut self, velocity: f64, measured_torque: Option<f64>) -> Estimate {
         self.observe_injected(velocity, 0.0, measured_torque)
     }
 
-    /// [`observe`](Self::observe) with `rate`, which is `-k e`, in the derivative of every state of the model.
+    /// [`observe`](Self::observe) with `rate`, which is `-k e`, in the derivative of every state of
+    /// the model.
     #[inline]
-    pub fn observe_injected(&mut self, velocity: f64, rate: f64, measured_torque: Option<f64>) -> Estimate {
+    pub fn observe_injected(
+        &mut self,
+        velocity: f64,
+        rate: f64,
+        measured_torque: Option<f64>,
+    ) -> Estimate {
         let internals = self.stepper.internals(velocity);
         let torque = if !velocity.is_finite() {
             0.0
@@ -84,7 +94,8 @@ mod tests {
         FrictionObserver::new(&AnyModel::test_bed(name), TimeStep::new(1e-3).unwrap())
     }
 
-    /// At 1 kHz with the true velocity and parameters the observer stays within 2 % of static friction of the true model.
+    /// At 1 kHz with the true velocity and parameters the observer stays within 2 % of static
+    /// friction of the true model.
     #[test]
     fn follows_the_true_friction_through_reversals() {
         let velocity = |t: f64| 0.3 * (1.5 * t).sin() + 0.05 * (9.0 * t).sin();

@@ -1,16 +1,21 @@
-//! A compensator that learns the friction-speed curve while it runs: a network of radial basis functions with weights adapted on line.
+//! A compensator that learns the friction-speed curve while it runs: a network of radial basis
+//! functions with weights adapted on line.
 //!
 //! ```text
 //! F^(v)  = s(v) sum_i w_i b_i(v),     b_i = h_i / sum h,     h_i = exp(-(|v| - c_i)^2 / (2 d_i^2)) on the side of v
 //! w'     = g e phi_f / (1/4 + |phi_f|^2) - g sigma |e| w,     e = F_f - w . phi_f,   while |e| > dead zone
 //! ```
 //!
-//! `F` is the friction torque through the inverse of the nominal drive, `phi_i = s b_i`, and the index f means through the same low-pass filter, so that curve and
-//! measurement are compared at the same delay (filtered regressor). Fixed centres on both sides of zero: each direction learns its own curve. `s(v) = sat(v/v_0)` replaces the sign.
-//! The law is the normalised gradient with dead zone, e-modification (Narendra and Annaswamy 1987) and projection onto a bound: weights stay within it whatever the data.
-//! Trained networks with other centres are `friction_model::RbfNetwork`.
+//! `F` is the friction torque through the inverse of the nominal drive, `phi_i = s b_i`, and the
+//! index f means through the same low-pass filter, so that curve and measurement are compared at
+//! the same delay (filtered regressor). Fixed centres on both sides of zero: each direction learns
+//! its own curve. `s(v) = sat(v/v_0)` replaces the sign. The law is the normalised gradient with
+//! dead zone, e-modification (Narendra and Annaswamy 1987) and projection onto a bound: weights
+//! stay within it whatever the data. Trained networks with other centres are
+//! `friction_model::RbfNetwork`.
 //!
-//! It needs no friction model and no identification; it compensates nothing until it has been at a speed, and it knows no pre-sliding.
+//! It needs no friction model and no identification; it compensates nothing until it has been at a
+//! speed, and it knows no pre-sliding.
 
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
@@ -40,11 +45,13 @@ pub struct RbfOptions {
     pub limit: f64,
     /// Speed v_0 up to which the sign is smoothed [rad/s], above zero.
     pub smooth_speed: f64,
-    /// Slowest speed at which something is learned [rad/s], above zero; well above the velocity's noise.
+    /// Slowest speed at which something is learned [rad/s], above zero; well above the velocity's
+    /// noise.
     pub slowest: f64,
     /// Time constant of the filters of measurement and regressor [s], above zero.
     pub filter: f64,
-    /// Share of the reference's velocity in the velocity at which the curve is read, from 0 to 1. Learning always uses the shaft's own.
+    /// Share of the reference's velocity in the velocity at which the curve is read, from 0 to 1.
+    /// Learning always uses the shaft's own.
     pub share: f64,
 }
 
@@ -94,7 +101,11 @@ impl RbfCompensator {
     ///
     /// # Errors
     /// [`ObserverError::OutOfRange`] names the option.
-    pub fn new(options: &RbfOptions, drive: &NominalDrive, dt: TimeStep) -> Result<Self, ObserverError> {
+    pub fn new(
+        options: &RbfOptions,
+        drive: &NominalDrive,
+        dt: TimeStep,
+    ) -> Result<Self, ObserverError> {
         options.check()?;
         drive.check()?;
         let filter = LowPass::new(options.filter, dt).at_zero();
@@ -108,8 +119,9 @@ impl RbfCompensator {
         })
     }
 
-    /// The friction now [N m], learned from the `velocity` [rad/s] and the `voltage` [V] applied since the last call, and read at a velocity between it and that of the
-    /// reference. Readings that are not finite are not believed: the torque is zero then, and the weights stay.
+    /// The friction now [N m], learned from the `velocity` [rad/s] and the `voltage` [V] applied
+    /// since the last call, and read at a velocity between it and that of the reference. Readings
+    /// that are not finite are not believed: the torque is zero then, and the weights stay.
     #[inline]
     pub fn observe(&mut self, velocity: f64, reference_velocity: f64, voltage: f64) -> f64 {
         let raw = self.inverse.torque(velocity, voltage);
@@ -146,7 +158,8 @@ impl RbfCompensator {
         if error.abs() <= dead_zone || velocity.abs() < slowest {
             return;
         }
-        // What exceeds the dead zone, cut to the bound: no reading moves the weights by more than a reading that is possible.
+        // What exceeds the dead zone, cut to the bound: no reading moves the weights by more than a
+        // reading that is possible.
         let beyond = (error - dead_zone.copysign(error)).clamp(-limit, limit);
         let gain = self.dt * rate;
         let leak = 1.0 - (gain * leakage * beyond.abs()).min(1.0);
@@ -187,7 +200,8 @@ fn bells(speed: f64) -> ([f64; BELLS], f64) {
     let last = CENTRES[BELLS - 1];
     let mut total = 0.0;
     for (i, (bell, centre)) in bells.iter_mut().zip(&CENTRES).enumerate() {
-        // Centres are about a factor of two apart: a width that grows with the speed lets neighbours overlap alike.
+        // Centres are about a factor of two apart: a width that grows with the speed lets
+        // neighbours overlap alike.
         let width = if i == 0 { 0.03 } else { 0.35 * centre };
         let r = (speed.min(last) - centre) / width;
         *bell = (-0.5 * r * r).exp();
@@ -201,7 +215,8 @@ mod tests {
     use super::*;
 
     fn compensator() -> RbfCompensator {
-        RbfCompensator::new(&RbfOptions::SRV02, &NominalDrive::SRV02, TimeStep::new(1e-3).unwrap()).unwrap()
+        RbfCompensator::new(&RbfOptions::SRV02, &NominalDrive::SRV02, TimeStep::new(1e-3).unwrap())
+            .unwrap()
     }
 
     /// Drives the nominal drive under `friction`, and lets the compensator watch.
@@ -226,7 +241,11 @@ mod tests {
         for v in [0.1, 0.3, 0.8, 1.2, -0.1, -0.3, -0.8, -1.2] {
             let mut still = compensator.clone();
             let learned = still.observe(v, v, 0.0);
-            assert!((learned - friction(v)).abs() < 0.006, "at {v} rad/s: {learned}, not {}", friction(v));
+            assert!(
+                (learned - friction(v)).abs() < 0.006,
+                "at {v} rad/s: {learned}, not {}",
+                friction(v)
+            );
         }
     }
 
@@ -235,7 +254,8 @@ mod tests {
         let mut compensator = compensator();
         for k in 0..50_000u32 {
             let v = if k.is_multiple_of(2) { 3.0 } else { -1e300 };
-            let torque = compensator.observe(v, f64::NAN, [6.0, 1e300, f64::INFINITY][k as usize % 3]);
+            let torque =
+                compensator.observe(v, f64::NAN, [6.0, 1e300, f64::INFINITY][k as usize % 3]);
             assert!(torque.abs() <= 0.5);
         }
         assert!(compensator.weights().iter().flatten().all(|w| w.abs() <= 0.5));

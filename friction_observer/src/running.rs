@@ -4,8 +4,8 @@ use friction_model::{AnyModel, ModelName, Regime, TimeStep};
 
 use crate::adaptive::{FrictionLevel, FrictionParameters, Stiffness};
 use crate::{
-    DisturbanceObserver, Estimate, EstimatorOptions, FrictionObserver, ObserverError, RbfCompensator, Seen,
-    Source, Technique, VelocityEstimator,
+    DisturbanceObserver, Estimate, EstimatorOptions, FrictionObserver, ObserverError,
+    RbfCompensator, Seen, Source, Technique, VelocityEstimator,
 };
 
 /// A model driven by the measured velocity and, where it has a share, by the reference's.
@@ -55,7 +55,10 @@ fn retorqued(estimate: Estimate, torque: f64, seen: &Seen) -> Estimate {
 
 /// What makes the torque.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "states live in place: the step path does not allocate")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "states live in place: the step path does not allocate"
+)]
 enum Engine {
     Feedforward(FrictionObserver),
     Pair(ModelPair),
@@ -130,8 +133,11 @@ impl Running {
                 }
                 let contact = feedback - pair.feedback.viscous(velocity);
                 parameters.learn(velocity, seen, contact);
-                let asked =
-                    if seen.reference_velocity.is_finite() { seen.reference_velocity } else { velocity };
+                let asked = if seen.reference_velocity.is_finite() {
+                    seen.reference_velocity
+                } else {
+                    velocity
+                };
                 let at = velocity + pair.share * (asked - velocity);
                 let carried = mixed.torque - pair.feedback.viscous(at);
                 retorqued(mixed, parameters.torque(at, carried), seen)
@@ -198,7 +204,8 @@ pub enum Adapted {
     Nothing,
     /// Factor on the model's torque.
     Level(f64),
-    /// Factor of the Coulomb level, rise towards the static level, viscous coefficient [N m s/rad] and offset between the directions [N m].
+    /// Factor of the Coulomb level, rise towards the static level, viscous coefficient [N m s/rad]
+    /// and offset between the directions [N m].
     Parameters([f64; 4]),
     /// Factor on the model's stiffness.
     Stiffness(f64),

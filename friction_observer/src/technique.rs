@@ -13,7 +13,8 @@ pub enum Technique {
     /// A model driven by the measured velocity (thesis section 5.2).
     #[default]
     Feedback,
-    /// A model driven by the velocity that the reference asks for: knows the friction before the shaft moves, and nothing of what it really does.
+    /// A model driven by the velocity that the reference asks for: knows the friction before the
+    /// shaft moves, and nothing of what it really does.
     Feedforward,
     /// Both of them, weighted.
     Both {
@@ -28,7 +29,8 @@ pub enum Technique {
     AdaptiveStiffness(StiffnessOptions),
     /// What the nominal drive does not explain. Needs no friction model.
     DisturbanceObserver(DisturbanceObserverOptions),
-    /// A network of radial basis functions that learns the friction-speed curve on line. Needs no friction model.
+    /// A network of radial basis functions that learns the friction-speed curve on line. Needs no
+    /// friction model.
     Rbf(RbfOptions),
 }
 

@@ -1,4 +1,5 @@
-//! The whole estimator: every technique, changes while it runs, and what broken sensors may deliver.
+//! The whole estimator: every technique, changes while it runs, and what broken sensors may
+//! deliver.
 
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
@@ -32,14 +33,16 @@ fn period() -> TimeStep {
 }
 
 fn estimator(model: &AnyModel, technique: Technique) -> FrictionEstimator {
-    FrictionEstimator::new(model, EstimatorOptions { technique, ..Default::default() }, period()).unwrap()
+    FrictionEstimator::new(model, EstimatorOptions { technique, ..Default::default() }, period())
+        .unwrap()
 }
 
 /// Motion to and fro under a voltage that fits it roughly.
 fn seen(k: u32) -> Seen {
     let t = 1e-3 * f64::from(k);
     let velocity = 0.3 * (1.5 * t).sin();
-    let voltage = velocity / 1.8625 + 4.84 * (0.09 * velocity / (velocity.abs() + 0.01) + 0.04 * velocity);
+    let voltage =
+        velocity / 1.8625 + 4.84 * (0.09 * velocity / (velocity.abs() + 0.01) + 0.04 * velocity);
     Seen {
         velocity,
         position: 0.2 * (1.0 - (1.5 * t).cos()),
@@ -82,17 +85,22 @@ fn observers_know_the_direction() {
         let mut observer = estimator(&both, Technique::Feedback);
         for velocity in [0.5, -0.5] {
             let at = Seen { velocity, ..Seen::default() };
-            let mean = (0..4000).map(|_| observer.estimate(&at).torque).skip(2000).sum::<f64>() / 2000.0;
+            let mean =
+                (0..4000).map(|_| observer.estimate(&at).torque).skip(2000).sum::<f64>() / 2000.0;
             let expected = both.steady_state(velocity);
             // The bristles' torque fluctuates about its mean.
             let within = if name == ModelName::Bristle { 0.05 } else { 0.02 };
-            assert!((mean / expected - 1.0).abs() < within, "{name} at {velocity}: {mean}, not {expected}");
+            assert!(
+                (mean / expected - 1.0).abs() < within,
+                "{name} at {velocity}: {mean}, not {expected}"
+            );
         }
         assert!(both.steady_state(-0.5).abs() > 1.05 * both.steady_state(0.5), "{name}");
     }
 }
 
-/// At no cycle after a change does the torque move more than the two estimators themselves move and the fade allows.
+/// At no cycle after a change does the torque move more than the two estimators themselves move and
+/// the fade allows.
 #[test]
 fn a_change_while_running_does_not_jump() {
     let model = AnyModel::test_bed(ModelName::Proposed);
@@ -101,7 +109,9 @@ fn a_change_while_running_does_not_jump() {
         for to in TECHNIQUES {
             let mut running = estimator(&model, from);
             let mut before = (0..1400).map(|k| running.estimate(&seen(k)).torque).last().unwrap();
-            running.change(&other, EstimatorOptions { technique: to, ..Default::default() }).unwrap();
+            running
+                .change(&other, EstimatorOptions { technique: to, ..Default::default() })
+                .unwrap();
             for k in 1400..1700 {
                 if k == 1430 {
                     // In the middle of the first one.
@@ -133,7 +143,8 @@ fn after_the_fade_the_new_estimator_is_alone() {
         assert!(k != 500 || a != b, "the old one counts at first");
     }
     assert_eq!(changed.model(), ModelName::LuGre);
-    let wrong = EstimatorOptions { technique: Technique::Both { share: 2.0 }, ..Default::default() };
+    let wrong =
+        EstimatorOptions { technique: Technique::Both { share: 2.0 }, ..Default::default() };
     assert!(changed.change(&old, wrong).is_err());
     assert_eq!(changed.model(), ModelName::LuGre, "a refused change changes nothing");
 }
@@ -148,7 +159,8 @@ fn reading() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 24 }, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// A thousand cycles of whatever may come: the torque stays a number, and after good readings the estimator estimates again.
+    /// A thousand cycles of whatever may come: the torque stays a number, and after good readings
+    /// the estimator estimates again.
     #[test]
     fn no_reading_makes_a_torque_that_is_not_a_number(
         name in prop::sample::select(&ModelName::ALL[..]),

@@ -1,12 +1,13 @@
-//! A control cycle, estimator and controller, allocates nothing: over all models, techniques and velocity estimators.
+//! A control cycle, estimator and controller, allocates nothing: over all models, techniques and
+//! velocity estimators.
 
 use std::hint::black_box;
 
 use allocation_counter::measure;
 use controller::design::LinearDrive;
 use controller::{
-    AccelerationFeedback, ControlMode, Controller, ControllerOptions, Dither, DitherShape, Feedback, Impulse,
-    PiGains, PlantInverse, Reference, VelocityLaw,
+    AccelerationFeedback, ControlMode, Controller, ControllerOptions, Dither, DitherShape,
+    Feedback, Impulse, PiGains, PlantInverse, Reference, VelocityLaw,
 };
 use friction_model::{AnyModel, ModelName, TimeStep};
 use friction_observer::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
@@ -18,7 +19,8 @@ use friction_observer::{
 const CYCLES: u32 = 3000;
 
 fn allocations(model: &AnyModel, options: EstimatorOptions, mode: ControlMode) -> u64 {
-    let mut estimator = FrictionEstimator::new(model, options, TimeStep::new(1e-3).unwrap()).unwrap();
+    let mut estimator =
+        FrictionEstimator::new(model, options, TimeStep::new(1e-3).unwrap()).unwrap();
     let mut controller = Controller::new(ControllerOptions { mode, ..Default::default() }).unwrap();
     let mut change = Some((*model, options));
     measure(|| {
@@ -27,8 +29,11 @@ fn allocations(model: &AnyModel, options: EstimatorOptions, mode: ControlMode) -
             let t = 1e-3 * f64::from(k);
             let velocity = if k % 401 == 400 { f64::NAN } else { 0.5 * (2.0 * t).sin() };
             let position = 0.25 * (1.0 - (2.0 * t).cos());
-            let reference =
-                Reference { position, velocity: 0.5 * (2.0 * t).sin(), acceleration: (2.0 * t).cos() };
+            let reference = Reference {
+                position,
+                velocity: 0.5 * (2.0 * t).sin(),
+                acceleration: (2.0 * t).cos(),
+            };
             let seen = Seen {
                 velocity,
                 position,
@@ -38,8 +43,9 @@ fn allocations(model: &AnyModel, options: EstimatorOptions, mode: ControlMode) -
                 torque: Some(0.1),
             };
             let friction = estimator.estimate(&seen).torque;
-            voltage =
-                controller.step(&reference, &Feedback { position, velocity, friction, cycle: None }).total;
+            voltage = controller
+                .step(&reference, &Feedback { position, velocity, friction, cycle: None })
+                .total;
             if k == CYCLES / 2
                 && let Some((model, options)) = change.take()
             {
@@ -63,7 +69,8 @@ fn no_cycle_allocates() {
         Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02),
         Technique::Rbf(RbfOptions::SRV02),
     ];
-    let sources = [VelocitySource::Tachometer, VelocitySource::TRACKING_LOOP, VelocitySource::FUSED];
+    let sources =
+        [VelocitySource::Tachometer, VelocitySource::TRACKING_LOOP, VelocitySource::FUSED];
     for name in ModelName::ALL {
         let model = AnyModel::test_bed(name);
         let both = AnyModel::asymmetric(&model, &AnyModel::chapter_3(name)).unwrap();
@@ -73,9 +80,17 @@ fn no_cycle_allocates() {
                 (&model, sources[1], ControlMode::Position),
                 (&both, sources[2], ControlMode::Velocity),
             ] {
-                let options =
-                    EstimatorOptions { technique, velocity, injection: 0.035, ..Default::default() };
-                assert_eq!(allocations(model, options, mode), 0, "{name}, {technique:?}, {velocity:?}");
+                let options = EstimatorOptions {
+                    technique,
+                    velocity,
+                    injection: 0.035,
+                    ..Default::default()
+                };
+                assert_eq!(
+                    allocations(model, options, mode),
+                    0,
+                    "{name}, {technique:?}, {velocity:?}"
+                );
             }
         }
     }
@@ -91,7 +106,8 @@ fn no_part_of_the_controller_allocates() {
         impulse: Some(Impulse { height: 0.3, width: 0.002, period: 0.1 }),
         ..Default::default()
     };
-    let pi = ControllerOptions { velocity: VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 20.0 }), ..lag };
+    let pi =
+        ControllerOptions { velocity: VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 20.0 }), ..lag };
     let position = ControllerOptions { mode: ControlMode::Position, ..lag };
     for (from, to) in [(lag, pi), (pi, position), (position, lag)] {
         let mut controller = Controller::new(from).unwrap();
@@ -101,7 +117,8 @@ fn no_part_of_the_controller_allocates() {
                 // A friction estimate that swings without a reason is the guard's business.
                 let friction = if k % 40 < 20 { 0.3 } else { -0.3 };
                 let velocity = if k > CYCLES - 50 { f64::NAN } else { 0.1 };
-                let feedback = Feedback { position: 0.1, velocity, friction, cycle: Some(u64::from(k)) };
+                let feedback =
+                    Feedback { position: 0.1, velocity, friction, cycle: Some(u64::from(k)) };
                 let reference = Reference { velocity: 0.2, position: 0.2, acceleration: 0.1 };
                 faults += u32::from(controller.step(&reference, &feedback).total == 0.0);
                 if k == CYCLES / 2 {

@@ -16,8 +16,8 @@ pub struct Time {
 }
 
 impl Time {
-    /// Time of so many nanoseconds since the epoch. Beyond January 2038, where the field of ROS ends, the last second it
-    /// can hold.
+    /// Time of so many nanoseconds since the epoch. Beyond January 2038, where the field of ROS
+    /// ends, the last second it can hold.
     pub fn from_nanos(nanoseconds: u64) -> Self {
         Self {
             sec: i32::try_from(nanoseconds / NANOSECONDS).unwrap_or(i32::MAX),

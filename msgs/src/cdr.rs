@@ -1,4 +1,5 @@
-//! Messages as bytes: plain CDR behind the four bytes of its encapsulation header, as DDS sends and bags keep it.
+//! Messages as bytes: plain CDR behind the four bytes of its encapsulation header, as DDS sends and
+//! bags keep it.
 
 use byteorder::{BigEndian, LittleEndian};
 
@@ -81,16 +82,18 @@ pub fn encode<M: RosMessage>(message: &M) -> Result<Vec<u8>, CdrError> {
 pub fn encode_into<M: RosMessage>(message: &M, bytes: &mut Vec<u8>) -> Result<(), CdrError> {
     bytes.clear();
     bytes.extend_from_slice(&LITTLE_ENDIAN_HEADER);
-    // CDR aligns to the start of the data behind the header; the serializer counts from its own first byte, which is
-    // just there.
+    // CDR aligns to the start of the data behind the header; the serializer counts from its own
+    // first byte, which is just there.
     cdr_encoding::to_writer::<M, LittleEndian, _>(&mut *bytes, message)
         .map_err(|source| CdrError::Encode { message: M::type_name(), source })
 }
 
-/// The message in the bytes, of either byte order. Up to three bytes of padding at the end are allowed, as DDS adds them.
+/// The message in the bytes, of either byte order. Up to three bytes of padding at the end are
+/// allowed, as DDS adds them.
 ///
 /// # Errors
-/// Every other variant of [`CdrError`]: never a panic, and never more memory than a small multiple of the input.
+/// Every other variant of [`CdrError`]: never a panic, and never more memory than a small multiple
+/// of the input.
 pub fn decode<M: RosMessage>(bytes: &[u8]) -> Result<M, CdrError> {
     let Some((header, body)) = bytes.split_first_chunk::<4>() else {
         return Err(CdrError::TooShort { message: M::type_name(), length: bytes.len() });
@@ -106,7 +109,11 @@ pub fn decode<M: RosMessage>(bytes: &[u8]) -> Result<M, CdrError> {
         source,
     })?;
     if body.len() > used + 3 {
-        return Err(CdrError::TrailingBytes { message: M::type_name(), used: used + 4, length: bytes.len() });
+        return Err(CdrError::TrailingBytes {
+            message: M::type_name(),
+            used: used + 4,
+            length: bytes.len(),
+        });
     }
     Ok(message)
 }

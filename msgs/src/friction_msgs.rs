@@ -1,6 +1,8 @@
-//! Types of the laboratory's own ROS package `friction_msgs`, whose definitions stand in `msgs/friction_msgs/`.
+//! Types of the laboratory's own ROS package `friction_msgs`, whose definitions stand in
+//! `msgs/friction_msgs/`.
 //!
-//! Here are the signals of the control cycle and the status of an experiment; [`RunExperiment`] and the services have files of their own.
+//! Here are the signals of the control cycle and the status of an experiment; [`RunExperiment`] and
+//! the services have files of their own.
 
 mod experiments;
 mod identify;
@@ -10,8 +12,8 @@ use serde::{Deserialize, Serialize};
 
 pub use experiments::{
     ExperimentDescription, ExperimentParameter, ListExperiments, ListExperimentsRequest,
-    ListExperimentsResponse, RunExperiment, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult,
-    Setting, StartExperiment, StartExperimentRequest, StartExperimentResponse,
+    ListExperimentsResponse, RunExperiment, RunExperimentFeedback, RunExperimentGoal,
+    RunExperimentResult, Setting, StartExperiment, StartExperimentRequest, StartExperimentResponse,
 };
 pub use identify::{Identify, IdentifyRequest, IdentifyResponse};
 pub use results::{EstimatedParameter, Figure, ModelFit};
@@ -89,7 +91,8 @@ pub struct FrictionEstimate {
     pub regime: u8,
     /// Velocity the estimate was made with [rad/s].
     pub velocity: f64,
-    /// Measured torque minus estimated torque [N m]; not a number where the rig has no torque sensor.
+    /// Measured torque minus estimated torque [N m]; not a number where the rig has no torque
+    /// sensor.
     pub residual: f64,
 }
 
@@ -134,7 +137,8 @@ impl ControllerState {
     pub const POSITION: u8 = 1;
 }
 
-/// How far an experiment has come. Published transient local, so that whoever comes late sees the last one.
+/// How far an experiment has come. Published transient local, so that whoever comes late sees the
+/// last one.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ExperimentStatus {
     /// Time of the status.

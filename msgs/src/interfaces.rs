@@ -1,5 +1,5 @@
-//! What the laboratory's nodes offer: topics, services and actions with types, quality of service and direction, once for the documentation and for
-//! the tests that hold it against running nodes.
+//! What the laboratory's nodes offer: topics, services and actions with types, quality of service
+//! and direction, once for the documentation and for the tests that hold it against running nodes.
 
 use std::fmt::Write as _;
 
@@ -134,7 +134,12 @@ pub const SERVICES: [Served; 9] = [
         kind: TRIGGER,
         what: "in inactive: the mean of 200 cycles counts as zero from then on",
     },
-    Served { node: "friction_observer", name: "reset", kind: TRIGGER, what: "the estimator at rest" },
+    Served {
+        node: "friction_observer",
+        name: "reset",
+        kind: TRIGGER,
+        what: "the estimator at rest",
+    },
     Served {
         node: "controller",
         name: "reset",
@@ -181,8 +186,16 @@ pub const EVERY_NODE: [(&str, &str, &str); 11] = [
     ("list_parameters", "rcl_interfaces/srv/ListParameters", "names"),
     ("get_parameters", "rcl_interfaces/srv/GetParameters", "values"),
     ("get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", "types"),
-    ("describe_parameters", "rcl_interfaces/srv/DescribeParameters", "descriptions with units, ranges"),
-    ("set_parameters", "rcl_interfaces/srv/SetParameters", "one by one, each refusal with a reason"),
+    (
+        "describe_parameters",
+        "rcl_interfaces/srv/DescribeParameters",
+        "descriptions with units, ranges",
+    ),
+    (
+        "set_parameters",
+        "rcl_interfaces/srv/SetParameters",
+        "one by one, each refusal with a reason",
+    ),
     (
         "set_parameters_atomically",
         "rcl_interfaces/srv/SetParametersAtomically",
@@ -261,16 +274,24 @@ mod tests {
         for page in ["docs/ros.md", "README.md"] {
             let path = root.join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            for (name, made) in
-                [("topics", topic_table()), ("services", service_table()), ("actions", action_table())]
-            {
-                let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
-                let from = text.find(&begin).expect("the page marks where the table begins") + begin.len();
+            for (name, made) in [
+                ("topics", topic_table()),
+                ("services", service_table()),
+                ("actions", action_table()),
+            ] {
+                let (begin, end) =
+                    (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
+                let from =
+                    text.find(&begin).expect("the page marks where the table begins") + begin.len();
                 let to = text.find(&end).expect("the page marks where the table ends");
                 if std::env::var_os("UPDATE_DOCS").is_some() {
                     text.replace_range(from..to, &made);
                 } else {
-                    assert_eq!(&text[from..to], made, "{page}, {name}: run the test with UPDATE_DOCS=1");
+                    assert_eq!(
+                        &text[from..to],
+                        made,
+                        "{page}, {name}: run the test with UPDATE_DOCS=1"
+                    );
                 }
             }
             if std::env::var_os("UPDATE_DOCS").is_some() {
@@ -284,7 +305,8 @@ mod tests {
         fn name<S: RosService>() -> String {
             format!("{}/srv/{}", S::PACKAGE, S::NAME)
         }
-        let kind = |name: &str| SERVICES.iter().find(|of| of.name == name).expect("it is listed").kind;
+        let kind =
+            |name: &str| SERVICES.iter().find(|of| of.name == name).expect("it is listed").kind;
         assert_eq!(kind("abort"), name::<std_srvs::Trigger>());
         assert_eq!(kind("identify"), name::<friction_msgs::Identify>());
         assert_eq!(kind("start_experiment"), name::<friction_msgs::StartExperiment>());

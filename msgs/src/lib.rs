@@ -1,16 +1,19 @@
 //! ROS 2 interface package `friction_msgs` and its Rust types.
 //!
-//! The ROS side is the folder `friction_msgs/` beside this crate's `src/`: an ordinary interface package that `colcon`
-//! builds. The Rust side is one module a ROS package; a test compares every `.msg`, `.srv` and `.action` file with its structs, field by field.
-//! Standard messages the laboratory uses come along, so that bags can be written and read without a ROS installation.
+//! The ROS side is the folder `friction_msgs/` beside this crate's `src/`: an ordinary interface
+//! package that `colcon` builds. The Rust side is one module a ROS package; a test compares every
+//! `.msg`, `.srv` and `.action` file with its structs, field by field. Standard messages the
+//! laboratory uses come along, so that bags can be written and read without a ROS installation.
 //!
 //! - [`message`]: what a message type knows about itself: name, definition, hash, rosbag2 schema;
 //! - [`cdr`]: bytes on the wire and in bags;
 //! - [`type_hashes`]: what ROS announces of the types of endpoints;
 //! - [`topics`]: which topics there are, with type and quality of service;
 //! - [`interfaces`]: topics, services and actions of every node, for documentation and tests;
-//! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]: the types;
-//! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes and the simulated clock.
+//! - [`friction_msgs`], [`sensor_msgs`], [`std_msgs`], [`builtin_interfaces`], [`diagnostic_msgs`]:
+//!   the types;
+//! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes
+//!   and the simulated clock.
 
 pub mod builtin_interfaces;
 pub mod cdr;

@@ -2,7 +2,8 @@
 
 use serde::{Serialize, de::DeserializeOwned};
 
-/// The interface definition of one message type. Halves of services and thirds of actions count as messages too.
+/// The interface definition of one message type. Halves of services and thirds of actions count as
+/// messages too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Definition {
     /// ROS package, as in `sensor_msgs`.
@@ -32,8 +33,8 @@ pub trait RosMessage: Serialize + DeserializeOwned {
         format!("{}/{}/{}", Self::DEFINITION.package, Self::FOLDER, Self::DEFINITION.name)
     }
 
-    /// Schema of the type as rosbag2 stores it (`ros2msg`): its `.msg` text, then the text of each dependency behind a
-    /// ruler of 80 equals signs and a line with its name.
+    /// Schema of the type as rosbag2 stores it (`ros2msg`): its `.msg` text, then the text of each
+    /// dependency behind a ruler of 80 equals signs and a line with its name.
     fn schema() -> String {
         let mut text = Self::DEFINITION.text.to_owned();
         for dependency in Self::DEPENDENCIES {
@@ -41,19 +42,27 @@ pub trait RosMessage: Serialize + DeserializeOwned {
                 text.push('\n');
             }
             text.push_str(&"=".repeat(80));
-            text.push_str(&format!("\nMSG: {}/{}\n{}", dependency.package, dependency.name, dependency.text));
+            text.push_str(&format!(
+                "\nMSG: {}/{}\n{}",
+                dependency.package, dependency.name, dependency.text
+            ));
         }
         text
     }
 }
 
-/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client takes.
+/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client
+/// takes.
 #[cfg(feature = "ros2")]
-pub trait Payload: RosMessage + ros2_client::Message + Clone + Default + Send + Sync + 'static {}
+pub trait Payload:
+    RosMessage + ros2_client::Message + Clone + Default + Send + Sync + 'static
+{
+}
 #[cfg(feature = "ros2")]
 impl<M: RosMessage + ros2_client::Message + Clone + Default + Send + Sync + 'static> Payload for M {}
 
-/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client takes.
+/// What services and actions carry: any message; with the feature `ros2`, any that ros2-client
+/// takes.
 #[cfg(not(feature = "ros2"))]
 pub trait Payload: RosMessage + Clone + Default + Send + Sync + 'static {}
 #[cfg(not(feature = "ros2"))]
@@ -85,14 +94,17 @@ pub trait RosAction: 'static {
     type Feedback: Payload;
 }
 
-/// The part of a `.srv` or `.action` file with that number, from 0; the parts stand between lines of three dashes.
+/// The part of a `.srv` or `.action` file with that number, from 0; the parts stand between lines
+/// of three dashes.
 pub(crate) const fn part(text: &'static str, number: usize) -> &'static str {
     let bytes = text.as_bytes();
     let (mut start, mut line, mut seen, mut at) = (0, 0, 0, 0);
     while at < bytes.len() {
         if bytes[at] == b'\n' {
-            let dashes =
-                at == line + 3 && bytes[line] == b'-' && bytes[line + 1] == b'-' && bytes[line + 2] == b'-';
+            let dashes = at == line + 3
+                && bytes[line] == b'-'
+                && bytes[line + 1] == b'-'
+                && bytes[line + 2] == b'-';
             if dashes {
                 if seen == number {
                     return text.split_at(line).0.split_at(start).1;
@@ -107,7 +119,8 @@ pub(crate) const fn part(text: &'static str, number: usize) -> &'static str {
     if seen == number { text.split_at(start).1 } else { "" }
 }
 
-/// Ties a struct to its `.msg` file: `ros_message!(Struct, "package", "path to .msg", "hash", [types it contains])`.
+/// Ties a struct to its `.msg` file:
+/// `ros_message!(Struct, "package", "path to .msg", "hash", [types it contains])`.
 macro_rules! ros_message {
     ($type:ident, $package:literal, $path:literal, $hash:literal, [$($dependency:ty),*]) => {
         impl $crate::message::RosMessage for $type {
@@ -127,8 +140,8 @@ macro_rules! ros_message {
 }
 pub(crate) use ros_message;
 
-/// Ties a struct to its part of a `.srv` or `.action` file: `ros_part!(Struct, "package", "srv", "Name_Request", "path to .srv",
-/// number of the part, "hash", [types it contains])`.
+/// Ties a struct to its part of a `.srv` or `.action` file: `ros_part!(Struct, "package", "srv",
+/// "Name_Request", "path to .srv", number of the part, "hash", [types it contains])`.
 macro_rules! ros_part {
     ($type:ident, $package:literal, $folder:literal, $name:literal, $path:literal, $part:literal, $hash:literal, [$($dependency:ty),*]) => {
         impl $crate::message::RosMessage for $type {

@@ -1,4 +1,5 @@
-//! The laboratory's topics: name, type and quality of service, once for publishers, subscribers and bags.
+//! The laboratory's topics: name, type and quality of service, once for publishers, subscribers and
+//! bags.
 
 use std::marker::PhantomData;
 
@@ -6,13 +7,15 @@ use crate::{
     RosMessage,
     diagnostic_msgs::DiagnosticArray,
     friction_msgs::{
-        ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference, RigMeasurement,
+        ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, Reference,
+        RigMeasurement,
     },
     sensor_msgs::JointState,
 };
 
-/// Quality of service a topic is offered with. Everything that is not said here is the default of ROS 2; all topics of
-/// the laboratory are reliable, since a reliable writer serves best-effort readers too.
+/// Quality of service a topic is offered with. Everything that is not said here is the default of
+/// ROS 2; all topics of the laboratory are reliable, since a reliable writer serves best-effort
+/// readers too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Qos {
     /// How many samples a writer keeps.
@@ -22,7 +25,8 @@ pub struct Qos {
 }
 
 impl Qos {
-    /// A signal of every control cycle: at 1 kHz the history bridges a reader that is held up for a tenth of a second.
+    /// A signal of every control cycle: at 1 kHz the history bridges a reader that is held up for a
+    /// tenth of a second.
     pub const SIGNAL: Self = Self { depth: 100, transient_local: false };
     /// The default of ROS 2: a few samples, for those who are there.
     pub const DEFAULT: Self = Self { depth: 10, transient_local: false };
@@ -45,8 +49,8 @@ impl<M: RosMessage> Topic<M> {
         Self { name, qos, message: PhantomData }
     }
 
-    /// The name as a node says it: relative, so that the node's namespace comes before it. What all nodes share, such as `/diagnostics`,
-    /// stays absolute.
+    /// The name as a node says it: relative, so that the node's namespace comes before it. What all
+    /// nodes share, such as `/diagnostics`, stays absolute.
     pub fn name_in_namespace(&self) -> &'static str {
         if self.name == DIAGNOSTICS.name { self.name } else { self.name.trim_start_matches('/') }
     }
@@ -61,15 +65,18 @@ pub const REFERENCE: Topic<Reference> = Topic::new("/reference", Qos::SIGNAL);
 /// What the controller asks of the motor.
 pub const MOTOR_VOLTAGE: Topic<MotorVoltage> = Topic::new("/motor_voltage", Qos::SIGNAL);
 /// What the observer thinks of friction.
-pub const FRICTION_ESTIMATE: Topic<FrictionEstimate> = Topic::new("/friction_estimate", Qos::SIGNAL);
+pub const FRICTION_ESTIMATE: Topic<FrictionEstimate> =
+    Topic::new("/friction_estimate", Qos::SIGNAL);
 /// What the controller saw and decided.
 pub const CONTROLLER_STATE: Topic<ControllerState> = Topic::new("/controller_state", Qos::SIGNAL);
 /// How far an experiment has come.
-pub const EXPERIMENT_STATUS: Topic<ExperimentStatus> = Topic::new("/experiment_status", Qos::LATCHED);
+pub const EXPERIMENT_STATUS: Topic<ExperimentStatus> =
+    Topic::new("/experiment_status", Qos::LATCHED);
 /// Health of the nodes.
 pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", Qos::DEFAULT);
 
-/// Quality of service of the topic with that name; the default of ROS 2 for one the laboratory does not know.
+/// Quality of service of the topic with that name; the default of ROS 2 for one the laboratory does
+/// not know.
 pub fn qos_of(name: &str) -> Qos {
     let known = [
         (JOINT_STATES.name, JOINT_STATES.qos),

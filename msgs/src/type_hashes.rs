@@ -1,7 +1,8 @@
-//! Hashes of the types that the laboratory's endpoints carry, by their names: what ROS announces beside each reader and writer.
+//! Hashes of the types that the laboratory's endpoints carry, by their names: what ROS announces
+//! beside each reader and writer.
 //!
-//! The types of this crate know their own. The client library has the others: those of parameters, logs and the graph, and what an action makes of its
-//! goal, result and feedback.
+//! The types of this crate know their own. The client library has the others: those of parameters,
+//! logs and the graph, and what an action makes of its goal, result and feedback.
 
 use std::{collections::BTreeMap, sync::LazyLock};
 
@@ -10,9 +11,9 @@ use crate::{
     diagnostic_msgs::DiagnosticArray,
     friction_msgs::*,
     lifecycle_msgs::{
-        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest, GetAvailableStatesResponse,
-        GetAvailableTransitionsRequest, GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse,
-        TransitionEvent,
+        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest,
+        GetAvailableStatesResponse, GetAvailableTransitionsRequest,
+        GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse, TransitionEvent,
     },
     rosgraph_msgs::Clock,
     sensor_msgs::JointState,
@@ -53,7 +54,10 @@ const OTHERS: [(&str, &str); 23] = [
         "friction_msgs/action/RunExperiment_SendGoal_Response",
         "RIHS01_729ba4bfbaf73a9a1f18396381ac2e0d831bc1e458c7a64d4b7c817cc367925e",
     ),
-    ("rcl_interfaces/msg/Log", "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac"),
+    (
+        "rcl_interfaces/msg/Log",
+        "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac",
+    ),
     (
         "rcl_interfaces/msg/ParameterEvent",
         "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204",
@@ -153,7 +157,8 @@ pub fn all() -> &'static BTreeMap<String, &'static str> {
     &ALL
 }
 
-/// The hash of a type that DDS calls so, as in `std_srvs::srv::dds_::Trigger_Request_`; `None` if it is none of the laboratory's.
+/// The hash of a type that DDS calls so, as in `std_srvs::srv::dds_::Trigger_Request_`; `None` if
+/// it is none of the laboratory's.
 #[must_use]
 pub fn of_dds(type_name: &str) -> Option<&'static str> {
     let (folder, name) = type_name.strip_suffix('_')?.split_once("::dds_::")?;
@@ -166,11 +171,19 @@ mod tests {
 
     #[test]
     fn a_hash_is_found_by_the_name_that_dds_has() {
-        assert_eq!(of_dds("std_srvs::srv::dds_::Trigger_Request_"), Some(TriggerRequest::TYPE_HASH));
+        assert_eq!(
+            of_dds("std_srvs::srv::dds_::Trigger_Request_"),
+            Some(TriggerRequest::TYPE_HASH)
+        );
         assert_eq!(of_dds("friction_msgs::msg::dds_::Reference_"), Some(Reference::TYPE_HASH));
-        let goal = OTHERS.iter().find(|(name, _)| name.ends_with("SendGoal_Request")).map(|(_, hash)| *hash);
+        let goal = OTHERS
+            .iter()
+            .find(|(name, _)| name.ends_with("SendGoal_Request"))
+            .map(|(_, hash)| *hash);
         assert_eq!(of_dds("friction_msgs::action::dds_::RunExperiment_SendGoal_Request_"), goal);
-        for unknown in ["", "_", "std_srvs/srv/Trigger_Request", "std_msgs::msg::dds_::Empty_", "::dds_::_"] {
+        for unknown in
+            ["", "_", "std_srvs/srv/Trigger_Request", "std_msgs::msg::dds_::Empty_", "::dds_::_"]
+        {
             assert_eq!(of_dds(unknown), None, "{unknown}");
         }
     }

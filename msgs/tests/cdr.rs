@@ -5,7 +5,9 @@ use msgs::{
     builtin_interfaces::Time,
     cdr::{self, CdrError},
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
-    friction_msgs::{ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, RigMeasurement},
+    friction_msgs::{
+        ControllerState, ExperimentStatus, FrictionEstimate, MotorVoltage, RigMeasurement,
+    },
     sensor_msgs::JointState,
     std_msgs::Header,
 };
@@ -39,7 +41,10 @@ fn padding_behind_the_message_is_allowed_and_more_is_not() {
     bytes.extend([0; 3]);
     assert_eq!(cdr::decode::<Time>(&bytes).unwrap(), Time { sec: 7, nanosec: 9 });
     bytes.push(0);
-    assert!(matches!(cdr::decode::<Time>(&bytes), Err(CdrError::TrailingBytes { used: 12, length: 16, .. })));
+    assert!(matches!(
+        cdr::decode::<Time>(&bytes),
+        Err(CdrError::TrailingBytes { used: 12, length: 16, .. })
+    ));
 }
 
 #[test]
@@ -49,7 +54,10 @@ fn each_kind_of_bad_bytes_is_named() {
         cdr::decode::<Time>(&[0, 3, 0, 0, 1]),
         Err(CdrError::Encapsulation { found: [0, 3], .. })
     ));
-    assert!(matches!(cdr::decode::<Time>(&[0, 1, 0, 0, 1]), Err(CdrError::Decode { length: 5, .. })));
+    assert!(matches!(
+        cdr::decode::<Time>(&[0, 1, 0, 0, 1]),
+        Err(CdrError::Decode { length: 5, .. })
+    ));
     // A sequence that claims four thousand million elements, and a string as long.
     let claims = [&[0, 1, 0, 0][..], &[0; 8], &[1, 0, 0, 0, 0, 0, 0, 0], &[0xff; 4]].concat();
     assert!(matches!(cdr::decode::<JointState>(&claims), Err(CdrError::Decode { .. })));

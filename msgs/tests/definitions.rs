@@ -1,4 +1,5 @@
-//! The `.msg`, `.srv` and `.action` files and the Rust structs say the same: fields, order, types, constants, dependencies, hashes.
+//! The `.msg`, `.srv` and `.action` files and the Rust structs say the same: fields, order, types,
+//! constants, dependencies, hashes.
 
 mod trace;
 
@@ -9,16 +10,18 @@ use msgs::{
     builtin_interfaces::Time,
     diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue},
     friction_msgs::{
-        ControllerState, EstimatedParameter, ExperimentDescription, ExperimentParameter, ExperimentStatus,
-        Figure, FrictionEstimate, Identify, IdentifyRequest, IdentifyResponse, ListExperiments,
-        ListExperimentsRequest, ListExperimentsResponse, ModelFit, MotorVoltage, Reference, RigMeasurement,
-        RunExperiment, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, Setting,
-        StartExperiment, StartExperimentRequest, StartExperimentResponse,
+        ControllerState, EstimatedParameter, ExperimentDescription, ExperimentParameter,
+        ExperimentStatus, Figure, FrictionEstimate, Identify, IdentifyRequest, IdentifyResponse,
+        ListExperiments, ListExperimentsRequest, ListExperimentsResponse, ModelFit, MotorVoltage,
+        Reference, RigMeasurement, RunExperiment, RunExperimentFeedback, RunExperimentGoal,
+        RunExperimentResult, Setting, StartExperiment, StartExperimentRequest,
+        StartExperimentResponse,
     },
     lifecycle_msgs::{
-        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest, GetAvailableStatesResponse,
-        GetAvailableTransitionsRequest, GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse,
-        State, Transition, TransitionDescription, TransitionEvent,
+        ChangeStateRequest, ChangeStateResponse, GetAvailableStatesRequest,
+        GetAvailableStatesResponse, GetAvailableTransitionsRequest,
+        GetAvailableTransitionsResponse, GetStateRequest, GetStateResponse, State, Transition,
+        TransitionDescription, TransitionEvent,
     },
     rosgraph_msgs::Clock,
     sensor_msgs::JointState,
@@ -84,7 +87,9 @@ struct Field<'a> {
 }
 
 fn statements(text: &str) -> impl Iterator<Item = &str> {
-    text.lines().map(|line| line.split('#').next().unwrap_or_default().trim()).filter(|line| !line.is_empty())
+    text.lines()
+        .map(|line| line.split('#').next().unwrap_or_default().trim())
+        .filter(|line| !line.is_empty())
 }
 
 /// The fields; a definition without any has the one that ROS gives it.
@@ -98,7 +103,11 @@ fn fields(text: &str) -> Vec<Field<'_>> {
         })
         .collect();
     if fields.is_empty() {
-        fields.push(Field { name: "structure_needs_at_least_one_member", base: "uint8", sequence: false });
+        fields.push(Field {
+            name: "structure_needs_at_least_one_member",
+            base: "uint8",
+            sequence: false,
+        });
     }
     fields
 }
@@ -125,9 +134,15 @@ fn definition<M: RosMessage>(reference: &str) -> Definition {
         })
 }
 
-fn expected_leaves<M: RosMessage>(text: &str, path: &str, in_sequence: bool, leaves: &mut Vec<Leaf>) {
+fn expected_leaves<M: RosMessage>(
+    text: &str,
+    path: &str,
+    in_sequence: bool,
+    leaves: &mut Vec<Leaf>,
+) {
     for field in fields(text) {
-        let path = if path.is_empty() { field.name.to_owned() } else { format!("{path}.{}", field.name) };
+        let path =
+            if path.is_empty() { field.name.to_owned() } else { format!("{path}.{}", field.name) };
         let sequence = in_sequence || field.sequence;
         if field.base.contains('/') {
             expected_leaves::<M>(definition::<M>(field.base).text, &path, sequence, leaves);
@@ -155,7 +170,10 @@ fn constants_are_those_of_the_definitions() {
             expected.iter().map(|(name, value)| ((*name).to_owned(), value.to_string())).collect();
         assert_eq!(constants(M::DEFINITION.text), expected, "{}", M::type_name());
     }
-    check::<FrictionEstimate>(&[("STICK", FrictionEstimate::STICK), ("SLIP", FrictionEstimate::SLIP)]);
+    check::<FrictionEstimate>(&[
+        ("STICK", FrictionEstimate::STICK),
+        ("SLIP", FrictionEstimate::SLIP),
+    ]);
     check::<ControllerState>(&[
         ("VELOCITY", ControllerState::VELOCITY),
         ("POSITION", ControllerState::POSITION),
@@ -189,7 +207,8 @@ fn dependencies_are_complete_and_each_once() {
     fn check<M: RosMessage>() {
         let mut needed = BTreeSet::new();
         collect::<M>(M::DEFINITION.text, &mut needed);
-        let mut named: Vec<_> = M::DEPENDENCIES.iter().map(|d| format!("{}/{}", d.package, d.name)).collect();
+        let mut named: Vec<_> =
+            M::DEPENDENCIES.iter().map(|d| format!("{}/{}", d.package, d.name)).collect();
         named.sort();
         assert_eq!(named, needed.into_iter().collect::<Vec<_>>(), "{}", M::type_name());
     }
@@ -246,14 +265,19 @@ fn hashes_are_those_of_the_definitions() {
         assert_eq!(M::TYPE_HASH, hash, "{}", M::type_name());
     }
     for_each_message!(check);
-    // The hash that ROS itself publishes for this type, so that the rule above is known to be the right one.
-    assert_eq!(Time::TYPE_HASH, "RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197");
+    // The hash that ROS itself publishes for this type, so that the rule above is known to be the
+    // right one.
+    assert_eq!(
+        Time::TYPE_HASH,
+        "RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197"
+    );
 }
 
 #[test]
 fn every_definition_of_the_package_is_built_and_known_in_rust() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("friction_msgs");
-    let cmake = fs::read_to_string(package.join("CMakeLists.txt")).expect("the package has a CMakeLists.txt");
+    let cmake = fs::read_to_string(package.join("CMakeLists.txt"))
+        .expect("the package has a CMakeLists.txt");
     let known = [
         ControllerState::DEFINITION.name,
         EstimatedParameter::DEFINITION.name,
@@ -269,18 +293,27 @@ fn every_definition_of_the_package_is_built_and_known_in_rust() {
         Setting::DEFINITION.name,
     ];
     let services = [Identify::NAME, ListExperiments::NAME, StartExperiment::NAME];
-    for (folder, known) in [("msg", &known[..]), ("srv", &services), ("action", &[RunExperiment::NAME])] {
+    for (folder, known) in
+        [("msg", &known[..]), ("srv", &services), ("action", &[RunExperiment::NAME])]
+    {
         let mut files: Vec<String> = fs::read_dir(package.join(folder))
             .expect("the package has the folder")
             .map(|entry| {
-                entry.expect("the folder can be read").file_name().into_string().expect("plain names")
+                entry
+                    .expect("the folder can be read")
+                    .file_name()
+                    .into_string()
+                    .expect("plain names")
             })
             .collect();
         files.sort();
         let expected: Vec<String> = known.iter().map(|name| format!("{name}.{folder}")).collect();
         assert_eq!(files, expected);
         for file in files {
-            assert!(cmake.contains(&format!("\"{folder}/{file}\"")), "CMakeLists.txt does not build {file}");
+            assert!(
+                cmake.contains(&format!("\"{folder}/{file}\"")),
+                "CMakeLists.txt does not build {file}"
+            );
         }
     }
 }

@@ -54,7 +54,8 @@ impl TryFrom<i8> for Sign {
     }
 }
 
-/// What turns raw readings into true ones. The voltage is the measure of all signs: a positive one turns the shaft forwards.
+/// What turns raw readings into true ones. The voltage is the measure of all signs: a positive one
+/// turns the shaft forwards.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
@@ -68,7 +69,8 @@ pub struct Calibration {
     pub torque_sign: Sign,
     /// Torque sensor's reading without torque [N m].
     pub torque_zero: f64,
-    /// Lowest voltage that moves the shaft forwards [V]: breakaway of its friction and dead zone of the amplifier in one.
+    /// Lowest voltage that moves the shaft forwards [V]: breakaway of its friction and dead zone of
+    /// the amplifier in one.
     pub deadband_forward: f64,
     /// Lowest magnitude of the voltage that moves it backwards [V].
     pub deadband_backward: f64,
@@ -97,16 +99,23 @@ impl Calibration {
     pub fn check(&self) -> Result<(), RigError> {
         let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
         if !(self.tachometer_gain.is_finite() && self.tachometer_gain != 0.0) {
-            return error("tachometer_gain", self.tachometer_gain, "a finite number other than zero");
+            return error(
+                "tachometer_gain",
+                self.tachometer_gain,
+                "a finite number other than zero",
+            );
         }
-        for (name, value) in [("tachometer_zero", self.tachometer_zero), ("torque_zero", self.torque_zero)] {
+        for (name, value) in
+            [("tachometer_zero", self.tachometer_zero), ("torque_zero", self.torque_zero)]
+        {
             if !value.is_finite() {
                 return error(name, value, "a finite number");
             }
         }
-        for (name, value) in
-            [("deadband_forward", self.deadband_forward), ("deadband_backward", self.deadband_backward)]
-        {
+        for (name, value) in [
+            ("deadband_forward", self.deadband_forward),
+            ("deadband_backward", self.deadband_backward),
+        ] {
             if !(value >= 0.0 && value.is_finite()) {
                 return error(name, value, "a finite number, zero or more");
             }
@@ -121,14 +130,16 @@ impl Calibration {
         Measurement {
             encoder_counts: i64::from(i8::from(self.encoder_sign)) * raw.encoder_counts,
             encoder_position: sign * raw.encoder_position,
-            tachometer_velocity: self.tachometer_gain * (raw.tachometer_velocity - self.tachometer_zero),
+            tachometer_velocity: self.tachometer_gain
+                * (raw.tachometer_velocity - self.tachometer_zero),
             torque: self.torque_sign.factor() * (raw.torque - self.torque_zero),
             ..*raw
         }
     }
 }
 
-/// A rig with its readings corrected. It stands inside the safety layer, which is to see true readings.
+/// A rig with its readings corrected. It stands inside the safety layer, which is to see true
+/// readings.
 #[derive(Debug)]
 pub struct Calibrated<R> {
     rig: R,

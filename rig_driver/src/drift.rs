@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::RigError;
 
-/// A factor on the friction torque that goes from 1 to `1 + change`, linearly in time, and stays there.
+/// A factor on the friction torque that goes from 1 to `1 + change`, linearly in time, and stays
+/// there.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionDrift {

@@ -5,7 +5,8 @@
 //! T w' + w = K (u - (R_a / (A K_m)) F),   K = 1 / (A K_m),   T = R_a J_eq / (A K_m)^2
 //! ```
 //!
-//! All quantities at the load side of the gear: position [rad], velocity `w` [rad/s], friction `F` [N m].
+//! All quantities at the load side of the gear: position [rad], velocity `w` [rad/s], friction `F`
+//! [N m].
 
 use serde::{Deserialize, Serialize};
 
@@ -25,11 +26,13 @@ pub struct DriveParameters {
     pub inertia: f64,
 }
 
-/// Which of the thesis's two time constants of the SRV-02 is meant: its chapter 6 and its appendix A disagree.
+/// Which of the thesis's two time constants of the SRV-02 is meant: its chapter 6 and its appendix
+/// A disagree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeConstant {
-    /// T = 0.02388 s, with which the thesis designed its controllers; it needs `J_eq` = 2.6476e-3 kg m^2.
+    /// T = 0.02388 s, with which the thesis designed its controllers; it needs `J_eq` = 2.6476e-3
+    /// kg m^2.
     #[default]
     Thesis,
     /// T = 0.01734 s, from the data sheet's inertias: `J_eq = J_l + A^2 J_m` = 1.92288e-3 kg m^2.
@@ -66,7 +69,14 @@ impl Drive {
                 0.02388 * back_emf * back_emf / armature_resistance
             }
         };
-        Self { parameters: DriveParameters { motor_constant, gear_ratio, armature_resistance, inertia } }
+        Self {
+            parameters: DriveParameters {
+                motor_constant,
+                gear_ratio,
+                armature_resistance,
+                inertia,
+            },
+        }
     }
 
     /// The parameters.
@@ -120,7 +130,11 @@ impl TryFrom<DriveParameters> for Drive {
             ("inertia", p.inertia),
         ] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(RigError::OutOfRange { name, value, expected: "a finite number above zero" });
+                return Err(RigError::OutOfRange {
+                    name,
+                    value,
+                    expected: "a finite number above zero",
+                });
             }
         }
         Ok(Self { parameters: p })
@@ -151,7 +165,8 @@ mod tests {
 
     #[test]
     fn a_negative_inertia_is_refused() {
-        let wrong = DriveParameters { inertia: -1e-3, ..*Drive::srv02(TimeConstant::Thesis).parameters() };
+        let wrong =
+            DriveParameters { inertia: -1e-3, ..*Drive::srv02(TimeConstant::Thesis).parameters() };
         let message = Drive::try_from(wrong).unwrap_err().to_string();
         assert!(message.contains("inertia") && message.contains("-0.001"), "{message}");
     }

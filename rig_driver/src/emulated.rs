@@ -1,14 +1,16 @@
 //! Emulated rigs that run on this machine, so that whoever looks for rigs finds them.
 //!
-//! No system lists a pseudo-terminal among its serial ports. So an emulator announces itself in a file of its own, which it holds locked while it runs: the system
-//! lets go of the lock however the emulator ends, `kill -9` included, and a file that nobody holds is no rig.
+//! No system lists a pseudo-terminal among its serial ports. So an emulator announces itself in a
+//! file of its own, which it holds locked while it runs: the system lets go of the lock however the
+//! emulator ends, `kill -9` included, and a file that nobody holds is no rig.
 
 use std::env;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Where announcements are: `frictionlab/rigs` in `XDG_RUNTIME_DIR`, else in `XDG_STATE_HOME`, else in `~/.local/state`; none without any of them.
+/// Where announcements are: `frictionlab/rigs` in `XDG_RUNTIME_DIR`, else in `XDG_STATE_HOME`, else
+/// in `~/.local/state`; none without any of them.
 #[must_use]
 pub fn folder() -> Option<PathBuf> {
     let of = |name: &str| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
@@ -49,7 +51,8 @@ impl Drop for Announcement {
     }
 }
 
-/// The ports of emulated rigs that run, in the order of their names. Files that nobody holds are left out.
+/// The ports of emulated rigs that run, in the order of their names. Files that nobody holds are
+/// left out.
 #[must_use]
 pub fn announced(folder: &Path) -> Vec<PathBuf> {
     let runs = |file: &File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));

@@ -31,7 +31,8 @@ pub enum RigError {
     /// A sensor's parameter lies outside its range.
     #[error(transparent)]
     Sensor(#[from] SensorError),
-    /// A voltage that is not a finite number was refused: zero volts are applied and the fault is latched.
+    /// A voltage that is not a finite number was refused: zero volts are applied and the fault is
+    /// latched.
     #[error(
         "a motor voltage must be a finite number, but was {0}: zero volts are applied and a fault is latched; clear it once the controller is mended"
     )]
@@ -47,7 +48,9 @@ pub enum RigError {
     #[error("the driver stopped the motor: {0}")]
     Safety(FaultReport),
     /// The motor is to move, but the driver is not active.
-    #[error("the driver is {0} and the motor stays at zero volts; configure, activate or clear it first")]
+    #[error(
+        "the driver is {0} and the motor stays at zero volts; configure, activate or clear it first"
+    )]
     NotActive(State),
     /// A run has the rig; there is one shaft, and one run at a time.
     #[error("another run has the rig; wait until it is over")]
@@ -64,15 +67,19 @@ pub enum RigError {
 }
 
 impl RigError {
-    /// Whether it is the line to the rig, or the time on this machine, that failed, and nothing about the motor: an explicit sequence may open the rig anew and
-    /// begin again. Speed, travel, heat, sensors, an emergency stop, another host and whatever is unknown are no such thing.
+    /// Whether it is the line to the rig, or the time on this machine, that failed, and nothing
+    /// about the motor: an explicit sequence may open the rig anew and begin again. Speed, travel,
+    /// heat, sensors, an emergency stop, another host and whatever is unknown are no such thing.
     #[must_use]
     pub const fn is_of_the_line(&self) -> bool {
         match self {
             #[cfg(feature = "serial")]
             Self::Serial(error) => error.is_of_the_line(),
             Self::Safety(report) => {
-                matches!(report.fault, Fault::CommandLost | Fault::CycleLost | Fault::CommandsRefused)
+                matches!(
+                    report.fault,
+                    Fault::CommandLost | Fault::CycleLost | Fault::CommandsRefused
+                )
             }
             _ => false,
         }
@@ -87,12 +94,16 @@ mod tests {
     #[test]
     fn what_is_about_the_motor_is_not_of_the_line() {
         let of = |fault| {
-            RigError::Safety(FaultReport { fault, time: 0.0, value: 0.0, limit: 0.0 }).is_of_the_line()
+            RigError::Safety(FaultReport { fault, time: 0.0, value: 0.0, limit: 0.0 })
+                .is_of_the_line()
         };
         let line = [Fault::CommandLost, Fault::CycleLost, Fault::CommandsRefused];
         for fault in FAULTS.map(|rule| rule.fault) {
             assert_eq!(of(fault), line.contains(&fault), "{fault:?}");
         }
-        assert!(!RigError::Stopped.is_of_the_line() && !RigError::NotActive(State::Faulted).is_of_the_line());
+        assert!(
+            !RigError::Stopped.is_of_the_line()
+                && !RigError::NotActive(State::Faulted).is_of_the_line()
+        );
     }
 }

@@ -1,9 +1,11 @@
 //! The rig behind one trait: [`Rig`] is measured and driven once a control cycle.
 //!
-//! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction model, seen through
-//! sensors as real ones are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It is
-//! lock-step and reproducible from a seed. Real back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one
-//! of them stands under the safety layer ([`safety`]), which trusts neither the controller nor the sensors.
+//! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction
+//! model, seen through sensors as real ones are ([`Sensors`]): encoder counts, tachometer and
+//! torque noise, converters, a voltage limit. It is lock-step and reproducible from a seed. Real
+//! back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one of
+//! them stands under the safety layer ([`safety`]), which trusts neither the controller nor the
+//! sensors.
 
 mod calibration;
 mod drift;

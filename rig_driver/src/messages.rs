@@ -7,8 +7,9 @@ use crate::Measurement;
 /// Name of the one joint: the load side of the gear.
 pub const JOINT: &str = "load_shaft";
 
-/// The measurement as the joint `load_shaft`: position of the encoder [rad], velocity of the tachometer [rad/s], effort =
-/// friction torque [N m]. `stamp_ns` is its time in nanoseconds since the epoch.
+/// The measurement as the joint `load_shaft`: position of the encoder [rad], velocity of the
+/// tachometer [rad/s], effort = friction torque [N m]. `stamp_ns` is its time in nanoseconds since
+/// the epoch.
 #[must_use]
 pub fn joint_state(stamp_ns: u64, measurement: &Measurement) -> JointState {
     JointState {
@@ -72,6 +73,9 @@ mod tests {
         let joint = joint_state(1_500_000_000, &measurement);
         assert_eq!(joint.header.stamp.to_nanos(), 1_500_000_000);
         assert_eq!(joint.name, ["load_shaft"]);
-        assert_eq!((joint.position, joint.velocity, joint.effort), (vec![1.0], vec![2.0], vec![4.0]));
+        assert_eq!(
+            (joint.position, joint.velocity, joint.effort),
+            (vec![1.0], vec![2.0], vec![4.0])
+        );
     }
 }

@@ -47,8 +47,9 @@ impl FromStr for Miswiring {
     fn from_str(text: &str) -> Result<Self, String> {
         let mut wiring = Self::default();
         for mistake in text.split(',') {
-            let (name, value) =
-                mistake.split_once('=').map_or((mistake, None), |(name, value)| (name, Some(value)));
+            let (name, value) = mistake
+                .split_once('=')
+                .map_or((mistake, None), |(name, value)| (name, Some(value)));
             let number = || {
                 value
                     .and_then(|value| value.parse::<f64>().ok())
@@ -117,10 +118,12 @@ impl<R: Rig> Rig for Miswired<R> {
     }
 
     fn measure(&mut self) -> Measurement {
-        let Miswiring { motor_reversed, encoder_reversed, tachometer_gain, torque_reversed, .. } =
-            self.wiring;
+        let Miswiring {
+            motor_reversed, encoder_reversed, tachometer_gain, torque_reversed, ..
+        } = self.wiring;
         let seen = self.rig.measure();
-        let encoder = if encoder_reversed { -1 } else { 1 } * i64::from(!self.wiring.encoder_unplugged);
+        let encoder =
+            if encoder_reversed { -1 } else { 1 } * i64::from(!self.wiring.encoder_unplugged);
         let torque = if torque_reversed { -1.0 } else { 1.0 };
         let motor = if motor_reversed { -1.0 } else { 1.0 };
         let tachometer = if self.wiring.tachometer_unplugged {

@@ -19,7 +19,8 @@ pub struct Truth {
 #[derive(Debug, Clone)]
 pub struct Plant<M: FrictionModel> {
     body: Body<M>,
-    /// Drive torque per volt, A K_m / R_a [N m/V], for a shaft on which the whole friction torque acts.
+    /// Drive torque per volt, A K_m / R_a [N m/V], for a shaft on which the whole friction torque
+    /// acts.
     torque_per_volt: f64,
     back_emf: f64,
     /// Inertia of that shaft [kg m^2].
@@ -31,8 +32,8 @@ pub struct Plant<M: FrictionModel> {
 impl<M: FrictionModel> Plant<M> {
     /// A plant at rest at position zero.
     ///
-    /// Of friction that is coupled as volts only a part acts on the shaft; that is a shaft with the same friction, but so much more
-    /// inertia and drive torque.
+    /// Of friction that is coupled as volts only a part acts on the shaft; that is a shaft with the
+    /// same friction, but so much more inertia and drive torque.
     #[must_use]
     pub fn new(drive: &Drive, coupling: FrictionCoupling, model: M) -> Self {
         let coupling = drive.friction_volts(coupling) / drive.volts_per_newton_metre();
@@ -46,7 +47,8 @@ impl<M: FrictionModel> Plant<M> {
         }
     }
 
-    /// From now on the friction torque is `factor` times the model's, above zero. For the model that is a shaft with so much less inertia and drive torque.
+    /// From now on the friction torque is `factor` times the model's, above zero. For the model
+    /// that is a shaft with so much less inertia and drive torque.
     pub fn set_friction_factor(&mut self, factor: f64) {
         if factor != self.friction_factor {
             self.friction_factor = factor;
@@ -67,7 +69,8 @@ impl<M: FrictionModel> Plant<M> {
     /// Advances by `h` [s] with `volts` held.
     #[inline]
     pub fn advance(&mut self, volts: f64, h: f64) {
-        let (torque_per_volt, back_emf) = (self.torque_per_volt / self.friction_factor, self.back_emf);
+        let (torque_per_volt, back_emf) =
+            (self.torque_per_volt / self.friction_factor, self.back_emf);
         self.body.advance(h, |at| (torque_per_volt * (volts - back_emf * at.velocity)).into());
     }
 
@@ -84,7 +87,9 @@ impl<M: FrictionModel> Plant<M> {
 
 #[cfg(test)]
 mod tests {
-    use friction_model::{Coulomb, FrictionModel, LuGre, Proposed, Stribeck, Viscous, ViscousParameters};
+    use friction_model::{
+        Coulomb, FrictionModel, LuGre, Proposed, Stribeck, Viscous, ViscousParameters,
+    };
 
     use super::*;
     use crate::TimeConstant;
@@ -113,7 +118,8 @@ mod tests {
         }
         let w = plant.velocity();
         let drive = Drive::srv02(TimeConstant::Thesis);
-        let expected = drive.gain() * (3.0 - drive.volts_per_newton_metre() * model.steady_state(w));
+        let expected =
+            drive.gain() * (3.0 - drive.volts_per_newton_metre() * model.steady_state(w));
         assert!((w - expected).abs() < 1e-9, "{:?}: {w} is not {expected}", M::NAME);
         assert!((plant.truth(3.0).friction - model.steady_state(w)).abs() < 1e-9);
     }
@@ -155,7 +161,8 @@ mod tests {
         assert_eq!(plant.position(), rest);
     }
 
-    /// With friction times 1.3 the steady state is `w = K (u - 1.3 r F(w))`, and the shaft without friction is as quick as before.
+    /// With friction times 1.3 the steady state is `w = K (u - 1.3 r F(w))`, and the shaft without
+    /// friction is as quick as before.
     #[test]
     fn a_friction_factor_scales_the_friction_and_nothing_else() {
         let mut plant = plant(Proposed::test_bed());

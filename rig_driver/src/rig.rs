@@ -3,10 +3,12 @@
 use crate::safety::{Event, FaultReport, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
-/// Voltage range of a rig whose description does not tell it [V]: that of the converters of the thesis's card.
+/// Voltage range of a rig whose description does not tell it [V]: that of the converters of the
+/// thesis's card.
 pub const VOLTAGE_RANGE: f64 = 10.0;
 
-/// Highest voltage that any rig is driven with, whatever it says of itself [V]: the end of extra-low direct voltage, which may be touched.
+/// Highest voltage that any rig is driven with, whatever it says of itself [V]: the end of
+/// extra-low direct voltage, which may be touched.
 pub const HIGHEST_VOLTAGE: f64 = 60.0;
 
 /// A servo axis that is measured and driven once a control cycle.
@@ -16,17 +18,20 @@ pub trait Rig {
     /// Period of the control cycle [s].
     fn period(&self) -> f64;
 
-    /// Largest magnitude of the motor voltage that the rig can put out, by its own description [V]. The safety layer takes no limit beyond it.
+    /// Largest magnitude of the motor voltage that the rig can put out, by its own description [V].
+    /// The safety layer takes no limit beyond it.
     fn voltage_range(&self) -> f64 {
         VOLTAGE_RANGE
     }
 
-    /// Whether the rig has a clock of its own, so that [`wait`](Self::wait) sets the pace and not the caller's clock.
+    /// Whether the rig has a clock of its own, so that [`wait`](Self::wait) sets the pace and not
+    /// the caller's clock.
     fn keeps_time(&self) -> bool {
         false
     }
 
-    /// Waits until the rig's next cycle has begun. A rig that is in lock-step with its caller does not wait.
+    /// Waits until the rig's next cycle has begun. A rig that is in lock-step with its caller does
+    /// not wait.
     ///
     /// # Errors
     /// [`RigError`] if the cycle does not come: the rig is gone, hangs or has restarted.
@@ -34,17 +39,20 @@ pub trait Rig {
         Ok(())
     }
 
-    /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need not know it.
+    /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need
+    /// not know it.
     fn tell_time(&mut self, _now: f64) {}
 
     /// Readings of the present cycle.
     fn measure(&mut self) -> Measurement;
 
-    /// Sets the motor voltage [V] for the coming period. A voltage beyond the limits is cut, and the next measurement says so.
+    /// Sets the motor voltage [V] for the coming period. A voltage beyond the limits is cut, and
+    /// the next measurement says so.
     ///
     /// # Errors
-    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault. Under supervision
-    /// ([`Supervised`](crate::safety::Supervised)) so is every voltage but zero while the rig is not active.
+    /// A voltage that is not finite is refused: the rig applies zero volts and latches a fault.
+    /// Under supervision ([`Supervised`](crate::safety::Supervised)) so is every voltage but zero
+    /// while the rig is not active.
     fn apply(&mut self, volts: f64) -> Result<(), RigError>;
 
     /// Lets the motor move. A simulated rig always may.
@@ -55,7 +63,8 @@ pub trait Rig {
         Ok(())
     }
 
-    /// Puts the motor at zero volts at once, between cycles too. A rig that has to be stopped by more than a voltage of zero does that.
+    /// Puts the motor at zero volts at once, between cycles too. A rig that has to be stopped by
+    /// more than a voltage of zero does that.
     ///
     /// # Errors
     /// [`RigError`] if the rig refuses.
@@ -63,8 +72,9 @@ pub trait Rig {
         self.apply(0.0)
     }
 
-    /// Takes the motor's leave to move away: the opposite of [`activate`](Self::activate). Done when the motor is to rest, whether somebody asked for it
-    /// or a fault latched. Zero volts are on the way before it returns; it does not wait for long, the control thread is in it.
+    /// Takes the motor's leave to move away: the opposite of [`activate`](Self::activate). Done
+    /// when the motor is to rest, whether somebody asked for it or a fault latched. Zero volts are
+    /// on the way before it returns; it does not wait for long, the control thread is in it.
     ///
     /// # Errors
     /// [`RigError`] if the rig refuses or is gone.
@@ -72,8 +82,9 @@ pub trait Rig {
         self.halt()
     }
 
-    /// Stops the motor as strongly as the rig can: zero volts at once, and where the rig has a stop of its own that is latched too.
-    /// `Ok` says that the rig did it, not only that it was told. It may be asked again while it holds.
+    /// Stops the motor as strongly as the rig can: zero volts at once, and where the rig has a stop
+    /// of its own that is latched too. `Ok` says that the rig did it, not only that it was told. It
+    /// may be asked again while it holds.
     ///
     /// # Errors
     /// [`RigError`] if the rig refuses, is gone or does not say that it stopped.

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 /// A sensor's parameter that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("sensor {sensor}: {field} must be {expected}, but is {value}; change it in the rig's parameters")]
+#[error(
+    "sensor {sensor}: {field} must be {expected}, but is {value}; change it in the rig's parameters"
+)]
 pub struct SensorError {
     /// The sensor.
     pub sensor: &'static str,
@@ -31,7 +33,8 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Standard deviation of one reading: the noise, and the converter's rounding as even noise, step / sqrt(12).
+    /// Standard deviation of one reading: the noise, and the converter's rounding as even noise,
+    /// step / sqrt(12).
     #[must_use]
     pub fn deviation(&self) -> f64 {
         (self.noise.powi(2) + self.resolution.powi(2) / 12.0).sqrt()
@@ -84,9 +87,10 @@ pub struct Sensors {
 }
 
 impl Default for Sensors {
-    /// The thesis's test bed: 4096 counts, tachometer 1 rad/s per volt with 0.01 rad/s of noise, potentiometer of 352 degrees
-    /// with 2 mV, torque sensor of 23 N m with 0.0061 N m; 12-bit converters of +-10 V (+-5 V for the potentiometer). The thesis has no
-    /// current sensor: one of 1 V/A with 5 mA of noise is assumed, as servo amplifiers have it.
+    /// The thesis's test bed: 4096 counts, tachometer 1 rad/s per volt with 0.01 rad/s of noise,
+    /// potentiometer of 352 degrees with 2 mV, torque sensor of 23 N m with 0.0061 N m; 12-bit
+    /// converters of +-10 V (+-5 V for the potentiometer). The thesis has no current sensor: one of
+    /// 1 V/A with 5 mA of noise is assumed, as servo amplifiers have it.
     fn default() -> Self {
         const STEPS: f64 = 4096.0;
         let half_turn = 176f64.to_radians();
@@ -120,7 +124,8 @@ impl Sensors {
         }
     }
 
-    /// Count and position [rad] that the encoder shows at `position`. An ideal encoder counts whole microradians.
+    /// Count and position [rad] that the encoder shows at `position`. An ideal encoder counts whole
+    /// microradians.
     #[inline]
     #[must_use]
     pub fn encoder(&self, position: f64) -> (i64, f64) {

@@ -1,4 +1,5 @@
-//! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible from a seed.
+//! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible
+//! from a seed.
 
 use friction_model::{AnyModel, FrictionModel, ModelVisitor};
 use rand::SeedableRng;
@@ -8,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::safety::{SafetyLimits, Supervised};
 use crate::sensors::quantise;
 use crate::{
-    Drive, FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError, Sensors,
-    TimeConstant, Truth, VOLTAGE_RANGE,
+    Drive, FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError,
+    Sensors, TimeConstant, Truth, VOLTAGE_RANGE,
 };
 
 /// Everything a simulated rig is made of, but for its friction model.
@@ -24,7 +25,8 @@ pub struct SimulationOptions {
     pub sensors: Sensors,
     /// Largest magnitude of the motor voltage [V], above zero and at most `voltage_range`.
     pub voltage_limit: f64,
-    /// Largest magnitude that the rig's amplifier can put out [V], above zero and at most [`HIGHEST_VOLTAGE`].
+    /// Largest magnitude that the rig's amplifier can put out [V], above zero and at most
+    /// [`HIGHEST_VOLTAGE`].
     #[serde(default = "usual_range")]
     pub voltage_range: f64,
     /// Period of the control cycle [s], above zero and at most 10 ms.
@@ -36,7 +38,8 @@ pub struct SimulationOptions {
     /// How the friction drifts; not at all if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_drift: Option<FrictionDrift>,
-    /// Limits of the driver's safety layer around the rig; none to go without, as offline runs do, where nobody can be hurt.
+    /// Limits of the driver's safety layer around the rig; none to go without, as offline runs do,
+    /// where nobody can be hurt.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub safety: Option<SafetyLimits>,
 }
@@ -47,7 +50,8 @@ const fn usual_range() -> f64 {
 }
 
 impl Default for SimulationOptions {
-    /// The SRV-02 with the thesis's time constant at 1 kHz, two integration steps a period, +-6 V (the motor's nominal voltage).
+    /// The SRV-02 with the thesis's time constant at 1 kHz, two integration steps a period, +-6 V
+    /// (the motor's nominal voltage).
     fn default() -> Self {
         Self {
             drive: Drive::srv02(TimeConstant::Thesis),
@@ -80,7 +84,10 @@ impl SimulationOptions {
             return error("voltage_limit", self.voltage_limit, "a finite number above 0");
         }
         if self.voltage_limit > self.voltage_range {
-            return Err(RigError::BeyondRange { limit: self.voltage_limit, range: self.voltage_range });
+            return Err(RigError::BeyondRange {
+                limit: self.voltage_limit,
+                range: self.voltage_range,
+            });
         }
         if !(self.period > 0.0 && self.period <= 0.01) {
             return error("period", self.period, "above 0 and at most 0.01 s");
@@ -98,7 +105,8 @@ pub struct SimulatedRig<M: FrictionModel> {
     plant: Plant<M>,
     options: SimulationOptions,
     noise: Pcg64Mcg,
-    /// Noise of the current sensor, a stream of its own: rigs with and without it read the same otherwise.
+    /// Noise of the current sensor, a stream of its own: rigs with and without it read the same
+    /// otherwise.
     current_noise: Pcg64Mcg,
     /// Velocity at the beginning of the cycle before [rad/s].
     velocity_before: f64,
@@ -146,8 +154,8 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
         let (encoder_counts, encoder_position) = sensors.encoder(truth.position);
         let drive = &self.options.drive;
         let mean_velocity = 0.5 * (self.velocity_before + truth.velocity);
-        let current =
-            (self.applied - drive.back_emf() * mean_velocity) / drive.parameters().armature_resistance;
+        let current = (self.applied - drive.back_emf() * mean_velocity)
+            / drive.parameters().armature_resistance;
         Measurement {
             cycle: self.cycle,
             time: self.cycle as f64 * self.options.period,
@@ -170,12 +178,14 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
     }
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
-        let refused = if volts.is_finite() { None } else { Some(RigError::VoltageNotFinite(volts)) };
+        let refused =
+            if volts.is_finite() { None } else { Some(RigError::VoltageNotFinite(volts)) };
         self.fault |= refused.is_some();
         self.asked = if refused.is_some() { 0.0 } else { volts };
         let cut = self.asked.clamp(-self.options.voltage_limit, self.options.voltage_limit);
         self.saturated = cut != self.asked;
-        self.applied = if self.fault { 0.0 } else { quantise(cut, self.options.sensors.voltage_resolution) };
+        self.applied =
+            if self.fault { 0.0 } else { quantise(cut, self.options.sensors.voltage_resolution) };
         let h = self.options.period / f64::from(self.options.substeps);
         self.velocity_before = self.plant.velocity();
         if let Some(drift) = self.options.friction_drift {
@@ -196,7 +206,8 @@ impl SimulationOptions {
         Self { safety: Some(SafetyLimits::for_simulation(&self)), ..self }
     }
 
-    /// The simulated rig under a friction model chosen while the program runs; active, if it is under the safety layer.
+    /// The simulated rig under a friction model chosen while the program runs; active, if it is
+    /// under the safety layer.
     ///
     /// # Errors
     /// [`RigError`] names the option that is out of range.
@@ -251,7 +262,8 @@ mod tests {
 
     #[test]
     fn the_voltage_stays_within_its_limit_and_says_so() {
-        let mut rig = SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
+        let mut rig =
+            SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
         rig.apply(20.0).unwrap();
         let seen = rig.measure();
         assert_eq!(seen.voltage_asked, 20.0);
@@ -268,12 +280,17 @@ mod tests {
         }
         let seen = rig.measure();
         let driving = options.drive.back_emf() * seen.motor_current.unwrap();
-        assert!(seen.torque > 0.1 && (driving - seen.torque).abs() < 1e-9, "{driving}, not {}", seen.torque);
+        assert!(
+            seen.torque > 0.1 && (driving - seen.torque).abs() < 1e-9,
+            "{driving}, not {}",
+            seen.torque
+        );
     }
 
     #[test]
     fn a_voltage_that_is_not_a_number_stops_the_motor_for_good() {
-        let mut rig = SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
+        let mut rig =
+            SimulatedRig::new(SimulationOptions::default(), Proposed::test_bed()).unwrap();
         assert!(matches!(rig.apply(f64::NAN), Err(RigError::VoltageNotFinite(_))));
         rig.apply(5.0).unwrap();
         let seen = rig.measure();
@@ -289,7 +306,11 @@ mod tests {
             (SimulationOptions { substeps: 0, ..Default::default() }, "substeps"),
             (
                 SimulationOptions {
-                    friction_drift: Some(FrictionDrift { change: -1.0, start: 0.0, duration: 60.0 }),
+                    friction_drift: Some(FrictionDrift {
+                        change: -1.0,
+                        start: 0.0,
+                        duration: 60.0,
+                    }),
                     ..Default::default()
                 },
                 "friction_drift.change",

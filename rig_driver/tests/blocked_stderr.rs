@@ -83,7 +83,8 @@ fn attack() {
         .stderr(pipe)
         .spawn()
         .unwrap();
-    let participant = Participant::join(&Discovery { domain: DOMAIN, ..Discovery::default() }).unwrap();
+    let participant =
+        Participant::join(&Discovery { domain: DOMAIN, ..Discovery::default() }).unwrap();
     let node = participant.node("attacker").unwrap();
     let states = node.client::<GetState>("/rig_driver/get_state").unwrap();
     let stop = node.client::<Trigger>("/rig_driver/emergency_stop").unwrap();
@@ -94,7 +95,8 @@ fn attack() {
     })
     .unwrap();
     until("the driver is not active", || {
-        states.call_until_answered(&GetStateRequest::default(), PATIENCE).unwrap().current_state.id == ACTIVE
+        states.call_until_answered(&GetStateRequest::default(), PATIENCE).unwrap().current_state.id
+            == ACTIVE
     });
     assert!(!faulted.load(Ordering::Relaxed));
 
@@ -115,8 +117,9 @@ fn attack() {
         let _ = requests.call(Cut(1), Duration::from_millis(100));
     }
     let began = Instant::now();
-    let answer =
-        stop.call_until_answered(&TriggerRequest::default(), PATIENCE).expect("the stop is answered");
+    let answer = stop
+        .call_until_answered(&TriggerRequest::default(), PATIENCE)
+        .expect("the stop is answered");
     assert!(answer.success, "{}", answer.message);
     eprintln!("blocked: the stop was answered after {:?}", began.elapsed());
     until("the stop is not executed", || faulted.load(Ordering::Relaxed));

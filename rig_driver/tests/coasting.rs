@@ -1,4 +1,5 @@
-//! Motion at zero volts is told from coasting: no friction model, however it coasts, raises the alarm, and a motor that goes on does.
+//! Motion at zero volts is told from coasting: no friction model, however it coasts, raises the
+//! alarm, and a motor that goes on does.
 
 use friction_model::{AnyModel, ModelName};
 use rig_driver::{
@@ -11,7 +12,8 @@ fn activated<R: Rig>(rig: R) -> Supervised<R> {
     Supervised::activated(rig, limits).expect("valid limits")
 }
 
-/// Almost the speed limit each way, a start-stop, a slow crossing of zero and steps between them, then zero volts: while active, and deactivated.
+/// Almost the speed limit each way, a start-stop, a slow crossing of zero and steps between them,
+/// then zero volts: while active, and deactivated.
 #[test]
 fn no_model_raises_an_alarm_when_it_coasts() {
     for name in ModelName::ALL {

@@ -1,8 +1,9 @@
-//! Every sequence of events, up to a length, driven through the supervisor: requests, faults, commands of every kind, cycles in time,
-//! late and lost, readings good and bad. Nothing is drawn at random and nothing is left out.
+//! Every sequence of events, up to a length, driven through the supervisor: requests, faults,
+//! commands of every kind, cycles in time, late and lost, readings good and bad. Nothing is drawn
+//! at random and nothing is left out.
 //!
-//! Beside the supervisor goes a second set of books, written from the promises and not from its code. After every event the voltage
-//! is compared with what the books allow.
+//! Beside the supervisor goes a second set of books, written from the promises and not from its
+//! code. After every event the voltage is compared with what the books allow.
 
 use rig_driver::Measurement;
 use rig_driver::safety::{Fault, Request, SafetyLimits, SafetySupervisor, State, Travel};
@@ -18,7 +19,8 @@ fn limits() -> SafetyLimits {
     }
 }
 
-/// What can happen. `Cycle`s carry the time since the cycle before and a reading; the others happen between two cycles.
+/// What can happen. `Cycle`s carry the time since the cycle before and a reading; the others happen
+/// between two cycles.
 #[derive(Debug, Clone, Copy)]
 enum Happening {
     Asked(Request),
@@ -143,7 +145,9 @@ impl Books {
                 if may_fault && (reading.is_bad() || !(0.0..=0.5).contains(&gap)) {
                     self.state = State::Faulted;
                 }
-                if self.state == State::Active && self.newest.is_some_and(|stamp| self.now - stamp > 0.5) {
+                if self.state == State::Active
+                    && self.newest.is_some_and(|stamp| self.now - stamp > 0.5)
+                {
                     self.state = State::Faulted;
                 }
             }
@@ -158,12 +162,17 @@ impl Books {
         assert!(volts.is_finite() && volts.abs() <= 6.0, "{volts} V after {path:?}");
         if volts != 0.0 {
             assert_eq!(self.state, State::Active, "{volts} V after {path:?}");
-            let newest = self.newest.unwrap_or_else(|| panic!("{volts} V without a command after {path:?}"));
+            let newest =
+                self.newest.unwrap_or_else(|| panic!("{volts} V without a command after {path:?}"));
             assert!(self.now - newest <= 0.02, "{volts} V by an old command after {path:?}");
             assert!(!self.late, "{volts} V after a late cycle: {path:?}");
             assert!(volts < 0.0 || !self.at_the_end, "{volts} V out of the travel after {path:?}");
             let from = if volts * self.before > 0.0 { self.before.abs() } else { 0.0 };
-            assert!(volts.abs() <= from + 2.0 + 1e-12, "{volts} V after {} V: {path:?}", self.before);
+            assert!(
+                volts.abs() <= from + 2.0 + 1e-12,
+                "{volts} V after {} V: {path:?}",
+                self.before
+            );
         }
         self.before = volts;
     }
@@ -186,20 +195,33 @@ impl Search {
             let accepted = happen(&mut supervisor, &mut books, happening);
             books.happened(happening, accepted);
             let volts = supervisor.output();
-            // The state is the books' own, whatever the path: a latched fault never leaves by itself, a stop holds until it is cleared.
+            // The state is the books' own, whatever the path: a latched fault never leaves by
+            // itself, a stop holds until it is cleared.
             assert_eq!(supervisor.state(), books.state, "from {before} after {:?}", self.path);
-            if matches!(before, State::Faulted | State::EmergencyStopped) && supervisor.state() != before {
-                assert!(matches!(happening, Happening::Asked(_)), "{before} left by itself: {:?}", self.path);
+            if matches!(before, State::Faulted | State::EmergencyStopped)
+                && supervisor.state() != before
+            {
+                assert!(
+                    matches!(happening, Happening::Asked(_)),
+                    "{before} left by itself: {:?}",
+                    self.path
+                );
             }
             if before == State::EmergencyStopped {
-                assert_ne!(supervisor.state(), State::Inactive, "cleared without configure: {:?}", self.path);
+                assert_ne!(
+                    supervisor.state(),
+                    State::Inactive,
+                    "cleared without configure: {:?}",
+                    self.path
+                );
             }
             if books.state == State::Active && before != State::Active {
                 assert_eq!(volts, 0.0, "moved by a command from before: {:?}", self.path);
             }
             books.hold(volts, &self.path);
             self.driven += u64::from(volts != 0.0);
-            // What was refused has changed nothing: what follows it, follows without it too, and is searched there.
+            // What was refused has changed nothing: what follows it, follows without it too, and is
+            // searched there.
             let refused = matches!(happening, Happening::Asked(_)) && !accepted;
             if left > 0 && !refused {
                 self.follow(&supervisor, books, left - 1);
@@ -253,7 +275,8 @@ fn happen(supervisor: &mut SafetySupervisor, books: &mut Books, happening: Happe
     }
 }
 
-/// The supervisor after `path`, checked on the way, and every sequence of `depth` events from there.
+/// The supervisor after `path`, checked on the way, and every sequence of `depth` events from
+/// there.
 fn search(path: &[Happening], depth: u32) -> Search {
     let mut supervisor = SafetySupervisor::new(limits(), PERIOD).expect("valid limits");
     let mut books = Books {
@@ -277,8 +300,8 @@ fn search(path: &[Happening], depth: u32) -> Search {
     search
 }
 
-/// From the start six events, with FRICTION_FULL seven. The same from a motor that turns, one event less: what takes five events to
-/// reach from the start counts there from the first.
+/// From the start six events, with FRICTION_FULL seven. The same from a motor that turns, one event
+/// less: what takes five events to reach from the start counts there from the first.
 #[test]
 fn no_sequence_of_events_gives_the_motor_a_voltage_that_it_may_not_have() {
     let depth = if std::env::var_os("FRICTION_FULL").is_some() { 7 } else { 6 };

@@ -1,4 +1,5 @@
-//! Another machine on the network, with everything that it needs to know: it neither commands nor hears who keeps to this machine.
+//! Another machine on the network, with everything that it needs to know: it neither commands nor
+//! hears who keeps to this machine.
 
 use std::net::UdpSocket;
 use std::path::Path;
@@ -7,7 +8,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use msgs::friction_msgs::MotorVoltage;
-use msgs::lifecycle_msgs::{ChangeState, ChangeStateRequest, GetState, GetStateRequest, Transition};
+use msgs::lifecycle_msgs::{
+    ChangeState, ChangeStateRequest, GetState, GetStateRequest, Transition,
+};
 use msgs::std_msgs::Header;
 use msgs::topics;
 use ros_node::{Discovery, Participant, Range};
@@ -71,21 +74,31 @@ fn prefix(packet: &Packet) -> Prefix {
 
 /// State of the driver, asked for from this machine.
 fn state(range: Range) -> u8 {
-    let participant = Participant::join(&Discovery { domain: DOMAIN, range }).expect("a participant");
+    let participant =
+        Participant::join(&Discovery { domain: DOMAIN, range }).expect("a participant");
     let node = participant.node("asking").expect("a node");
     let client = node.client::<GetState>("/rig_driver/get_state").expect("a client");
-    client.call_until_answered(&GetStateRequest::default(), PATIENCE).expect("an answer").current_state.id
+    client
+        .call_until_answered(&GetStateRequest::default(), PATIENCE)
+        .expect("an answer")
+        .current_state
+        .id
 }
 
 /// Configures, activates and drives the driver.
 fn drive(range: Range) {
-    let participant = Participant::join(&Discovery { domain: DOMAIN, range }).expect("a participant");
+    let participant =
+        Participant::join(&Discovery { domain: DOMAIN, range }).expect("a participant");
     let node = participant.node("driving").expect("a node");
     let client = node.client::<ChangeState>("/rig_driver/change_state").expect("a client");
     let states = node.client::<GetState>("/rig_driver/get_state").expect("a client");
     let volts = node.publisher(&topics::MOTOR_VOLTAGE).expect("a publisher");
     let state = || {
-        states.call_until_answered(&GetStateRequest::default(), PATIENCE).expect("an answer").current_state.id
+        states
+            .call_until_answered(&GetStateRequest::default(), PATIENCE)
+            .expect("an answer")
+            .current_state
+            .id
     };
     assert_eq!(state(), UNCONFIGURED);
     for id in [Transition::TRANSITION_CONFIGURE, Transition::TRANSITION_ACTIVATE] {
@@ -99,7 +112,8 @@ fn drive(range: Range) {
     }
 }
 
-/// Sends what was caught from the other machine, as if it were said to `to` instead of `said_to`, and waits until all is sent.
+/// Sends what was caught from the other machine, as if it were said to `to` instead of `said_to`,
+/// and waits until all is sent.
 fn replay_from_there(packets: &[Packet], said_to: Prefix, to: Prefix) {
     let mut packets = packets.to_vec();
     for packet in &mut packets {
@@ -117,10 +131,12 @@ fn replay_from_there(packets: &[Packet], said_to: Prefix, to: Prefix) {
 }
 
 #[test]
-fn packets_recorded_here_and_sent_from_another_machine_are_obeyed_by_nobody_who_keeps_to_this_machine() {
+fn packets_recorded_here_and_sent_from_another_machine_are_obeyed_by_nobody_who_keeps_to_this_machine()
+ {
     let Some(command) = two_machines(ORDINARY_MTU) else { return };
     let folder = tempfile::tempdir().unwrap();
-    let told = run_ignored(command, "attack", &[(CAUGHT, folder.path().join("caught").as_os_str())]);
+    let told =
+        run_ignored(command, "attack", &[(CAUGHT, folder.path().join("caught").as_os_str())]);
     for line in told.lines().filter(|line| line.starts_with("foreign host:")) {
         eprintln!("{line}");
     }
@@ -139,7 +155,10 @@ fn attack() {
     eprintln!("foreign host: {} packets caught", packets.len());
     assert!(packets.len() > 100, "{}", packets.len());
     let strangers: Vec<_> = packets.iter().filter(|packet| packet.from[0] != 127).collect();
-    assert!(strangers.is_empty(), "a program that keeps to this machine sends to the network: {strangers:?}");
+    assert!(
+        strangers.is_empty(),
+        "a program that keeps to this machine sends to the network: {strangers:?}"
+    );
     // The driver's own words are left out.
     let spoken: Vec<_> = packets.into_iter().filter(|packet| prefix(packet) != said_to).collect();
 
@@ -162,7 +181,10 @@ fn attack() {
     replay_from_there(&spoken, said_to, driver.prefix);
     let began = Instant::now();
     while state(Range::Subnet) == UNCONFIGURED {
-        assert!(began.elapsed() < PATIENCE, "the recording commands nobody: this test shows nothing");
+        assert!(
+            began.elapsed() < PATIENCE,
+            "the recording commands nobody: this test shows nothing"
+        );
         replay_from_there(&spoken, said_to, driver.prefix);
     }
     driver.end();

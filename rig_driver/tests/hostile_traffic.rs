@@ -1,4 +1,5 @@
-//! Packets that no DDS program sends, on this machine's loopback: the driver's memory stays bounded, its stop is answered, its loop goes on, or it ends.
+//! Packets that no DDS program sends, on this machine's loopback: the driver's memory stays
+//! bounded, its stop is answered, its loop goes on, or it ends.
 //!
 //! Figures are printed; what is asserted is generous, since the machine may be busy.
 
@@ -32,7 +33,8 @@ use tests::{
 const DOMAIN: u16 = 78;
 const PATIENCE: Duration = Duration::from_secs(60);
 const ACTIVE: u8 = 3;
-/// Memory that the driver may have [bytes]: it ends itself at most two gibibytes above its start, and grows until it has noticed.
+/// Memory that the driver may have [bytes]: it ends itself at most two gibibytes above its start,
+/// and grows until it has noticed.
 const MOST: u64 = 6 << 30;
 /// Variable of the environment with the attack.
 const ATTACK: &str = "ATTACK";
@@ -75,7 +77,10 @@ impl Driver {
             .env("ROS_DOMAIN_ID", DOMAIN.to_string())
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
             // What takes gigabytes ends it sooner, so that tests beside this one have room.
-            .env("FRICTION_MEMORY", if std::env::var(ATTACK).unwrap() == "noise" { "2048" } else { "512" })
+            .env(
+                "FRICTION_MEMORY",
+                if std::env::var(ATTACK).unwrap() == "noise" { "2048" } else { "512" },
+            )
             .stdin(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
@@ -90,7 +95,9 @@ impl Driver {
         let most = Arc::clone(&memory);
         thread::spawn(move || {
             while let Ok(text) = fs::read_to_string(&file) {
-                let Some(line) = text.lines().find_map(|line| line.strip_prefix("VmRSS:")) else { break };
+                let Some(line) = text.lines().find_map(|line| line.strip_prefix("VmRSS:")) else {
+                    break;
+                };
                 let kilobytes: u64 = line.trim().trim_end_matches("kB").trim().parse().unwrap();
                 most.fetch_max(kilobytes << 10, Ordering::Relaxed);
                 thread::sleep(Duration::from_millis(20));
@@ -135,7 +142,8 @@ struct Client {
 
 impl Client {
     fn join() -> Self {
-        let participant = Participant::join(&Discovery { domain: DOMAIN, ..Discovery::default() }).unwrap();
+        let participant =
+            Participant::join(&Discovery { domain: DOMAIN, ..Discovery::default() }).unwrap();
         let node = participant.node("client").unwrap();
         let cycles = Arc::new(AtomicU64::new(0));
         let seen = Arc::clone(&cycles);
@@ -149,7 +157,11 @@ impl Client {
     fn until_active(&self) {
         let states = self.node.client::<GetState>("/rig_driver/get_state").unwrap();
         let began = Instant::now();
-        while states.call_until_answered(&GetStateRequest::default(), PATIENCE).unwrap().current_state.id
+        while states
+            .call_until_answered(&GetStateRequest::default(), PATIENCE)
+            .unwrap()
+            .current_state
+            .id
             != ACTIVE
         {
             assert!(began.elapsed() < PATIENCE, "the driver is not active");
@@ -285,7 +297,9 @@ impl Known {
         bytes.extend(dice.random_range(1..1000_u32).to_le_bytes());
         bytes.extend(1_u16.to_le_bytes());
         bytes.extend(1024_u16.to_le_bytes());
-        bytes.extend([1_u32 << 20, 1 << 28, 1 << 30, u32::MAX][dice.random_range(0..4)].to_le_bytes());
+        bytes.extend(
+            [1_u32 << 20, 1 << 28, 1 << 30, u32::MAX][dice.random_range(0..4)].to_le_bytes(),
+        );
         bytes.extend(payload);
         bytes
     }
@@ -296,7 +310,8 @@ impl Known {
 fn attack() {
     let which = std::env::var(ATTACK).unwrap();
     let full = std::env::var_os("FRICTION_FULL").is_some();
-    let (noise, strangers, forged) = if full { (60_000, 18_000, 20_000) } else { (3_000, 500, 300) };
+    let (noise, strangers, forged) =
+        if full { (60_000, 18_000, 20_000) } else { (3_000, 500, 300) };
     let catch = Catch::start();
     let mut driver = Driver::start();
     // It has the ports of the first participant.
@@ -305,7 +320,8 @@ fn attack() {
     first.until_active();
     assert!(first.goes_on());
     drop(first);
-    // Nobody forges packets of the one who asks for the stop: what a node thinks of it would be spoiled, as every client of the same machine can.
+    // Nobody forges packets of the one who asks for the stop: what a node thinks of it would be
+    // spoiled, as every client of the same machine can.
     let known = Known::of(catch.end().into_iter().map(|packet| packet.bytes).collect());
     let client = Client::join();
     assert!(client.goes_on());
@@ -387,6 +403,9 @@ fn attack() {
         assert!(said.contains("with the motor at zero volts"), "{said}");
     } else {
         assert!(code == Some(0) || code == Some(i32::from(ros_node::FORCED)), "{code:?}: {said}");
-        assert!(goes_on && unanswered == 0 && !took.is_empty(), "{unanswered} stops unanswered: {said}");
+        assert!(
+            goes_on && unanswered == 0 && !took.is_empty(),
+            "{unanswered} stops unanswered: {said}"
+        );
     }
 }

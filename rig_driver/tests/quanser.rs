@@ -1,6 +1,8 @@
-//! The Quanser back end against a stand-in library that records calls and fails at any of them, and whose card lives in another process.
+//! The Quanser back end against a stand-in library that records calls and fails at any of them, and
+//! whose card lives in another process.
 //!
-//! Nothing here has seen a real card. Miri cannot call foreign functions: the pure parts (counter, scaling) have tests of their own.
+//! Nothing here has seen a real card. Miri cannot call foreign functions: the pure parts (counter,
+//! scaling) have tests of their own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +26,8 @@ fn stand_in() -> &'static (PathBuf, PathBuf) {
         let build = |source: &str, kind: &str, name: &str| {
             let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/stand_in").join(source);
             // Under a name of this process: two test runs may build at the same time.
-            let (draft, file) = (folder.join(format!("{name}.{}", std::process::id())), folder.join(name));
+            let (draft, file) =
+                (folder.join(format!("{name}.{}", std::process::id())), folder.join(name));
             let status = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
                 .args(["--edition", "2024", "--crate-type", kind, "-o"])
                 .args([&draft, &source])
@@ -53,8 +56,11 @@ impl Stand {
         if !how.is_empty() {
             card += &format!(";{how}");
         }
-        let options =
-            QuanserOptions { library: Some(stand_in().0.clone()), card, ..QuanserOptions::default() };
+        let options = QuanserOptions {
+            library: Some(stand_in().0.clone()),
+            card,
+            ..QuanserOptions::default()
+        };
         Self { _folder: folder, log, options }
     }
 
@@ -69,7 +75,9 @@ impl Stand {
         for line in self.calls().iter().filter(|line| !line.ends_with("REFUSED")) {
             if line.starts_with("hil_write_analog") || line.starts_with("hil_read_write") {
                 volts = line.split_whitespace().last().unwrap().parse().unwrap();
-            } else if line.starts_with("hil_write_termination_states") || line.starts_with("hil_close") {
+            } else if line.starts_with("hil_write_termination_states")
+                || line.starts_with("hil_close")
+            {
                 volts = 0.0;
             }
         }
@@ -105,12 +113,18 @@ fn calls_come_in_the_order_that_keeps_the_motor_safe() {
     drop(rig);
     let calls = stand.calls();
     assert_eq!(calls[..10], OPENING);
-    let cycle =
-        |volts: &str| [format!("hil_read_write encoder 0 output 0 {volts}"), "hil_watchdog_reload".into()];
+    let cycle = |volts: &str| {
+        [format!("hil_read_write encoder 0 output 0 {volts}"), "hil_watchdog_reload".into()]
+    };
     assert_eq!(calls[10..16], [cycle("0.0"), cycle("1.5"), cycle("1.5")].concat());
     assert_eq!(
         calls[16..],
-        ["hil_write_analog [0] 0.0", "hil_write_termination_states", "hil_watchdog_stop", "hil_close"]
+        [
+            "hil_write_analog [0] 0.0",
+            "hil_write_termination_states",
+            "hil_watchdog_stop",
+            "hil_close"
+        ]
     );
 }
 
@@ -128,7 +142,8 @@ fn readings_are_scaled_and_the_counter_goes_on_through_its_wrap() {
         // Channel 0 shows 1 V, channel 1 shows 2 V.
         assert!((seen.tachometer_velocity + 0.9973 * 0.75).abs() < 1e-12);
         assert!((seen.torque - 4.6).abs() < 1e-12);
-        // A voltage goes out with the next cycle's exchange, and was at the motor in the cycle after.
+        // A voltage goes out with the next cycle's exchange, and was at the motor in the cycle
+        // after.
         assert_eq!(seen.voltage_applied, if cycle < 2 { 0.0 } else { 3.0 });
         rig.apply(3.0).unwrap();
     }
@@ -147,7 +162,9 @@ fn without_any_analogue_input_the_velocity_is_the_encoders() {
     let mut rig = QuanserRig::open(options).unwrap();
     cycles(&mut rig, 2, 0.0).unwrap();
     let seen = rig.measure();
-    assert!((seen.tachometer_velocity - 1000.0 * std::f64::consts::TAU / 4096.0 / 1e-3).abs() < 1e-6);
+    assert!(
+        (seen.tachometer_velocity - 1000.0 * std::f64::consts::TAU / 4096.0 / 1e-3).abs() < 1e-6
+    );
     assert!(!stand.calls().iter().any(|call| call.starts_with("hil_set_analog_input_ranges")));
 }
 
@@ -166,7 +183,10 @@ fn a_failure_of_any_call_gives_a_sentence_with_the_vendors_text_and_zero_volts()
     ];
     let told = |error: RigError, call: &str| {
         let text = error.to_string();
-        assert!(text.contains(&format!("`{call}`: The stand-in was told to refuse {call}")), "{text}");
+        assert!(
+            text.contains(&format!("`{call}`: The stand-in was told to refuse {call}")),
+            "{text}"
+        );
         assert!(text.contains("zero volts"), "{text}");
     };
     for call in opening {
@@ -176,12 +196,17 @@ fn a_failure_of_any_call_gives_a_sentence_with_the_vendors_text_and_zero_volts()
         let closed = stand.calls().last().is_some_and(|line| line == "hil_close");
         assert!(closed || call == "hil_open", "{call}: {:?}", stand.calls());
     }
-    for call in ["hil_watchdog_start@1", "hil_read_write@1", "hil_read_write@4", "hil_watchdog_reload@4"] {
+    for call in
+        ["hil_watchdog_start@1", "hil_read_write@1", "hil_read_write@4", "hil_watchdog_reload@4"]
+    {
         let stand = Stand::new(&format!("fail={call}"));
         let mut rig = QuanserRig::open(stand.options.clone()).unwrap();
         told(cycles(&mut rig, 10, 2.0).unwrap_err(), call.split('@').next().unwrap());
         assert_eq!(stand.volts(), 0.0, "{call}");
-        assert!(rig.measure().fault && cycles(&mut rig, 1, 2.0).is_err(), "{call}: it stays stopped");
+        assert!(
+            rig.measure().fault && cycles(&mut rig, 1, 2.0).is_err(),
+            "{call}: it stays stopped"
+        );
         assert_eq!(stand.volts(), 0.0, "{call}");
     }
 }
@@ -244,20 +269,28 @@ fn a_panic_leaves_zero_volts_and_an_orderly_end() {
     assert_eq!(stand.volts(), 0.0);
     assert_eq!(
         stand.calls()[16..],
-        ["hil_write_analog [0] 0.0", "hil_write_termination_states", "hil_watchdog_stop", "hil_close"]
+        [
+            "hil_write_analog [0] 0.0",
+            "hil_write_termination_states",
+            "hil_watchdog_stop",
+            "hil_close"
+        ]
     );
 }
 
 #[test]
 fn without_a_library_it_says_what_to_install_and_with_a_wrong_one_what_it_lacks() {
-    let missing = QuanserOptions { library: Some("/nowhere/libhil.so".into()), ..Default::default() };
+    let missing =
+        QuanserOptions { library: Some("/nowhere/libhil.so".into()), ..Default::default() };
     let text = QuanserRig::open(missing).unwrap_err().to_string();
     for said in ["/nowhere/libhil.so", "HIL SDK", "install", "simulated rig"] {
         assert!(text.contains(said), "{text}");
     }
     let wrong = QuanserOptions { library: Some("libc.so.6".into()), ..Default::default() };
     match QuanserRig::open(wrong).unwrap_err() {
-        RigError::Quanser(QuanserError::NoFunction { function, .. }) => assert_eq!(function, "hil_open"),
+        RigError::Quanser(QuanserError::NoFunction { function, .. }) => {
+            assert_eq!(function, "hil_open")
+        }
         other => panic!("{other}"),
     }
     let zero = QuanserOptions { card: "0\0".into(), ..Default::default() };
@@ -334,7 +367,8 @@ fn killed_with_no_chance_to_react_the_cards_watchdog_puts_the_motor_at_zero_volt
 
 #[cfg(unix)]
 #[test]
-fn a_driver_that_was_stopped_and_goes_on_finds_the_watchdog_expired_and_does_not_move_the_motor_again() {
+fn a_driver_that_was_stopped_and_goes_on_finds_the_watchdog_expired_and_does_not_move_the_motor_again()
+ {
     let stand = Stand::new("");
     let said = stand.log.with_file_name("said");
     let mut child = driver(&stand, &said);

@@ -1,18 +1,22 @@
-//! The safety layer's promises: every fault does what its table says, and under any commands and readings the voltage stays within
-//! its limits, is zero in every state but active, and zero once the last command is too old.
+//! The safety layer's promises: every fault does what its table says, and under any commands and
+//! readings the voltage stays within its limits, is zero in every state but active, and zero once
+//! the last command is too old.
 
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 use rig_driver::safety::{
-    Event, FAULTS, Fault, MotorThermal, Reaction, Request, SafetyLimits, SafetySupervisor, State, Supervised,
-    Travel, next,
+    Event, FAULTS, Fault, MotorThermal, Reaction, Request, SafetyLimits, SafetySupervisor, State,
+    Supervised, Travel, next,
 };
 use rig_driver::{Measurement, Rig, RigError};
 
 const PERIOD: f64 = 1e-3;
 
 fn limits() -> SafetyLimits {
-    SafetyLimits { travel: Some(Travel { min: -2.0, max: 3.0, margin: 0.1 }), ..SafetyLimits::default() }
+    SafetyLimits {
+        travel: Some(Travel { min: -2.0, max: 3.0, margin: 0.1 }),
+        ..SafetyLimits::default()
+    }
 }
 
 /// A supervisor with readings of a shaft at rest, a little noise on the analogue channels.
@@ -34,12 +38,18 @@ impl Bench {
         bench
     }
 
-    /// One cycle a period later, with the readings that `change` makes of those at rest, and a command of now.
+    /// One cycle a period later, with the readings that `change` makes of those at rest, and a
+    /// command of now.
     fn step(&mut self, volts: Option<f64>, change: impl Fn(&mut Measurement, u64)) -> f64 {
         self.step_after(PERIOD, volts, change)
     }
 
-    fn step_after(&mut self, gap: f64, volts: Option<f64>, change: impl Fn(&mut Measurement, u64)) -> f64 {
+    fn step_after(
+        &mut self,
+        gap: f64,
+        volts: Option<f64>,
+        change: impl Fn(&mut Measurement, u64),
+    ) -> f64 {
         self.cycle += 1;
         self.now += gap;
         let mut seen = noisy(self.cycle, self.now);
@@ -51,7 +61,12 @@ impl Bench {
         self.supervisor.output()
     }
 
-    fn run(&mut self, cycles: u32, volts: Option<f64>, change: impl Fn(&mut Measurement, u64) + Copy) -> f64 {
+    fn run(
+        &mut self,
+        cycles: u32,
+        volts: Option<f64>,
+        change: impl Fn(&mut Measurement, u64) + Copy,
+    ) -> f64 {
         (0..cycles).map(|_| self.step(volts, change)).last().unwrap_or(0.0)
     }
 }
@@ -63,7 +78,8 @@ fn noisy(cycle: u64, time: f64) -> Measurement {
 
 fn at_rest(_: &mut Measurement, _: u64) {}
 
-/// Drives an active bench into the fault. Every fault has its own way, so that a new one cannot go untested.
+/// Drives an active bench into the fault. Every fault has its own way, so that a new one cannot go
+/// untested.
 fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
     bench.run(5, Some(1.0), at_rest);
     match fault {
@@ -82,9 +98,13 @@ fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
             bench.step(Some(6.0), at_rest)
         }
         Fault::ReadingNotFinite => bench.step(Some(1.0), |seen, _| seen.torque = f64::INFINITY),
-        Fault::SensorsDisagree => bench.run(110, Some(1.0), |seen, _| seen.tachometer_velocity += 0.5),
+        Fault::SensorsDisagree => {
+            bench.run(110, Some(1.0), |seen, _| seen.tachometer_velocity += 0.5)
+        }
         Fault::TorqueSaturated => bench.run(10, Some(1.0), |seen, _| seen.torque = -23.0),
-        Fault::TachometerFrozen => bench.run(201, Some(1.0), |seen, _| seen.tachometer_velocity = 0.0),
+        Fault::TachometerFrozen => {
+            bench.run(201, Some(1.0), |seen, _| seen.tachometer_velocity = 0.0)
+        }
         Fault::TorqueFrozen => bench.run(201, Some(1.0), |seen, _| seen.torque = 0.01),
         Fault::RigClockStopped => bench.run(21, Some(1.0), |seen, _| seen.time = 7.0),
         Fault::BackEnd => bench.step(Some(1.0), |seen, _| seen.fault = true),
@@ -95,7 +115,8 @@ fn provoke(bench: &mut Bench, fault: Fault) -> f64 {
             });
             bench.step(Some(1.0), at_rest)
         }
-        // Found by the node, and by the back end itself, which watches its line: they have tests of their own.
+        // Found by the node, and by the back end itself, which watches its line: they have tests of
+        // their own.
         Fault::PermissionWithdrawn
         | Fault::UnknownEcho
         | Fault::ForeignFrames
@@ -130,16 +151,25 @@ fn every_fault_does_what_its_line_in_the_table_says() {
             Reaction::ZeroWhileItLasts => {
                 assert_eq!(supervisor.held_back().map(|report| report.fault), Some(rule.fault));
                 assert_eq!((volts, supervisor.state()), (0.0, State::Active), "{name}");
-                assert!(bench.step(Some(1.0), at_rest) > 0.0, "{name}: a fresh command moves it again");
+                assert!(
+                    bench.step(Some(1.0), at_rest) > 0.0,
+                    "{name}: a fresh command moves it again"
+                );
             }
             Reaction::ZeroUntilCleared => {
-                assert_eq!(supervisor.latched().map(|report| report.fault), Some(rule.fault), "{name}");
+                assert_eq!(
+                    supervisor.latched().map(|report| report.fault),
+                    Some(rule.fault),
+                    "{name}"
+                );
                 assert_eq!((volts, supervisor.state()), (0.0, State::Faulted), "{name}");
                 assert!(supervisor.request(Request::Activate).is_err(), "{name}");
                 assert_eq!(bench.run(50, Some(1.0), at_rest), 0.0, "{name}: it stays");
                 if rule.fault == Fault::MotorHot {
                     let refused = bench.supervisor.request(Request::Clear).unwrap_err();
-                    assert!(matches!(refused, RigError::Safety(report) if report.fault == Fault::MotorHot));
+                    assert!(
+                        matches!(refused, RigError::Safety(report) if report.fault == Fault::MotorHot)
+                    );
                     bench.run(4_000, None, at_rest);
                 }
                 assert_eq!(bench.supervisor.request(Request::Clear), Ok(State::Inactive), "{name}");
@@ -163,10 +193,15 @@ fn just_inside_each_limit_nothing_happens() {
             seen.encoder_position = 9.3 * 1e-3 / 0.01 * (1.0 - cosine);
             seen.torque += 0.3 * sine;
         });
-        assert!((volts - 5.9 * sine).abs() < 1e-12, "cycle {cycle}: {:?}", bench.supervisor.held_back());
+        assert!(
+            (volts - 5.9 * sine).abs() < 1e-12,
+            "cycle {cycle}: {:?}",
+            bench.supervisor.held_back()
+        );
     }
     assert_eq!(bench.supervisor.latched(), None);
-    // Two readings too fast are a spark of the brushes; commands may be 20 ms old, cycles 20 ms long.
+    // Two readings too fast are a spark of the brushes; commands may be 20 ms old, cycles 20 ms
+    // long.
     let rest = 0.93 * (1.0 - (3_000.0f64 * 0.01).cos());
     let at_rest = |seen: &mut Measurement, _: u64| seen.encoder_position = rest;
     bench.run(2, Some(1.0), |seen, _| {
@@ -307,7 +342,9 @@ fn a_supervised_rig_stops_when_its_back_end_refuses_and_says_so() {
         match attempt {
             1..5 => assert_eq!(result, Ok(())),
             5 => assert!(matches!(result, Err(RigError::VoltageNotFinite(_)))),
-            _ => assert!(matches!(result, Err(RigError::Safety(report)) if report.fault == Fault::BackEnd)),
+            _ => assert!(
+                matches!(result, Err(RigError::Safety(report)) if report.fault == Fault::BackEnd)
+            ),
         }
     }
     assert!(rig.measure().fault);
@@ -382,7 +419,8 @@ fn number() -> impl Strategy<Value = f64> {
 fn happening() -> impl Strategy<Value = Happening> {
     let gap = prop_oneof![30 => Just(PERIOD), 3 => 0.0..0.05, 1 => -0.01..2.0, 1 => Just(f64::NAN)];
     let stamp = prop_oneof![20 => Just(0.0), 5 => -0.05..0.05, 1 => Just(f64::NAN), 1 => -1e3..1e3];
-    // Requests that bring it back to active are more frequent, so that much of the time it is; shutting down would end the case.
+    // Requests that bring it back to active are more frequent, so that much of the time it is;
+    // shutting down would end the case.
     let request = prop_oneof![
         1 => prop::sample::select(vec![Request::CleanUp, Request::Deactivate, Request::EmergencyStop]),
         2 => Just(Request::Clear),
@@ -399,14 +437,8 @@ fn happening() -> impl Strategy<Value = Happening> {
         prop_oneof![60 => -0.2..0.2, 1 => number()],
         proptest::bool::weighted(0.005),
     )
-        .prop_map(|(gap, command, request, velocity, encoder_step, torque, back_end_fault)| Happening {
-            gap,
-            command,
-            request,
-            velocity,
-            encoder_step,
-            torque,
-            back_end_fault,
+        .prop_map(|(gap, command, request, velocity, encoder_step, torque, back_end_fault)| {
+            Happening { gap, command, request, velocity, encoder_step, torque, back_end_fault }
         })
 }
 
@@ -495,7 +527,8 @@ proptest! {
         }
     }
 
-    /// Whatever speed and direction, sensors that agree raise no alarm; a gain that is off by half, and a wrong sign, do.
+    /// Whatever speed and direction, sensors that agree raise no alarm; a gain that is off by half,
+    /// and a wrong sign, do.
     #[test]
     fn agreement_of_the_sensors_is_told_from_disagreement(speed in 1.5..8.5f64, forwards: bool, gain in 0.9..1.1f64) {
         let speed = if forwards { speed } else { -speed };

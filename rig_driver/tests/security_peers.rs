@@ -1,7 +1,9 @@
-//! A secured driver and peers of another vendor: Fast DDS in C++, compiled here (Debian: libfastrtps-dev, libfastcdr-dev, g++).
+//! A secured driver and peers of another vendor: Fast DDS in C++, compiled here (Debian:
+//! libfastrtps-dev, libfastcdr-dev, g++).
 //!
-//! The controller's enclave exchanges states and voltages with the driver, authenticated and encrypted. Whoever is in the clear, of another
-//! keystore, out of date, without permission, or with rules of its own making, gets and moves nothing.
+//! The controller's enclave exchanges states and voltages with the driver, authenticated and
+//! encrypted. Whoever is in the clear, of another keystore, out of date, without permission, or
+//! with rules of its own making, gets and moves nothing.
 
 use std::{
     env, fs,
@@ -41,14 +43,14 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Time that each stranger has.
 const SECONDS: &str = "8";
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
 fn skip(why: &str) {
     println!("SKIPPED: {why}");
 }
 
-/// Runs a test of this file once more, in a network of its own, with a keystore and the compiled peer.
+/// Runs a test of this file once more, in a network of its own, with a keystore and the compiled
+/// peer.
 fn in_a_network_of_its_own(test: &str) {
     let network = |program: &Path| {
         let mut command = Command::new("unshare");
@@ -57,7 +59,9 @@ fn in_a_network_of_its_own(test: &str) {
     };
     let granted = network(Path::new("true")).stderr(Stdio::null()).status();
     if !granted.is_ok_and(|status| status.success()) {
-        return skip("no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces");
+        return skip(
+            "no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces",
+        );
     }
     let folder = tempfile::tempdir().expect("a folder");
     if let Err(why) = compile(folder.path()) {
@@ -93,16 +97,24 @@ fn compile(folder: &Path) -> Result<(), String> {
     // Only a missing library is a reason to skip.
     let missing = said.contains("fastdds/dds/domain/DomainParticipant.hpp: No such file");
     assert!(output.status.success() || missing, "{said}");
-    if missing { Err("apt-get install g++ libfastrtps-dev libfastcdr-dev".to_owned()) } else { Ok(()) }
+    if missing {
+        Err("apt-get install g++ libfastrtps-dev libfastcdr-dev".to_owned())
+    } else {
+        Ok(())
+    }
 }
 
 /// The laboratory's keystore, one of strangers, and enclaves of cheats.
 fn keystores(folder: &Path) {
-    let now =
-        SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).expect("a time").as_secs().cast_signed();
+    let now = SystemTime::now()
+        .duration_since(SystemTime::UNIX_EPOCH)
+        .expect("a time")
+        .as_secs()
+        .cast_signed();
     let ours: Policy = read_policy(&policy("/")).expect("the policy is one");
     let valid = (now - 100 * DAY, now + 100 * DAY);
-    let make = |name: &str| Authority::new(&folder.join(name), &[DOMAIN], valid).expect("an authority");
+    let make =
+        |name: &str| Authority::new(&folder.join(name), &[DOMAIN], valid).expect("an authority");
     let (keys, strange) = (make("keys"), make("strange"));
     for (name, rights) in &ours {
         keys.enclave(name, rights, valid, valid).expect("an enclave");
@@ -154,7 +166,8 @@ fn until(what: &str, mut is: impl FnMut() -> bool) {
     }
 }
 
-/// Whoever looks at the driver: how many measurements, and the highest voltage asked for or applied.
+/// Whoever looks at the driver: how many measurements, and the highest voltage asked for or
+/// applied.
 struct Watched {
     // Leaves before its participant.
     node: RosNode,
@@ -189,7 +202,12 @@ impl Watched {
     }
 
     fn count(&self, standing: Standing) -> usize {
-        self.participant.others().known().values().filter(|other| other.standing == Some(standing)).count()
+        self.participant
+            .others()
+            .known()
+            .values()
+            .filter(|other| other.standing == Some(standing))
+            .count()
     }
 }
 
@@ -203,8 +221,8 @@ struct Sniffer {
 impl Sniffer {
     fn begin(text: &'static str) -> Self {
         const EVERYTHING: i32 = 0x0300;
-        let mut socket =
-            Socket::new(Domain::PACKET, Type::DGRAM, Some(Protocol::from(EVERYTHING))).expect("a socket");
+        let mut socket = Socket::new(Domain::PACKET, Type::DGRAM, Some(Protocol::from(EVERYTHING)))
+            .expect("a socket");
         socket.set_read_timeout(Some(Duration::from_millis(100))).expect("a limit");
         let (seen, end) = (Arc::<AtomicBool>::default(), Arc::<AtomicBool>::default());
         let (tell, ended) = (Arc::clone(&seen), Arc::clone(&end));
@@ -246,11 +264,14 @@ fn the_controllers_enclave_drives_a_secured_rig_and_nothing_travels_in_the_clear
     // The operator may stop and lead; a viewer may only stop, see below.
     let node = &operator.node;
     let stop = node.client::<Trigger>("/rig_driver/emergency_stop").expect("a client");
-    let stopped = stop.call_until_answered(&TriggerRequest::default(), PATIENCE).expect("an answer");
+    let stopped =
+        stop.call_until_answered(&TriggerRequest::default(), PATIENCE).expect("an answer");
     assert!(stopped.success, "{}", stopped.message);
     let clear = node.client::<Trigger>("/rig_driver/clear_fault").expect("a client");
     until("a cleared fault", || {
-        clear.call_until_answered(&TriggerRequest::default(), PATIENCE).is_ok_and(|answer| answer.success)
+        clear
+            .call_until_answered(&TriggerRequest::default(), PATIENCE)
+            .is_ok_and(|answer| answer.success)
     });
     let lifecycle = RemoteLifecycle::new(node, "/rig_driver").expect("clients");
     lifecycle.lead_to(Phase::Active, PATIENCE).expect("active again");
@@ -263,7 +284,8 @@ fn the_controllers_enclave_drives_a_secured_rig_and_nothing_travels_in_the_clear
     assert!(!readable, "the name of the joint could be read on the line");
 }
 
-/// What the test above says of the sniffer, the other way round: in the clear it reads the name of the joint.
+/// What the test above says of the sniffer, the other way round: in the clear it reads the name of
+/// the joint.
 #[test]
 fn in_the_clear_the_same_line_can_be_read() {
     if env::var_os(INSIDE).is_none() {
@@ -305,11 +327,15 @@ fn strangers_get_and_move_nothing() {
         // Who it is and what it may do is true; its middleware lets it do more.
         ("keys/enclaves/viewer", &["0", "bold"]),
     ];
-    let running = strangers.map(|(enclave, manner)| (enclave, peer(&folder, enclave, SECONDS, manner)));
+    let running =
+        strangers.map(|(enclave, manner)| (enclave, peer(&folder, enclave, SECONDS, manner)));
     let permitted_reader = peer(&folder, "keys/enclaves/viewer", SECONDS, &[]);
     for (enclave, peer) in running {
         let told = said(peer);
-        assert!(told.contains("ready") && !told.contains("refused"), "{enclave} had its chance: {told}");
+        assert!(
+            told.contains("ready") && !told.contains("refused"),
+            "{enclave} had its chance: {told}"
+        );
         // Only the bold one is a viewer.
         let reads = enclave == "keys/enclaves/viewer";
         assert_eq!(told.contains("state of"), reads, "{enclave} hears the driver: {told}");
@@ -324,7 +350,8 @@ fn strangers_get_and_move_nothing() {
 
     // Everybody can stop it.
     let stop = node.client::<Trigger>("/rig_driver/emergency_stop").expect("a client");
-    let stopped = stop.call_until_answered(&TriggerRequest::default(), PATIENCE).expect("an answer");
+    let stopped =
+        stop.call_until_answered(&TriggerRequest::default(), PATIENCE).expect("an answer");
     assert!(stopped.success, "{}", stopped.message);
 }
 

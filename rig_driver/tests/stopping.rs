@@ -1,4 +1,5 @@
-//! The node with a back end that takes its time: stops and transitions in the middle of what it does.
+//! The node with a back end that takes its time: stops and transitions in the middle of what it
+//! does.
 
 use std::{
     ops::ControlFlow,
@@ -24,13 +25,17 @@ use tests::network::{namespaced, run_ignored};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Runs a test of this file that is ignored elsewhere in a network namespace of its own. Where the system grants none, it is left out.
+/// Runs a test of this file that is ignored elsewhere in a network namespace of its own. Where the
+/// system grants none, it is left out.
 fn alone(test: &str) {
     if let Some(command) = namespaced() {
         run_ignored(
             command,
             test,
-            &[("ROS_DOMAIN_ID", "41".as_ref()), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST".as_ref())],
+            &[
+                ("ROS_DOMAIN_ID", "41".as_ref()),
+                ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST".as_ref()),
+            ],
         );
     }
 }
@@ -166,7 +171,10 @@ fn stop_while_configuring() {
     });
     session.rig.tend();
     assert_ne!(session.lifecycle.phase(PATIENCE).unwrap(), Phase::Active);
-    assert!(session.lifecycle.lead_to(Phase::Active, PATIENCE).is_err(), "not before it is cleared");
+    assert!(
+        session.lifecycle.lead_to(Phase::Active, PATIENCE).is_err(),
+        "not before it is cleared"
+    );
     assert_eq!(session.bench.moved.load(SeqCst), 0);
     // It was closed: nothing drives the motor, and the stop says so.
     let answer = trigger(&session.stop);

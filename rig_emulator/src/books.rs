@@ -58,9 +58,11 @@ pub(crate) struct Books {
     pub(crate) driven_since_command: u64,
     /// The most that `driven_since_command` ever was: it may not exceed the validity.
     pub(crate) longest_drive_after_a_command: u64,
-    /// The most cycles from a measurement to a cycle with the voltage that answers it: it may not exceed the validity.
+    /// The most cycles from a measurement to a cycle with the voltage that answers it: it may not
+    /// exceed the validity.
     pub(crate) longest_drive_after_a_measurement: u64,
-    /// Cycles with other than zero volts after a stop, a deactivation, a hello or a restart and before the next activation: none are allowed.
+    /// Cycles with other than zero volts after a stop, a deactivation, a hello or a restart and
+    /// before the next activation: none are allowed.
     pub(crate) driven_without_permission: u64,
     /// Cycles with the last command expired while active.
     pub(crate) expired: u64,
@@ -90,7 +92,8 @@ impl Books {
         *counter += 1;
     }
 
-    /// A cycle has begun with `voltage` on the motor. `age` is the cycles since the measurement that the last accepted command answers.
+    /// A cycle has begun with `voltage` on the motor. `age` is the cycles since the measurement
+    /// that the last accepted command answers.
     pub(crate) fn cycle(&mut self, voltage: i16, permitted: bool, age: Option<u32>) {
         self.cycles += 1;
         if voltage == 0 {

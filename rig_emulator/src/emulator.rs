@@ -62,11 +62,13 @@ impl Emulator {
     /// A device that has just started, on a pseudo-terminal.
     pub(crate) fn new(options: &Options) -> anyhow::Result<Self> {
         let terminal = Terminal::open(options.link.as_deref())?;
-        let random = |stream| Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(4).wrapping_add(stream));
+        let random =
+            |stream| Pcg64Mcg::seed_from_u64(options.seed.wrapping_mul(4).wrapping_add(stream));
         Ok(Self {
             path: terminal.path().to_owned(),
             terminal: Some(terminal),
-            device: Device::new(options.hello(), unforeseen()).context("the device's description")?,
+            device: Device::new(options.hello(), unforeseen())
+                .context("the device's description")?,
             decoder: Decoder::new(),
             from_host: Line::new(options.odds(), random(1)),
             from_device: Line::new(options.odds(), random(2)),
@@ -108,9 +110,14 @@ impl Emulator {
 
     /// Runs cycle after cycle until told to end.
     ///
-    /// A cycle that is late is not made up for: the device's time stands still while the machine is busy, so that a host on the same
-    /// machine does not see a burst of cycles that no device would make.
-    pub(crate) fn run(&mut self, orders: &Receiver<Order>, stop: &AtomicBool) -> anyhow::Result<()> {
+    /// A cycle that is late is not made up for: the device's time stands still while the machine is
+    /// busy, so that a host on the same machine does not see a burst of cycles that no device would
+    /// make.
+    pub(crate) fn run(
+        &mut self,
+        orders: &Receiver<Order>,
+        stop: &AtomicBool,
+    ) -> anyhow::Result<()> {
         let period = Duration::from_micros(self.options.period.into());
         let mut next = Instant::now() + period;
         while !stop.load(Ordering::Relaxed) && !self.ended {
@@ -309,7 +316,8 @@ impl Emulator {
     }
 }
 
-/// A seed for the sessions of a device that starts: another one each time, as a microcontroller has it from its converters' noise.
+/// A seed for the sessions of a device that starts: another one each time, as a microcontroller has
+/// it from its converters' noise.
 fn unforeseen() -> u64 {
     // The standard library seeds its hashers from the system's randomness.
     RandomState::new().hash_one("device")

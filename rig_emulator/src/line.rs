@@ -199,7 +199,8 @@ mod tests {
     #[test]
     fn frames_meet_what_was_ordered_in_order() {
         let mut line = line(Odds::default());
-        for fault in [Fault::Lose, Fault::Duplicate, Fault::Delay(3), Fault::Split, Fault::Corrupt] {
+        for fault in [Fault::Lose, Fault::Duplicate, Fault::Delay(3), Fault::Split, Fault::Corrupt]
+        {
             line.order(fault, 1);
         }
         for frame in 1..=6 {
@@ -212,8 +213,15 @@ mod tests {
         assert_eq!(line.take(11), [4, 0]);
         assert!(line.take(12).is_empty());
         assert_eq!(line.take(13), [3, 3, 3, 0]);
-        let fates =
-            Fates { frames: 6, lost: 1, duplicated: 1, corrupted: 1, late: 1, split: 1, garbage_bytes: 0 };
+        let fates = Fates {
+            frames: 6,
+            lost: 1,
+            duplicated: 1,
+            corrupted: 1,
+            late: 1,
+            split: 1,
+            garbage_bytes: 0,
+        };
         assert_eq!(line.fates(), fates);
     }
 
@@ -225,6 +233,9 @@ mod tests {
         }
         let fates = line.fates();
         // Five standard deviations of a binomial draw.
-        assert!(fates.lost.abs_diff(1000) < 150 && fates.corrupted.abs_diff(2000) < 200, "{fates:?}");
+        assert!(
+            fates.lost.abs_diff(1000) < 150 && fates.corrupted.abs_diff(2000) < 200,
+            "{fates:?}"
+        );
     }
 }

@@ -1,7 +1,9 @@
-//! `rig_emulator`: the simulated rig behind the serial protocol, on a pseudo-terminal, in real time, with faults on demand.
+//! `rig_emulator`: the simulated rig behind the serial protocol, on a pseudo-terminal, in real
+//! time, with faults on demand.
 //!
-//! It is what a microcontroller with a motor is to the driver: the same device state machine (`rig_protocol::Device`), the simulated test
-//! bed in the motor's place, and its own books ([`books`]) on what voltage the motor had when.
+//! It is what a microcontroller with a motor is to the driver: the same device state machine
+//! (`rig_protocol::Device`), the simulated test bed in the motor's place, and its own books
+//! ([`books`]) on what voltage the motor had when.
 
 mod books;
 mod control;
@@ -29,7 +31,8 @@ fn main() -> anyhow::Result<()> {
     let options = Options::parse();
     let stop = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&stop);
-    ctrlc::set_handler(move || told.store(true, Ordering::Relaxed)).context("cannot watch for ctrl-C")?;
+    ctrlc::set_handler(move || told.store(true, Ordering::Relaxed))
+        .context("cannot watch for ctrl-C")?;
     let mut emulator = Emulator::new(&options)?;
     let orders = control::listen();
     // A rig that cannot be announced runs all the same; it is only not listed.
@@ -37,7 +40,10 @@ fn main() -> anyhow::Result<()> {
         let announced = Announcement::new(&folder, emulator.path());
         announced
             .inspect_err(|error| {
-                eprintln!("`frictionlab rig list` will not show this rig: {}: {error}", folder.display())
+                eprintln!(
+                    "`frictionlab rig list` will not show this rig: {}: {error}",
+                    folder.display()
+                )
             })
             .ok()
     });
@@ -45,9 +51,8 @@ fn main() -> anyhow::Result<()> {
     emulator.run(&orders, &stop)?;
     let summary = serde_json::to_string_pretty(&emulator.summary()).context("the summary")?;
     match &options.summary {
-        Some(file) => {
-            std::fs::write(file, summary + "\n").with_context(|| format!("cannot write {}", file.display()))
-        }
+        Some(file) => std::fs::write(file, summary + "\n")
+            .with_context(|| format!("cannot write {}", file.display())),
         None => {
             say(&summary);
             Ok(())

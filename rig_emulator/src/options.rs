@@ -10,19 +10,22 @@ use crate::line::Odds;
 
 /// The simulated rig behind the serial protocol, on a pseudo-terminal, in real time
 ///
-/// Prints `ready PATH` once PATH can be opened: `frictionlab live --rig serial:PATH`, or any program that speaks the protocol. It
-/// ends at ctrl-C, or at the end of its standard input with --until-eof, and leaves a summary in JSON.
+/// Prints `ready PATH` once PATH can be opened: `frictionlab live --rig serial:PATH`, or any
+/// program that speaks the protocol. It ends at ctrl-C, or at the end of its standard input with
+/// --until-eof, and leaves a summary in JSON.
 ///
-/// Lines on standard input make faults, each counted in frames of the protocol or in cycles of the device:
+/// Lines on standard input make faults, each counted in frames of the protocol or in cycles of the
+/// device:
 ///
-///   lose N | duplicate N | corrupt N | split N | delay N CYCLES   the next N frames, of both directions;
+///   lose N | duplicate N | corrupt N | split N | delay N CYCLES   the next N frames, of both
+///   directions;
 ///                           with `from-host` or `from-device` behind it, of that one
 ///   garbage BYTES           random bytes to the host and to the device
 ///   reboot [CYCLES]         the device is silent for CYCLES (200), then starts anew
 ///   unplug CYCLES           the port is gone for CYCLES, then it is back; the device keeps running
 ///   hang CYCLES             the device sends nothing for CYCLES, with the port open
-///   fault | stop | release  a fault of the driver stage; the emergency stop's switch pressed, released
-///   version V               the device speaks version V of the protocol
+///   fault | stop | release  a fault of the driver stage; the emergency stop's switch pressed,
+///   released version V               the device speaks version V of the protocol
 ///   status                  prints the summary so far, in one line
 ///   quit                    ends
 #[derive(Debug, Clone, clap::Parser)]

@@ -27,8 +27,11 @@ pub(crate) struct Terminal {
 impl Terminal {
     /// Opens a pseudo-terminal, and puts `link` to it.
     pub(crate) fn open(link: Option<&Path>) -> anyhow::Result<Self> {
-        let device = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).context("no pseudo-terminal")?;
-        grantpt(&device).and_then(|()| unlockpt(&device)).context("the pseudo-terminal does not open")?;
+        let device =
+            openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).context("no pseudo-terminal")?;
+        grantpt(&device)
+            .and_then(|()| unlockpt(&device))
+            .context("the pseudo-terminal does not open")?;
         let name = ptsname(&device, Vec::new()).context("the pseudo-terminal has no name")?;
         let name = PathBuf::from(name.to_str().context("the pseudo-terminal's name is no text")?);
         fcntl_setfl(&device, fcntl_getfl(&device)? | OFlags::NONBLOCK)?;
@@ -40,9 +43,11 @@ impl Terminal {
         if let Some(link) = link {
             // A link left by an emulator that was killed may go; anything else stays.
             if link.is_symlink() {
-                fs::remove_file(link).with_context(|| format!("cannot replace {}", link.display()))?;
+                fs::remove_file(link)
+                    .with_context(|| format!("cannot replace {}", link.display()))?;
             }
-            symlink(&name, link).with_context(|| format!("cannot make the link {}", link.display()))?;
+            symlink(&name, link)
+                .with_context(|| format!("cannot make the link {}", link.display()))?;
         }
         Ok(Self { device, _host: host, path: name, link: link.map(Path::to_owned) })
     }

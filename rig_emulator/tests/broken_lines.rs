@@ -13,12 +13,15 @@ fn count(status: &Value, part: &str, name: &str) -> u64 {
     status[part][name].as_u64().unwrap_or_else(|| panic!("{part}.{name} in {status}"))
 }
 
-/// Drives `cycles` cycles; a machine that is busy may make the device inactive, which then is activated again.
+/// Drives `cycles` cycles; a machine that is busy may make the device inactive, which then is
+/// activated again.
 fn drive(rig: &mut SerialRig, cycles: usize, volts: f64) {
     for _ in 0..cycles {
         match cycle(rig, volts) {
             Ok(_) => {}
-            Err(RigError::Serial(SerialError::NotActive { .. })) => rig.activate().expect("it activates"),
+            Err(RigError::Serial(SerialError::NotActive { .. })) => {
+                rig.activate().expect("it activates")
+            }
             Err(other) => panic!("{other}"),
         }
     }
@@ -39,7 +42,10 @@ fn lost_frames_are_counted_and_the_loop_goes_on() {
     assert!(after.gaps >= before + 7, "{after:?}");
     drop(rig);
     let status = bench.finish();
-    assert_eq!((count(&status, "from_device", "lost"), count(&status, "from_host", "lost")), (7, 5));
+    assert_eq!(
+        (count(&status, "from_device", "lost"), count(&status, "from_host", "lost")),
+        (7, 5)
+    );
 }
 
 #[test]
@@ -72,7 +78,8 @@ fn corrupted_and_split_frames_and_garbage_are_survived_in_both_directions() {
     assert!(moving.encoder_counts > 0);
     drop(rig);
     let status = bench.finish();
-    let rejected = status["rejected"].as_object().unwrap().values().filter_map(Value::as_u64).sum::<u64>();
+    let rejected =
+        status["rejected"].as_object().unwrap().values().filter_map(Value::as_u64).sum::<u64>();
     assert!(rejected >= 15, "{status}");
 }
 

@@ -1,4 +1,5 @@
-//! The driving process is killed and stopped at random moments, and the motor stands still in time, by the device's own count.
+//! The driving process is killed and stopped at random moments, and the motor stands still in time,
+//! by the device's own count.
 
 mod bench;
 
@@ -17,7 +18,8 @@ use rustix::process::{Pid, Signal, kill_process};
 /// Names the port for the process that drives.
 const PORT: &str = "RIG_EMULATOR_TEST_PORT";
 
-/// Not a test by itself: what the other one starts, stops and kills. It drives with 3 V until something goes wrong.
+/// Not a test by itself: what the other one starts, stops and kills. It drives with 3 V until
+/// something goes wrong.
 #[test]
 fn the_driving_process() {
     let Some(port) = env::var_os(PORT) else { return };

@@ -12,7 +12,8 @@ use rig_driver::{
     serial::{Cause, SerialError, SerialOptions, SerialRig, State},
 };
 
-/// What was on the motor in each cycle, given to the same rig without any line, turns its shaft in the same way to the last count.
+/// What was on the motor in each cycle, given to the same rig without any line, turns its shaft in
+/// the same way to the last count.
 #[test]
 fn the_rig_behind_the_line_is_the_simulated_rig() {
     const CYCLES: usize = 300;
@@ -22,8 +23,9 @@ fn the_rig_behind_the_line_is_the_simulated_rig() {
         let mut rig = bench.open();
         assert_eq!(rig.period(), 0.002);
         rig.activate().unwrap();
-        let seen: Vec<_> =
-            (0..CYCLES).map(|k| cycle(&mut rig, 4.0 * (0.05 * k as f64).sin()).expect("a cycle")).collect();
+        let seen: Vec<_> = (0..CYCLES)
+            .map(|k| cycle(&mut rig, 4.0 * (0.05 * k as f64).sin()).expect("a cycle"))
+            .collect();
         drop(rig);
         let books = bench.finish();
         assert!(books["books"]["commands"].as_u64().unwrap() > CYCLES as u64 / 2, "{books}");
@@ -49,14 +51,23 @@ fn the_rig_behind_the_line_is_the_simulated_rig() {
 
 #[test]
 fn a_command_is_on_the_motor_one_cycle_after_the_measurement_it_answers() {
-    let bench = Bench::start(&["--validity-limit", "500000", "--host-timeout", "500000", "--period", "5000"]);
-    let mut rig = SerialRig::open(bench.path(), SerialOptions { validity: 0.5, ..patient() }).unwrap();
+    let bench = Bench::start(&[
+        "--validity-limit",
+        "500000",
+        "--host-timeout",
+        "500000",
+        "--period",
+        "5000",
+    ]);
+    let mut rig =
+        SerialRig::open(bench.path(), SerialOptions { validity: 0.5, ..patient() }).unwrap();
     rig.activate().unwrap();
     let mut asked = Vec::new();
     for k in 0..60u32 {
         let volts = f64::from(k) * 0.05;
         let seen = cycle(&mut rig, volts).unwrap();
-        // In the measurement of cycle k stands what was on the motor from k-1 to k: what answered k-2.
+        // In the measurement of cycle k stands what was on the motor from k-1 to k: what answered
+        // k-2.
         asked.push((seen.cycle, volts, seen.voltage_applied));
     }
     let steps = asked.windows(3).filter(|three| three[2].0 == three[0].0 + 2);
@@ -73,14 +84,18 @@ fn a_command_is_on_the_motor_one_cycle_after_the_measurement_it_answers() {
 
 #[test]
 fn a_rig_without_sensors_says_so_and_takes_its_velocity_from_the_encoder() {
-    let bench = Bench::start(&["--without", "tachometer", "--without", "torque", "--without", "current"]);
+    let bench =
+        Bench::start(&["--without", "tachometer", "--without", "torque", "--without", "current"]);
     let mut rig = bench.open();
     let channels = rig.hello().channels;
-    assert!(channels.potentiometer && !channels.tachometer && !channels.torque && !channels.current);
+    assert!(
+        channels.potentiometer && !channels.tachometer && !channels.torque && !channels.current
+    );
     rig.activate().unwrap();
     let seen = (0..400).map(|_| cycle(&mut rig, 3.0).unwrap()).last().unwrap();
     assert_eq!((seen.motor_current, seen.torque), (None, 0.0));
-    // K (u - 4.84 F), as every model settles: about 4.4 rad/s; the encoder's step over ten cycles is .15 rad/s.
+    // K (u - 4.84 F), as every model settles: about 4.4 rad/s; the encoder's step over ten cycles
+    // is .15 rad/s.
     assert!((2.0..6.0).contains(&seen.tachometer_velocity), "{} rad/s", seen.tachometer_velocity);
     drop(rig);
     bench.finish();
@@ -93,7 +108,10 @@ fn a_device_of_another_version_is_refused_with_a_sentence() {
         let error = SerialRig::open(bench.path(), patient()).unwrap_err();
         assert!(matches!(error, SerialError::WrongVersion { .. }), "{error}");
         let said = error.to_string();
-        assert!(said.contains(&format!("speaks version {theirs}")) && said.contains("version 2"), "{said}");
+        assert!(
+            said.contains(&format!("speaks version {theirs}")) && said.contains("version 2"),
+            "{said}"
+        );
         assert!(said.contains(remedy), "{said}");
         let status = bench.finish();
         assert_eq!(status["books"]["sessions"], 0, "{status}");
@@ -202,7 +220,10 @@ fn an_emergency_stop_latches_in_the_device_until_cleared() {
         assert!(
             matches!(
                 error,
-                SerialError::NotActive { state: State::EmergencyStopped, cause: Cause::EmergencyStop }
+                SerialError::NotActive {
+                    state: State::EmergencyStopped,
+                    cause: Cause::EmergencyStop
+                }
             ) || matches!(error, SerialError::NotActive { state: State::Active, .. }),
             "{error}"
         );

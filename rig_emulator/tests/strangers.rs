@@ -1,5 +1,6 @@
-//! Somebody else writes to the line of a rig that is driven: a second process with the same port open. None of its frames moves the motor, the driver
-//! notices, and who is the driver's is told from who is not.
+//! Somebody else writes to the line of a rig that is driven: a second process with the same port
+//! open. None of its frames moves the motor, the driver notices, and who is the driver's is told
+//! from who is not.
 
 mod bench;
 
@@ -47,7 +48,12 @@ fn count(status: &Value, name: &str) -> u64 {
 }
 
 fn refusals(status: &Value) -> u64 {
-    status["books"]["refusals"].as_object().expect("a table").values().filter_map(Value::as_u64).sum()
+    status["books"]["refusals"]
+        .as_object()
+        .expect("a table")
+        .values()
+        .filter_map(Value::as_u64)
+        .sum()
 }
 
 /// Of a version 1 host, as the earlier PROTOCOL.md had it: an activation and 2.5 V.
@@ -64,7 +70,8 @@ fn command(origin: Origin, answers: u32) -> HostMessage {
     HostMessage::Voltage(VoltageCommand { origin, answers, voltage: 1000, validity_us: 1_000_000 })
 }
 
-/// All that a stranger can say without hearing the device: version 1, a session that it guesses, numbers that it guesses.
+/// All that a stranger can say without hearing the device: version 1, a session that it guesses,
+/// numbers that it guesses.
 fn say_everything(stranger: &mut Stranger, cycle: u32) {
     OLD.iter().for_each(|frame| stranger.write(frame));
     for session in [1, 305_441_741, u32::MAX] {
@@ -80,7 +87,8 @@ fn say_everything(stranger: &mut Stranger, cycle: u32) {
     }
 }
 
-/// Nobody is there but the stranger, who does not hear what the device answers: it never learns the session that it was granted.
+/// Nobody is there but the stranger, who does not hear what the device answers: it never learns the
+/// session that it was granted.
 #[test]
 fn who_writes_blindly_does_not_move_a_motor_without_a_host() {
     let mut bench = Bench::start(&[]);
@@ -91,11 +99,15 @@ fn who_writes_blindly_does_not_move_a_motor_without_a_host() {
     }
     let status = bench.pass(50);
     assert_eq!((count(&status, "driven"), count(&status, "activations")), (0, 0), "{status}");
-    assert!(count(&status, "sessions") > 0 && refusals(&status) > 100, "the device heard it: {status}");
+    assert!(
+        count(&status, "sessions") > 0 && refusals(&status) > 100,
+        "the device heard it: {status}"
+    );
     bench.finish();
 }
 
-/// The host is there, its rig inactive: the motor stays where it is, the host keeps its session, and says that somebody else writes.
+/// The host is there, its rig inactive: the motor stays where it is, the host keeps its session,
+/// and says that somebody else writes.
 #[test]
 fn a_stranger_does_not_move_a_motor_that_rests_and_is_told() {
     let mut bench = Bench::start(&[]);
@@ -131,7 +143,8 @@ fn a_stranger_does_not_move_a_motor_that_rests_and_is_told() {
     bench.finish();
 }
 
-/// A stranger that does hear the line repeats what the host has said, to the last bit. Everything counts once.
+/// A stranger that does hear the line repeats what the host has said, to the last bit. Everything
+/// counts once.
 #[test]
 fn replayed_frames_are_refused() {
     let mut bench = Bench::start(&[]);
@@ -155,15 +168,18 @@ fn replayed_frames_are_refused() {
         stranger.say(&command(origin, now));
     }
     let after = bench.pass(30);
-    assert_eq!((count(&after, "driven"), &after["state"]), (count(&before, "driven"), &"inactive".into()));
+    assert_eq!(
+        (count(&after, "driven"), &after["state"]),
+        (count(&before, "driven"), &"inactive".into())
+    );
     let not_newer = after["books"]["refusals"]["not_newer"].as_u64();
     assert!(not_newer >= Some(50), "{after}");
     drop(rig);
     bench.finish();
 }
 
-/// Who reads the line knows session and numbers, and can forge: this protocol does not keep that out. It is noticed at the next measurement, and
-/// the device is deactivated.
+/// Who reads the line knows session and numbers, and can forge: this protocol does not keep that
+/// out. It is noticed at the next measurement, and the device is deactivated.
 #[test]
 fn a_forged_command_is_noticed_and_the_device_deactivated() {
     let mut bench = Bench::start(&[]);
@@ -187,7 +203,8 @@ fn a_forged_command_is_noticed_and_the_device_deactivated() {
         rig.latched_fault()
     });
     let report = found.expect("it is noticed");
-    // The host's own numbers are old then: that, too, is told. Which comes first depends on when the frame came.
+    // The host's own numbers are old then: that, too, is told. Which comes first depends on when
+    // the frame came.
     assert!(matches!(report.fault, Fault::UnknownEcho | Fault::CommandsRefused), "{report}");
     assert_eq!(rig.supervisor().state(), State::Faulted);
     for _ in 0..20 {
@@ -200,7 +217,8 @@ fn a_forged_command_is_noticed_and_the_device_deactivated() {
     drop(rig);
 }
 
-/// A second driver is kept out by the lock on the port; one that does not look at locks by the device, as long as the first is alive.
+/// A second driver is kept out by the lock on the port; one that does not look at locks by the
+/// device, as long as the first is alive.
 #[test]
 fn the_device_keeps_to_the_host_that_is_alive_and_is_had_again_when_that_is_gone() {
     let mut bench = Bench::start(&["--host-timeout", "400000"]);
@@ -224,7 +242,8 @@ fn the_device_keeps_to_the_host_that_is_alive_and_is_had_again_when_that_is_gone
     bench.finish();
 }
 
-/// A stop that is asked of the driver reaches the device, latches there, and is acknowledged, though frames are lost.
+/// A stop that is asked of the driver reaches the device, latches there, and is acknowledged,
+/// though frames are lost.
 #[test]
 fn an_emergency_stop_of_the_driver_is_latched_in_the_device_though_frames_are_lost() {
     for lost in [0, 3] {
@@ -246,7 +265,10 @@ fn an_emergency_stop_of_the_driver_is_latched_in_the_device_though_frames_are_lo
         let outcome = rig.request(Request::EmergencyStop);
         assert!(
             outcome.is_ok()
-                || matches!(outcome, Err(RigError::Serial(SerialError::StopNotAcknowledged { .. })))
+                || matches!(
+                    outcome,
+                    Err(RigError::Serial(SerialError::StopNotAcknowledged { .. }))
+                )
         );
         assert_eq!(rig.supervisor().state(), State::EmergencyStopped);
         let latched = (0..1000).any(|_| {

@@ -1,18 +1,21 @@
-//! Firmware of a rig, but for the board: the device's cycle with the shared codec and state machine, over a board that a trait describes.
+//! Firmware of a rig, but for the board: the device's cycle with the shared codec and state
+//! machine, over a board that a trait describes.
 //!
-//! Nothing in [`Firmware`] needs the standard library or an allocator. On a microcontroller implement [`Board`] over its drivers, make the
-//! `Firmware`, and call `cycle` from a timer's interrupt or a ticker, with the hardware watchdog reloaded behind it; see
-//! `docs/firmware.md`. Here a made-up board stands in, so that the example is compiled and run with the tests:
+//! Nothing in [`Firmware`] needs the standard library or an allocator. On a microcontroller
+//! implement [`Board`] over its drivers, make the `Firmware`, and call `cycle` from a timer's
+//! interrupt or a ticker, with the hardware watchdog reloaded behind it; see `docs/firmware.md`.
+//! Here a made-up board stands in, so that the example is compiled and run with the tests:
 //! `cargo run -p rig_protocol --example firmware`.
 
 use rig_protocol::{
-    Cause, Channels, Decoder, Device, DeviceMessage, Hello, HelloError, HostMessage, Inputs, Message, Name,
-    Origin, Output, Readings, Session, VoltageCommand,
+    Cause, Channels, Decoder, Device, DeviceMessage, Hello, HelloError, HostMessage, Inputs,
+    Message, Name, Origin, Output, Readings, Session, VoltageCommand,
 };
 
 /// What the firmware needs of a board.
 pub trait Board {
-    /// A number that differs after each start: noise of a converter, a generator of random numbers, a counter in non-volatile memory.
+    /// A number that differs after each start: noise of a converter, a generator of random numbers,
+    /// a counter in non-volatile memory.
     fn seed(&mut self) -> u64;
     /// The clock [us]; it never runs backwards.
     fn time_us(&mut self) -> u64;
@@ -26,7 +29,8 @@ pub trait Board {
     fn driver_fault(&mut self) -> bool;
     /// The next byte from the host, if there is one.
     fn receive(&mut self) -> Option<u8>;
-    /// Hands bytes to the line. What does not fit into its buffer is dropped: the host counts the gap.
+    /// Hands bytes to the line. What does not fit into its buffer is dropped: the host counts the
+    /// gap.
     fn send(&mut self, bytes: &[u8]);
 }
 
@@ -38,7 +42,12 @@ pub fn hello() -> Hello {
         session: None,
         name: Name::new("rig firmware").unwrap_or_default(),
         firmware: [0, 1, 0],
-        channels: Channels { tachometer: false, potentiometer: false, torque: false, current: true },
+        channels: Channels {
+            tachometer: false,
+            potentiometer: false,
+            torque: false,
+            current: true,
+        },
         period_us: 1000,
         counts_per_turn: 4096,
         // A PWM of 1000 steps on a supply of 12 V, and 6 V for the motor.
@@ -63,12 +72,17 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// A device that has just started. The board's motor output is to be at zero before and until the first cycle.
+    /// A device that has just started. The board's motor output is to be at zero before and until
+    /// the first cycle.
     ///
     /// # Errors
     /// [`HelloError`] if the description breaks a rule.
     pub fn new(hello: Hello, board: &mut impl Board) -> Result<Self, HelloError> {
-        Ok(Self { device: Device::new(hello, board.seed())?, decoder: Decoder::new(), before_us: None })
+        Ok(Self {
+            device: Device::new(hello, board.seed())?,
+            decoder: Decoder::new(),
+            before_us: None,
+        })
     }
 
     /// One cycle, begun by the board's timer.
@@ -76,7 +90,8 @@ impl Firmware {
         // Sensors first: as little as possible between the timer and the readings.
         let time_us = board.time_us();
         let readings = board.read();
-        // What has come since the last cycle. At 2 Mbaud that is 200 bytes at most: a bound, so that no host can hold the cycle up.
+        // What has come since the last cycle. At 2 Mbaud that is 200 bytes at most: a bound, so
+        // that no host can hold the cycle up.
         for _ in 0..256 {
             let Some(byte) = board.receive() else { break };
             // What is no frame is counted in the decoder, what may not be is counted in the device.
@@ -198,7 +213,8 @@ fn main() -> Result<(), HelloError> {
     let Some(session) = board.open(&mut firmware) else { return Ok(()) };
     let origin = |sequence| Origin { session, sequence };
     board.say(&HostMessage::Activate(origin(1)));
-    let command = VoltageCommand { origin: origin(2), answers: 2, voltage: 250, validity_us: 20_000 };
+    let command =
+        VoltageCommand { origin: origin(2), answers: 2, voltage: 250, validity_us: 20_000 };
     board.say(&HostMessage::Voltage(command));
     let driven = (0..100).take_while(|_| {
         firmware.cycle(&mut board);
@@ -231,7 +247,8 @@ mod tests {
         (firmware, board)
     }
 
-    /// What a version 1 host would send: it moves nothing, and the host that is there sees in the next measurement that somebody spoke.
+    /// What a version 1 host would send: it moves nothing, and the host that is there sees in the
+    /// next measurement that somebody spoke.
     #[test]
     fn a_frame_of_version_1_moves_nothing_and_is_counted() {
         let (mut firmware, mut board) = active();
@@ -239,7 +256,9 @@ mod tests {
         let old = HostMessage::EmergencyStop.frame().of_version(1);
         board.to_device.extend(old.as_bytes());
         firmware.cycle(&mut board);
-        let Some(DeviceMessage::Measurement(last)) = board.heard().pop() else { panic!("no measurement") };
+        let Some(DeviceMessage::Measurement(last)) = board.heard().pop() else {
+            panic!("no measurement")
+        };
         assert_eq!((last.state, last.foreign, board.voltage), (State::Active, 1, 250));
     }
 

@@ -8,10 +8,12 @@ use crate::{
     wire::Reader,
 };
 
-/// Room for a stuffed frame. Longer than any of this version, so that a later version's hello is still known as such.
+/// Room for a stuffed frame. Longer than any of this version, so that a later version's hello is
+/// still known as such.
 const ROOM: usize = 128;
 
-/// What can be framed: [`HostMessage`](crate::HostMessage) or [`DeviceMessage`](crate::DeviceMessage).
+/// What can be framed: [`HostMessage`](crate::HostMessage) or
+/// [`DeviceMessage`](crate::DeviceMessage).
 pub trait Message: Sized + sealed::Sealed {
     /// The message as it goes over the line.
     fn frame(&self) -> Frame;
@@ -22,7 +24,8 @@ pub(crate) mod sealed {
 
     /// How a direction's messages are read.
     pub trait Sealed: Sized {
-        /// Length of the payload of `kind` [byte]; none for a kind that this direction does not have.
+        /// Length of the payload of `kind` [byte]; none for a kind that this direction does not
+        /// have.
         fn length(kind: u8) -> Option<usize>;
 
         /// Reads a payload of the right length.
@@ -160,7 +163,8 @@ impl<M: Message> Decoder<M> {
     /// Takes the next byte. Returns a message when the byte completes one.
     ///
     /// # Errors
-    /// [`Rejection`] when the byte ends a frame that is thrown away. It is counted, and the next byte starts a new frame.
+    /// [`Rejection`] when the byte ends a frame that is thrown away. It is counted, and the next
+    /// byte starts a new frame.
     pub fn push(&mut self, byte: u8) -> Result<Option<M>, Rejection> {
         if byte != 0 {
             match self.bytes.get_mut(self.length) {
@@ -193,7 +197,8 @@ fn parse<M: Message>(stuffed: &mut [u8]) -> Result<M, Rejection> {
     let length = cobs::decode_in_place(stuffed).map_err(|_| Rejection::Framing)?;
     let body = stuffed.get(..length).ok_or(Rejection::Framing)?;
     let (content, crc) = body.split_last_chunk::<TRAILER>().ok_or(Rejection::Framing)?;
-    let (&[version, kind], payload) = content.split_first_chunk::<HEADER>().ok_or(Rejection::Framing)?;
+    let (&[version, kind], payload) =
+        content.split_first_chunk::<HEADER>().ok_or(Rejection::Framing)?;
     if checksum(content) != u32::from_le_bytes(*crc) {
         return Err(Rejection::Crc);
     }
@@ -223,7 +228,11 @@ mod tests {
         assert_eq!(fed(&mut decoder, &[7; 300]), None);
         assert_eq!(fed(&mut decoder, &[0]), Some(Rejection::TooLong));
         assert_eq!(fed(&mut decoder, &[3, 1, 2, 0]), Some(Rejection::Framing), "too short");
-        assert_eq!(fed(&mut decoder, &[9, 1, 2, 0]), Some(Rejection::Framing), "points past its end");
+        assert_eq!(
+            fed(&mut decoder, &[9, 1, 2, 0]),
+            Some(Rejection::Framing),
+            "points past its end"
+        );
         let good = Frame::new(0x01, session);
         let mut wrong = [0; 16];
         let wrong = &mut wrong[..good.as_bytes().len()];
@@ -232,14 +241,27 @@ mod tests {
         assert_eq!(fed(&mut decoder, wrong), Some(Rejection::Crc));
         let foreign = Frame::versioned(1, 0x01, session);
         assert_eq!(fed(&mut decoder, foreign.as_bytes()), Some(Rejection::Version(1)));
-        assert_eq!(fed(&mut decoder, Frame::new(0x33, session).as_bytes()), Some(Rejection::Kind(0x33)));
+        assert_eq!(
+            fed(&mut decoder, Frame::new(0x33, session).as_bytes()),
+            Some(Rejection::Kind(0x33))
+        );
         let long = Frame::new(0x01, |body| _ = body.put([1; 5]));
-        assert_eq!(fed(&mut decoder, long.as_bytes()), Some(Rejection::Length { kind: 1, came: 5 }));
+        assert_eq!(
+            fed(&mut decoder, long.as_bytes()),
+            Some(Rejection::Length { kind: 1, came: 5 })
+        );
         let none = Frame::new(0x01, |body| _ = body.put([0; 4]));
         assert_eq!(fed(&mut decoder, none.as_bytes()), Some(Rejection::Value(1)), "session zero");
         assert_eq!(fed(&mut decoder, good.as_bytes()), None);
-        let expected =
-            Rejections { too_long: 1, framing: 2, crc: 1, version: 1, kind: 1, length: 1, value: 1 };
+        let expected = Rejections {
+            too_long: 1,
+            framing: 2,
+            crc: 1,
+            version: 1,
+            kind: 1,
+            length: 1,
+            value: 1,
+        };
         assert_eq!(*decoder.rejections(), expected);
         assert_eq!(expected.total(), 8);
     }

@@ -1,8 +1,8 @@
 //! The device's side: what voltage the motor gets, decided once a cycle, trusting no host.
 
 use crate::{
-    Cause, DeviceMessage, Event, FaultReport, Hello, HelloError, HostMessage, Measurement, Origin, Readings,
-    Rejection, Session, State, VoltageCommand, WINDOW,
+    Cause, DeviceMessage, Event, FaultReport, Hello, HelloError, HostMessage, Measurement, Origin,
+    Readings, Rejection, Session, State, VoltageCommand, WINDOW,
 };
 
 /// Cycles between two announcements of a device that has no host.
@@ -19,7 +19,8 @@ pub enum Refusal {
     Latched,
     /// A voltage came while the motor may not move.
     NotActive,
-    /// The message's number is not newer than the last one's: a duplicate, a replay, or out of order.
+    /// The message's number is not newer than the last one's: a duplicate, a replay, or out of
+    /// order.
     NotNewer,
     /// The message's number is further ahead of the last one's than [`WINDOW`].
     TooFarAhead,
@@ -65,9 +66,9 @@ struct Held {
 
 /// The device's state machine. One of these runs in the firmware and in the emulator.
 ///
-/// Call [`receive`](Self::receive) for each message and [`tick`](Self::tick) once a cycle, and put what it returns on
-/// the motor. The motor has zero volts unless the state is [`State::Active`] and a command is valid, so it has after a
-/// restart, which begins with a new `Device`.
+/// Call [`receive`](Self::receive) for each message and [`tick`](Self::tick) once a cycle, and put
+/// what it returns on the motor. The motor has zero volts unless the state is [`State::Active`] and
+/// a command is valid, so it has after a restart, which begins with a new `Device`.
 #[derive(Debug, Clone)]
 pub struct Device {
     hello: Hello,
@@ -98,8 +99,9 @@ pub struct Device {
 impl Device {
     /// A device that has just started: inactive, without a host.
     ///
-    /// From `seed` come the numbers of its sessions. It is to be another one after each start, from noise of a converter, a generator of random
-    /// numbers or a counter in non-volatile memory: then nothing that was recorded before the start counts after it.
+    /// From `seed` come the numbers of its sessions. It is to be another one after each start, from
+    /// noise of a converter, a generator of random numbers or a counter in non-volatile memory:
+    /// then nothing that was recorded before the start counts after it.
     ///
     /// # Errors
     /// [`HelloError`] if the description breaks a rule.
@@ -149,11 +151,15 @@ impl Device {
         self.foreign
     }
 
-    /// Counts a frame that the decoder threw away, if it was whole: then it was not noise, but somebody who speaks another version.
+    /// Counts a frame that the decoder threw away, if it was whole: then it was not noise, but
+    /// somebody who speaks another version.
     pub const fn reject(&mut self, rejection: &Rejection) {
         match rejection {
             Rejection::TooLong | Rejection::Framing | Rejection::Crc => {}
-            Rejection::Version(_) | Rejection::Kind(_) | Rejection::Length { .. } | Rejection::Value(_) => {
+            Rejection::Version(_)
+            | Rejection::Kind(_)
+            | Rejection::Length { .. }
+            | Rejection::Value(_) => {
                 self.foreign = self.foreign.wrapping_add(1);
             }
         }
@@ -236,17 +242,20 @@ impl Device {
             return Err(Refusal::Held);
         }
         self.silent = 0;
-        // The same hello again: its answer was lost. Session and numbers stay, so that nothing old becomes new.
+        // The same hello again: its answer was lost. Session and numbers stay, so that nothing old
+        // becomes new.
         if !alive {
             (self.session, self.asked, self.sequence) = (Some(self.draw()), Some(number), 0);
         }
         Ok(())
     }
 
-    /// A session's number that no host knows in advance: SplitMix64 (Steele, Lea and Flood 2014), stirred by when hosts come.
+    /// A session's number that no host knows in advance: SplitMix64 (Steele, Lea and Flood 2014),
+    /// stirred by when hosts come.
     fn draw(&mut self) -> Session {
         loop {
-            self.seed = self.seed.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_add(self.cycle as u64);
+            self.seed =
+                self.seed.wrapping_add(0x9E37_79B9_7F4A_7C15).wrapping_add(self.cycle as u64);
             let mut mixed = self.seed;
             mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
             mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -282,10 +291,15 @@ impl Device {
             (State::Active, Some(held)) => held.voltage,
             _ => 0,
         };
-        // It stays expired until the next command: the cycle's number comes round again after 2^32 cycles.
+        // It stays expired until the next command: the cycle's number comes round again after 2^32
+        // cycles.
         self.expired = self.held.is_some() && valid.is_none();
         if self.expired {
-            self.held = self.held.map(|held| Held { cycles: 0, answers: self.cycle.wrapping_sub(1), ..held });
+            self.held = self.held.map(|held| Held {
+                cycles: 0,
+                answers: self.cycle.wrapping_sub(1),
+                ..held
+            });
         }
         Output {
             voltage: self.applied,
@@ -340,7 +354,8 @@ impl Device {
         Ok(())
     }
 
-    /// Whether a message is the session's next. Its number is used up then, whatever becomes of the message.
+    /// Whether a message is the session's next. Its number is used up then, whatever becomes of the
+    /// message.
     fn admit(&mut self, Origin { session, sequence }: Origin) -> Result<(), Refusal> {
         if self.session != Some(session) {
             return Err(Refusal::OtherSession);
@@ -355,7 +370,8 @@ impl Device {
         }
     }
 
-    /// Follows the table. Whatever leads out of motion, or into it, forgets the command that was held.
+    /// Follows the table. Whatever leads out of motion, or into it, forgets the command that was
+    /// held.
     fn happen(&mut self, event: Event, cause: Cause) {
         let before = self.state;
         self.state = before.after(event);

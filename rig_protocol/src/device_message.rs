@@ -37,7 +37,9 @@ impl Message for DeviceMessage {
     fn frame(&self) -> Frame {
         match self {
             Self::Hello(hello) => Frame::new(HELLO, |body| hello.write(body)),
-            Self::Measurement(measurement) => Frame::new(MEASUREMENT, |body| measurement.write(body)),
+            Self::Measurement(measurement) => {
+                Frame::new(MEASUREMENT, |body| measurement.write(body))
+            }
             Self::Fault(FaultReport { cycle, cause, state }) => Frame::new(FAULT, |body| {
                 body.put(cycle.to_le_bytes()).put([*cause as u8, *state as u8]);
             }),

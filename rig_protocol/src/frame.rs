@@ -1,4 +1,5 @@
-//! A frame: version, kind, payload and CRC, stuffed so that no byte of it is zero, and a zero byte at its end.
+//! A frame: version, kind, payload and CRC, stuffed so that no byte of it is zero, and a zero byte
+//! at its end.
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
@@ -13,11 +14,13 @@ pub(crate) const TRAILER: usize = 4;
 /// Length of the longest frame before it is stuffed [byte].
 pub(crate) const MAX_BODY: usize = HEADER + MAX_PAYLOAD + TRAILER;
 
-/// Length of the longest frame on the line [byte], its zero byte included. COBS adds one byte to up to 254.
+/// Length of the longest frame on the line [byte], its zero byte included. COBS adds one byte to up
+/// to 254.
 pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_BODY) + 1;
 
-/// CRC-32/ISO-HDLC, that of Ethernet and zip: of any burst up to 32 bits nothing passes it, of longer garbage one frame in 2^32. The
-/// two bytes it has over a 16-bit CRC are a tenth of the shortest command, and what slips through is a voltage.
+/// CRC-32/ISO-HDLC, that of Ethernet and zip: of any burst up to 32 bits nothing passes it, of
+/// longer garbage one frame in 2^32. The two bytes it has over a 16-bit CRC are a tenth of the
+/// shortest command, and what slips through is a voltage.
 const CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// The CRC of `bytes`.
@@ -39,7 +42,8 @@ impl Frame {
         self.bytes.get(..self.length).unwrap_or_default()
     }
 
-    /// The same frame as a speaker of another version would send it: for tests of what becomes of it.
+    /// The same frame as a speaker of another version would send it: for tests of what becomes of
+    /// it.
     #[must_use]
     pub fn of_version(&self, version: u8) -> Self {
         let mut stuffed = self.bytes;
@@ -103,7 +107,8 @@ mod tests {
         assert_eq!(frame.of_version(9), Frame::versioned(9, 0x55, |body| _ = body.put([1, 0, 3])));
     }
 
-    /// The examples in Cheshire and Baker, Consistent Overhead Byte Stuffing, IEEE/ACM Transactions on Networking 7 (1999).
+    /// The examples in Cheshire and Baker, Consistent Overhead Byte Stuffing, IEEE/ACM Transactions
+    /// on Networking 7 (1999).
     #[test]
     fn the_stuffing_is_the_published_one() {
         for (plain, stuffed) in [

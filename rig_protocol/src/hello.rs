@@ -35,8 +35,8 @@ impl Name {
     fn from_bytes(bytes: [u8; 16]) -> Option<Self> {
         let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
         let (text, rest) = bytes.split_at_checked(end)?;
-        let plain =
-            text.iter().all(|byte| (b' '..=b'~').contains(byte)) && rest.iter().all(|byte| *byte == 0);
+        let plain = text.iter().all(|byte| (b' '..=b'~').contains(byte))
+            && rest.iter().all(|byte| *byte == 0);
         plain.then_some(Self(bytes))
     }
 }
@@ -72,9 +72,11 @@ impl Channels {
 /// What a device is and what its counts mean. Load side of the gear, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hello {
-    /// The number of the hello that this answers; none when the device speaks up by itself, after it started.
+    /// The number of the hello that this answers; none when the device speaks up by itself, after
+    /// it started.
     pub answers: Option<Session>,
-    /// The session that the device grants: every further message of this host carries it. None when the device speaks up by itself.
+    /// The session that the device grants: every further message of this host carries it. None when
+    /// the device speaks up by itself.
     pub session: Option<Session>,
     /// The device's name.
     pub name: Name,
@@ -100,7 +102,8 @@ pub struct Hello {
     pub current_per_count: f32,
     /// Longest validity of a command [us], at least a period: a longer one is cut to it.
     pub validity_limit_us: u32,
-    /// The device goes inactive when it hears nothing from its host for this long [us], at least the validity limit.
+    /// The device goes inactive when it hears nothing from its host for this long [us], at least
+    /// the validity limit.
     pub host_timeout_us: u32,
 }
 
@@ -158,7 +161,8 @@ impl Hello {
     /// Cycles in `time_us` [us], rounded up.
     #[must_use]
     pub const fn cycles(&self, time_us: u32) -> u32 {
-        // A period of zero is refused by `check`; dividing by one instead only keeps this free of panics.
+        // A period of zero is refused by `check`; dividing by one instead only keeps this free of
+        // panics.
         time_us.div_ceil(if self.period_us == 0 { 1 } else { self.period_us })
     }
 

@@ -20,8 +20,9 @@ const CLOSE: u8 = 0x08;
 pub struct Origin {
     /// The session that the device granted.
     pub session: Session,
-    /// Number of the message in its session, from 1, one more each time; after 2^32 - 1 comes 1. The device takes only numbers that are newer
-    /// than the last, by at most [`WINDOW`](crate::WINDOW).
+    /// Number of the message in its session, from 1, one more each time; after 2^32 - 1 comes 1.
+    /// The device takes only numbers that are newer than the last, by at most
+    /// [`WINDOW`](crate::WINDOW).
     pub sequence: u32,
 }
 
@@ -42,20 +43,22 @@ impl Origin {
 pub struct VoltageCommand {
     /// Session and number.
     pub origin: Origin,
-    /// Cycle of the measurement that this command answers. The validity counts from there, on the device's own clock: what lay in
-    /// a buffer for too long is old when it arrives.
+    /// Cycle of the measurement that this command answers. The validity counts from there, on the
+    /// device's own clock: what lay in a buffer for too long is old when it arrives.
     pub answers: u32,
     /// The voltage [count of the voltage output].
     pub voltage: i16,
-    /// How long after the measurement the voltage may be applied [us]. The device cuts it to its own limit.
+    /// How long after the measurement the voltage may be applied [us]. The device cuts it to its
+    /// own limit.
     pub validity_us: u32,
 }
 
 /// A message from the host to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HostMessage {
-    /// Asks for a session: the motor goes to zero volts, the device says [`Hello`](crate::Hello) with the session that it grants, and sends
-    /// measurements from now on. Refused while another host is alive.
+    /// Asks for a session: the motor goes to zero volts, the device says [`Hello`](crate::Hello)
+    /// with the session that it grants, and sends measurements from now on. Refused while another
+    /// host is alive.
     Hello {
         /// A number that the host draws at random: the device repeats it in its answer.
         number: Session,
@@ -80,7 +83,9 @@ impl Message for HostMessage {
     fn frame(&self) -> Frame {
         let with_origin = |kind, origin: Origin| Frame::new(kind, |body| _ = origin.write(body));
         match *self {
-            Self::Hello { number } => Frame::new(HELLO, |body| _ = body.put(number.get().to_le_bytes())),
+            Self::Hello { number } => {
+                Frame::new(HELLO, |body| _ = body.put(number.get().to_le_bytes()))
+            }
             Self::Voltage(VoltageCommand { origin, answers, voltage, validity_us }) => {
                 Frame::new(VOLTAGE, |body| {
                     origin

@@ -1,12 +1,15 @@
-//! What a rig's microcontroller and its driver say to each other over a serial line, and how the device stays safe.
+//! What a rig's microcontroller and its driver say to each other over a serial line, and how the
+//! device stays safe.
 //!
-//! Frames are `version | kind | payload | CRC-32`, stuffed with COBS and ended by a zero byte; `rig_driver/PROTOCOL.md` has every byte.
-//! [`HostMessage`] goes to the device, [`DeviceMessage`] comes from it, [`Decoder`] finds either in a stream of bytes.
-//! [`Device`] is the device's side: it decides once a cycle what voltage the motor gets, and it trusts no host.
+//! Frames are `version | kind | payload | CRC-32`, stuffed with COBS and ended by a zero byte;
+//! `rig_driver/PROTOCOL.md` has every byte. [`HostMessage`] goes to the device, [`DeviceMessage`]
+//! comes from it, [`Decoder`] finds either in a stream of bytes. [`Device`] is the device's side:
+//! it decides once a cycle what voltage the motor gets, and it trusts no host.
 //!
-//! The crate needs neither the standard library nor an allocator, so firmware uses it as it is. What goes over the line each cycle is
-//! in whole numbers of the device's own converters; their scales come once, in [`Hello`]. A microcontroller then needs no
-//! floating point, a recording can be scaled anew after a calibration, and a voltage that is not a number cannot be said.
+//! The crate needs neither the standard library nor an allocator, so firmware uses it as it is.
+//! What goes over the line each cycle is in whole numbers of the device's own converters; their
+//! scales come once, in [`Hello`]. A microcontroller then needs no floating point, a recording can
+//! be scaled anew after a calibration, and a voltage that is not a number cannot be said.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -32,10 +35,11 @@ pub use states::{Cause, Event, State, TRANSITIONS};
 /// The protocol's version, the first byte of every frame. Frames of another version are refused.
 pub const VERSION: u8 = 2;
 
-/// How far a message's number may be ahead of the last one's: so many frames may be lost in a row. Further ahead it is refused.
+/// How far a message's number may be ahead of the last one's: so many frames may be lost in a row.
+/// Further ahead it is refused.
 pub const WINDOW: u32 = 1 << 16;
 
-/// Number of a session. A host draws one at random for its hello, which tells the answer to it from answers to an earlier one; the device
-/// draws the session's own, which tells the host that may drive from everybody else. It is no secret: who reads the line knows it.
-/// Zero is no session.
+/// Number of a session. A host draws one at random for its hello, which tells the answer to it from
+/// answers to an earlier one; the device draws the session's own, which tells the host that may
+/// drive from everybody else. It is no secret: who reads the line knows it. Zero is no session.
 pub type Session = core::num::NonZeroU32;

@@ -42,8 +42,9 @@ pub struct Measurement {
     pub command_sequence: u32,
     /// Messages of the session refused since the device started, with wrap-around.
     pub refused: u16,
-    /// Whole frames that were not the session's, since the device started, with wrap-around: of another session, of another version, or
-    /// without meaning. Noise makes none of them; somebody else writes to the line.
+    /// Whole frames that were not the session's, since the device started, with wrap-around: of
+    /// another session, of another version, or without meaning. Noise makes none of them; somebody
+    /// else writes to the line.
     pub foreign: u16,
     /// The device's state.
     pub state: State,

@@ -181,7 +181,10 @@ mod tests {
     fn states_and_causes_are_their_own_bytes() {
         for byte in 0..=u8::MAX {
             assert_eq!(State::from_byte(byte).map(|state| state as u8), (byte < 4).then_some(byte));
-            assert_eq!(Cause::from_byte(byte).map(|cause| cause as u8), (byte < 10).then_some(byte));
+            assert_eq!(
+                Cause::from_byte(byte).map(|cause| cause as u8),
+                (byte < 10).then_some(byte)
+            );
         }
         for (index, event) in Event::ALL.into_iter().enumerate() {
             assert_eq!(event as usize, index);

@@ -2,7 +2,8 @@
 
 use crate::frame::MAX_BODY;
 
-/// A frame's body while it is put together. What does not fit is left out; the longest message fits, which a test shows.
+/// A frame's body while it is put together. What does not fit is left out; the longest message
+/// fits, which a test shows.
 pub(crate) struct Writer {
     bytes: [u8; MAX_BODY],
     length: usize,
@@ -36,7 +37,8 @@ impl<'a> Reader<'a> {
         Self(payload)
     }
 
-    /// The next `N` bytes; zeros past the end. The decoder has compared the payload's length with its kind's before.
+    /// The next `N` bytes; zeros past the end. The decoder has compared the payload's length with
+    /// its kind's before.
     pub(crate) fn take<const N: usize>(&mut self) -> [u8; N] {
         match self.0.split_first_chunk::<N>() {
             Some((bytes, rest)) => {

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use rig_protocol::{
-    Cause, Channels, Decoder, DeviceMessage, FaultReport, Hello, HostMessage, MAX_FRAME, Measurement,
-    Message, Name, Origin, Readings, Rejection, Session, State, VoltageCommand,
+    Cause, Channels, Decoder, DeviceMessage, FaultReport, Hello, HostMessage, MAX_FRAME,
+    Measurement, Message, Name, Origin, Readings, Rejection, Session, State, VoltageCommand,
 };
 
 fn session() -> impl Strategy<Value = Session> {
@@ -17,9 +17,11 @@ fn origin() -> impl Strategy<Value = Origin> {
 fn host_message() -> impl Strategy<Value = HostMessage> {
     prop_oneof![
         session().prop_map(|number| HostMessage::Hello { number }),
-        (origin(), any::<(u32, i16, u32)>()).prop_map(|(origin, (answers, voltage, validity_us))| {
-            HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us })
-        }),
+        (origin(), any::<(u32, i16, u32)>()).prop_map(
+            |(origin, (answers, voltage, validity_us))| {
+                HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us })
+            }
+        ),
         origin().prop_map(HostMessage::Heartbeat),
         origin().prop_map(HostMessage::Activate),
         Just(HostMessage::Deactivate),
@@ -32,7 +34,12 @@ fn host_message() -> impl Strategy<Value = HostMessage> {
 fn hello() -> impl Strategy<Value = Hello> {
     let scale = || prop_oneof![1e-6..1.0f32, -1.0..-1e-6f32];
     (
-        (proptest::option::of((session(), session())), "[ -~]{0,16}", any::<[u8; 3]>(), any::<[bool; 4]>()),
+        (
+            proptest::option::of((session(), session())),
+            "[ -~]{0,16}",
+            any::<[u8; 3]>(),
+            any::<[bool; 4]>(),
+        ),
         (100..=10_000u32, 1..=u32::MAX, scale(), 1..=i16::MAX),
         (scale(), scale(), scale(), scale()),
         (10_000..=1_000_000u32, 1_000_000..=10_000_000u32),
@@ -75,7 +82,11 @@ fn measurement() -> impl Strategy<Value = Measurement> {
         (state(), cause(), any::<bool>(), any::<bool>()),
     )
         .prop_map(
-            |((cycle, time_us, readings), (command, session), (state, cause, saturated, expired))| {
+            |(
+                (cycle, time_us, readings),
+                (command, session),
+                (state, cause, saturated, expired),
+            )| {
                 let [encoder, tachometer, potentiometer, torque, current] = readings;
                 let (voltage_asked, voltage_applied, command_sequence, refused, foreign) = command;
                 Measurement {
@@ -101,8 +112,9 @@ fn device_message() -> impl Strategy<Value = DeviceMessage> {
     prop_oneof![
         hello().prop_map(DeviceMessage::Hello),
         measurement().prop_map(DeviceMessage::Measurement),
-        (any::<u32>(), cause(), state())
-            .prop_map(|(cycle, cause, state)| DeviceMessage::Fault(FaultReport { cycle, cause, state })),
+        (any::<u32>(), cause(), state()).prop_map(|(cycle, cause, state)| DeviceMessage::Fault(
+            FaultReport { cycle, cause, state }
+        )),
     ]
 }
 
@@ -124,7 +136,8 @@ proptest! {
         prop_assert_eq!(decoded(&mut decoder, message.frame().as_bytes()), vec![Ok(message)]);
     }
 
-    /// The frame that garbage runs into may be lost, the next is not, and the garbage itself says nothing.
+    /// The frame that garbage runs into may be lost, the next is not, and the garbage itself says
+    /// nothing.
     #[test]
     fn after_garbage_it_is_in_step_again_within_two_frames(
         garbage in proptest::collection::vec(any::<u8>(), 0..600),
@@ -142,8 +155,8 @@ proptest! {
         prop_assert!(said == [second] || said == [first, second], "{:?}", said);
     }
 
-    /// A stream in which bytes were lost, changed and inserted yields only messages that were sent, and every one that was left alone
-    /// between two zero bytes that were left alone.
+    /// A stream in which bytes were lost, changed and inserted yields only messages that were sent,
+    /// and every one that was left alone between two zero bytes that were left alone.
     #[test]
     fn a_damaged_stream_says_nothing_that_was_not_said(
         messages in proptest::collection::vec(host_message(), 1..8),
@@ -203,7 +216,8 @@ proptest! {
         prop_assert_eq!(said.len(), 1);
         match said[0] {
             Err(Rejection::Version(came)) => prop_assert!(came == version && version != rig_protocol::VERSION),
-            // A message that was read says the same bytes again, unless a float in it is not a number, which no rule lets pass.
+            // A message that was read says the same bytes again, unless a float in it is not a
+            // number, which no rule lets pass.
             Ok(message) => {
                 let again = message.frame();
                 prop_assert_eq!(again.as_bytes(), stream);
@@ -214,7 +228,8 @@ proptest! {
     }
 }
 
-/// 8N1: ten bits a byte. A cycle of 1 ms on 2 Mbaud carries 200 bytes each way; half of that is the limit.
+/// 8N1: ten bits a byte. A cycle of 1 ms on 2 Mbaud carries 200 bytes each way; half of that is the
+/// limit.
 #[test]
 fn a_cycle_takes_at_most_100_bytes_each_way() {
     let session = Session::MAX;
@@ -230,7 +245,13 @@ fn a_cycle_takes_at_most_100_bytes_each_way() {
     let measurement = Measurement {
         cycle: u32::MAX,
         time_us: u64::MAX,
-        readings: Readings { encoder: -1, tachometer: -1, potentiometer: -1, torque: -1, current: -1 },
+        readings: Readings {
+            encoder: -1,
+            tachometer: -1,
+            potentiometer: -1,
+            torque: -1,
+            current: -1,
+        },
         voltage_asked: -1,
         voltage_applied: -1,
         session: Some(session),

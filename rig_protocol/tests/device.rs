@@ -5,8 +5,8 @@ mod promises;
 use promises::{LIMIT, Promises, of, session};
 use proptest::prelude::*;
 use rig_protocol::{
-    Cause, Device, DeviceMessage, Hello, HostMessage, Inputs, Origin, Readings, Refusal, Session, State,
-    VoltageCommand, WINDOW,
+    Cause, Device, DeviceMessage, Hello, HostMessage, Inputs, Origin, Readings, Refusal, Session,
+    State, VoltageCommand, WINDOW,
 };
 
 const VALIDITY: u32 = 20;
@@ -56,7 +56,8 @@ fn a_new_device_announces_itself_and_has_zero_volts_whatever_is_commanded() {
     );
     let announced = (0..1000).filter(|_| device.tick(Inputs::default()).announce).count();
     assert_eq!(announced, 10);
-    let Ok(Some(DeviceMessage::Hello(answer))) = device.receive(&HostMessage::Hello { number: session(7) })
+    let Ok(Some(DeviceMessage::Hello(answer))) =
+        device.receive(&HostMessage::Hello { number: session(7) })
     else {
         panic!("no answer to hello")
     };
@@ -68,7 +69,8 @@ fn a_new_device_announces_itself_and_has_zero_volts_whatever_is_commanded() {
 
 #[test]
 fn a_command_holds_for_its_validity_after_the_measurement_it_answers_and_not_a_cycle_longer() {
-    for (validity_us, cycles) in [(20_000, 20), (1, 1), (1000, 1), (1001, 2), (u32::MAX, VALIDITY)] {
+    for (validity_us, cycles) in [(20_000, 20), (1, 1), (1000, 1), (1001, 2), (u32::MAX, VALIDITY)]
+    {
         for delay in 0..cycles {
             let mut device = active();
             volts(&mut device);
@@ -95,7 +97,10 @@ fn what_lay_in_a_buffer_for_longer_than_its_validity_is_refused() {
         volts(&mut device);
     }
     assert_eq!(device.receive(&command(&device, 2, answers, 500)), Err(Refusal::Stale));
-    assert_eq!(device.receive(&command(&device, 3, device.cycle() + 1, 500)), Err(Refusal::FromTheFuture));
+    assert_eq!(
+        device.receive(&command(&device, 3, device.cycle() + 1, 500)),
+        Err(Refusal::FromTheFuture)
+    );
     assert_eq!(volts(&mut device), 0);
     assert_eq!(device.refused(), 2);
 }
@@ -129,15 +134,19 @@ fn a_command_that_was_refused_is_not_obeyed_when_it_comes_again() {
     assert_eq!(volts(&mut device), 0);
 }
 
-/// A second host gets in only when the first is gone: closed, or silent for the host timeout. Until then nothing that it says moves the
-/// motor or stops it, but for the two messages that may stop it.
+/// A second host gets in only when the first is gone: closed, or silent for the host timeout. Until
+/// then nothing that it says moves the motor or stops it, but for the two messages that may stop
+/// it.
 #[test]
 fn a_hello_does_not_take_the_device_from_a_host_that_is_alive() {
     let mut device = active();
     device.receive(&command(&device, 2, device.cycle(), 500)).unwrap();
     let other = HostMessage::Hello { number: session(2) };
     assert_eq!(device.receive(&other), Err(Refusal::Held));
-    assert_eq!(device.receive(&HostMessage::Activate(of(session(2), 1))), Err(Refusal::OtherSession));
+    assert_eq!(
+        device.receive(&HostMessage::Activate(of(session(2), 1))),
+        Err(Refusal::OtherSession)
+    );
     assert_eq!(volts(&mut device), 500, "the host that is there goes on");
     device.receive(&HostMessage::Deactivate).unwrap();
     assert_eq!(device.receive(&other), Err(Refusal::Held), "stopping it does not let anybody in");
@@ -147,14 +156,18 @@ fn a_hello_does_not_take_the_device_from_a_host_that_is_alive() {
         assert_eq!(device.receive(&other), Err(Refusal::Held));
     }
     volts(&mut device);
-    assert!(matches!(device.receive(&other), Ok(Some(DeviceMessage::Hello(_)))), "its host is silent");
+    assert!(
+        matches!(device.receive(&other), Ok(Some(DeviceMessage::Hello(_)))),
+        "its host is silent"
+    );
     device.receive(&HostMessage::Close(own(&device, 1))).unwrap();
     let shown = device.tick(Inputs::default());
     assert!(!shown.stream, "nobody listens");
     device.receive(&HostMessage::Hello { number: session(1) }).unwrap();
 }
 
-/// The answer to a hello may be lost, so that it is said again. Whoever replays it stops the motor, but does not make old frames new.
+/// The answer to a hello may be lost, so that it is said again. Whoever replays it stops the motor,
+/// but does not make old frames new.
 #[test]
 fn the_same_hello_again_stops_the_motor_and_leaves_the_numbers_as_they_were() {
     let mut device = active();
@@ -163,7 +176,11 @@ fn the_same_hello_again_stops_the_motor_and_leaves_the_numbers_as_they_were() {
     assert_eq!(volts(&mut device), 500);
     assert!(device.receive(&HostMessage::Hello { number: session(1) }).is_ok());
     assert_eq!(device.state(), State::Inactive);
-    assert_eq!(device.receive(&HostMessage::Activate(own(&device, 1))), Err(Refusal::NotNewer), "a replay");
+    assert_eq!(
+        device.receive(&HostMessage::Activate(own(&device, 1))),
+        Err(Refusal::NotNewer),
+        "a replay"
+    );
     assert_eq!(device.receive(&sent), Err(Refusal::NotNewer));
     assert_eq!(volts(&mut device), 0);
 }
@@ -303,7 +320,8 @@ fn happening() -> impl Strategy<Value = Happening> {
 }
 
 proptest! {
-    /// Longer than the search of all sequences can be, with any numbers: the device does what the promises' own books say.
+    /// Longer than the search of all sequences can be, with any numbers: the device does what the
+    /// promises' own books say.
     #[test]
     fn whatever_happens_the_motor_has_volts_only_by_a_valid_command_while_active(
         happenings in proptest::collection::vec(happening(), 0..300),

@@ -1,12 +1,13 @@
-//! Every sequence of events, up to a length, driven through the device: every message of its host and of a stranger, fresh, replayed,
-//! stale and ahead, time that passes, faults and the switch. And every single damage to the bytes of a frame.
+//! Every sequence of events, up to a length, driven through the device: every message of its host
+//! and of a stranger, fresh, replayed, stale and ahead, time that passes, faults and the switch.
+//! And every single damage to the bytes of a frame.
 
 mod promises;
 
 use promises::{LIMIT, Promises, hello, of, session};
 use rig_protocol::{
-    Cause, Decoder, Device, DeviceMessage, HostMessage, Inputs, Message, Origin, Readings, Rejection,
-    Session, State, VoltageCommand, WINDOW,
+    Cause, Decoder, Device, DeviceMessage, HostMessage, Inputs, Message, Origin, Readings,
+    Rejection, Session, State, VoltageCommand, WINDOW,
 };
 
 /// Cycles that a command holds at most.
@@ -83,7 +84,8 @@ struct Search {
 struct Bench {
     device: Device,
     promises: Promises,
-    /// The session that each of the two hosts was granted last, and the last number of its messages in it.
+    /// The session that each of the two hosts was granted last, and the last number of its messages
+    /// in it.
     hosts: [(Option<Session>, u32); 2],
     last: Option<HostMessage>,
     last_activation: Option<HostMessage>,
@@ -118,7 +120,8 @@ impl Bench {
                 return Ok(true);
             }
             Happening::DriverFault => {
-                return self.tick(Inputs { emergency_stop: false, fault: Some(Cause::DriverStage) });
+                return self
+                    .tick(Inputs { emergency_stop: false, fault: Some(Cause::DriverStage) });
             }
             Happening::Switch => return self.tick(Inputs { emergency_stop: true, fault: None }),
             Happening::OldVersion => {
@@ -147,7 +150,10 @@ impl Bench {
             },
             Happening::FarAhead => {
                 let (granted, sequence) = self.hosts[0];
-                HostMessage::Activate(of(granted.unwrap_or(session(1)), sequence.wrapping_add(WINDOW + 2)))
+                HostMessage::Activate(of(
+                    granted.unwrap_or(session(1)),
+                    sequence.wrapping_add(WINDOW + 2),
+                ))
             }
             Happening::Deactivate => HostMessage::Deactivate,
             Happening::EmergencyStop => HostMessage::EmergencyStop,
@@ -193,7 +199,9 @@ impl Bench {
         if output.voltage != expected {
             return Err(format!("{} counts, where {expected} are right", output.voltage));
         }
-        if output.voltage != 0 && self.device.state() != State::Active || output.voltage.abs() > LIMIT {
+        if output.voltage != 0 && self.device.state() != State::Active
+            || output.voltage.abs() > LIMIT
+        {
             return Err(format!("{} counts in {:?}", output.voltage, self.device.state()));
         }
         self.agree()?;
@@ -221,9 +229,11 @@ impl Search {
             self.events += 1;
             match bench.happen(happening) {
                 Ok(changed) => {
-                    self.driven +=
-                        u64::from(bench.device.measurement(0, Readings::default()).voltage_asked != 0);
-                    // What changed nothing but a count is followed by what follows without it, and that is searched there.
+                    self.driven += u64::from(
+                        bench.device.measurement(0, Readings::default()).voltage_asked != 0,
+                    );
+                    // What changed nothing but a count is followed by what follows without it, and
+                    // that is searched there.
                     if left > 0 && changed {
                         self.follow(&bench, left - 1);
                     }
@@ -237,7 +247,8 @@ impl Search {
 
 fn search(path: &[Happening], depth: u32) -> Search {
     let mut bench = Bench::new();
-    let mut search = Search { events: 0, driven: 0, path: [Happening::Cycle; 16], length: path.len() };
+    let mut search =
+        Search { events: 0, driven: 0, path: [Happening::Cycle; 16], length: path.len() };
     search.path[..path.len()].copy_from_slice(path);
     for happening in path {
         bench.happen(*happening).unwrap_or_else(|error| panic!("{error} in {path:?}"));
@@ -246,30 +257,40 @@ fn search(path: &[Happening], depth: u32) -> Search {
     search
 }
 
-/// From the start seven events, with FRICTION_FULL eight; from a motor that turns, and after a change of hosts, one less.
+/// From the start seven events, with FRICTION_FULL eight; from a motor that turns, and after a
+/// change of hosts, one less.
 #[test]
 fn no_sequence_of_events_gives_the_motor_a_voltage_that_it_may_not_have() {
     use Happening::{Activate, Command, Cycle, Hello};
     let depth = if std::env::var_os("FRICTION_FULL").is_some() { 8 } else { 7 };
     let start = search(&[], depth);
     let turning = search(&[Cycle, Hello(1), Activate(1), Command(1, 0, 500), Cycle], depth - 1);
-    // The stranger was host before: its session, its last activation and its last command are known to the device.
-    let changed =
-        search(&[Cycle, Hello(2), Activate(2), Command(2, 0, 500), Happening::Silence, Hello(1)], depth - 1);
+    // The stranger was host before: its session, its last activation and its last command are known
+    // to the device.
+    let changed = search(
+        &[Cycle, Hello(2), Activate(2), Command(2, 0, 500), Happening::Silence, Hello(1)],
+        depth - 1,
+    );
     for (name, found) in [("start", &start), ("turning", &turning), ("changed hosts", &changed)] {
         println!("{name}: {} sequences, {} with a command", found.events, found.driven);
         assert!(found.events > 100_000 && found.driven > 1000);
     }
 }
 
-/// Every byte of every frame set to every other value, every byte left out, and every beginning of one frame before another: the
-/// decoder says what was sent or nothing, and the device does nothing else.
+/// Every byte of every frame set to every other value, every byte left out, and every beginning of
+/// one frame before another: the decoder says what was sent or nothing, and the device does nothing
+/// else.
 #[test]
 fn no_single_damage_to_a_frame_says_anything_that_was_not_sent() {
     let origin = of(session(1), 1);
     let messages = [
         HostMessage::Hello { number: session(1) },
-        HostMessage::Voltage(VoltageCommand { origin, answers: 256, voltage: 500, validity_us: 2000 }),
+        HostMessage::Voltage(VoltageCommand {
+            origin,
+            answers: 256,
+            voltage: 500,
+            validity_us: 2000,
+        }),
         HostMessage::Heartbeat(origin),
         HostMessage::Activate(origin),
         HostMessage::Deactivate,
@@ -311,7 +332,10 @@ fn no_single_damage_to_a_frame_says_anything_that_was_not_sent() {
             for other in messages {
                 let spliced = [&bytes[..place], other.frame().as_bytes()].concat();
                 let came = said(&spliced);
-                assert!(came.is_empty() || came == [other], "{came:?} of {message:?} and {other:?}");
+                assert!(
+                    came.is_empty() || came == [other],
+                    "{came:?} of {message:?} and {other:?}"
+                );
                 trials += 1;
             }
         }

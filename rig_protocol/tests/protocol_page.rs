@@ -1,4 +1,5 @@
-//! `rig_driver/PROTOCOL.md` says what the code does: its examples decode to what stands under them, and its tables are the code's.
+//! `rig_driver/PROTOCOL.md` says what the code does: its examples decode to what stands under them,
+//! and its tables are the code's.
 
 use std::{collections::BTreeSet, fmt::Debug, fs, path::Path};
 
@@ -14,10 +15,12 @@ fn examples(page: &str, direction: &str) -> Vec<(Vec<u8>, String)> {
     page.split("```")
         .filter_map(|block| block.strip_prefix(&format!("frame {direction}\n")))
         .map(|block| {
-            let (text, hexadecimal): (Vec<&str>, Vec<&str>) =
-                block.lines().partition(|line| line.starts_with(|first: char| first.is_ascii_uppercase()));
+            let (text, hexadecimal): (Vec<&str>, Vec<&str>) = block
+                .lines()
+                .partition(|line| line.starts_with(|first: char| first.is_ascii_uppercase()));
             let bytes = hexadecimal.join(" ");
-            let bytes = bytes.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("a byte"));
+            let bytes =
+                bytes.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).expect("a byte"));
             (bytes.collect(), text.join(" "))
         })
         .collect()
@@ -28,7 +31,8 @@ fn hold<M: Message + Debug>(examples: &[(Vec<u8>, String)]) -> BTreeSet<u8> {
     let mut kinds = BTreeSet::new();
     for (bytes, text) in examples {
         let mut decoder = Decoder::<M>::new();
-        let said: Vec<M> = bytes.iter().filter_map(|byte| decoder.push(*byte).expect("a frame")).collect();
+        let said: Vec<M> =
+            bytes.iter().filter_map(|byte| decoder.push(*byte).expect("a frame")).collect();
         let [message] = &said[..] else { panic!("{} messages in {bytes:x?}", said.len()) };
         assert_eq!(&format!("{message:?}"), text);
         assert_eq!(message.frame().as_bytes(), bytes);
@@ -57,9 +61,14 @@ fn the_table_of_states_is_the_one_in_the_code() {
     for state in State::ALL {
         let begin = format!("| {} {} |", state as u8, name(state));
         let row = page.lines().find(|line| line.starts_with(&begin)).expect("a row of the table");
-        let cells: Vec<String> = row.split('|').map(|cell| cell.replace('*', "").trim().to_owned()).collect();
+        let cells: Vec<String> =
+            row.split('|').map(|cell| cell.replace('*', "").trim().to_owned()).collect();
         for event in Event::ALL {
-            assert_eq!(cells[3 + event as usize], name(state.after(event)), "{state:?} on {event:?}");
+            assert_eq!(
+                cells[3 + event as usize],
+                name(state.after(event)),
+                "{state:?} on {event:?}"
+            );
         }
     }
     for cause in Cause::ALL {

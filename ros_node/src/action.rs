@@ -1,8 +1,9 @@
 //! Actions: requests that take their time, tell how far they are and can be cancelled.
 //!
-//! [`ActionServer`] does what rcl's does, on ros2-client's endpoints: a goal's result is kept for whoever asks for it, as often as it is
-//! asked, in any order of asking and finishing; feedback goes on while a goal is being cancelled; a cancel request is answered with
-//! the codes of `action_msgs/srv/CancelGoal`.
+//! [`ActionServer`] does what rcl's does, on ros2-client's endpoints: a goal's result is kept for
+//! whoever asks for it, as often as it is asked, in any order of asking and finishing; feedback
+//! goes on while a goal is being cancelled; a cancel request is answered with the codes of
+//! `action_msgs/srv/CancelGoal`.
 
 mod answers;
 mod goals;
@@ -42,16 +43,20 @@ fn service_qos() -> QosProfile {
 
 /// What a node does about the goals of an action.
 pub trait ActionHandler<A: RosAction>: Send + Sync + 'static {
-    /// A new goal, accepted already. Whoever keeps `goal` finishes it; this call must return at once, so long work needs a thread of
-    /// its own.
+    /// A new goal, accepted already. Whoever keeps `goal` finishes it; this call must return at
+    /// once, so long work needs a thread of its own.
     fn start(&self, request: A::Goal, goal: Goal<A>);
 
-    /// Somebody asks to cancel the goal, which is not finished. Whether it will be; if so, whoever keeps the goal finishes it soon.
+    /// Somebody asks to cancel the goal, which is not finished. Whether it will be; if so, whoever
+    /// keeps the goal finishes it soon.
     fn cancel(&self, id: GoalId) -> bool;
 }
 
-type Server<A> =
-    ros2_client::ActionServer<<A as RosAction>::Goal, <A as RosAction>::Result, <A as RosAction>::Feedback>;
+type Server<A> = ros2_client::ActionServer<
+    <A as RosAction>::Goal,
+    <A as RosAction>::Result,
+    <A as RosAction>::Feedback,
+>;
 
 struct Shared<A: RosAction> {
     server: Server<A>,
@@ -130,7 +135,8 @@ impl<A: RosAction> Drop for Goal<A> {
     }
 }
 
-/// An action that is offered. Dropped, it takes no more goals; those at work are the handler's to end.
+/// An action that is offered. Dropped, it takes no more goals; those at work are the handler's to
+/// end.
 pub struct ActionServer {
     stop: Arc<AtomicBool>,
     waker: Waker,
@@ -185,11 +191,17 @@ pub(crate) fn serve<A: RosAction>(
     server.cancel_server().register(registry, Token(1), Interest::READABLE).map_err(io)?;
     server.result_server().register(registry, Token(2), Interest::READABLE).map_err(io)?;
     let waker = Waker::new(registry, WAKE).map_err(io)?;
-    let shared =
-        Arc::new(Shared::<A> { server, goals: Mutex::new(Goals::new()), answers: Arc::clone(&answers) });
+    let shared = Arc::new(Shared::<A> {
+        server,
+        goals: Mutex::new(Goals::new()),
+        answers: Arc::clone(&answers),
+    });
     let stop = Arc::new(AtomicBool::new(false));
     let serving = Serving { shared, handler, stop: Arc::clone(&stop) };
-    let thread = thread::Builder::new().name("action".into()).spawn(move || serving.run(poll)).map_err(io)?;
+    let thread = thread::Builder::new()
+        .name("action".into())
+        .spawn(move || serving.run(poll))
+        .map_err(io)?;
     Ok(ActionServer { stop, waker, thread: Some(thread), answers })
 }
 
@@ -216,7 +228,9 @@ impl<A: RosAction, H: ActionHandler<A>> Serving<A, H> {
             let (id, now) = (request.goal_id, Time::now());
             let accepted = self.shared.goals().accept(id, now);
             let response = SendGoalResponse { accepted, stamp: now };
-            self.shared.answer(Service::SendGoal, to, move |server| server.send_goal_response(to, response));
+            self.shared.answer(Service::SendGoal, to, move |server| {
+                server.send_goal_response(to, response)
+            });
             if accepted {
                 self.shared.publish_statuses();
                 let shared = Arc::clone(&self.shared);
@@ -229,11 +243,13 @@ impl<A: RosAction, H: ActionHandler<A>> Serving<A, H> {
         while let Some((to, request)) = next(|| self.shared.server.receive_cancel_request()) {
             let Some(wanted) = wanted(&request) else { continue };
             let matching = self.shared.goals().matching(&wanted);
-            let granted: Vec<GoalId> = matching.into_iter().filter(|&id| self.handler.cancel(id)).collect();
+            let granted: Vec<GoalId> =
+                matching.into_iter().filter(|&id| self.handler.cancel(id)).collect();
             let response: CancelGoalResponse = self.shared.goals().cancel(&wanted, &granted);
             self.shared.publish_statuses();
-            self.shared
-                .answer(Service::CancelGoal, to, move |server| server.send_cancel_response(to, response));
+            self.shared.answer(Service::CancelGoal, to, move |server| {
+                server.send_cancel_response(to, response)
+            });
         }
     }
 
@@ -252,8 +268,11 @@ fn next<T>(receive: impl Fn() -> ros2_client::ReadResult<Option<T>>) -> Option<T
     (0..16).find_map(|_| receive().transpose().map(Result::ok)).flatten()
 }
 
-/// What a cancel request asks for; its fields are private to ros2-client, so it goes through its bytes.
+/// What a cancel request asks for; its fields are private to ros2-client, so it goes through its
+/// bytes.
 fn wanted(request: &CancelGoalRequest) -> Option<Wanted> {
     let bytes = cdr_encoding::to_vec::<_, byteorder::LittleEndian>(request).ok()?;
-    cdr_encoding::from_bytes::<Wanted, byteorder::LittleEndian>(&bytes).ok().map(|(wanted, _)| wanted)
+    cdr_encoding::from_bytes::<Wanted, byteorder::LittleEndian>(&bytes)
+        .ok()
+        .map(|(wanted, _)| wanted)
 }

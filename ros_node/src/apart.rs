@@ -10,7 +10,8 @@ use std::{
 use futures::{channel::oneshot, future::select};
 use tokio::runtime::Builder;
 
-/// Work on a thread of its own, with clock and executor of its own: nothing that other work waits for keeps it. Dropped, the work ends.
+/// Work on a thread of its own, with clock and executor of its own: nothing that other work waits
+/// for keeps it. Dropped, the work ends.
 pub(crate) struct Apart {
     end: Option<oneshot::Sender<()>>,
     thread: JoinHandle<()>,
@@ -21,7 +22,10 @@ impl Apart {
     ///
     /// # Errors
     /// What the system says if it grants no thread.
-    pub(crate) fn start(name: &str, work: impl Future<Output = ()> + Send + 'static) -> io::Result<Self> {
+    pub(crate) fn start(
+        name: &str,
+        work: impl Future<Output = ()> + Send + 'static,
+    ) -> io::Result<Self> {
         let runtime = Builder::new_current_thread().enable_time().build()?;
         let (end, ended) = oneshot::channel();
         let run = move || {

@@ -1,8 +1,9 @@
 //! The ROS part of a command line, as rcl reads it.
 //!
-//! Between `--ros-args` and `--` (or the end) stand remappings (`-r`), parameters (`-p`, `--params-file`), log levels and the enclave. They
-//! may come several times. Of parameters with the same pattern of nodes the later replaces the earlier; of several patterns that fit a node, the one that was
-//! first met last counts.
+//! Between `--ros-args` and `--` (or the end) stand remappings (`-r`), parameters (`-p`,
+//! `--params-file`), log levels and the enclave. They may come several times. Of parameters with
+//! the same pattern of nodes the later replaces the earlier; of several patterns that fit a node,
+//! the one that was first met last counts.
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -49,7 +50,8 @@ pub struct Arguments {
     pub terminal_disabled: bool,
     /// The enclave: who the process is, where security is on.
     pub enclave: Option<String>,
-    /// The process only looks who is there: it joins in the clear, whatever the environment says of security. No argument sets this.
+    /// The process only looks who is there: it joins in the clear, whatever the environment says of
+    /// security. No argument sets this.
     pub in_the_clear: bool,
     /// Namespace of nodes that the command line does not put into another.
     pub namespace: Option<String>,
@@ -64,13 +66,15 @@ pub fn command_line() -> Vec<String> {
 }
 
 impl Arguments {
-    /// Reads the words of a command line, without the program's name, and the environment of this process.
+    /// Reads the words of a command line, without the program's name, and the environment of this
+    /// process.
     ///
     /// # Errors
     /// [`ArgumentError`].
     pub fn in_process(given: impl IntoIterator<Item = String>) -> Result<Self, ArgumentError> {
         let mut arguments = Self::parse(given)?;
-        arguments.namespace = std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
+        arguments.namespace =
+            std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
         Ok(arguments)
     }
 
@@ -129,10 +133,13 @@ impl Arguments {
     }
 
     fn parameter(&mut self, text: &str) -> Result<(), String> {
-        let wrong = || format!("`{text}` is no parameter; expected NAME:=VALUE or NODE:NAME:=VALUE");
+        let wrong =
+            || format!("`{text}` is no parameter; expected NAME:=VALUE or NODE:NAME:=VALUE");
         let (left, value) = text.split_once(":=").ok_or_else(wrong)?;
         let (pattern, name) = match left.split_once(':') {
-            Some((node, name)) if !node.is_empty() => (format!("/{}", node.trim_start_matches('/')), name),
+            Some((node, name)) if !node.is_empty() => {
+                (format!("/{}", node.trim_start_matches('/')), name)
+            }
             Some(_) => return Err(wrong()),
             None => ("/**".to_owned(), left),
         };
@@ -140,8 +147,8 @@ impl Arguments {
         if name.is_empty() || !name.chars().all(is_name) {
             return Err(wrong());
         }
-        let value =
-            parameter_file::parse_value(value).map_err(|e| format!("in the parameter `{text}`: {e}"))?;
+        let value = parameter_file::parse_value(value)
+            .map_err(|e| format!("in the parameter `{text}`: {e}"))?;
         self.give(NodeParameters { pattern, values: BTreeMap::from([(name.to_owned(), value)]) });
         Ok(())
     }
@@ -149,13 +156,14 @@ impl Arguments {
     fn file(&mut self, path: &str) -> Result<(), String> {
         let text = std::fs::read_to_string(PathBuf::from(path))
             .map_err(|error| format!("the parameter file {path} cannot be read: {error}"))?;
-        let found =
-            parameter_file::parse(&text).map_err(|error| format!("in the parameter file {path}: {error}"))?;
+        let found = parameter_file::parse(&text)
+            .map_err(|error| format!("in the parameter file {path}: {error}"))?;
         found.into_iter().for_each(|given| self.give(given));
         Ok(())
     }
 
-    /// Adds values to those that the same pattern has already, as rcl does: a pattern keeps the place at which it was first met.
+    /// Adds values to those that the same pattern has already, as rcl does: a pattern keeps the
+    /// place at which it was first met.
     fn give(&mut self, given: NodeParameters) {
         match self.parameters.iter_mut().find(|known| known.pattern == given.pattern) {
             Some(known) => known.values.extend(given.values),
@@ -212,11 +220,13 @@ mod tests {
         Arguments::parse(text.split_whitespace().map(str::to_owned)).map_err(|e| e.to_string())
     }
 
-    /// As in rcl's `test_arguments.cpp`: `--ros-args` and `--` may alternate, and the rest is the user's.
+    /// As in rcl's `test_arguments.cpp`: `--ros-args` and `--` may alternate, and the rest is the
+    /// user's.
     #[test]
     fn ros_arguments_stand_between_their_marks() {
         let arguments =
-            parse("a --ros-args -r x:=y -- b --ros-args --ros-args -p p:=1 -- -- c --help").unwrap();
+            parse("a --ros-args -r x:=y -- b --ros-args --ros-args -p p:=1 -- -- c --help")
+                .unwrap();
         assert_eq!(arguments.user, ["a", "b", "--", "c", "--help"]);
         assert_eq!(arguments.overrides("/n")["p"], ParameterValue::Integer(1));
         let node = arguments.remaps.node("n", "/").unwrap();
@@ -227,12 +237,16 @@ mod tests {
     #[test]
     fn parameters_count_in_their_order_and_for_their_node() {
         let arguments =
-            parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,z] -e /e --log-level warn").unwrap();
+            parse("--ros-args -p a:=1 -p n:a:=2.5 -p m:a:=3 -p b.c:=[x,z] -e /e --log-level warn")
+                .unwrap();
         let of_n = arguments.overrides("/n");
         assert_eq!(of_n["a"], ParameterValue::Double(2.5));
         assert_eq!(of_n["b.c"], ParameterValue::StringArray(vec!["x".into(), "z".into()]));
         assert_eq!(arguments.overrides("/o")["a"], ParameterValue::Integer(1));
-        assert_eq!((arguments.enclave.as_deref(), arguments.log_level), (Some("/e"), Some(LogLevel::Warn)));
+        assert_eq!(
+            (arguments.enclave.as_deref(), arguments.log_level),
+            (Some("/e"), Some(LogLevel::Warn))
+        );
     }
 
     #[test]

@@ -9,12 +9,15 @@ use ros2_client::{Message, ServiceMapping, service::Client};
 
 use crate::{RosNodeError, hearing, participant::Shared};
 
-/// How long one request waits before it is sent once more, where that does no harm: a server that was not discovered yet never heard the first.
+/// How long one request waits before it is sent once more, where that does no harm: a server that
+/// was not discovered yet never heard the first.
 const AGAIN: Duration = Duration::from_secs(1);
-/// Time that a server of Cyclone DDS is given to find the endpoints with which it is asked: what is sent before never comes.
+/// Time that a server of Cyclone DDS is given to find the endpoints with which it is asked: what is
+/// sent before never comes.
 const FOUND: Duration = Duration::from_millis(200);
 
-/// Pause after an answer that cannot be read: a reader that only ever fails must not take the processor.
+/// Pause after an answer that cannot be read: a reader that only ever fails must not take the
+/// processor.
 const AFTER_FAILURE: Duration = Duration::from_millis(1);
 
 /// Makes endpoints that ask in a way.
@@ -40,8 +43,13 @@ where
     Q: Message + Clone + Send + Sync + 'static,
     A: Message + Send + Sync + 'static,
 {
-    pub(crate) fn new(name: String, shared: Arc<Shared>, make: Make<Q, A>) -> Result<Self, RosNodeError> {
-        let endpoints = Mutex::new(Endpoints { usual: make(ServiceMapping::Enhanced)?, cyclone: None });
+    pub(crate) fn new(
+        name: String,
+        shared: Arc<Shared>,
+        make: Make<Q, A>,
+    ) -> Result<Self, RosNodeError> {
+        let endpoints =
+            Mutex::new(Endpoints { usual: make(ServiceMapping::Enhanced)?, cyclone: None });
         Ok(Self { name, endpoints, make, shared })
     }
 
@@ -51,7 +59,8 @@ where
         &self.name
     }
 
-    /// Asks once and waits for the answer. Never call it from a control thread, nor from a callback of a node.
+    /// Asks once and waits for the answer. Never call it from a control thread, nor from a callback
+    /// of a node.
     ///
     /// # Errors
     /// [`RosNodeError::NoAnswer`] if none comes in time.
@@ -68,7 +77,8 @@ where
                 loop {
                     match client.async_receive_response(id).await {
                         Ok(answer) => return Ok(answer),
-                        // All clients of a service hear all answers: what is for one of another middleware may not be readable here.
+                        // All clients of a service hear all answers: what is for one of another
+                        // middleware may not be readable here.
                         Err(failed) => {
                             unreadable = Some(format!("{failed:?}"));
                             tokio::time::sleep(AFTER_FAILURE).await;

@@ -20,7 +20,8 @@ struct State {
 }
 
 impl NodeClock {
-    /// The time now, in nanoseconds since the epoch. Under `use_sim_time` it is the last on `/clock`, zero before the first.
+    /// The time now, in nanoseconds since the epoch. Under `use_sim_time` it is the last on
+    /// `/clock`, zero before the first.
     #[must_use]
     pub fn now_ns(&self) -> u64 {
         if self.is_simulated() {

@@ -12,7 +12,8 @@ use thread_priority::{
 
 const NANOSECONDS: u64 = 1_000_000_000;
 
-/// The middle of the real-time priorities: above everything ordinary, below the kernel's own threads.
+/// The middle of the real-time priorities: above everything ordinary, below the kernel's own
+/// threads.
 pub const PRIORITY: u8 = 50;
 
 /// A loop that is further behind than this does not catch up any more [ns].
@@ -38,14 +39,18 @@ impl Deadlines {
         Self { next: first, period }
     }
 
-    /// Sleeps until the next deadline. Returns the time now [ns], and whether the deadline was missed by a whole period.
+    /// Sleeps until the next deadline. Returns the time now [ns], and whether the deadline was
+    /// missed by a whole period.
     ///
-    /// A loop that is late runs at once, so that the number of cycles stays that of the clock; one that is hopelessly
-    /// late, as after the machine slept, starts a new row.
+    /// A loop that is late runs at once, so that the number of cycles stays that of the clock; one
+    /// that is hopelessly late, as after the machine slept, starts a new row.
     pub fn wait(&mut self) -> (u64, bool) {
-        let deadline =
-            Timespec { tv_sec: (self.next / NANOSECONDS) as _, tv_nsec: (self.next % NANOSECONDS) as _ };
-        // A signal wakes the thread early; any other error is no reason to stop the loop, which then runs too early once.
+        let deadline = Timespec {
+            tv_sec: (self.next / NANOSECONDS) as _,
+            tv_nsec: (self.next % NANOSECONDS) as _,
+        };
+        // A signal wakes the thread early; any other error is no reason to stop the loop, which
+        // then runs too early once.
         while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(Errno::INTR) {}
         let now = now_ns();
         let late = self.account(now);
@@ -59,19 +64,25 @@ impl Deadlines {
     }
 }
 
-/// Asks for first-in-first-out real-time scheduling of the calling thread, at priority [`PRIORITY`].
+/// Asks for first-in-first-out real-time scheduling of the calling thread, at priority
+/// [`PRIORITY`].
 ///
 /// # Errors
 /// What the system says when it refuses.
 pub fn realtime() -> Result<(), String> {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     ThreadPriorityValue::try_from(PRIORITY).and_then(|priority| {
-        set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(priority), policy)
-            .map_err(|error| format!("{error:?}"))
+        set_thread_priority_and_policy(
+            thread_native_id(),
+            ThreadPriority::Crossplatform(priority),
+            policy,
+        )
+        .map_err(|error| format!("{error:?}"))
     })
 }
 
-/// Asks for [`realtime`] scheduling of the calling thread. Returns a line that says what came of it.
+/// Asks for [`realtime`] scheduling of the calling thread. Returns a line that says what came of
+/// it.
 pub fn request_realtime() -> String {
     match realtime() {
         Ok(()) => format!("control thread: real time (SCHED_FIFO, priority {PRIORITY})"),

@@ -1,8 +1,10 @@
 //! How the middlewares of ROS put on DDS what DDS does not say itself.
 //!
-//! - Requests and answers: Fast DDS and RustDDS name the request beside the data, in the sample's own header (RELATED_SAMPLE_IDENTITY); `rmw_cyclonedds` puts sixteen bytes in
-//!   front of the data, a number of the client and a number of the request. Both use the same topics and types, so each request is read as its sender's
-//!   middleware puts it, and answered likewise. Who that is stands in the first two bytes of the sender's identifier, or, where DDS Security has changed
+//! - Requests and answers: Fast DDS and RustDDS name the request beside the data, in the sample's
+//!   own header (RELATED_SAMPLE_IDENTITY); `rmw_cyclonedds` puts sixteen bytes in front of the
+//!   data, a number of the client and a number of the request. Both use the same topics and types,
+//!   so each request is read as its sender's middleware puts it, and answered likewise. Who that is
+//!   stands in the first two bytes of the sender's identifier, or, where DDS Security has changed
 //!   those, in what its participant said of itself.
 //! - The hash of an endpoint's type stands in the endpoint's USER_DATA.
 
@@ -13,7 +15,8 @@ use std::{
 
 use msgs::type_hashes;
 use rustdds::{
-    Dialect, DomainParticipantStatusEvent as Event, GUID, RepresentationIdentifier, Said, SampleIdentity,
+    Dialect, DomainParticipantStatusEvent as Event, GUID, RepresentationIdentifier, Said,
+    SampleIdentity,
 };
 
 use crate::security::{self, Prefix};
@@ -29,7 +32,8 @@ const FRONT: usize = 16;
 /// Participants that are remembered at most: strangers may make up any number of them.
 const MOST: usize = 1000;
 
-/// First half of the identifiers of a process's endpoints: all that is known of whom an answer goes to, where its client is of Cyclone DDS.
+/// First half of the identifiers of a process's endpoints: all that is known of whom an answer goes
+/// to, where its client is of Cyclone DDS.
 pub(crate) type Process = [u8; 8];
 
 /// That half of an identifier.
@@ -104,7 +108,10 @@ impl Dialect for Ros {
         }
         let Some(front) = value.first_chunk::<FRONT>() else {
             // Too short for a request: nothing of it is left to be understood.
-            return Some((SampleIdentity { writer_guid: writer, ..Default::default() }, value.len()));
+            return Some((
+                SampleIdentity { writer_guid: writer, ..Default::default() },
+                value.len(),
+            ));
         };
         let (mut client, mut number) = ([0; 8], [0; 8]);
         client.copy_from_slice(&front[..8]);
@@ -131,7 +138,8 @@ impl Dialect for Ros {
             front[8..].copy_from_slice(&i64::from(request.sequence_number).to_le_bytes());
             return Said { front: Some(front), only_to: None };
         }
-        // All clients of a service hear all answers. One of Cyclone DDS takes what is for others apart too, and complains where it cannot.
+        // All clients of a service hear all answers. One of Cyclone DDS takes what is for others
+        // apart too, and complains where it cannot.
         let others = !self.cyclone.read().unwrap_or_else(PoisonError::into_inner).is_empty();
         let is_known = client.entity_id.entity_kind.is_reader();
         Said { front: None, only_to: (others && is_known).then_some(client) }
@@ -159,7 +167,10 @@ mod tests {
         let value = request(client, 300i64.to_le_bytes());
         let (id, front) = ROS.heard("rq/pingRequest", guid(CYCLONE), LITTLE, &value).unwrap();
         assert_eq!(&value[front..], b"data");
-        assert_eq!((process(id.writer_guid), i64::from(id.sequence_number)), (process(guid(CYCLONE)), 300));
+        assert_eq!(
+            (process(id.writer_guid), i64::from(id.sequence_number)),
+            (process(guid(CYCLONE)), 300)
+        );
         assert_eq!(ROS.said(id).front.unwrap()[..], value[..front]);
         // A machine of the other byte order asks; the answer is little endian, as all of ours.
         let swapped = request([0x04, 6, 5, 4, 3, 2, 1, 0xf7], 300i64.to_be_bytes());

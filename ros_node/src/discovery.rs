@@ -27,14 +27,18 @@ pub struct Discovery {
 }
 
 impl Discovery {
-    /// Reads `ROS_DOMAIN_ID` (default 0) and `ROS_AUTOMATIC_DISCOVERY_RANGE`. The latter may be `LOCALHOST`, `SUBNET` or
-    /// `SYSTEM_DEFAULT`; unset, it means `LOCALHOST` here, where ROS itself would take `SUBNET`.
+    /// Reads `ROS_DOMAIN_ID` (default 0) and `ROS_AUTOMATIC_DISCOVERY_RANGE`. The latter may be
+    /// `LOCALHOST`, `SUBNET` or `SYSTEM_DEFAULT`; unset, it means `LOCALHOST` here, where ROS
+    /// itself would take `SUBNET`.
     ///
     /// # Errors
     /// [`RosNodeError::Environment`] names the variable and what it may be.
     pub fn from_environment() -> Result<Self, RosNodeError> {
         let read = |name| env::var_os(name).map(|value| value.to_string_lossy().into_owned());
-        Self::from_values(read("ROS_DOMAIN_ID").as_deref(), read("ROS_AUTOMATIC_DISCOVERY_RANGE").as_deref())
+        Self::from_values(
+            read("ROS_DOMAIN_ID").as_deref(),
+            read("ROS_AUTOMATIC_DISCOVERY_RANGE").as_deref(),
+        )
     }
 
     /// What the environment asks for and cannot be had, in sentences.
@@ -52,7 +56,8 @@ impl Discovery {
         warnings
     }
 
-    /// Like [`from_environment`](Self::from_environment), from values that stand for the two variables.
+    /// Like [`from_environment`](Self::from_environment), from values that stand for the two
+    /// variables.
     ///
     /// # Errors
     /// [`RosNodeError::Environment`].
@@ -119,7 +124,10 @@ mod tests {
         }
         for range in ["OFF", "localhost", "everywhere"] {
             let error = Discovery::from_values(None, Some(range)).unwrap_err().to_string();
-            assert!(error.contains("ROS_AUTOMATIC_DISCOVERY_RANGE") && error.contains(range), "{error}");
+            assert!(
+                error.contains("ROS_AUTOMATIC_DISCOVERY_RANGE") && error.contains(range),
+                "{error}"
+            );
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The end of a process that does not end in order.
 //!
-//! Leaving in order needs threads that may be stuck: in a packet that the middleware computes over without end, in a write to a terminal that
-//! nobody reads. So a process can be ended by force. First come a few short acts, as to put the motor at zero volts.
+//! Leaving in order needs threads that may be stuck: in a packet that the middleware computes over
+//! without end, in a write to a terminal that nobody reads. So a process can be ended by force.
+//! First come a few short acts, as to put the motor at zero volts.
 
 use std::{
     process,
@@ -27,10 +28,12 @@ type Act = dyn Fn() + Send + Sync;
 
 static BEFORE: Mutex<Vec<Arc<Act>>> = Mutex::new(Vec::new());
 
-/// Has `act` done once before the process is ended by force, on a thread of its own, beside the other acts. They all have half a second; then the
-/// process ends, whatever they do. An act stays for the life of the process: let it hold what it acts on by a [`Weak`](std::sync::Weak).
+/// Has `act` done once before the process is ended by force, on a thread of its own, beside the
+/// other acts. They all have half a second; then the process ends, whatever they do. An act stays
+/// for the life of the process: let it hold what it acts on by a [`Weak`](std::sync::Weak).
 ///
-/// By force ends a process that a signal does not end in time, a second signal, and a middleware that is stuck.
+/// By force ends a process that a signal does not end in time, a second signal, and a middleware
+/// that is stuck.
 pub fn before_forced_exit(act: impl Fn() + Send + Sync + 'static) {
     BEFORE.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::new(act));
 }
@@ -74,7 +77,8 @@ pub(crate) fn force(code: u8, why: &str) -> ! {
     // An exit flushes what was printed, and may wait for it.
     let kill = || {
         thread::sleep(KILL);
-        let _ = rustix::process::kill_process(rustix::process::getpid(), rustix::process::Signal::KILL);
+        let _ =
+            rustix::process::kill_process(rustix::process::getpid(), rustix::process::Signal::KILL);
     };
     // Without a thread the exit has to do.
     let _ = thread::Builder::new().name("kill".into()).spawn(kill);

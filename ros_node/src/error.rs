@@ -5,7 +5,9 @@
 #[non_exhaustive]
 pub enum RosNodeError {
     /// An environment variable of ROS has a value that is none of its own.
-    #[error("the environment variable {name} must be {expected}, but is `{value}`; set it right or unset it")]
+    #[error(
+        "the environment variable {name} must be {expected}, but is `{value}`; set it right or unset it"
+    )]
     Environment {
         /// The variable.
         name: &'static str,
@@ -51,7 +53,9 @@ pub enum RosNodeError {
     #[error("SIGINT and SIGTERM cannot be watched: {0}")]
     Signals(String),
     /// The runtime for the nodes' background work does not start.
-    #[error("the threads for ROS 2 cannot be started: {0}; the system may be out of threads or memory")]
+    #[error(
+        "the threads for ROS 2 cannot be started: {0}; the system may be out of threads or memory"
+    )]
     Runtime(std::io::Error),
     /// Packets of other machines cannot be kept out.
     #[error(

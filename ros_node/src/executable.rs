@@ -8,17 +8,20 @@ use crate::{
     terminal,
 };
 
-/// The code with which a program ends when an argument, a parameter or an environment variable is wrong.
+/// The code with which a program ends when an argument, a parameter or an environment variable is
+/// wrong.
 const BAD_INPUT: u8 = 2;
 
-/// Runs a node's program: `about` is what `--help` says of it, `given` are the words behind its name ([`command_line`](crate::command_line)), `body` runs
-/// until the wish to end.
+/// Runs a node's program: `about` is what `--help` says of it, `given` are the words behind its
+/// name ([`command_line`](crate::command_line)), `body` runs until the wish to end.
 ///
-/// Ends with code 0, with 1 if `body` fails or the middleware computes without end, and with 2 if the command line, a parameter or the environment is wrong.
+/// Ends with code 0, with 1 if `body` fails or the middleware computes without end, and with 2 if
+/// the command line, a parameter or the environment is wrong.
 ///
-/// Where the middleware dies under the node, as it does when the process was stopped and continued or the machine was suspended, `body` is asked to
-/// end, and begins anew on a new participant with the parameters of the command line: a node that hears nothing is of no use, and one that
-/// starts is in a state that everybody knows.
+/// Where the middleware dies under the node, as it does when the process was stopped and continued
+/// or the machine was suspended, `body` is asked to end, and begins anew on a new participant with
+/// the parameters of the command line: a node that hears nothing is of no use, and one that starts
+/// is in a state that everybody knows.
 pub fn run(
     name: &str,
     version: &str,
@@ -72,7 +75,8 @@ pub fn run(
     }
     let last_phases = Arc::default();
     loop {
-        let joined = Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));
+        let joined =
+            Participant::join_after(&discovery, arguments.clone(), Arc::clone(&last_phases));
         let participant = match joined {
             Ok(participant) => participant,
             Err(error) if error.is_bad_input() => return fail(&error, BAD_INPUT),
@@ -88,7 +92,9 @@ pub fn run(
             // Leaving would wait for the stuck thread.
             ending::force(
                 1,
-                &format!("{name}: {lost}; the node ends, with the motor at zero volts: start it again"),
+                &format!(
+                    "{name}: {lost}; the node ends, with the motor at zero volts: start it again"
+                ),
             );
         }
         drop(participant);

@@ -1,4 +1,5 @@
-//! A topic of which one writer counts: [`OneWriter`] with names, a log and figures for `/diagnostics`.
+//! A topic of which one writer counts: [`OneWriter`] with names, a log and figures for
+//! `/diagnostics`.
 
 use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
@@ -18,7 +19,8 @@ const LINES: u64 = 10_000_000_000;
 
 /// Lets one writer of a topic through. Clones are one.
 ///
-/// It goes by the GUID in each message, which is not authenticated unless DDS Security is: see [`one_writer`](crate::one_writer).
+/// It goes by the GUID in each message, which is not authenticated unless DDS Security is: see
+/// [`one_writer`](crate::one_writer).
 #[derive(Clone)]
 pub struct Gate(Arc<Inner>);
 
@@ -63,29 +65,37 @@ pub enum Passes {
 /// What a gate tells of the time since it was asked last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GateReport {
-    /// For `/diagnostics`: who is obeyed, and how many messages of others were refused since the start.
+    /// For `/diagnostics`: who is obeyed, and how many messages of others were refused since the
+    /// start.
     pub values: Vec<KeyValue>,
     /// Messages were refused since it was asked last: a sentence that says whose.
     pub error: Option<String>,
 }
 
 impl Gate {
-    /// A gate, closed, for the topic that the code calls `topic`. After `handover` of silence another writer may follow the one that is obeyed.
+    /// A gate, closed, for the topic that the code calls `topic`. After `handover` of silence
+    /// another writer may follow the one that is obeyed.
     ///
     /// # Errors
     /// [`RosNodeError`] if the name is none, or the middleware does not tell who is there.
-    pub fn new(node: &RosNode, topic: &str, handover: Option<Duration>) -> Result<Self, RosNodeError> {
+    pub fn new(
+        node: &RosNode,
+        topic: &str,
+        handover: Option<Duration>,
+    ) -> Result<Self, RosNodeError> {
         let topic = node.resolve(Named::Topic, topic)?;
         Ok(Self::of(topic, node.graph()?, node.logger().clone(), handover))
     }
 
     fn of(topic: String, graph: Graph, logger: Logger, handover: Option<Duration>) -> Self {
         let one = OneWriter::new(handover.map(nanoseconds));
-        let state = State { one, only: String::new(), refused: 0, told: 0, last: None, logged: None };
+        let state =
+            State { one, only: String::new(), refused: 0, told: 0, last: None, logged: None };
         Self(Arc::new(Inner { topic, graph, logger, state: Mutex::new(state) }))
     }
 
-    /// Only the node of that absolute name may be obeyed from now on, as far as the graph tells; an empty name is any.
+    /// Only the node of that absolute name may be obeyed from now on, as far as the graph tells; an
+    /// empty name is any.
     pub fn only(&self, node: &str) {
         node.clone_into(&mut self.state().only);
     }
@@ -98,7 +108,8 @@ impl Gate {
     /// Obeys the first that speaks from now on.
     ///
     /// # Errors
-    /// A sentence that names two writers that spoke within the last half second: none may be preferred, unless [`only`](Self::only) says which.
+    /// A sentence that names two writers that spoke within the last half second: none may be
+    /// preferred, unless [`only`](Self::only) says which.
     pub fn open(&self) -> Result<(), String> {
         let mut state = self.state();
         if !state.only.is_empty() {
@@ -132,7 +143,9 @@ impl Gate {
     pub fn hear(&self, writer: WriterId) -> Passes {
         let now = now_ns();
         let mut state = self.state();
-        let may = state.only.is_empty() || state.one.owner() == Some(writer) || self.is(&state.only, writer);
+        let may = state.only.is_empty()
+            || state.one.owner() == Some(writer)
+            || self.is(&state.only, writer);
         let why = if may {
             let mut verdict = state.one.hear(writer, now);
             if let Verdict::Other(owner) = verdict
@@ -186,10 +199,14 @@ impl Gate {
         let topic = &self.0.topic;
         let Some((writer, why)) = state.last else { return String::new() };
         let writer = self.told(writer);
-        let refused = format!("{count} messages of others on {topic} were refused, the last from {writer}");
+        let refused =
+            format!("{count} messages of others on {topic} were refused, the last from {writer}");
         match why {
             Why::Other(owner) => {
-                format!("{refused}: it is taken from {} only; end the other publisher", self.told(owner))
+                format!(
+                    "{refused}: it is taken from {} only; end the other publisher",
+                    self.told(owner)
+                )
             }
             Why::Contested(rival) => {
                 format!(
@@ -198,7 +215,10 @@ impl Gate {
                 )
             }
             Why::NotNamed => {
-                format!("{refused}: it is taken from the node {} only; end the other publisher", state.only)
+                format!(
+                    "{refused}: it is taken from the node {} only; end the other publisher",
+                    state.only
+                )
             }
         }
     }
@@ -210,8 +230,11 @@ impl Gate {
 
     /// A writer with its node's name, as far as the graph tells.
     fn told(&self, writer: WriterId) -> String {
-        let node =
-            self.0.graph.node_of(writer).unwrap_or_else(|| "a node that does not tell its name".to_owned());
+        let node = self
+            .0
+            .graph
+            .node_of(writer)
+            .unwrap_or_else(|| "a node that does not tell its name".to_owned());
         format!("{} (GUID {writer})", crate::quoted(&node))
     }
 

@@ -1,7 +1,8 @@
 //! Who else is there: the nodes of a domain, as every participant tells them.
 //!
-//! Each participant of ROS 2 says on the topic `ros_discovery_info`, reliably and for latecomers, which nodes it has; what it says later replaces what it
-//! said before. It is what they say of themselves: without DDS Security nobody vouches for it.
+//! Each participant of ROS 2 says on the topic `ros_discovery_info`, reliably and for latecomers,
+//! which nodes it has; what it says later replaces what it said before. It is what they say of
+//! themselves: without DDS Security nobody vouches for it.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -17,7 +18,8 @@ use crate::one_writer::WriterId;
 /// The graph's identifier of a participant.
 pub type ParticipantId = [u8; 16];
 
-/// What all participants together may tell: what is more is left out, so that strangers do not fill the memory [bytes].
+/// What all participants together may tell: what is more is left out, so that strangers do not fill
+/// the memory [bytes].
 const MOST: usize = 8 << 20;
 /// Writers that left which are remembered.
 const LEFT: usize = 256;
@@ -48,7 +50,8 @@ struct KnownNode {
     name: String,
     writers: Vec<ParticipantId>,
     readers: Vec<ParticipantId>,
-    /// When it was told of first, by the teller's clock [ns since the epoch]; none if the teller did not say.
+    /// When it was told of first, by the teller's clock [ns since the epoch]; none if the teller
+    /// did not say.
     since: Option<u64>,
 }
 
@@ -63,7 +66,10 @@ impl Known {
 /// What a participant's nodes take [bytes].
 fn size(nodes: &[KnownNode]) -> usize {
     let one = |node: &KnownNode| {
-        size_of::<KnownNode>() + node.name.len() + size_of_val(&*node.writers) + size_of_val(&*node.readers)
+        size_of::<KnownNode>()
+            + node.name.len()
+            + size_of_val(&*node.writers)
+            + size_of_val(&*node.readers)
     };
     size_of::<ParticipantId>() + nodes.iter().map(one).sum::<usize>()
 }
@@ -92,8 +98,12 @@ impl Graph {
     /// Participants were lost.
     pub(crate) fn lost(&self, is_lost: impl Fn(&GUID) -> bool) {
         let mut known = self.known();
-        let lost: Vec<_> =
-            known.participants.keys().filter(|id| is_lost(&GUID::from(Gid::from(**id)))).copied().collect();
+        let lost: Vec<_> = known
+            .participants
+            .keys()
+            .filter(|id| is_lost(&GUID::from(Gid::from(**id))))
+            .copied()
+            .collect();
         for id in lost {
             known.forget(&id);
         }
@@ -122,7 +132,9 @@ impl Graph {
             .participants
             .iter()
             .flat_map(|(participant, nodes)| {
-                nodes.iter().map(|node| SeenNode { name: node.name.clone(), participant: *participant })
+                nodes
+                    .iter()
+                    .map(|node| SeenNode { name: node.name.clone(), participant: *participant })
             })
             .collect();
         nodes.sort();
@@ -150,8 +162,13 @@ impl Graph {
         found.or_else(alone).map(|node| node.name.clone())
     }
 
-    /// Nodes of that name in other participants than `own`, each with the time at which it was first told of by its own clock [ns since the epoch].
-    pub(crate) fn namesakes(&self, name: &str, own: ParticipantId) -> Vec<(ParticipantId, Option<u64>)> {
+    /// Nodes of that name in other participants than `own`, each with the time at which it was
+    /// first told of by its own clock [ns since the epoch].
+    pub(crate) fn namesakes(
+        &self,
+        name: &str,
+        own: ParticipantId,
+    ) -> Vec<(ParticipantId, Option<u64>)> {
         let known = self.known();
         let others = known.participants.iter().filter(|(id, _)| **id != own);
         let named = others.flat_map(|(id, nodes)| {
@@ -237,7 +254,11 @@ mod tests {
         graph.take(told(2, &[("/", "one")]), None);
         assert_eq!(graph.node_of(writer(1, b'o')).as_deref(), Some("/observer"));
         assert_eq!(graph.node_of(writer(1, b'x')), None, "one of two nodes");
-        assert_eq!(graph.node_of(writer(2, b'x')).as_deref(), Some("/one"), "the only node there is");
+        assert_eq!(
+            graph.node_of(writer(2, b'x')).as_deref(),
+            Some("/one"),
+            "the only node there is"
+        );
         assert_eq!(graph.node_of(writer(3, b'o')), None);
         assert_eq!(graph.node_of_reader(reader(1, b'o')).as_deref(), Some("/observer"));
         assert_eq!(graph.node_of_reader(reader(1, b'x')), None, "one of two nodes");

@@ -1,8 +1,9 @@
 //! Who can hear an answer, and who a request.
 //!
-//! A request may come before this process has found the reader that waits for its answer: the two are told on different ways. RustDDS 0.15 leaves out
-//! for a reader what was written before it was found, for good, so the client would wait for ever. The middlewares of rclcpp
-//! and rclpy hold such an answer back for a moment; so do the nodes here.
+//! A request may come before this process has found the reader that waits for its answer: the two
+//! are told on different ways. RustDDS 0.15 leaves out for a reader what was written before it was
+//! found, for good, so the client would wait for ever. The middlewares of rclcpp and rclpy hold
+//! such an answer back for a moment; so do the nodes here.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -22,7 +23,8 @@ use crate::{
     security::Others,
 };
 
-/// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone, or listens with a quality of service that cannot be served.
+/// Longest time an answer is held back. Then it is sent to whoever is there: its client has gone,
+/// or listens with a quality of service that cannot be served.
 const LONGEST: Duration = Duration::from_secs(10);
 /// Answers of one service that are held back at most; what comes then is sent at once.
 pub(crate) const MOST_HELD: usize = 100;
@@ -42,7 +44,8 @@ struct Readers {
 }
 
 impl Hearers {
-    /// Takes what the participant tells of others, until it ends; who leaves is told to `graph` too.
+    /// Takes what the participant tells of others, until it ends; who leaves is told to `graph`
+    /// too.
     pub(crate) async fn follow(
         &self,
         participant: DomainParticipant,
@@ -74,7 +77,9 @@ impl Hearers {
                 Event::ReaderLost { guid, .. } => {
                     self.0.send_if_modified(|readers| readers.lost(|reader| *reader == guid));
                 }
-                Event::WriterLost { guid, .. } => graph.lost_writer(WriterId(Gid::from(guid).to_bytes16())),
+                Event::WriterLost { guid, .. } => {
+                    graph.lost_writer(WriterId(Gid::from(guid).to_bytes16()))
+                }
                 Event::ParticipantLost { id, .. } => {
                     graph.lost(|participant| participant.prefix == id);
                     self.0.send_if_modified(|readers| readers.lost(|reader| reader.prefix == id));
@@ -126,12 +131,16 @@ impl Readers {
         self.topics.len() < before
     }
 
-    /// A request carries the reader of its answer where the client's middleware is Fast DDS, the writer of the request where it is RustDDS, and no more than the
-    /// process where it is Cyclone DDS.
+    /// A request carries the reader of its answer where the client's middleware is Fast DDS, the
+    /// writer of the request where it is RustDDS, and no more than the process where it is Cyclone
+    /// DDS.
     fn hear(&self, client: GUID, topic: &str) -> bool {
         let listens = |reader: &GUID| self.topics.get(reader).is_some_and(|of| of == topic);
         if ROS.is_cyclone(client) {
-            return self.found.iter().any(|reader| process(*reader) == process(client) && listens(reader));
+            return self
+                .found
+                .iter()
+                .any(|reader| process(*reader) == process(client) && listens(reader));
         }
         if client.entity_id.entity_kind.is_reader() {
             return self.found.contains(&client);
@@ -192,7 +201,10 @@ mod tests {
         assert!(readers.hear(writer, "rr/pingReply"));
         assert!(readers.lost(|lost| lost.prefix == reader.prefix));
         assert!(!readers.hear(writer, "rr/pingReply"));
-        assert!(readers.hear(endpoint(8, 1, WRITER), "rr/pingReply"), "the other one is still there");
+        assert!(
+            readers.hear(endpoint(8, 1, WRITER), "rr/pingReply"),
+            "the other one is still there"
+        );
     }
 
     #[test]

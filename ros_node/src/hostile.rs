@@ -1,7 +1,8 @@
-//! What anybody on the network may send to the nodes, and what becomes of it: the list of inputs that may stop the rig. None may move it but the voltages of
-//! the one who commands.
+//! What anybody on the network may send to the nodes, and what becomes of it: the list of inputs
+//! that may stop the rig. None may move it but the voltages of the one who commands.
 //!
-//! The nodes' own tests give each input to the logic and hold it to its row; `docs/ros.md` shows the rows.
+//! The nodes' own tests give each input to the logic and hold it to its row; `docs/ros.md` shows
+//! the rows.
 
 use std::fmt;
 
@@ -55,7 +56,12 @@ const ONE: &str = "the one that is listened to";
 const OTHERS: &str = "another";
 const ANYBODY: &str = "anybody";
 
-const fn row(node: &'static str, input: &'static str, from: &'static str, effect: Effect) -> Hostile {
+const fn row(
+    node: &'static str,
+    input: &'static str,
+    from: &'static str,
+    effect: Effect,
+) -> Hostile {
     Hostile { node, input, from, effect }
 }
 
@@ -87,7 +93,12 @@ pub const HOSTILE: [Hostile; 27] = [
     row(CONTROLLER, "a friction estimate of no joint state", ONE, Effect::Dropped),
     row(CONTROLLER, "a friction estimate that is no number", ANYBODY, Effect::Dropped),
     row(CONTROLLER, "a reference", OTHERS, Effect::Dropped),
-    row(CONTROLLER, "a reference that is no number, or beyond what a shaft does", ANYBODY, Effect::Dropped),
+    row(
+        CONTROLLER,
+        "a reference that is no number, or beyond what a shaft does",
+        ANYBODY,
+        Effect::Dropped,
+    ),
     row(CONTROLLER, "no reference for reference_timeout", ONE, Effect::Rests),
     row(OBSERVER, "a joint state of load_shaft, a voltage or a reference", OTHERS, Effect::Dropped),
     row(OBSERVER, "a joint state with a stamp from the future, or not later", ONE, Effect::Dropped),
@@ -114,14 +125,18 @@ mod tests {
         for (index, row) in HOSTILE.iter().enumerate() {
             assert!(!HOSTILE[..index].contains(row), "{row:?}");
             assert!(row.effect != Effect::Limited || row.from == ONE, "{row:?}");
-            assert!(row.effect != Effect::Stops || row.from == ONE, "a stranger stops nothing: {row:?}");
+            assert!(
+                row.effect != Effect::Stops || row.from == ONE,
+                "a stranger stops nothing: {row:?}"
+            );
         }
     }
 
     /// The documentation shows the rows; `UPDATE_DOCS=1` writes them anew.
     #[test]
     fn the_documentation_shows_these_rows() {
-        let mut made = String::from("| node | what comes | from | what becomes of it |\n|---|---|---|---|\n");
+        let mut made =
+            String::from("| node | what comes | from | what becomes of it |\n|---|---|---|---|\n");
         for Hostile { node, input, from, effect } in &HOSTILE {
             made += &format!("| {node} | {input} | {from} | {effect} |\n");
         }

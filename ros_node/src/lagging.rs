@@ -1,7 +1,8 @@
 //! Subscribers that do not keep up: who they are, and when somebody is told.
 //!
-//! A writer that keeps the last samples waits for no subscriber: one that is frozen, slow or out of reach loses what it did not fetch in time, and nobody
-//! else loses anything. The log says who it is, at most once in a while, and when it keeps up again or has left.
+//! A writer that keeps the last samples waits for no subscriber: one that is frozen, slow or out of
+//! reach loses what it did not fetch in time, and nobody else loses anything. The log says who it
+//! is, at most once in a while, and when it keeps up again or has left.
 
 use std::{
     collections::BTreeMap,
@@ -28,7 +29,8 @@ pub(crate) struct Lagging(Mutex<Books>);
 
 #[derive(Default)]
 struct Books {
-    /// Who says what is to be said of a topic: the node that publishes it, by the topic's name in DDS.
+    /// Who says what is to be said of a topic: the node that publishes it, by the topic's name in
+    /// DDS.
     publishers: BTreeMap<String, Logger>,
     readers: Readers,
 }
@@ -78,7 +80,10 @@ impl Lagging {
                     let id = Gid::from(*remote_reader).to_bytes16();
                     graph.node_of_reader(id).unwrap_or_else(|| participant(id))
                 };
-                readers.lags(*remote_reader, topic_name, whose, Instant::now()).into_iter().collect()
+                readers
+                    .lags(*remote_reader, topic_name, whose, Instant::now())
+                    .into_iter()
+                    .collect()
             }
             Event::RemoteReaderCaughtUp { remote_reader, .. } => {
                 readers.keeps_up(remote_reader).into_iter().collect()
@@ -89,7 +94,8 @@ impl Lagging {
         };
         for Line { topic, warning, text } in lines {
             // What a node does not publish itself, such as `/rosout`, any of them tells.
-            let publisher = books.publishers.get(&topic).or_else(|| books.publishers.values().next());
+            let publisher =
+                books.publishers.get(&topic).or_else(|| books.publishers.values().next());
             match publisher {
                 Some(logger) if warning => logger.warn(&text),
                 Some(logger) => logger.info(&text),
@@ -111,7 +117,13 @@ impl Lagging {
 }
 
 impl Readers {
-    fn lags(&mut self, id: GUID, topic: &str, whose: impl Fn() -> String, now: Instant) -> Option<Line> {
+    fn lags(
+        &mut self,
+        id: GUID,
+        topic: &str,
+        whose: impl Fn() -> String,
+        now: Instant,
+    ) -> Option<Line> {
         if self.0.len() >= MOST && !self.0.contains_key(&id) {
             self.0.retain(|_, reader| reader.lags);
             if self.0.len() >= MOST {
@@ -211,7 +223,10 @@ mod tests {
         assert_eq!(line.topic, "rt/joint_states");
         assert_eq!(readers.lags(reader(1, 1), "rt/joint_states", echo, at(1)), None);
         let back = readers.keeps_up(&reader(1, 1)).expect("a line");
-        assert_eq!((back.warning, back.text.as_str()), (false, "/echo keeps up again with /joint_states"));
+        assert_eq!(
+            (back.warning, back.text.as_str()),
+            (false, "/echo keeps up again with /joint_states")
+        );
         // It comes and goes: neither is told.
         assert_eq!(readers.lags(reader(1, 1), "rt/joint_states", echo, at(5)), None);
         assert_eq!(readers.keeps_up(&reader(1, 1)), None);

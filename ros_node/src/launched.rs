@@ -1,8 +1,10 @@
 //! A program that does not outlive whoever launched it.
 //!
-//! The launcher keeps the writing end of the program's standard input and says so in the environment. The kernel closes that end when the launcher
-//! is gone, however it went: by `kill -9`, too, and between starting the program and the program's first line. A signal on the parent's death
-//! (`PR_SET_PDEATHSIG`) would come when the thread that started the program ends, and would miss a launcher that died before it was asked for.
+//! The launcher keeps the writing end of the program's standard input and says so in the
+//! environment. The kernel closes that end when the launcher is gone, however it went: by
+//! `kill -9`, too, and between starting the program and the program's first line. A signal on the
+//! parent's death (`PR_SET_PDEATHSIG`) would come when the thread that started the program ends,
+//! and would miss a launcher that died before it was asked for.
 
 use std::{
     env,
@@ -17,13 +19,15 @@ use std::{
 
 use rustix::process::{Signal, getpid, kill_process};
 
-/// Environment variable of a program that ends when its standard input does; its value is [`WITH_INPUT`].
+/// Environment variable of a program that ends when its standard input does; its value is
+/// [`WITH_INPUT`].
 pub const LAUNCHED: &str = "FRICTION_LAUNCHED";
 /// The value of [`LAUNCHED`] that counts.
 pub const WITH_INPUT: &str = "until-stdin-ends";
 
-/// Sends this process SIGTERM when its standard input ends, if [`LAUNCHED`] wishes it and the input is a pipe or a socket: a terminal or
-/// `/dev/null` is nobody's promise. Call it when signals are handled: the launcher may be gone already.
+/// Sends this process SIGTERM when its standard input ends, if [`LAUNCHED`] wishes it and the input
+/// is a pipe or a socket: a terminal or `/dev/null` is nobody's promise. Call it when signals are
+/// handled: the launcher may be gone already.
 ///
 /// # Errors
 /// What the system says if there is no standard input or no thread.
@@ -34,7 +38,8 @@ pub fn end_with_launcher() -> io::Result<()> {
     let Some(input) = line_to_launcher(io::stdin().as_fd())? else { return Ok(()) };
     let watch = move || {
         wait_for_end(input);
-        // Whatever a wish to end does, and how long it may take, is the same as for a person who types it.
+        // Whatever a wish to end does, and how long it may take, is the same as for a person who
+        // types it.
         let _ = kill_process(getpid(), Signal::TERM);
     };
     thread::Builder::new().name("launcher".into()).spawn(watch).map(drop)
@@ -82,8 +87,11 @@ mod tests {
     #[test]
     fn the_end_is_the_end_of_the_last_writer_and_not_what_was_written() {
         let (reader, writer) = io::pipe().expect("a pipe");
-        let mut child =
-            Command::new("sh").args(["-c", "echo a; echo b"]).stdout(writer).spawn().expect("sh starts");
+        let mut child = Command::new("sh")
+            .args(["-c", "echo a; echo b"])
+            .stdout(writer)
+            .spawn()
+            .expect("sh starts");
         wait_for_end(reader);
         assert!(child.wait().expect("it ends").success());
     }

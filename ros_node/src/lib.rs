@@ -1,8 +1,11 @@
 //! What every ROS 2 node of the laboratory needs and ros2-client does not give.
 //!
-//! - [`Arguments`]: the ROS part of the command line, with [remappings](remap) and [parameter files](parameter_file), as rcl reads them;
-//! - [`Discovery`]: which domain and which networks, from the environment as ROS reads it, loopback unless told otherwise;
-//! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs on;
+//! - [`Arguments`]: the ROS part of the command line, with [remappings](remap) and
+//!   [parameter files](parameter_file), as rcl reads them;
+//! - [`Discovery`]: which domain and which networks, from the environment as ROS reads it, loopback
+//!   unless told otherwise;
+//! - [`Participant`]: the process on the network, with the runtime its nodes' background work runs
+//!   on;
 //! - [`RosNode`]: a node that publishes, listens, answers and leaves cleanly;
 //! - [`Publisher`]: a typed publisher whose quality of service comes from [`msgs::topics`];
 //! - [`ServiceClient`], [`parameters::RemoteParameters`]: asking other nodes;
@@ -11,7 +14,8 @@
 //! - [`parameters`]: declared parameters with ranges and reasons, and their services;
 //! - [`lifecycle`]: managed nodes;
 //! - [`Graph`]: which other nodes are there;
-//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck; [`launched`]: the end of whoever launched the program;
+//! - [`Stop`], [`before_forced_exit`]: SIGINT and SIGTERM, and an end that comes whatever is stuck;
+//!   [`launched`]: the end of whoever launched the program;
 //! - [`terminal`]: lines that nobody waits for;
 //! - [`Gate`]: a topic of which one writer counts ([`one_writer`], [`stamps`]);
 //! - [`hostile`]: what becomes of what strangers send;

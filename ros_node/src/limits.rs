@@ -1,6 +1,7 @@
 //! How much of what others send is said back, and how long an answer may be.
 //!
-//! Whoever asks must not make a node repeat without measure: a question of a few kilobytes can ask for the same parameter a thousand times.
+//! Whoever asks must not make a node repeat without measure: a question of a few kilobytes can ask
+//! for the same parameter a thousand times.
 
 use std::{borrow::Cow, io};
 
@@ -10,8 +11,9 @@ use cdr_encoding::to_writer;
 const QUOTED: usize = 80;
 /// Longest line of the log, in characters.
 const LINE: usize = 4000;
-/// Longest answer [bytes]. The longest that a question with sense has is some 50 kB. RustDDS cuts what needs more than one datagram into fragments, and sends again
-/// what the client's socket drops: on ordinary Linux that begins at some 100 kB, and a megabyte takes about a second.
+/// Longest answer [bytes]. The longest that a question with sense has is some 50 kB. RustDDS cuts
+/// what needs more than one datagram into fragments, and sends again what the client's socket
+/// drops: on ordinary Linux that begins at some 100 kB, and a megabyte takes about a second.
 pub(crate) const ANSWER: usize = 1 << 20;
 /// Longest text that a parameter takes [bytes].
 pub(crate) const TEXT: usize = 4096;
@@ -47,10 +49,9 @@ struct Count {
 
 impl io::Write for Count {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.left = self
-            .left
-            .checked_sub(bytes.len())
-            .ok_or_else(|| io::Error::new(io::ErrorKind::StorageFull, "longer than an answer may be"))?;
+        self.left = self.left.checked_sub(bytes.len()).ok_or_else(|| {
+            io::Error::new(io::ErrorKind::StorageFull, "longer than an answer may be")
+        })?;
         Ok(bytes.len())
     }
 

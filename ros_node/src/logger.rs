@@ -27,8 +27,9 @@ const LATE: Duration = Duration::from_secs(10);
 /// Longest wait for a leaving node's lines on `/rosout`.
 const LAST_LINES: Duration = Duration::from_millis(500);
 
-/// Writes log lines of one node. Clones write the same. Never waits, neither for the terminal nor for the network: the lines go through bounded
-/// queues, and those for which there is no room are dropped and counted. It allocates: not for a control thread.
+/// Writes log lines of one node. Clones write the same. Never waits, neither for the terminal nor
+/// for the network: the lines go through bounded queues, and those for which there is no room are
+/// dropped and counted. It allocates: not for a control thread.
 #[derive(Clone)]
 pub struct Logger(Arc<Inner>);
 
@@ -53,7 +54,8 @@ struct Line {
     text: String,
 }
 
-/// All nodes' way to `/rosout`: another thread than the terminal's, so that neither waits for the other.
+/// All nodes' way to `/rosout`: another thread than the terminal's, so that neither waits for the
+/// other.
 fn network() -> &'static Outbox<Line> {
     static NETWORK: OnceLock<Outbox<Line>> = OnceLock::new();
     NETWORK.get_or_init(|| {
@@ -65,7 +67,8 @@ fn network() -> &'static Outbox<Line> {
             }
             Out::Dropped(count) => {
                 if let Some((rosout, name, stamp_ns)) = last.take() {
-                    let text = format!("{count} log lines were dropped: the network did not take them");
+                    let text =
+                        format!("{count} log lines were dropped: the network did not take them");
                     Line { rosout, stamp_ns, level: LogLevel::Warn, name, text }.publish();
                 }
             }
@@ -97,7 +100,8 @@ impl Line {
     }
 }
 
-/// `/rosout` of a node as rcl offers it: who comes late gets the lines of the last [`LATE`]. The client library's own keeps one line.
+/// `/rosout` of a node as rcl offers it: who comes late gets the lines of the last [`LATE`]. The
+/// client library's own keeps one line.
 pub(crate) fn rosout(node: &mut Node) -> Result<Publisher<Log>, String> {
     let name = Name::new("/", "rosout").map_err(|error| error.to_string())?;
     let qos = QosProfile::publisher_default()
@@ -158,8 +162,9 @@ impl Logger {
         });
     }
 
-    /// Writes a warning that anybody on the network can cause, as often as he likes: of one `kind` at most one a second is written, and it says how
-    /// many were not. `text` is made only if it is written.
+    /// Writes a warning that anybody on the network can cause, as often as he likes: of one `kind`
+    /// at most one a second is written, and it says how many were not. `text` is made only if it is
+    /// written.
     pub fn warn_of(&self, kind: &str, text: impl FnOnce() -> String) {
         let mut repeated = self.0.repeated.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(before) = repeated.may_be_told(kind, Instant::now()) else { return };

@@ -51,8 +51,8 @@ impl NodeIdentity {
         self.qualified().trim_start_matches('/').replace('/', ".")
     }
 
-    /// The absolute name of `name` as this node says it: `/x` stays, `x` lies in the namespace, `~/x` below the node;
-    /// `{node}`, `{ns}` and `{namespace}` are replaced.
+    /// The absolute name of `name` as this node says it: `/x` stays, `x` lies in the namespace,
+    /// `~/x` below the node; `{node}`, `{ns}` and `{namespace}` are replaced.
     ///
     /// # Errors
     /// [`RosNodeError::Name`] if no name comes out.

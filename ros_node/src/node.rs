@@ -25,8 +25,8 @@ use rustdds::TopicKind;
 use tokio::task::JoinHandle;
 
 use crate::{
-    ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher, RosNodeError,
-    ServiceClient, action,
+    ActionHandler, ActionServer, Graph, Logger, Named, NodeClock, NodeIdentity, Publisher,
+    RosNodeError, ServiceClient, action,
     apart::Apart,
     graph::{self, ParticipantId, ParticipantNodes},
     logger,
@@ -62,19 +62,23 @@ pub struct RosNode {
 
 impl RosNode {
     pub(crate) fn start(shared: Arc<Shared>, name: &str) -> Result<Self, RosNodeError> {
-        let error = |detail: String| RosNodeError::Create { what: format!("the node /{name}"), detail };
+        let error =
+            |detail: String| RosNodeError::Create { what: format!("the node /{name}"), detail };
         let arguments = &shared.arguments;
-        let identity = arguments.remaps.node(name, arguments.namespace.as_deref().unwrap_or("/"))?;
+        let identity =
+            arguments.remaps.node(name, arguments.namespace.as_deref().unwrap_or("/"))?;
         let node_name =
             NodeName::new(&identity.namespace, &identity.name).map_err(|e| error(e.to_string()))?;
-        // Without a spinner: it would listen to `/clock` with a type that is not the clock's, and only serves the client's own
-        // parameters, in whose place stand those of this crate.
+        // Without a spinner: it would listen to `/clock` with a type that is not the clock's, and
+        // only serves the client's own parameters, in whose place stand those of this crate.
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
-        let mut node = shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
+        let mut node =
+            shared.context.new_node(node_name, options).map_err(|e| error(e.to_string()))?;
         let rosout = (!arguments.rosout_disabled).then(|| logger::rosout(&mut node));
-        let rosout = rosout
-            .transpose()
-            .map_err(|detail| RosNodeError::Create { what: "a publisher on /rosout".into(), detail })?;
+        let rosout = rosout.transpose().map_err(|detail| RosNodeError::Create {
+            what: "a publisher on /rosout".into(),
+            detail,
+        })?;
         let clock = NodeClock::default();
         let logger = Logger::new(
             identity.logger(),
@@ -96,7 +100,8 @@ impl RosNode {
                 Some(rmw::Said::Warning(said)) => logger.warn(&said),
             }
         }
-        let (node, tasks, apart) = (Arc::new(Mutex::new(Some(node))), Mutex::default(), Mutex::default());
+        let (node, tasks, apart) =
+            (Arc::new(Mutex::new(Some(node))), Mutex::default(), Mutex::default());
         Ok(Self { identity, clock, logger, node, tasks, apart, began, shared })
     }
 
@@ -147,8 +152,8 @@ impl RosNode {
         &self.shared.arguments
     }
 
-    /// The absolute name of a topic or service that the code calls `name`: relative names lie in the node's namespace, then the command
-    /// line's remappings apply.
+    /// The absolute name of a topic or service that the code calls `name`: relative names lie in
+    /// the node's namespace, then the command line's remappings apply.
     ///
     /// # Errors
     /// [`RosNodeError::Name`] if it is none.
@@ -156,11 +161,15 @@ impl RosNode {
         self.shared.arguments.remaps.resolve(&self.identity, named, name)
     }
 
-    /// A publisher on a topic, with the topic's quality of service. The topic lies in the node's namespace.
+    /// A publisher on a topic, with the topic's quality of service. The topic lies in the node's
+    /// namespace.
     ///
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
-    pub fn publisher<M: RosMessage + Message>(&self, topic: &Topic<M>) -> Result<Publisher<M>, RosNodeError> {
+    pub fn publisher<M: RosMessage + Message>(
+        &self,
+        topic: &Topic<M>,
+    ) -> Result<Publisher<M>, RosNodeError> {
         self.publisher_on(topic.name_in_namespace(), topic.qos)
     }
 
@@ -196,8 +205,9 @@ impl RosNode {
         Ok(Publisher::new(absolute, publisher))
     }
 
-    /// Calls `take` with every message on the topic, on a background thread: it should be short and may not panic. What is no message of the
-    /// type is counted and told in the log. The subscription is best effort, so that any publisher fits and no repeat delays what is newer;
+    /// Calls `take` with every message on the topic, on a background thread: it should be short and
+    /// may not panic. What is no message of the type is counted and told in the log. The
+    /// subscription is best effort, so that any publisher fits and no repeat delays what is newer;
     /// `transient_local` topics are read reliably.
     ///
     /// # Errors
@@ -245,7 +255,8 @@ impl RosNode {
         let subscription = self.with_node("a subscription", &absolute, |node| {
             let qos = subscriber_profile(qos);
             let kind = MessageTypeName::new(M::DEFINITION.package, M::DEFINITION.name);
-            let topic = node.create_topic(&parse(&absolute)?, kind, &qos).map_err(|e| e.to_string())?;
+            let topic =
+                node.create_topic(&parse(&absolute)?, kind, &qos).map_err(|e| e.to_string())?;
             node.create_subscription::<M>(&topic, Some(qos)).map_err(|e| e.to_string())
         })?;
         let logger = self.logger.clone();
@@ -271,7 +282,8 @@ impl RosNode {
         Ok(())
     }
 
-    /// Listens to who else is there. What is heard arrives over the next seconds, this node's own participant included.
+    /// Listens to who else is there. What is heard arrives over the next seconds, this node's own
+    /// participant included.
     ///
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
@@ -281,7 +293,8 @@ impl RosNode {
         Ok(graph)
     }
 
-    /// The participant's own view of who is there: from the first call on it is kept, once for all its nodes, for as long as this node is there.
+    /// The participant's own view of who is there: from the first call on it is kept, once for all
+    /// its nodes, for as long as this node is there.
     pub(crate) fn graph(&self) -> Result<Graph, RosNodeError> {
         let graph = &self.shared.graph;
         if !self.shared.graph_is_watched.swap(true, Ordering::AcqRel) {
@@ -292,13 +305,15 @@ impl RosNode {
 
     /// Another node of this one's name in another participant, in a sentence.
     ///
-    /// It is told by [`lifecycle::Lifecycle`](crate::lifecycle::Lifecycle) too, which keeps the later one of two from working.
+    /// It is told by [`lifecycle::Lifecycle`](crate::lifecycle::Lifecycle) too, which keeps the
+    /// later one of two from working.
     #[must_use]
     pub fn twin(&self) -> Option<String> {
         self.twins().ok()?.found().map(|twin| twin.to_string())
     }
 
-    /// Subscribers of this node's topics that do not keep up now. Each loses what it does not fetch in time; the log says who it is.
+    /// Subscribers of this node's topics that do not keep up now. Each loses what it does not fetch
+    /// in time; the log says who it is.
     #[must_use]
     pub fn lagging_readers(&self) -> u64 {
         self.shared.lagging.count(&self.logger)
@@ -333,7 +348,8 @@ impl RosNode {
                     TopicKind::NoKey,
                 )
                 .map_err(|e| e.to_string())?;
-            node.create_subscription::<ParticipantNodes>(&topic, Some(qos)).map_err(|e| e.to_string())
+            node.create_subscription::<ParticipantNodes>(&topic, Some(qos))
+                .map_err(|e| e.to_string())
         })?;
         let heard = graph.clone();
         self.spawn(async move {
@@ -364,11 +380,13 @@ impl RosNode {
         self.raw_serve::<S::Request, S::Response>(name, S::PACKAGE, S::NAME, answer)
     }
 
-    /// Like [`serve`](Self::serve), on a thread of its own with an endpoint of its own: no other callback, warning or slow client keeps it. For what must be
-    /// answered whatever the rest of the node does. `answer` must not wait for what the rest of the node holds.
+    /// Like [`serve`](Self::serve), on a thread of its own with an endpoint of its own: no other
+    /// callback, warning or slow client keeps it. For what must be answered whatever the rest of
+    /// the node does. `answer` must not wait for what the rest of the node holds.
     ///
     /// # Errors
-    /// [`RosNodeError::Create`] if the middleware refuses, [`RosNodeError::Runtime`] if the system grants no thread.
+    /// [`RosNodeError::Create`] if the middleware refuses, [`RosNodeError::Runtime`] if the system
+    /// grants no thread.
     pub fn serve_apart<S: RosService>(
         &self,
         name: &str,
@@ -395,7 +413,8 @@ impl RosNode {
         handler: impl ActionHandler<A>,
     ) -> Result<ActionServer, RosNodeError> {
         let absolute = self.resolve(Named::Service, name)?;
-        let (hearers, runtime) = (Arc::clone(&self.shared.hearers), self.shared.runtime.handle().clone());
+        let (hearers, runtime) =
+            (Arc::clone(&self.shared.hearers), self.shared.runtime.handle().clone());
         let answers = action::Answers::new(&absolute, self.logger.clone(), hearers, runtime);
         self.with_node("an action", &absolute, |node| {
             action::serve::<A>(node, &parse(&absolute)?, answers, handler)
@@ -420,7 +439,12 @@ impl RosNode {
         Ok(())
     }
 
-    fn service<Q, A>(&self, name: &str, package: &str, kind: &str) -> Result<Service<Q, A>, RosNodeError>
+    fn service<Q, A>(
+        &self,
+        name: &str,
+        package: &str,
+        kind: &str,
+    ) -> Result<Service<Q, A>, RosNodeError>
     where
         Q: Message + Clone + Send + Sync + 'static,
         A: Message + Send + Sync + 'static,
@@ -497,10 +521,12 @@ impl RosNode {
 
 impl Drop for RosNode {
     fn drop(&mut self) {
-        // What runs in the background holds readers and writers: it goes first, then the node takes its name off the graph.
+        // What runs in the background holds readers and writers: it goes first, then the node takes
+        // its name off the graph.
         let tasks = std::mem::take(&mut *self.tasks.lock().unwrap_or_else(PoisonError::into_inner));
         tasks.iter().for_each(JoinHandle::abort);
-        let mut apart = std::mem::take(&mut *self.apart.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut apart =
+            std::mem::take(&mut *self.apart.lock().unwrap_or_else(PoisonError::into_inner));
         apart.iter_mut().for_each(Apart::end);
         // Not by the runtime's clock: it stands still if all of its threads are stuck.
         let began = Instant::now();
@@ -529,9 +555,11 @@ fn with<T>(
 /// Who sent a message, and when.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sent {
-    /// Who. It is what the message says: see [`one_writer`](crate::one_writer) for how far that is to be believed.
+    /// Who. It is what the message says: see [`one_writer`](crate::one_writer) for how far that is
+    /// to be believed.
     pub writer: WriterId,
-    /// How long ago, by the system's clocks on both sides; zero if its publisher did not say, or by a clock that is ahead.
+    /// How long ago, by the system's clocks on both sides; zero if its publisher did not say, or by
+    /// a clock that is ahead.
     pub age: Duration,
 }
 
@@ -557,8 +585,10 @@ fn parse(name: &str) -> Result<Name, String> {
 }
 
 fn profile(qos: Qos) -> QosProfile {
-    let durability = if qos.transient_local { Durability::TransientLocal } else { Durability::Volatile };
-    // A reader that does not keep up may cost the publishing thread a moment, not a tenth of a second as by default.
+    let durability =
+        if qos.transient_local { Durability::TransientLocal } else { Durability::Volatile };
+    // A reader that does not keep up may cost the publishing thread a moment, not a tenth of a
+    // second as by default.
     QosProfile::publisher_default()
         .reliability_reliable(WhenFull::Wait(Duration::from_millis(5)))
         .durability(durability)

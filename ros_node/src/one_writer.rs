@@ -1,7 +1,8 @@
 //! Who may write: of everybody who publishes on a topic, one is obeyed.
 //!
-//! The one is told by the GUID that DDS writes into each message. On a network without DDS Security a GUID can be forged: this keeps mistakes and
-//! strangers away, and makes them seen, but it authenticates nobody. Who must be sure needs DDS Security, which signs messages.
+//! The one is told by the GUID that DDS writes into each message. On a network without DDS Security
+//! a GUID can be forged: this keeps mistakes and strangers away, and makes them seen, but it
+//! authenticates nobody. Who must be sure needs DDS Security, which signs messages.
 
 use std::fmt;
 
@@ -71,8 +72,8 @@ impl Heard {
 }
 
 impl OneWriter {
-    /// Obeys nobody until it is opened. After `handover` [ns] of silence another writer may follow the one that is obeyed; without it the one stays until
-    /// [`close`](Self::close).
+    /// Obeys nobody until it is opened. After `handover` [ns] of silence another writer may follow
+    /// the one that is obeyed; without it the one stays until [`close`](Self::close).
     #[must_use]
     pub const fn new(handover: Option<u64>) -> Self {
         Self { open: false, owner: None, handover, recent: [None; REMEMBERED] }
@@ -108,7 +109,8 @@ impl OneWriter {
         self.open_contested();
     }
 
-    /// Obeys the first that speaks from now on, once it is the only one that was heard for [`RECENT`].
+    /// Obeys the first that speaks from now on, once it is the only one that was heard for
+    /// [`RECENT`].
     pub const fn open_contested(&mut self) {
         self.open = true;
         self.owner = None;
@@ -265,7 +267,13 @@ mod tests {
     ];
 
     /// What holds after every step of every sequence.
-    fn searched(one: &OneWriter, now: u64, taken: Option<(WriterId, u64)>, open: bool, left: u32) -> u64 {
+    fn searched(
+        one: &OneWriter,
+        now: u64,
+        taken: Option<(WriterId, u64)>,
+        open: bool,
+        left: u32,
+    ) -> u64 {
         if left == 0 {
             return 1;
         }
@@ -291,13 +299,19 @@ mod tests {
                         match taken {
                             Some((before, _)) if before == writer => assert!(!first),
                             Some((_, at)) => {
-                                assert!(first && one.handover.is_some_and(|silence| now - at >= silence));
+                                assert!(
+                                    first
+                                        && one.handover.is_some_and(|silence| now - at >= silence)
+                                );
                             }
                             None => assert!(first),
                         }
                         taken = Some((writer, now));
                     } else if let Some((before, _)) = taken {
-                        assert_ne!(before, writer, "the one that is obeyed loses nothing: {verdict:?}");
+                        assert_ne!(
+                            before, writer,
+                            "the one that is obeyed loses nothing: {verdict:?}"
+                        );
                     }
                 }
             }

@@ -39,13 +39,18 @@ pub(crate) enum Out<T> {
 }
 
 impl<T: Send + 'static> Outbox<T> {
-    /// One with room for `capacity`. `write` gets everything on a thread of that name, which ends when all of this are gone. Without a
-    /// thread all is dropped.
-    pub(crate) fn start(name: &str, capacity: usize, write: impl FnMut(Out<T>) + Send + 'static) -> Self {
+    /// One with room for `capacity`. `write` gets everything on a thread of that name, which ends
+    /// when all of this are gone. Without a thread all is dropped.
+    pub(crate) fn start(
+        name: &str,
+        capacity: usize,
+        write: impl FnMut(Out<T>) + Send + 'static,
+    ) -> Self {
         let (queue, items) = sync_channel(capacity);
         let counts = Arc::<Counts>::default();
         let books = Arc::clone(&counts);
-        let thread = thread::Builder::new().name(name.into()).spawn(move || empty(&items, &books, write));
+        let thread =
+            thread::Builder::new().name(name.into()).spawn(move || empty(&items, &books, write));
         // Its end of the queue is gone then, so that nothing is waited for.
         drop(thread);
         Self { queue, counts }

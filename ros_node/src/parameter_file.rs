@@ -7,8 +7,9 @@
 //!     lag: {k_p: 1.5}        # the parameter lag.k_p
 //! ```
 //!
-//! Types follow the text, as in rcl: `yes` and `On` are booleans, `0x10` and `010` are 16 and 8, `1e3` and `.nan` are doubles, and what is quoted is a
-//! string. All elements of a list have one type; lists in lists and aliases are refused.
+//! Types follow the text, as in rcl: `yes` and `On` are booleans, `0x10` and `010` are 16 and 8,
+//! `1e3` and `.nan` are doubles, and what is quoted is a string. All elements of a list have one
+//! type; lists in lists and aliases are refused.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +21,8 @@ const PARAMETERS: &str = "ros__parameters";
 /// Parameters for the nodes whose name fits a pattern.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeParameters {
-    /// Absolute name of a node, in which `*` stands for one part of the name and `**` for any number of them.
+    /// Absolute name of a node, in which `*` stands for one part of the name and `**` for any
+    /// number of them.
     pub pattern: String,
     /// The values by name; names in maps are joined by dots.
     pub values: BTreeMap<String, ParameterValue>,
@@ -41,7 +43,9 @@ fn fits(pattern: &[String], name: &[String]) -> bool {
         (Some((first, rest)), _) if first == "**" => {
             (0..=name.len()).any(|taken| name.get(taken..).is_some_and(|left| fits(rest, left)))
         }
-        (Some((first, rest)), Some((part, left))) => (first == "*" || first == part) && fits(rest, left),
+        (Some((first, rest)), Some((part, left))) => {
+            (first == "*" || first == part) && fits(rest, left)
+        }
         _ => false,
     }
 }
@@ -190,7 +194,9 @@ impl<'a> Reader<'a> {
         loop {
             match self.next()? {
                 (Event::StreamStart | Event::DocumentStart(..), _) => {}
-                (Event::StreamEnd, line) => return Err(format!("line {line}: there is nothing in it")),
+                (Event::StreamEnd, line) => {
+                    return Err(format!("line {line}: there is nothing in it"));
+                }
                 (event, line) => {
                     let node = self.node(event, line, 0)?;
                     return match self.next()? {
@@ -223,7 +229,11 @@ impl<'a> Reader<'a> {
                         (Event::SequenceEnd, _) => return Ok(Yaml::List(items, line)),
                         (event, line) => match self.node(event, line, depth + 1)? {
                             Yaml::Value(value, _) => items.push(value),
-                            _ => return Err(format!("line {line}: a list may only hold plain values")),
+                            _ => {
+                                return Err(format!(
+                                    "line {line}: a list may only hold plain values"
+                                ));
+                            }
                         },
                     }
                 }
@@ -254,7 +264,9 @@ impl<'a> Reader<'a> {
 /// The event with the text that stands there: where nothing stands the parser says `~`.
 fn written<'a>(event: Event<'a>, span: &granit_parser::Span) -> Event<'a> {
     match event {
-        Event::Scalar(_, ScalarStyle::Plain, anchor, tag) if span.start.index() == span.end.index() => {
+        Event::Scalar(_, ScalarStyle::Plain, anchor, tag)
+            if span.start.index() == span.end.index() =>
+        {
             Event::Scalar("".into(), ScalarStyle::Plain, anchor, tag)
         }
         other => other,
@@ -266,9 +278,15 @@ fn scalar(text: &str, plain: bool, tag: Option<&str>) -> Result<ParameterValue, 
     let wrong = |kind: &str| format!("`{text}` is no {kind}");
     match tag {
         Some("str") => return Ok(ParameterValue::String(text.to_owned())),
-        Some("bool") => return boolean(text).map(ParameterValue::Boolean).ok_or_else(|| wrong("boolean")),
-        Some("int") => return integer(text).map(ParameterValue::Integer).ok_or_else(|| wrong("integer")),
-        Some("float") => return double(text).map(ParameterValue::Double).ok_or_else(|| wrong("double")),
+        Some("bool") => {
+            return boolean(text).map(ParameterValue::Boolean).ok_or_else(|| wrong("boolean"));
+        }
+        Some("int") => {
+            return integer(text).map(ParameterValue::Integer).ok_or_else(|| wrong("integer"));
+        }
+        Some("float") => {
+            return double(text).map(ParameterValue::Double).ok_or_else(|| wrong("double"));
+        }
         _ => {}
     }
     if !plain {
@@ -286,8 +304,12 @@ fn scalar(text: &str, plain: bool, tag: Option<&str>) -> Result<ParameterValue, 
 
 fn boolean(text: &str) -> Option<bool> {
     match text {
-        "Y" | "y" | "yes" | "Yes" | "YES" | "true" | "True" | "TRUE" | "on" | "On" | "ON" => Some(true),
-        "N" | "n" | "no" | "No" | "NO" | "false" | "False" | "FALSE" | "off" | "Off" | "OFF" => Some(false),
+        "Y" | "y" | "yes" | "Yes" | "YES" | "true" | "True" | "TRUE" | "on" | "On" | "ON" => {
+            Some(true)
+        }
+        "N" | "n" | "no" | "No" | "NO" | "false" | "False" | "FALSE" | "off" | "Off" | "OFF" => {
+            Some(false)
+        }
         _ => None,
     }
 }
@@ -299,13 +321,14 @@ fn integer(text: &str) -> Option<i64> {
         b'+' => ("", text.get(1..)?),
         _ => ("", text),
     };
-    let (digits, radix) = if let Some(hex) = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) {
-        (hex, 16)
-    } else if digits.len() > 1 && digits.starts_with('0') {
-        (digits.get(1..)?, 8)
-    } else {
-        (digits, 10)
-    };
+    let (digits, radix) =
+        if let Some(hex) = digits.strip_prefix("0x").or_else(|| digits.strip_prefix("0X")) {
+            (hex, 16)
+        } else if digits.len() > 1 && digits.starts_with('0') {
+            (digits.get(1..)?, 8)
+        } else {
+            (digits, 10)
+        };
     if !digits.starts_with(|c: char| c.is_digit(radix)) {
         return None;
     }
@@ -330,7 +353,8 @@ mod tests {
     use super::*;
     use ParameterValue as V;
 
-    /// The kinds that rcl's `get_value` tells apart (`rcl_yaml_param_parser/src/parse.c`, and its `test_parse.cpp`).
+    /// The kinds that rcl's `get_value` tells apart (`rcl_yaml_param_parser/src/parse.c`, and its
+    /// `test_parse.cpp`).
     #[test]
     fn plain_text_has_the_type_that_rcl_gives_it() {
         for (text, value) in [

@@ -30,7 +30,8 @@ use crate::{
 /// Longest wait for what follows the participant's events to end.
 const LEAVING: Duration = Duration::from_secs(1);
 
-/// One process's place on the network, shared by its nodes. It leaves when the last of them and this are dropped.
+/// One process's place on the network, shared by its nodes. It leaves when the last of them and
+/// this are dropped.
 pub struct Participant {
     shared: Arc<Shared>,
 }
@@ -38,8 +39,8 @@ pub struct Participant {
 /// States in which the managed nodes of a process were last, by their absolute names.
 pub(crate) type LastPhases = Mutex<BTreeMap<String, Arc<AtomicU8>>>;
 
-/// What participant and nodes hold together. The fields are dropped in this order: the runtime last, so that nothing
-/// runs on a participant that is gone.
+/// What participant and nodes hold together. The fields are dropped in this order: the runtime
+/// last, so that nothing runs on a participant that is gone.
 pub(crate) struct Shared {
     pub(crate) context: Context,
     pub(crate) runtime: Workers,
@@ -65,7 +66,8 @@ pub(crate) struct Shared {
     leave: Leave,
 }
 
-/// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not waited for.
+/// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not
+/// waited for.
 pub(crate) struct Workers(Option<Runtime>);
 
 impl Deref for Workers {
@@ -100,8 +102,8 @@ impl Participant {
     /// Joins the network.
     ///
     /// # Errors
-    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`]; [`RosNodeError::Security`] or [`RosNodeError::Environment`] where security is asked for and
-    /// cannot be had.
+    /// [`RosNodeError::Runtime`] or [`RosNodeError::Join`]; [`RosNodeError::Security`] or
+    /// [`RosNodeError::Environment`] where security is asked for and cannot be had.
     pub fn join(discovery: &Discovery) -> Result<Self, RosNodeError> {
         Self::join_with(discovery, Arguments::default())
     }
@@ -148,8 +150,8 @@ impl Participant {
         if only_here {
             scope.close()?;
         }
-        let context =
-            Context::from_domain_participant(participant).map_err(|error| join_error(error.to_string()))?;
+        let context = Context::from_domain_participant(participant)
+            .map_err(|error| join_error(error.to_string()))?;
         let hearers = Arc::<Hearers>::default();
         let (heard, participant) = (Arc::clone(&hearers), context.domain_participant().clone());
         let graph = Graph::default();
@@ -157,8 +159,11 @@ impl Participant {
         let lagging = Arc::<Lagging>::default();
         let (known, told, slow) = (graph.clone(), Arc::clone(&others), Arc::clone(&lagging));
         let following =
-            Apart::start("hearing", async move { heard.follow(participant, known, &told, &slow).await })
-                .map_err(RosNodeError::Runtime)?;
+            Apart::start(
+                "hearing",
+                async move { heard.follow(participant, known, &told, &slow).await },
+            )
+            .map_err(RosNodeError::Runtime)?;
         let open = AtomicBool::new(!only_here);
         let shared = Shared {
             context,
@@ -179,10 +184,12 @@ impl Participant {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// A node that the code calls `name`, in the root namespace unless the command line says otherwise.
+    /// A node that the code calls `name`, in the root namespace unless the command line says
+    /// otherwise.
     ///
     /// # Errors
-    /// [`RosNodeError::Name`] or [`RosNodeError::Create`] if the name is none or the middleware refuses.
+    /// [`RosNodeError::Name`] or [`RosNodeError::Create`] if the name is none or the middleware
+    /// refuses.
     pub fn node(&self, name: &str) -> Result<RosNode, RosNodeError> {
         RosNode::start(Arc::clone(&self.shared), name)
     }
@@ -196,7 +203,9 @@ impl Participant {
     /// First bytes of its identifier.
     #[must_use]
     pub fn prefix(&self) -> Prefix {
-        security::prefix(rustdds::RTPSEntity::guid(&self.shared.context.domain_participant()).prefix)
+        security::prefix(
+            rustdds::RTPSEntity::guid(&self.shared.context.domain_participant()).prefix,
+        )
     }
 
     /// How the others stand with it.

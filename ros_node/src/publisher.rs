@@ -4,8 +4,8 @@ use ros2_client::Message;
 
 use crate::RosNodeError;
 
-/// Publishes messages of one type on one topic. Sending takes locks and may wait for the network: never call it from a
-/// control thread.
+/// Publishes messages of one type on one topic. Sending takes locks and may wait for the network:
+/// never call it from a control thread.
 pub struct Publisher<M: Message> {
     topic: String,
     publisher: ros2_client::Publisher<M>,
@@ -27,8 +27,9 @@ impl<M: Message> Publisher<M> {
     /// # Errors
     /// [`RosNodeError::Publish`] if the middleware does not take it within a few milliseconds.
     pub fn publish(&self, message: M) -> Result<(), RosNodeError> {
-        self.publisher
-            .publish(message)
-            .map_err(|error| RosNodeError::Publish { topic: self.topic.clone(), detail: error.to_string() })
+        self.publisher.publish(message).map_err(|error| RosNodeError::Publish {
+            topic: self.topic.clone(),
+            detail: error.to_string(),
+        })
     }
 }

@@ -1,4 +1,5 @@
-//! Bounded queues out of and into control threads: sending never waits, and wakes the thread that takes.
+//! Bounded queues out of and into control threads: sending never waits, and wakes the thread that
+//! takes.
 
 use std::{
     sync::{
@@ -43,7 +44,8 @@ pub struct Sender<T> {
 }
 
 impl<T> Sender<T> {
-    /// Puts something in and wakes the thread at the other end. False if the queue is full: it is counted, and lost.
+    /// Puts something in and wakes the thread at the other end. False if the queue is full: it is
+    /// counted, and lost.
     pub fn send(&mut self, item: T) -> bool {
         let taken = self.producer.push(item).is_ok();
         if !taken {

@@ -1,8 +1,9 @@
 //! Remapping: other names for nodes, topics and services than those in the code.
 //!
-//! A rule is `[NODE:]FROM:=TO` (<https://design.ros2.org/articles/static_remapping.html>). `FROM` is `__node` or `__name`, `__ns`, or the name
-//! of a topic or service, with `rostopic://` or `rosservice://` before it to mean one of them only. The first rule that fits wins.
-//! Wildcards and back references of the article are refused, as rcl has none either.
+//! A rule is `[NODE:]FROM:=TO` (<https://design.ros2.org/articles/static_remapping.html>). `FROM`
+//! is `__node` or `__name`, `__ns`, or the name of a topic or service, with `rostopic://` or
+//! `rosservice://` before it to mean one of them only. The first rule that fits wins. Wildcards and
+//! back references of the article are refused, as rcl has none either.
 
 use crate::{NodeIdentity, RosNodeError, names::is_token};
 
@@ -33,7 +34,9 @@ impl RemapRule {
     /// A sentence about what is wrong with it.
     pub fn parse(text: &str) -> Result<Self, String> {
         let (left, to) = text.split_once(":=").ok_or_else(|| {
-            format!("`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states")
+            format!(
+                "`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states"
+            )
         })?;
         let (left, scheme) = match left.split_once("://") {
             Some((before, from)) => {
@@ -71,7 +74,8 @@ impl RemapRule {
         let probe = NodeIdentity { name: "n".into(), namespace: "/".into() };
         match kind {
             Kind::NodeName => {
-                NodeIdentity::new(to, "/").map_err(|e| format!("in the remapping `{text}`: {e}"))?;
+                NodeIdentity::new(to, "/")
+                    .map_err(|e| format!("in the remapping `{text}`: {e}"))?;
             }
             Kind::Namespace => {
                 if !to.starts_with('/') {
@@ -79,7 +83,8 @@ impl RemapRule {
                         "the namespace in `{text}` must begin with a slash, as in __ns:=/axis_1"
                     ));
                 }
-                NodeIdentity::new("n", to).map_err(|e| format!("in the remapping `{text}`: {e}"))?;
+                NodeIdentity::new("n", to)
+                    .map_err(|e| format!("in the remapping `{text}`: {e}"))?;
             }
             Kind::Topic | Kind::Service | Kind::TopicOrService => {
                 for side in [from, to] {
@@ -119,14 +124,18 @@ impl Remaps {
         self.0.push(rule);
     }
 
-    /// Name and namespace of the node that the code calls `name` in `namespace`. A rule for one node is looked up under the code's name for
-    /// `__node`, and under the new name for everything else.
+    /// Name and namespace of the node that the code calls `name` in `namespace`. A rule for one
+    /// node is looked up under the code's name for `__node`, and under the new name for everything
+    /// else.
     ///
     /// # Errors
     /// [`RosNodeError::Name`] if the code's own names are none.
     pub fn node(&self, name: &str, namespace: &str) -> Result<NodeIdentity, RosNodeError> {
         let first = |kind: Kind, node: &str| {
-            self.0.iter().find(|rule| rule.kind == kind && rule.is_for(node)).map(|rule| rule.to.clone())
+            self.0
+                .iter()
+                .find(|rule| rule.kind == kind && rule.is_for(node))
+                .map(|rule| rule.to.clone())
         };
         let name = first(Kind::NodeName, name).unwrap_or_else(|| name.to_owned());
         let namespace = first(Kind::Namespace, &name).unwrap_or_else(|| namespace.to_owned());
@@ -137,7 +146,12 @@ impl Remaps {
     ///
     /// # Errors
     /// [`RosNodeError::Name`] if `name` is none.
-    pub fn resolve(&self, node: &NodeIdentity, named: Named, name: &str) -> Result<String, RosNodeError> {
+    pub fn resolve(
+        &self,
+        node: &NodeIdentity,
+        named: Named,
+        name: &str,
+    ) -> Result<String, RosNodeError> {
         let absolute = node.expand(name)?;
         for rule in &self.0 {
             let fits = match rule.kind {
@@ -164,7 +178,8 @@ mod tests {
         remaps
     }
 
-    /// As in rcl's `test_remap.cpp`: a global rule, a rule of another node, the first of several, relative and private names.
+    /// As in rcl's `test_remap.cpp`: a global rule, a rule of another node, the first of several,
+    /// relative and private names.
     #[test]
     fn topics_and_services_are_remapped_as_rcl_does_it() {
         let node = NodeIdentity::new("NodeName", "/ns").unwrap();
@@ -196,9 +211,17 @@ mod tests {
 
     #[test]
     fn a_bad_rule_is_refused_with_a_sentence() {
-        for rule in
-            ["a", "a:=", ":=b", "__ns:=a", "__node:=a/b", "a:=b c", "x-y:a:=b", "ftp://a:=b", "a/*:=b"]
-        {
+        for rule in [
+            "a",
+            "a:=",
+            ":=b",
+            "__ns:=a",
+            "__node:=a/b",
+            "a:=b c",
+            "x-y:a:=b",
+            "ftp://a:=b",
+            "a/*:=b",
+        ] {
             assert!(RemapRule::parse(rule).unwrap_err().len() > 20, "{rule}");
         }
     }

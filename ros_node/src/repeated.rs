@@ -50,7 +50,8 @@ mod tests {
     #[test]
     fn more_kinds_than_there_is_room_for_count_as_one() {
         let (mut repeated, now) = (Repeated::default(), Instant::now());
-        let told = (0..1000).filter(|kind| repeated.may_be_told(&kind.to_string(), now).is_some()).count();
+        let told =
+            (0..1000).filter(|kind| repeated.may_be_told(&kind.to_string(), now).is_some()).count();
         assert_eq!(told, KINDS + 1);
     }
 }

@@ -1,4 +1,5 @@
-//! What `RMW_IMPLEMENTATION` asks for. The laboratory's middleware is built in, and talks to each of the others in the other's way.
+//! What `RMW_IMPLEMENTATION` asks for. The laboratory's middleware is built in, and talks to each
+//! of the others in the other's way.
 
 use std::env;
 
@@ -7,7 +8,8 @@ use crate::quoted;
 /// The environment variable.
 pub const VARIABLE: &str = "RMW_IMPLEMENTATION";
 /// The middlewares that were tried.
-const UNDERSTOOD: [&str; 3] = ["rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp", "rmw_cyclonedds_cpp"];
+const UNDERSTOOD: [&str; 3] =
+    ["rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp", "rmw_cyclonedds_cpp"];
 
 /// What is said of it, in a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,11 +1,14 @@
 //! Only this machine is heard: a filter in the kernel, before the middleware.
 //!
-//! RustDDS 0.15 binds its sockets to every address of the machine, also where it was told to use the loopback only, and obeys whoever reaches them. So
-//! each of its sockets gets a filter that keeps what this machine sent, and drops all else before anybody parses it: what arrives by the loopback
-//! interface, and multicast of this machine that a network card loops back. The sender's address does not count, since anybody can write one.
+//! RustDDS 0.15 binds its sockets to every address of the machine, also where it was told to use
+//! the loopback only, and obeys whoever reaches them. So each of its sockets gets a filter that
+//! keeps what this machine sent, and drops all else before anybody parses it: what arrives by the
+//! loopback interface, and multicast of this machine that a network card loops back. The sender's
+//! address does not count, since anybody can write one.
 //!
-//! Between the middleware's binding its sockets and the filter lies about a millisecond. What comes then is still heard: a foreign participant can
-//! become known, and is sent what readers are sent until its lease ends. It can command nothing, as the process has no endpoint of a node yet, and
+//! Between the middleware's binding its sockets and the filter lies about a millisecond. What comes
+//! then is still heard: a foreign participant can become known, and is sent what readers are sent
+//! until its lease ends. It can command nothing, as the process has no endpoint of a node yet, and
 //! whatever it sends later is dropped.
 
 use std::{
@@ -18,14 +21,15 @@ use std::{
 
 use nix::sys::socket::{ControlMessage, MsgFlags, sendmsg};
 use rustix::net::{
-    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SocketFlags, SocketType, recvmsg,
-    socketpair,
+    AddressFamily, RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SocketFlags, SocketType,
+    recvmsg, socketpair,
 };
 use socket2::{Domain, SockFilter, SockRef, Type};
 
 use crate::RosNodeError;
 
-/// Sockets of a participant, at least: for discovery and for messages, each to one and to many, and one to send by.
+/// Sockets of a participant, at least: for discovery and for messages, each to one and to many, and
+/// one to send by.
 const SOCKETS: usize = 5;
 /// The kernel gives the loopback interface this number in every network namespace.
 const LOOPBACK: u32 = 1;
@@ -39,11 +43,14 @@ impl Scope {
     /// To be called before the participant is built.
     pub(crate) fn new() -> Self {
         Self {
-            before: sockets().map(|all| all.into_iter().map(|(_, name)| name).collect()).unwrap_or_default(),
+            before: sockets()
+                .map(|all| all.into_iter().map(|(_, name)| name).collect())
+                .unwrap_or_default(),
         }
     }
 
-    /// To be called once the participant is built, before it has a node: from here on only this machine is heard.
+    /// To be called once the participant is built, before it has a node: from here on only this
+    /// machine is heard.
     ///
     /// # Errors
     /// [`RosNodeError::Scope`] if the system does not grant that.
@@ -61,8 +68,11 @@ impl Scope {
         let mut new = 0;
         for (descriptor, name) in sockets()? {
             let Ok(socket) = duplicate(descriptor) else {
-                // It was closed meanwhile, and so is none of the participant's; if it is still there, nothing can be promised.
-                if fs::read_link(format!("/proc/self/fd/{descriptor}")).is_ok_and(|now| *now == *name) {
+                // It was closed meanwhile, and so is none of the participant's; if it is still
+                // there, nothing can be promised.
+                if fs::read_link(format!("/proc/self/fd/{descriptor}"))
+                    .is_ok_and(|now| *now == *name)
+                {
                     return Err(io::Error::other("a socket of this process cannot be duplicated"));
                 }
                 continue;
@@ -79,7 +89,8 @@ impl Scope {
     }
 }
 
-/// The program of the filter, in the kernel's own language: what it returns is how many bytes of the packet are kept.
+/// The program of the filter, in the kernel's own language: what it returns is how many bytes of
+/// the packet are kept.
 fn only_this_machine() -> [SockFilter; 6] {
     const LOAD_WORD: u16 = 0x20;
     const JUMP_IF_EQUAL: u16 = 0x15;
@@ -88,7 +99,8 @@ fn only_this_machine() -> [SockFilter; 6] {
     const BESIDE: u32 = -0x1000_i32 as u32;
     const KIND_OF_PACKET: u32 = BESIDE + 4;
     const INTERFACE: u32 = BESIDE + 8;
-    /// Sent by this machine to many, and looped back by the kernel. No packet from a wire has this kind.
+    /// Sent by this machine to many, and looped back by the kernel. No packet from a wire has this
+    /// kind.
     const LOOPED_BACK: u32 = 5;
     [
         SockFilter::new(LOAD_WORD, 0, 0, INTERFACE),
@@ -116,10 +128,11 @@ fn sockets() -> io::Result<Vec<(RawFd, String)>> {
     Ok(all)
 }
 
-/// A second descriptor of the same socket. The library keeps the first to itself, so it is sent by its number through a pair of sockets,
-/// as one process would give it to another.
+/// A second descriptor of the same socket. The library keeps the first to itself, so it is sent by
+/// its number through a pair of sockets, as one process would give it to another.
 fn duplicate(descriptor: RawFd) -> io::Result<OwnedFd> {
-    let (here, there) = socketpair(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
+    let (here, there) =
+        socketpair(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
     let descriptors = [descriptor];
     let rights = [ControlMessage::ScmRights(&descriptors)];
     sendmsg::<()>(here.as_raw_fd(), &[IoSlice::new(&[0])], &rights, MsgFlags::empty(), None)?;

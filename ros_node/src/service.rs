@@ -11,7 +11,8 @@ use crate::{
     limits,
 };
 
-/// Pause after a request that cannot be read: a reader that only ever fails must not take the processor.
+/// Pause after a request that cannot be read: a reader that only ever fails must not take the
+/// processor.
 const AFTER_FAILURE: Duration = Duration::from_millis(10);
 
 /// A service that is offered.
@@ -24,7 +25,12 @@ pub(crate) struct Service<Q: Message, A: Message> {
 
 impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
     /// That of the absolute name `name`.
-    pub(crate) fn new(name: String, server: Server<Q, A>, hearers: Arc<Hearers>, logger: Logger) -> Self {
+    pub(crate) fn new(
+        name: String,
+        server: Server<Q, A>,
+        hearers: Arc<Hearers>,
+        logger: Logger,
+    ) -> Self {
         Self { name, server, hearers, logger }
     }
 
@@ -41,7 +47,10 @@ impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
                 Ok(next) => next,
                 Err(error) => {
                     self.logger.warn_of(&self.name, || {
-                        format!("a request to {} was not understood and has no answer: {error:?}", self.name)
+                        format!(
+                            "a request to {} was not understood and has no answer: {error:?}",
+                            self.name
+                        )
                     });
                     tokio::time::sleep(AFTER_FAILURE).await;
                     continue;
@@ -58,7 +67,8 @@ impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
             } else if self.hearers.hear(&client, &topic) || held.len() >= hearing::MOST_HELD {
                 self.send(client, response).await;
             } else {
-                self.logger.debug(&format!("an answer of {} waits until its client is found", self.name));
+                self.logger
+                    .debug(&format!("an answer of {} waits until its client is found", self.name));
                 let topic = &topic;
                 held.push(async move {
                     self.hearers.until_heard(&client, topic).await;
@@ -70,7 +80,9 @@ impl<Q: Message + 'static, A: Message + 'static> Service<Q, A> {
 
     async fn send(&self, client: RmwRequestId, response: A) {
         if let Err(error) = self.server.async_send_response(client, response).await {
-            self.logger.warn_of(&self.name, || format!("an answer of {} was not sent: {error:?}", self.name));
+            self.logger.warn_of(&self.name, || {
+                format!("an answer of {} was not sent: {error:?}", self.name)
+            });
         }
     }
 }

@@ -12,11 +12,13 @@ use std::{
 
 use crate::{RosNodeError, ending};
 
-/// Time from the first signal in which a program ends, if it does not say another ([`ends_within`]).
+/// Time from the first signal in which a program ends, if it does not say another
+/// ([`ends_within`]).
 pub const ENDS_WITHIN: Duration = Duration::from_secs(5);
 /// The same for programs that have a bag to write.
 pub const ENDS_WITHIN_WRITING: Duration = Duration::from_secs(10);
-/// Exit code of a program that ctrl-C ended: 128 plus the number of SIGINT, as shells tell it. Other signals have theirs.
+/// Exit code of a program that ctrl-C ended: 128 plus the number of SIGINT, as shells tell it.
+/// Other signals have theirs.
 pub const FORCED: u8 = 130;
 /// Signals that come so soon after the first count as the same: a closing terminal sends several.
 const SAME: Duration = Duration::from_millis(100);
@@ -27,7 +29,8 @@ static WITHIN_MS: AtomicU64 = AtomicU64::new(ENDS_WITHIN.as_millis() as u64);
 /// The first signal that came; 0 for none.
 static FIRST: AtomicU8 = AtomicU8::new(0);
 
-/// Exit code of a program that a signal ended, 128 plus its number: 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP; [`FORCED`] if none came.
+/// Exit code of a program that a signal ended, 128 plus its number: 130 for SIGINT, 143 for
+/// SIGTERM, 129 for SIGHUP; [`FORCED`] if none came.
 #[must_use]
 pub fn signal_exit_code() -> u8 {
     match FIRST.load(Ordering::Acquire) {
@@ -59,8 +62,9 @@ struct Inner {
 impl Stop {
     /// One that SIGINT, SIGTERM and SIGHUP set. A process has only one.
     ///
-    /// The first signal is the wish to end. If the process is still there [`ENDS_WITHIN`] later, or when a second signal comes, it ends at once with
-    /// the code of that signal, after what is to be done [before](crate::before_forced_exit): whatever is stuck.
+    /// The first signal is the wish to end. If the process is still there [`ENDS_WITHIN`] later, or
+    /// when a second signal comes, it ends at once with the code of that signal, after what is to
+    /// be done [before](crate::before_forced_exit): whatever is stuck.
     ///
     /// # Errors
     /// [`RosNodeError::Signals`] if the handler cannot be set.
@@ -106,7 +110,8 @@ impl Stop {
             if left.is_zero() {
                 break;
             }
-            lock = self.0.changed.wait_timeout(lock, left).unwrap_or_else(PoisonError::into_inner).0;
+            lock =
+                self.0.changed.wait_timeout(lock, left).unwrap_or_else(PoisonError::into_inner).0;
         }
         self.is_set()
     }
@@ -116,8 +121,8 @@ impl Stop {
 #[cfg(unix)]
 fn listen(tell: Sender<u8>) -> Result<(), String> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let mut signals =
-        signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(|error| error.to_string())?;
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])
+        .map_err(|error| error.to_string())?;
     let pass_on = move || {
         for signal in signals.forever() {
             let Ok(signal) = u8::try_from(signal) else { continue };
@@ -126,7 +131,10 @@ fn listen(tell: Sender<u8>) -> Result<(), String> {
             }
         }
     };
-    thread::Builder::new().name("signals-in".into()).spawn(pass_on).map_err(|error| error.to_string())?;
+    thread::Builder::new()
+        .name("signals-in".into())
+        .spawn(pass_on)
+        .map_err(|error| error.to_string())?;
     Ok(())
 }
 

@@ -15,7 +15,8 @@ pub enum Answers {
     Old,
 }
 
-/// Stamps that were given out, so that an answer can be told from an invention. Noting and judging neither lock nor allocate.
+/// Stamps that were given out, so that an answer can be told from an invention. Noting and judging
+/// neither lock nor allocate.
 #[derive(Debug, Clone)]
 pub struct Given {
     stamps: VecDeque<u64>,
@@ -59,7 +60,8 @@ impl Given {
     }
 }
 
-/// How far stamps may run ahead of the time that passed, because messages wait and come together [ns].
+/// How far stamps may run ahead of the time that passed, because messages wait and come together
+/// [ns].
 const AHEAD: u64 = 100_000_000;
 /// What two machines' clocks may drift apart, as a share of the time that passed: 1/1000.
 const DRIFT: u64 = 1000;
@@ -75,7 +77,8 @@ pub enum Follows {
     Future,
 }
 
-/// A moment and the stamp that belongs to it [ns]: of the messages so far, that of the one which took the shortest way.
+/// A moment and the stamp that belongs to it [ns]: of the messages so far, that of the one which
+/// took the shortest way.
 #[derive(Debug, Clone, Copy)]
 struct Anchor {
     at: u64,
@@ -83,7 +86,8 @@ struct Anchor {
 }
 
 impl Anchor {
-    /// Whether a stamp at `now` is not ahead of the time that passed; if so the anchor goes with it.
+    /// Whether a stamp at `now` is not ahead of the time that passed; if so the anchor goes with
+    /// it.
     fn fits(&mut self, stamp_ns: u64, now: u64) -> bool {
         let passed = now.saturating_sub(self.at);
         let (due, drift) = (self.stamp.saturating_add(passed), passed / DRIFT);
@@ -98,10 +102,12 @@ impl Anchor {
     }
 }
 
-/// Stamps that seemed too early, and only such, for so long: then the ones before were late, as when a program that starts is held up [ns].
+/// Stamps that seemed too early, and only such, for so long: then the ones before were late, as
+/// when a program that starts is held up [ns].
 const HEALS: u64 = 500_000_000;
 
-/// Stamps of one sender, which go forwards as time does. It needs no common clock: what counts is how much time passes.
+/// Stamps of one sender, which go forwards as time does. It needs no common clock: what counts is
+/// how much time passes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Forwards {
     last: Option<u64>,
@@ -123,7 +129,8 @@ impl Forwards {
         (self.last, self.anchor, self.early) = (None, None, None);
     }
 
-    /// Judges a stamp that came at `now` [ns on a clock that only goes forwards], and keeps it if it fits.
+    /// Judges a stamp that came at `now` [ns on a clock that only goes forwards], and keeps it if
+    /// it fits.
     pub fn take(&mut self, stamp_ns: u64, now: u64) -> Follows {
         if self.last.is_some_and(|last| stamp_ns <= last) {
             return Follows::Backwards;

@@ -1,7 +1,8 @@
 //! Lines for the terminal that nobody waits for.
 //!
-//! Standard error and standard output may be a pipe that nobody reads: then a write waits for ever, and holds a lock for which all others wait.
-//! So only one thread of each writes, from a bounded queue ([`Outbox`]). A full queue costs lines, which are counted and told.
+//! Standard error and standard output may be a pipe that nobody reads: then a write waits for ever,
+//! and holds a lock for which all others wait. So only one thread of each writes, from a bounded
+//! queue ([`Outbox`]). A full queue costs lines, which are counted and told.
 
 use std::{io::Write, panic, sync::OnceLock, thread, time::Duration};
 
@@ -53,7 +54,8 @@ pub fn say(line: impl Into<String>) {
     queue(To::Out).put(line.into());
 }
 
-/// Waits until the lines are out, for a second at most: before a program ends in order, or writes by itself.
+/// Waits until the lines are out, for a second at most: before a program ends in order, or writes
+/// by itself.
 pub fn flush() {
     flush_within(LAST_LINES);
 }
@@ -63,7 +65,8 @@ pub(crate) fn flush_within(at_most: Duration) {
     queue(To::Err).flush(at_most);
 }
 
-/// From now on panics are told by [`tell`]: a thread that panics must not wait for the terminal before it lets go of what it holds.
+/// From now on panics are told by [`tell`]: a thread that panics must not wait for the terminal
+/// before it lets go of what it holds.
 pub fn tell_panics() {
     panic::set_hook(Box::new(|panic| {
         let thread = thread::current();

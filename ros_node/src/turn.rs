@@ -1,7 +1,8 @@
 //! Joining one after the other.
 //!
-//! Participants of this middleware that join in the same moment may miss each other, or be missed by others, for good: of six that
-//! start at once beside a Fast DDS participant, one to five stayed unseen; 0.15 s apart all were found. So the programs of one machine take turns.
+//! Participants of this middleware that join in the same moment may miss each other, or be missed
+//! by others, for good: of six that start at once beside a Fast DDS participant, one to five stayed
+//! unseen; 0.15 s apart all were found. So the programs of one machine take turns.
 
 use std::{
     net::{Ipv4Addr, UdpSocket},
@@ -18,7 +19,8 @@ const LONGEST: Duration = Duration::from_secs(6);
 pub(crate) struct Turn(Option<UdpSocket>);
 
 impl Turn {
-    /// Waits for a turn. A port of the loopback, below those of the domain, is the token: the system takes it back from a program that dies.
+    /// Waits for a turn. A port of the loopback, below those of the domain, is the token: the
+    /// system takes it back from a program that dies.
     pub(crate) fn wait(domain: u16) -> Self {
         let port = u16::try_from(7399 + 250 * u32::from(domain)).unwrap_or(7399);
         let began = Instant::now();

@@ -4,7 +4,8 @@ use std::{cmp::Ordering, fmt};
 
 use crate::{Graph, graph::ParticipantId, one_writer::WriterId};
 
-/// Two that began within this time of each other may each have heard of the other too late to know who was first [ns].
+/// Two that began within this time of each other may each have heard of the other too late to know
+/// who was first [ns].
 const AT_ONCE: u64 = 1_000_000_000;
 
 /// Looks for other nodes of this node's name.
@@ -58,12 +59,17 @@ impl Twins {
     }
 }
 
-/// Whether the other one was there first. Of two that began at once both say the same, by their identifiers.
-fn is_elder((other, since): (ParticipantId, Option<u64>), (own, began): (ParticipantId, u64)) -> bool {
+/// Whether the other one was there first. Of two that began at once both say the same, by their
+/// identifiers.
+fn is_elder(
+    (other, since): (ParticipantId, Option<u64>),
+    (own, began): (ParticipantId, u64),
+) -> bool {
     match since {
         Some(since) if since < began => true,
         Some(since) if since - began > AT_ONCE => false,
-        // One that does not tell its time is no node of this laboratory: this one keeps away from it.
+        // One that does not tell its time is no node of this laboratory: this one keeps away from
+        // it.
         None => true,
         Some(_) => other.cmp(&own) == Ordering::Less,
     }
@@ -95,7 +101,8 @@ mod tests {
                 let (began, later) = (100 * S, 100 * S + apart);
                 for heard in [0, telling / 2, telling] {
                     for heard_later in [0, telling / 2, telling] {
-                        let first_yields = is_elder((other, Some(later + heard_later)), (one, began));
+                        let first_yields =
+                            is_elder((other, Some(later + heard_later)), (one, began));
                         let second_yields = is_elder((one, Some(began + heard)), (other, later));
                         assert!(first_yields || second_yields, "{apart} ns apart");
                     }

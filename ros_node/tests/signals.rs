@@ -11,7 +11,8 @@ use std::{
 use rustix::process::{Pid, Signal, kill_process};
 
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Variables of the environment: the file that the last act makes, and the time in which the program says it ends [s].
+/// Variables of the environment: the file that the last act makes, and the time in which the
+/// program says it ends [s].
 const FILE: &str = "ACTED";
 const WITHIN: &str = "WITHIN";
 
@@ -39,7 +40,8 @@ struct Stuck {
 
 impl Stuck {
     fn start(name: &str, within: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("frictionlab-{name}-{}", std::process::id()));
+        let folder =
+            std::env::temp_dir().join(format!("frictionlab-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let mut child = Command::new(std::env::current_exe().unwrap())
             .args(["--ignored", "--exact", "stuck", "--nocapture"])

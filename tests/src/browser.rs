@@ -10,8 +10,8 @@ use serde_json::Value;
 /// Longest that one start of the browser may take.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Put at the very start of the page under test: collects, waits until the page is done, then leaves what
-/// it found in the document, where `--dump-dom` shows it.
+/// Put at the very start of the page under test: collects, waits until the page is done, then
+/// leaves what it found in the document, where `--dump-dom` shows it.
 const COLLECTOR: &str = include_str!("../browser/collector.js");
 
 /// A headless Chromium.
@@ -23,8 +23,8 @@ pub struct Browser {
 /// What the browser reported of one page.
 #[derive(Debug)]
 pub struct Seen {
-    /// Script errors, failed resources, console errors and warnings, breaches of the page's policy, and
-    /// whatever the browser itself logged about the page: empty for a sound page.
+    /// Script errors, failed resources, console errors and warnings, breaches of the page's policy,
+    /// and whatever the browser itself logged about the page: empty for a sound page.
     pub complaints: Vec<String>,
     /// Addresses that the page asked for, besides itself and what it carries inside.
     pub requests: Vec<String>,
@@ -60,8 +60,8 @@ impl Browser {
             .map(|program| Browser { program })
     }
 
-    /// Loads a copy of `html`, waits until its figures stand, then evaluates `probe`, the body of an async
-    /// JavaScript function, for whatever else the test wants to know or do.
+    /// Loads a copy of `html`, waits until its figures stand, then evaluates `probe`, the body of
+    /// an async JavaScript function, for whatever else the test wants to know or do.
     ///
     /// # Panics
     /// When the browser does not start, end, or report.
@@ -93,7 +93,13 @@ impl Browser {
             .0;
         let report: Value = serde_json::from_str(report).expect("the collector writes JSON");
         let texts = |value: &Value| -> Vec<String> {
-            value.as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect()
+            value
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter_map(Value::as_str)
+                .map(str::to_owned)
+                .collect()
         };
         let mut complaints = texts(&report["complaints"]);
         complaints.extend(log.lines().filter(|line| line.contains(":CONSOLE")).map(str::to_owned));
@@ -138,8 +144,18 @@ impl Browser {
         let (out, err) = (folder.join("stdout"), folder.join("stderr"));
         let create = |path: &Path| File::create(path).expect("a file in the temporary folder");
         let mut child = Command::new(&self.program)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"])
-            .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-quic",
+                "--no-first-run",
+            ])
+            .args([
+                "--disable-background-networking",
+                "--disable-component-update",
+                "--disable-sync",
+            ])
             .args(["--disable-dev-shm-usage", "--enable-logging=stderr", "--v=0"])
             // Nothing leaves this machine, whatever the page asks for.
             .arg("--host-resolver-rules=MAP * ~NOTFOUND")
@@ -167,8 +183,9 @@ impl Browser {
             }
             std::thread::sleep(Duration::from_millis(20));
         };
-        let read =
-            |path: &Path| String::from_utf8_lossy(&std::fs::read(path).unwrap_or_default()).into_owned();
+        let read = |path: &Path| {
+            String::from_utf8_lossy(&std::fs::read(path).unwrap_or_default()).into_owned()
+        };
         (status, read(&out), read(&err))
     }
 }

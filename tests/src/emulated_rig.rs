@@ -78,10 +78,12 @@ impl EmulatedRig {
     /// # Panics
     /// If it does not listen any more.
     pub fn order(&mut self, order: &str) {
-        writeln!(self.orders.as_mut().expect("its input"), "{order}").expect("the emulator listens");
+        writeln!(self.orders.as_mut().expect("its input"), "{order}")
+            .expect("the emulator listens");
     }
 
-    /// Waits until one of the device's books says at least `least`: `cycles` it has gone through, `driven` of them with volts.
+    /// Waits until one of the device's books says at least `least`: `cycles` it has gone through,
+    /// `driven` of them with volts.
     ///
     /// # Panics
     /// If the emulator does not answer.
@@ -110,7 +112,8 @@ impl EmulatedRig {
         self.status()["books"][book].as_u64().expect("a number")
     }
 
-    /// Waits until the device has gone through `cycles` more cycles of its own clock. Returns what it tells then.
+    /// Waits until the device has gone through `cycles` more cycles of its own clock. Returns what
+    /// it tells then.
     ///
     /// # Panics
     /// If the emulator does not answer.
@@ -129,12 +132,16 @@ impl EmulatedRig {
         self.pass(5);
         drop(self.orders.take());
         assert!(self.process.wait().expect("it ends").success());
-        let text = std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");
+        let text =
+            std::fs::read_to_string(self.folder.path().join("summary.json")).expect("a summary");
         let summary: Value = serde_json::from_str(&text).expect("JSON");
         let books = &summary["books"];
         assert_eq!(books["driven_without_permission"], 0, "{summary}");
         let limit = summary["validity_limit_cycles"].as_u64().expect("a limit");
-        assert!(books["longest_drive_after_a_command"].as_u64().expect("a number") <= limit, "{summary}");
+        assert!(
+            books["longest_drive_after_a_command"].as_u64().expect("a number") <= limit,
+            "{summary}"
+        );
         summary
     }
 }

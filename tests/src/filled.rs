@@ -1,9 +1,11 @@
-//! Messages with a different value in every field, by a rule that `tests/python/cdr_peer.py` knows too.
+//! Messages with a different value in every field, by a rule that `tests/python/cdr_peer.py` knows
+//! too.
 
 use serde::de::{self, DeserializeOwned, DeserializeSeed, Deserializer, SeqAccess, Visitor};
 
-/// A message in which every primitive, in order, has the next number n, from 1: a boolean is n odd; an integer n; a float n + 0.25, negative
-/// where n is even; a string `text n ü`; a sequence has two elements. The byte of a type without fields is 0.
+/// A message in which every primitive, in order, has the next number n, from 1: a boolean is n odd;
+/// an integer n; a float n + 0.25, negative where n is even; a string `text n ü`; a sequence has
+/// two elements. The byte of a type without fields is 0.
 ///
 /// # Panics
 /// For a type that is no message.

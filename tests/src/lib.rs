@@ -17,10 +17,10 @@ pub mod wire;
 
 /// The built `frictionlab`, ready for arguments.
 ///
-/// `$FRICTIONLAB_BIN` names it where it is set. Under cargo it is brought up to date first (in the profile
-/// and target folder of the running test, so that nothing is built twice): cargo does not build a program
-/// only because another package's tests run it, and an old one would be tested unnoticed. Without cargo it
-/// is the one beside the test.
+/// `$FRICTIONLAB_BIN` names it where it is set. Under cargo it is brought up to date first (in the
+/// profile and target folder of the running test, so that nothing is built twice): cargo does not
+/// build a program only because another package's tests run it, and an old one would be tested
+/// unnoticed. Without cargo it is the one beside the test.
 ///
 /// # Panics
 /// When it can neither be found nor built; the message says what was tried.
@@ -38,8 +38,8 @@ pub fn rig_emulator() -> Command {
     program(&PROGRAM, "RIG_EMULATOR_BIN", "rig_emulator", "rig_emulator")
 }
 
-/// The folder with the built programs of the nodes, `rig_driver`, `friction_observer` and `controller`; found as [`frictionlab`] is, or
-/// `$FRICTION_NODES` where that is set.
+/// The folder with the built programs of the nodes, `rig_driver`, `friction_observer` and
+/// `controller`; found as [`frictionlab`] is, or `$FRICTION_NODES` where that is set.
 ///
 /// # Panics
 /// As [`frictionlab`].
@@ -115,11 +115,13 @@ fn build(cargo: &Path, profile_folder: &Path, packages: &[&str]) {
 
 /// The folder of the workspace.
 pub fn checkout() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this package lies in the workspace's folder")
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("this package lies in the workspace's folder")
 }
 
-/// The folder of recordings that are not part of the project: `$FRICTION_DATA`, or `../shared/data` beside
-/// the checkout; `None` where there is none, and the test should [`skip`].
+/// The folder of recordings that are not part of the project: `$FRICTION_DATA`, or `../shared/data`
+/// beside the checkout; `None` where there is none, and the test should [`skip`].
 ///
 /// # Panics
 /// When `$FRICTION_DATA` is set but no folder, because skipping then would hide a slip.
@@ -132,7 +134,8 @@ pub fn shared_data() -> Option<PathBuf> {
     Some(checkout().parent()?.join("shared").join("data")).filter(|folder| folder.is_dir())
 }
 
-/// Says on standard error, past libtest's capture, that the running test does not test anything, and why.
+/// Says on standard error, past libtest's capture, that the running test does not test anything,
+/// and why.
 pub fn skip(reason: &str) {
     let current = std::thread::current();
     let test = current.name().unwrap_or("a test");

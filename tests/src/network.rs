@@ -9,11 +9,10 @@ use serde_json::Value;
 use crate::python::{self, Distribution};
 
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
-/// A command in a network namespace of its own, so that nothing leaves this machine and nothing else is heard; `None`
-/// where the system grants none.
+/// A command in a network namespace of its own, so that nothing leaves this machine and nothing
+/// else is heard; `None` where the system grants none.
 pub fn namespaced() -> Option<Command> {
     for flags in [&["-n"][..], &["-r", "-n"]] {
         let mut command = Command::new("unshare");
@@ -28,12 +27,15 @@ pub fn namespaced() -> Option<Command> {
             return Some(command);
         }
     }
-    crate::skip("no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces");
+    crate::skip(
+        "no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces",
+    );
     None
 }
 
-/// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the JSON it prints; `None` where either cannot
-/// be had. The nodes' programs are given to it as the folder in which they lie.
+/// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the
+/// JSON it prints; `None` where either cannot be had. The nodes' programs are given to it as the
+/// folder in which they lie.
 ///
 /// # Panics
 /// When the script fails or prints something else; the message carries what it said.
@@ -76,7 +78,8 @@ pub fn report(mut command: Command) -> (Value, String) {
     (report, told)
 }
 
-/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints; `None` where it cannot be had.
+/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints;
+/// `None` where it cannot be had.
 ///
 /// # Panics
 /// When the script fails or prints something else; the message carries what it said.
@@ -100,7 +103,10 @@ pub fn peer(script: &str, cases: &Value) -> Option<Value> {
     let output = running.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{script}: {told}");
-    Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{script}: {error}\n{told}")))
+    Some(
+        serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|error| panic!("{script}: {error}\n{told}")),
+    )
 }
 
 /// MTU of an ordinary network card [bytes].
@@ -108,9 +114,10 @@ pub const ORDINARY_MTU: u16 = 1500;
 /// MTU of a network with jumbo frames [bytes].
 pub const JUMBO_MTU: u16 = 9000;
 
-/// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network namespace of the process `$OTHER_MACHINE`; `$THIS_MACHINE`
-/// is a process here. The loopback has no multicast, which is routed to the network card. The first argument is the MTU; the second is what `tc` does with
-/// packets that wait for the wire, or empty.
+/// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network
+/// namespace of the process `$OTHER_MACHINE`; `$THIS_MACHINE` is a process here. The loopback has
+/// no multicast, which is routed to the network card. The first argument is the MTU; the second is
+/// what `tc` does with packets that wait for the wire, or empty.
 const TWO_MACHINES: &str = r#"
 mtu=$1 queue=$2; shift 2
 ip link set lo up || exit 125
@@ -130,8 +137,9 @@ export OTHER_MACHINE=$other THIS_MACHINE=$$
 /// A queue of 20 kB before a wire of 50 Mbit/s: what is sent faster is lost.
 const SHORT_QUEUE: &str = "tbf rate 50mbit burst 10kb limit 20kb";
 
-/// A command on a machine with another one on its network, whose cards take packets of `mtu` bytes: `$OTHER_MACHINE` is a process there, for
-/// `nsenter -t $OTHER_MACHINE -n`. `None` where the system grants no such thing.
+/// A command on a machine with another one on its network, whose cards take packets of `mtu` bytes:
+/// `$OTHER_MACHINE` is a process there, for `nsenter -t $OTHER_MACHINE -n`. `None` where the system
+/// grants no such thing.
 pub fn two_machines(mtu: u16) -> Option<Command> {
     machines(mtu, "")
 }
@@ -159,13 +167,16 @@ fn machines(mtu: u16, queue: &str) -> Option<Command> {
 pub enum Place {
     /// Both on a machine that has a loopback with multicast and nothing else.
     Loopback,
-    /// Both on one PC: it has a network card, and its loopback has no multicast. They keep to the machine.
+    /// Both on one PC: it has a network card, and its loopback has no multicast. They keep to the
+    /// machine.
     OnePc,
     /// As [`Place::OnePc`], but they look for others on the network.
     OnePcOnItsNetwork,
-    /// The programs on one PC and the script on another, with packets of at most so many bytes between them.
+    /// The programs on one PC and the script on another, with packets of at most so many bytes
+    /// between them.
     TwoPcs(u16),
-    /// As [`Place::TwoPcs`] of [`ORDINARY_MTU`], and whoever sends too much at once loses some of it.
+    /// As [`Place::TwoPcs`] of [`ORDINARY_MTU`], and whoever sends too much at once loses some of
+    /// it.
     CrowdedNetwork,
 }
 
@@ -200,16 +211,22 @@ impl Place {
             command.args(["bash", "-c", there, "--"]);
         }
         let keep_to_it = matches!(self, Self::Loopback | Self::OnePc);
-        command.env("ROS_AUTOMATIC_DISCOVERY_RANGE", if keep_to_it { "LOCALHOST" } else { "SUBNET" });
+        command
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", if keep_to_it { "LOCALHOST" } else { "SUBNET" });
         Some(command)
     }
 }
 
-/// Runs a test of the running test program that is ignored elsewhere, by `command`, with variables of the environment. Returns what it printed.
+/// Runs a test of the running test program that is ignored elsewhere, by `command`, with variables
+/// of the environment. Returns what it printed.
 ///
 /// # Panics
 /// When it fails; the message carries what it said.
-pub fn run_ignored(mut command: Command, test: &str, variables: &[(&str, &std::ffi::OsStr)]) -> String {
+pub fn run_ignored(
+    mut command: Command,
+    test: &str,
+    variables: &[(&str, &std::ffi::OsStr)],
+) -> String {
     let this = std::env::current_exe().expect("a running test knows its own file");
     let output = command
         .arg(this)

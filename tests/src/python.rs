@@ -11,7 +11,8 @@ use serde_json::Value;
 pub enum Distribution {
     /// The one that the laboratory is made for; the environment of `cargo xtask python-env`.
     Kilted,
-    /// The one before, which is supported for longer; the environment of `cargo xtask python-env --distribution jazzy`.
+    /// The one before, which is supported for longer; the environment of
+    /// `cargo xtask python-env --distribution jazzy`.
     Jazzy,
 }
 
@@ -26,8 +27,8 @@ impl Distribution {
     }
 }
 
-/// The interpreter with a distribution's rclpy; otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` and `$FRICTION_PYTHON_ENV_JAZZY` name
-/// environments elsewhere.
+/// The interpreter with a distribution's rclpy; otherwise says so and the test should end.
+/// `$FRICTION_PYTHON_ENV` and `$FRICTION_PYTHON_ENV_JAZZY` name environments elsewhere.
 pub fn interpreter_of(distribution: Distribution) -> Option<PathBuf> {
     match distribution {
         Distribution::Kilted => interpreter("rclpy"),
@@ -38,8 +39,9 @@ pub fn interpreter_of(distribution: Distribution) -> Option<PathBuf> {
     }
 }
 
-/// The environment's interpreter, where the part of that name (`bag_tools`, `rclpy`, `colcon`) is ready; otherwise says so and the
-/// test should end. `$FRICTION_PYTHON_ENV` names an environment elsewhere.
+/// The environment's interpreter, where the part of that name (`bag_tools`, `rclpy`, `colcon`) is
+/// ready; otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` names an environment
+/// elsewhere.
 pub fn interpreter(half: &str) -> Option<PathBuf> {
     interpreter_in("FRICTION_PYTHON_ENV", "python", half, "cargo xtask python-env")
 }
@@ -57,8 +59,9 @@ fn interpreter_in(variable: &str, beside: &str, half: &str, made_by: &str) -> Op
     None
 }
 
-/// The interpreter of an environment of its own with a peer, as `cyclone`, where it is ready; otherwise says so and the test should end.
-/// `$FRICTION_PYTHON_ENV` names the main environment; a peer's stands beside it.
+/// The interpreter of an environment of its own with a peer, as `cyclone`, where it is ready;
+/// otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` names the main environment; a
+/// peer's stands beside it.
 pub fn peer(name: &str) -> Option<PathBuf> {
     let main = match std::env::var_os("FRICTION_PYTHON_ENV") {
         Some(named) => PathBuf::from(named),
@@ -69,7 +72,10 @@ pub fn peer(name: &str) -> Option<PathBuf> {
     if python.is_file() && folder.join(format!("{name}.stamp")).is_file() {
         return Some(python);
     }
-    crate::skip(&format!("no Python with {name} in {}; `cargo xtask python-env` makes it", folder.display()));
+    crate::skip(&format!(
+        "no Python with {name} in {}; `cargo xtask python-env` makes it",
+        folder.display()
+    ));
     None
 }
 
@@ -83,13 +89,14 @@ pub fn script(name: &str) -> PathBuf {
 /// # Panics
 /// When the script fails or prints something else; the message carries what it said.
 pub fn json(python: &Path, name: &str, arguments: &[&str]) -> Value {
-    let output = Command::new(python).arg(script(name)).args(arguments).output().expect("Python starts");
+    let output =
+        Command::new(python).arg(script(name)).args(arguments).output().expect("Python starts");
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("the script prints JSON")
 }
 
-/// Runs pytest in a folder, behind `command` (`env`, or what makes a network namespace), and passes on what it skipped as lines that
-/// begin with SKIPPED.
+/// Runs pytest in a folder, behind `command` (`env`, or what makes a network namespace), and passes
+/// on what it skipped as lines that begin with SKIPPED.
 ///
 /// # Panics
 /// When a test fails; the message carries what pytest said.
@@ -106,6 +113,10 @@ pub fn pytest(mut command: Command, python: &Path, folder: &Path, arguments: &[&
     assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
     for line in said.lines().filter(|line| line.starts_with("SKIPPED")) {
         // Past libtest's capture, as `skip` does; nothing is lost if nobody listens.
-        let _ = writeln!(std::io::stderr(), "SKIPPED pytest: {}", line.trim_start_matches("SKIPPED").trim());
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED pytest: {}",
+            line.trim_start_matches("SKIPPED").trim()
+        );
     }
 }

@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use socket2::{Domain, Protocol, Socket, Type};
 
-/// A packet: when it came after the first, where it came from and where it went to, and what was in it.
+/// A packet: when it came after the first, where it came from and where it went to, and what was in
+/// it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Packet {
     /// Time since catching began.
@@ -40,7 +41,8 @@ impl Catch {
     pub fn start() -> Self {
         const ALL: u16 = 3;
         let protocol = Protocol::from(i32::from(ALL.to_be()));
-        let mut socket = Socket::new(Domain::PACKET, Type::RAW, Some(protocol)).expect("a raw socket");
+        let mut socket =
+            Socket::new(Domain::PACKET, Type::RAW, Some(protocol)).expect("a raw socket");
         socket.set_recv_buffer_size(16 << 20).expect("room");
         socket.set_read_timeout(Some(Duration::from_millis(50))).expect("a time");
         let end = Arc::new(AtomicBool::new(false));
@@ -99,7 +101,9 @@ fn rtps(frame: &[u8], at: Duration) -> Option<Packet> {
     let ip = frame.get(14..).filter(|_| frame[12..14] == [8, 0])?;
     let header = usize::from(*ip.first()? & 15) * 4;
     let (addresses, udp) = (ip.get(12..20)?, ip.get(header..)?);
-    let bytes = udp.get(8..).filter(|bytes| *ip.get(9).unwrap_or(&0) == 17 && bytes.starts_with(b"RTPS"))?;
+    let bytes = udp
+        .get(8..)
+        .filter(|bytes| *ip.get(9).unwrap_or(&0) == 17 && bytes.starts_with(b"RTPS"))?;
     Some(Packet {
         at,
         from: addresses[..4].try_into().ok()?,
@@ -138,7 +142,9 @@ pub fn kept(file: &Path) -> Vec<Packet> {
         let length = u32::from_le_bytes(head[18..22].try_into().expect("four bytes")) as usize;
         let (bytes, behind) = behind.split_at(length);
         packets.push(Packet {
-            at: Duration::from_micros(u64::from_le_bytes(head[..8].try_into().expect("eight bytes"))),
+            at: Duration::from_micros(u64::from_le_bytes(
+                head[..8].try_into().expect("eight bytes"),
+            )),
             from: head[8..12].try_into().expect("four bytes"),
             to: head[12..16].try_into().expect("four bytes"),
             port: u16::from_le_bytes(head[16..18].try_into().expect("two bytes")),

@@ -1,4 +1,5 @@
-//! The Python package `friction_analysis`, tested by pytest: on a bag of the built program, and with the real rclpy.
+//! The Python package `friction_analysis`, tested by pytest: on a bag of the built program, and
+//! with the real rclpy.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -15,7 +16,16 @@ fn bags_become_tables_curves_and_figures() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let run = tests::frictionlab()
-        .args(["run", "velocity-tracking", "--quick", "--repetitions", "1", "--model", "lugre", "--quiet"])
+        .args([
+            "run",
+            "velocity-tracking",
+            "--quick",
+            "--repetitions",
+            "1",
+            "--model",
+            "lugre",
+            "--quiet",
+        ])
         .arg("--out")
         .arg(&out)
         .output()

@@ -1,4 +1,5 @@
-//! A service's answer reaches a client whose reader is found only after the request: RustDDS alone would leave it out for good.
+//! A service's answer reaches a client whose reader is found only after the request: RustDDS alone
+//! would leave it out for good.
 
 use std::fmt::Debug;
 use std::net::{IpAddr, Ipv4Addr};
@@ -12,7 +13,9 @@ use msgs::std_srvs::{Trigger, TriggerRequest, TriggerResponse};
 use ros_node::{ActionHandler, Discovery, Goal, GoalId, Participant};
 use rustdds::no_key::{DataReader, DataWriter};
 use rustdds::policy::{Durability, History, Reliability};
-use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, Topic, TopicKind};
+use rustdds::{
+    DomainParticipant, DomainParticipantBuilder, QosPolicies, QosPolicyBuilder, Topic, TopicKind,
+};
 use serde::{Deserialize, Serialize};
 
 /// Set where the test runs itself in a namespace.
@@ -29,7 +32,11 @@ fn answers_wait_for_a_reader_that_is_found_late() {
     }
     let Some(mut command) = tests::network::namespaced() else { return };
     let this = std::env::current_exe().expect("a test knows its program");
-    command.arg(this).args(["--exact", "answers_wait_for_a_reader_that_is_found_late", "--nocapture"]);
+    command.arg(this).args([
+        "--exact",
+        "answers_wait_for_a_reader_that_is_found_late",
+        "--nocapture",
+    ]);
     passes(command.env(INSIDE, "1"));
 }
 
@@ -104,7 +111,9 @@ impl Client {
             .build()
             .expect("joins");
         let qos = QosPolicyBuilder::new()
-            .reliability(Reliability::Reliable { max_blocking_time: rustdds::Duration::from_millis(100) })
+            .reliability(Reliability::Reliable {
+                max_blocking_time: rustdds::Duration::from_millis(100),
+            })
             .durability(Durability::Volatile)
             .history(History::KeepLast { depth: 10 })
             .build();
@@ -113,7 +122,9 @@ impl Client {
 
     fn topic(&self, name: &str) -> Topic {
         let kind = "any".to_owned();
-        self.participant.create_topic(name.to_owned(), kind, &self.qos, TopicKind::NoKey).expect("a topic")
+        self.participant
+            .create_topic(name.to_owned(), kind, &self.qos, TopicKind::NoKey)
+            .expect("a topic")
     }
 
     /// Asks until the server says that it heard; then gives its answer time to get lost.

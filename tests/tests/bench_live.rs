@@ -1,4 +1,5 @@
-//! The short form of `cargo xtask bench-live`: both loops run and are compared. What comes out is not judged here.
+//! The short form of `cargo xtask bench-live`: both loops run and are compared. What comes out is
+//! not judged here.
 
 use std::process::Command;
 
@@ -15,7 +16,8 @@ fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
         .current_dir(tests::checkout())
         .output()
         .expect("cargo starts");
-    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (told, said) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if said.contains("too busy to measure") {
         tests::skip("the machine is too busy for the bench");
         return;

@@ -1,4 +1,5 @@
-//! The ROS 2 packages: launch files, parameter files, layouts, and every package.xml against Cargo.toml. Python's part is in `tests/python/`.
+//! The ROS 2 packages: launch files, parameter files, layouts, and every package.xml against
+//! Cargo.toml. Python's part is in `tests/python/`.
 
 use tests::python;
 

@@ -1,4 +1,5 @@
-//! Every message, byte by byte: what rclpy writes is what is written here, and each reads what the other wrote.
+//! Every message, byte by byte: what rclpy writes is what is written here, and each reads what the
+//! other wrote.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -6,8 +7,8 @@ use std::process::{Command, Stdio};
 use msgs::RosMessage;
 use msgs::cdr;
 use msgs::{
-    diagnostic_msgs::*, friction_msgs::*, lifecycle_msgs::*, rosgraph_msgs::*, sensor_msgs::*, std_msgs::*,
-    std_srvs::*,
+    diagnostic_msgs::*, friction_msgs::*, lifecycle_msgs::*, rosgraph_msgs::*, sensor_msgs::*,
+    std_msgs::*, std_srvs::*,
 };
 use serde_json::{Map, Value};
 use tests::filled::filled;
@@ -42,7 +43,8 @@ fn bytes(text: &Value) -> Vec<u8> {
     (0..text.len()).step_by(2).map(pair).collect()
 }
 
-/// Asserts that rclpy's bytes are ours but for padding, whose content CDR leaves open: between fields, and up to three bytes behind them.
+/// Asserts that rclpy's bytes are ours but for padding, whose content CDR leaves open: between
+/// fields, and up to three bytes behind them.
 fn assert_same<M: RosMessage>(which: &str, theirs: &[u8], ours: &[u8]) {
     let name = M::type_name();
     let read: M = cdr::decode(theirs).unwrap_or_else(|error| panic!("{which}: {error}"));

@@ -1,4 +1,5 @@
-//! The laboratory in a colcon workspace: what colcon finds, where the programs are installed, and that the nodes run from there.
+//! The laboratory in a colcon workspace: what colcon finds, where the programs are installed, and
+//! that the nodes run from there.
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
@@ -17,7 +18,8 @@ const PROGRAMS: [&str; 5] =
 const WITHOUT_CARGO: &str = "colcon_core.package_identification.cargo:colcon_core.package_identification.cargo_workspace:\
 colcon_core.package_identification.ament_cargo:colcon_core.package_discovery.cargo_workspace";
 
-/// A workspace in a new folder, and the environment with colcon and the wheels of ROS, which stand for /opt/ros.
+/// A workspace in a new folder, and the environment with colcon and the wheels of ROS, which stand
+/// for /opt/ros.
 struct Workspace {
     folder: TempDir,
     ros: PathBuf,
@@ -43,8 +45,9 @@ impl Workspace {
     fn command(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         let path = std::env::var_os("PATH").unwrap_or_default();
-        let path =
-            std::env::join_paths(std::iter::once(self.ros.join("bin")).chain(std::env::split_paths(&path)));
+        let path = std::env::join_paths(
+            std::iter::once(self.ros.join("bin")).chain(std::env::split_paths(&path)),
+        );
         command
             .current_dir(self.path())
             .env("PATH", path.expect("a path"))
@@ -84,7 +87,8 @@ fn colcon_finds_three_packages_whether_or_not_it_knows_cargo() {
     for linked in [checkout().join("ros"), checkout().to_owned()] {
         let Some(workspace) = Workspace::with(&linked) else { return };
         for blocked in ["", WITHOUT_CARGO] {
-            let listed = workspace.colcon(&["--log-base", "/dev/null", "list", "--names-only"], blocked);
+            let listed =
+                workspace.colcon(&["--log-base", "/dev/null", "list", "--names-only"], blocked);
             assert_eq!(
                 listed.split_whitespace().collect::<Vec<_>>(),
                 PACKAGES,
@@ -95,7 +99,8 @@ fn colcon_finds_three_packages_whether_or_not_it_knows_cargo() {
     }
 }
 
-/// In place of cargo: notes what it was called with, and links the programs that this test run has built.
+/// In place of cargo: notes what it was called with, and links the programs that this test run has
+/// built.
 const CARGO: &str = r#"#!/usr/bin/env bash
 set -eu
 printf '%s\n' "$PWD" "$@" > "$FRICTION_NOTES"
@@ -118,15 +123,20 @@ fn each_program_is_installed_where_ros_looks_for_it() {
     let cargo = format!("-DCARGO={}", cargo.display());
     let build = ["build", "--packages-ignore", "friction_msgs", "--cmake-args", &cargo];
     said(
-        workspace.command("colcon").args(build).env("FRICTION_NOTES", &notes).env("FRICTION_BUILT", &built),
+        workspace
+            .command("colcon")
+            .args(build)
+            .env("FRICTION_NOTES", &notes)
+            .env("FRICTION_BUILT", &built),
         "colcon build",
     );
     let noted = fs::read_to_string(&notes).expect("cargo was called");
     let noted: Vec<&str> = noted.lines().collect();
     assert_eq!(noted[0], "/", "no `.cargo/config.toml` of a workspace is heard");
-    for words in
-        [["--profile", "release"], ["--manifest-path", &checkout().join("Cargo.toml").display().to_string()]]
-    {
+    for words in [
+        ["--profile", "release"],
+        ["--manifest-path", &checkout().join("Cargo.toml").display().to_string()],
+    ] {
         assert!(noted.windows(2).any(|pair| pair == words), "{words:?} is not in {noted:?}");
     }
     assert!(noted.contains(&"--locked"), "{noted:?}");
@@ -147,7 +157,8 @@ fn each_program_is_installed_where_ros_looks_for_it() {
     }
 }
 
-/// What `ros2 pkg executables friction_nodes` lists: the files of `lib/PACKAGE` that may be executed, of a package in the index.
+/// What `ros2 pkg executables friction_nodes` lists: the files of `lib/PACKAGE` that may be
+/// executed, of a package in the index.
 fn executables(workspace: &Workspace) -> Vec<String> {
     let list = "import os; from ament_index_python import get_package_prefix; \
         folder = os.path.join(get_package_prefix('friction_nodes'), 'lib', 'friction_nodes'); \
@@ -180,7 +191,9 @@ fn has_ros2() -> bool {
 #[test]
 fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
     if std::env::var_os("FRICTION_FULL").is_none() {
-        skip("colcon builds the nodes in release, which takes minutes: long tier, `cargo xtask test --full`");
+        skip(
+            "colcon builds the nodes in release, which takes minutes: long tier, `cargo xtask test --full`",
+        );
         return;
     }
     let Some(workspace) = Workspace::with(&checkout().join("ros")) else { return };
@@ -200,7 +213,8 @@ fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
         words.join(" "),
         python::script("colcon_session.py").display(),
     ));
-    let report: Value = serde_json::from_str(report.lines().last().unwrap_or_default()).expect("JSON");
+    let report: Value =
+        serde_json::from_str(report.lines().last().unwrap_or_default()).expect("JSON");
     let installed = workspace.path().join("install/friction_nodes/lib/friction_nodes");
     let installed = installed.canonicalize().expect("a folder");
     for program in report["programs"].as_array().expect("programs") {

@@ -1,4 +1,5 @@
-//! Nodes and services seen over Cyclone DDS as `rmw_cyclonedds` puts them, while rclpy asks the same ones over Fast DDS.
+//! Nodes and services seen over Cyclone DDS as `rmw_cyclonedds` puts them, while rclpy asks the
+//! same ones over Fast DDS.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -56,7 +57,10 @@ fn parameters_are_listed_read_and_set(parameters: &Value) {
     assert_eq!(parameters["values"], json!([0.0, 1.5]));
     assert_eq!(parameters["set"][0], json!([true, ""]));
     assert_eq!(parameters["set"][1][0], false);
-    assert!(parameters["set"][1][1].as_str().is_some_and(|why| why.contains("injection")), "{parameters}");
+    assert!(
+        parameters["set"][1][1].as_str().is_some_and(|why| why.contains("injection")),
+        "{parameters}"
+    );
 }
 
 fn states_change(lifecycle: &Value) {
@@ -68,7 +72,10 @@ fn the_motor_is_stopped(report: &Value) {
     assert_eq!(report["stop"]["success"], true, "{report}");
     assert_eq!(report["stop"]["again"], true, "{report}");
     let said = report["said"].as_str().expect("a text");
-    assert!(said.contains("emergency_stop was not understood"), "a request that is too short: {said}");
+    assert!(
+        said.contains("emergency_stop was not understood"),
+        "a request that is too short: {said}"
+    );
     // The environment asks for a middleware that nobody knows.
     assert!(said.contains("`rmw_cyclone`") && said.contains("rmw_cyclonedds_cpp"), "{said}");
 }
@@ -86,7 +93,10 @@ fn a_goal_has_feedback_and_a_result(action: &Value) {
 fn rclpy_is_served_at_the_same_time(report: &Value) {
     let beside = &report["beside"];
     let lists = beside["lists"].as_array().expect("a list");
-    assert!(!lists.is_empty() && lists.iter().all(|n| *n == report["parameters"]["listed"]), "{beside}");
+    assert!(
+        !lists.is_empty() && lists.iter().all(|n| *n == report["parameters"]["listed"]),
+        "{beside}"
+    );
     assert_eq!(beside["stops"], lists.len(), "{beside}");
     let states = beside["states"].as_array().expect("a list");
     assert!(states.iter().all(|state| state == "active" || state == "inactive"), "{beside}");
@@ -98,7 +108,10 @@ fn rclpy_is_served_at_the_same_time(report: &Value) {
     ] {
         let hashes = beside["hashes"][topic].as_array().expect("a list");
         let expected = type_hashes::all()[kind];
-        assert!(!hashes.is_empty() && hashes.iter().all(|hash| *hash == expected), "{topic}: {beside}");
+        assert!(
+            !hashes.is_empty() && hashes.iter().all(|hash| *hash == expected),
+            "{topic}: {beside}"
+        );
     }
     assert_eq!(beside["enclaves"], json!(["/"]));
 }
@@ -146,12 +159,16 @@ fn inside() {
         .spawn()
         .expect("Python starts");
     let mut line = String::new();
-    BufReader::new(server.stdout.take().expect("its output is ours")).read_line(&mut line).expect("a line");
+    BufReader::new(server.stdout.take().expect("its output is ours"))
+        .read_line(&mut line)
+        .expect("a line");
     let ping = TriggerRequest::default();
     let first = client.call_until_answered(&ping, PATIENCE).expect("an answer");
     assert!(first.message.starts_with("pong"), "{first:?}");
     // From here on each call is heard once.
-    let count = |answer: &TriggerResponse| answer.message["pong ".len()..].parse::<u32>().expect("a number");
+    let count = |answer: &TriggerResponse| {
+        answer.message["pong ".len()..].parse::<u32>().expect("a number")
+    };
     for expected in (count(&first) + 1..).take(20) {
         let answer = client.call(ping, PATIENCE).expect("an answer");
         assert_eq!(count(&answer), expected);

@@ -1,4 +1,5 @@
-//! The loop of three processes for a while, and killed at random moments, before the real rclpy. `cargo xtask soak` has the long form.
+//! The loop of three processes for a while, and killed at random moments, before the real rclpy.
+//! `cargo xtask soak` has the long form.
 
 use serde_json::{Value, json};
 use tests::network::session;
@@ -19,7 +20,8 @@ fn assert_ended(exits: &Value) {
 fn ten_seconds_at_1_khz_lose_nothing_and_do_not_drift() {
     let Some(report) = session("soak_session.py", &["10", "processes"]) else { return };
     assert!(number(&report["heard"]) > 9000.0, "{report}");
-    // A subscriber in Python that does not get its share of a busy machine loses what its queue of two seconds does not hold.
+    // A subscriber in Python that does not get its share of a busy machine loses what its queue of
+    // two seconds does not hold.
     for what in ["missing_at_subscriber", "commands_missing"] {
         assert!(number(&report[what]) < 0.02 * number(&report["heard"]), "{what}: {report}");
     }
@@ -30,7 +32,8 @@ fn ten_seconds_at_1_khz_lose_nothing_and_do_not_drift() {
     assert!(number(&report["cycles_against_stamps"]).abs() < 1e-3, "{report}");
     assert!(number(&report["stamps_against_wall_clock"]).abs() < 1e-3, "{report}");
     for (process, growth) in report["memory_growth"].as_object().expect("processes") {
-        // Queues and histories still fill in the first seconds: a leak of a message a cycle would be more.
+        // Queues and histories still fill in the first seconds: a leak of a message a cycle would
+        // be more.
         assert!(number(growth) < 0.5, "{process}: {report}");
     }
     assert_ended(&report["exit"]);

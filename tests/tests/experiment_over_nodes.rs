@@ -1,4 +1,5 @@
-//! Experiments driven over ROS 2 on the loop of one process and of three, with rclpy to watch: the figures of the lock-step run, a node that dies, stopping, killing.
+//! Experiments driven over ROS 2 on the loop of one process and of three, with rclpy to watch: the
+//! figures of the lock-step run, a node that dies, stopping, killing.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -17,7 +18,8 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
 }
 
-/// Mean square of the error by the sensors and its largest value, of the shaft itself where that is known, of each compensation of a run.
+/// Mean square of the error by the sensors and its largest value, of the shaft itself where that is
+/// known, of each compensation of a run.
 fn figures(run: &Path) -> Vec<(f64, f64)> {
     let results = std::fs::read_to_string(run.join("run.json")).expect("the run's results");
     let results: Value = serde_json::from_str(&results).expect("JSON");
@@ -28,7 +30,16 @@ fn figures(run: &Path) -> Vec<(f64, f64)> {
 /// The same experiment on one thread, in lock-step.
 fn offline(out: &Path) -> Vec<(f64, f64)> {
     let run = frictionlab()
-        .args(["run", "position-tracking", "--quick", "--repetitions", "1", "--model", "proposed", "--quiet"])
+        .args([
+            "run",
+            "position-tracking",
+            "--quick",
+            "--repetitions",
+            "1",
+            "--model",
+            "proposed",
+            "--quiet",
+        ])
         .arg("--out")
         .arg(out)
         .stdin(Stdio::null())
@@ -69,7 +80,8 @@ fn an_experiment_over_the_nodes_is_the_one_of_a_single_process_and_ends_well_wha
     a_killed_one_loses_its_last_second(&report, folder.path());
 }
 
-/// Within what noise and a cycle of delay make. Measured: the mean squares differ by at most .2 % without and 2 % with compensation, the largest errors by .2 % and 6 %.
+/// Within what noise and a cycle of delay make. Measured: the mean squares differ by at most .2 %
+/// without and 2 % with compensation, the largest errors by .2 % and 6 %.
 fn the_figures_are_those_of_one_process(report: &Value, folder: &Path) {
     assert_eq!(report["whole"][0], 0, "{}", report["whole"]);
     let one = offline(&folder.join("offline"));
@@ -123,14 +135,18 @@ fn stopping_and_deactivating_end_it(report: &Value, folder: &Path) {
     assert!(number(&report["zero_after"]) < 1.0, "{}", report["zero_after"]);
     measurements(&folder.join("stopped/bag"));
     assert_eq!(report["deactivated"][0], 1);
-    assert!(text(&report["deactivated"][1]).contains("somebody deactivated /rig_driver"), "{report}");
+    assert!(
+        text(&report["deactivated"][1]).contains("somebody deactivated /rig_driver"),
+        "{report}"
+    );
     assert!(measurements(&folder.join("deactivated/bag")).len() < 15_000, "it ended at once");
 }
 
 /// The stamps are the clock's, so that what is missing can be told.
 fn a_killed_one_loses_its_last_second(report: &Value, folder: &Path) {
     let bag = folder.join("killed/bag");
-    let recovered = frictionlab().args(["bag", "recover"]).arg(&bag).output().expect("the program starts");
+    let recovered =
+        frictionlab().args(["bag", "recover"]).arg(&bag).output().expect("the program starts");
     assert!(recovered.status.success(), "{}", String::from_utf8_lossy(&recovered.stderr));
     let seen = measurements(&bag);
     let last = seen.last().expect("something was measured").0;

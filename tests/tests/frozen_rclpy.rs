@@ -1,4 +1,5 @@
-//! Readers that do not keep up, before the real rclpy: frozen, killed, slow, gone from the network. The loop goes on, and whoever keeps up hears everything.
+//! Readers that do not keep up, before the real rclpy: frozen, killed, slow, gone from the network.
+//! The loop goes on, and whoever keeps up hears everything.
 
 use serde_json::Value;
 use tests::readers::{LoopAndReaders, beside_readers};
@@ -36,11 +37,15 @@ fn hold(way: &str, seconds: u32, readers: &[&str]) {
         assert_unharmed(&report, phase);
     }
     for (index, kind) in readers.iter().enumerate().filter(|(_, kind)| **kind != "best_effort") {
-        let lags =
-            |line: &&str| line.contains(&format!("/{kind}_{index} ")) && line.contains("does not keep up");
+        let lags = |line: &&str| {
+            line.contains(&format!("/{kind}_{index} ")) && line.contains("does not keep up")
+        };
         // The signals are what fills a reader; those of every node have their own.
         for topic in ["/joint_states", "/motor_voltage", "/friction_estimate"] {
-            assert!(said.lines().filter(lags).any(|line| line.contains(topic)), "{kind} on {topic}: {said}");
+            assert!(
+                said.lines().filter(lags).any(|line| line.contains(topic)),
+                "{kind} on {topic}: {said}"
+            );
         }
         // Not once a message: at most a line in ten seconds for each topic.
         let most = 13 * (2 + seconds as usize / 10);
@@ -49,8 +54,14 @@ fn hold(way: &str, seconds: u32, readers: &[&str]) {
     for (name, told) in report["back"].as_object().expect("readers that came back") {
         assert_eq!(told, true, "{name} keeps up again: {said}");
     }
-    assert!(report["early"].as_array().is_some_and(|early| early.iter().all(Value::is_null)), "{said}");
-    assert!(report["codes"].as_array().is_some_and(|codes| codes.iter().all(|code| code == 0)), "{said}");
+    assert!(
+        report["early"].as_array().is_some_and(|early| early.iter().all(Value::is_null)),
+        "{said}"
+    );
+    assert!(
+        report["codes"].as_array().is_some_and(|codes| codes.iter().all(|code| code == 0)),
+        "{said}"
+    );
 }
 
 /// Longer than eight thousand messages at 1 kHz take.
@@ -61,7 +72,8 @@ fn no_reader_stops_the_loop_of_the_launched_nodes() {
     hold("launch", SHORT, &["stopped", "killed", "slow", "best_effort", "gone"]);
 }
 
-/// Every kind alone; three and ten of them with every way to run the loop, until the lease of those that are gone has ended.
+/// Every kind alone; three and ten of them with every way to run the loop, until the lease of those
+/// that are gone has ended.
 #[test]
 fn no_number_of_readers_stops_any_loop() {
     if std::env::var_os("FRICTION_FULL").is_none() {

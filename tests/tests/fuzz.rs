@@ -1,7 +1,10 @@
-//! Whatever a file, a line or a network says: an answer or a refusal, never a panic, and nothing that is not a number.
+//! Whatever a file, a line or a network says: an answer or a refusal, never a panic, and nothing
+//! that is not a number.
 //!
-//! Each target reads valid inputs that were damaged at random: bytes flipped, cut, repeated and moved, numbers replaced by extreme ones. A few thousand of each; with
-//! `FRICTION_FULL` a million (200 000 tables and 50 000 bags, which are files). The seed of a failure is the number in its message.
+//! Each target reads valid inputs that were damaged at random: bytes flipped, cut, repeated and
+//! moved, numbers replaced by extreme ones. A few thousand of each; with `FRICTION_FULL` a million
+//! (200 000 tables and 50 000 bags, which are files). The seed of a failure is the number in its
+//! message.
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,8 +19,8 @@ use experiment_runner::recording::{driven, table, trajectory};
 use experiment_runner::rig::read_calibration;
 use experiment_runner::run::{read_controller, read_parameter_file};
 use friction_ident::{
-    AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues, condition,
-    fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
+    AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues,
+    condition, fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
 };
 use friction_model::ModelName;
 use msgs::friction_msgs::{ControllerState, ExperimentStatus, FrictionEstimate, RigMeasurement};
@@ -73,7 +76,8 @@ fn damaged(valid: &[u8], random: &mut Pcg64Mcg) -> Vec<u8> {
             4 => bytes.insert(at, random.random()),
             _ => {
                 // A number, if one begins near here, else whatever stands there.
-                let start = bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |digit| at + digit);
+                let start =
+                    bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |digit| at + digit);
                 let length = bytes[start..].iter().take_while(|byte| byte.is_ascii_digit()).count();
                 let word = EXTREME[random.random_range(0..EXTREME.len())];
                 bytes.splice(start..start + length, word.bytes());
@@ -105,8 +109,10 @@ fn text(bytes: &[u8]) -> String {
 
 #[test]
 fn parameter_files() {
-    let mut valid: Vec<Vec<u8>> =
-        ModelName::ALL.into_iter().map(|name| file::example(name, Preset::TestBed).into_bytes()).collect();
+    let mut valid: Vec<Vec<u8>> = ModelName::ALL
+        .into_iter()
+        .map(|name| file::example(name, Preset::TestBed).into_bytes())
+        .collect();
     valid.push(
         b"/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: 0.00767\n      gear_ratio: 70.0\n      armature_resistance: 2.6\n      inertia: 0.0026\n"
             .to_vec(),
@@ -165,10 +171,18 @@ fn tables() {
     fuzz(200_000, &valid, |bytes| {
         fs::write(&path, bytes).expect("the file is written");
         if let Ok(read) = table::read(&path, &table::Columns::default(), 0.1) {
-            assert!(read.time_step > 0.0 && finite(&read.force) && read.position.iter().all(|p| finite(p)));
+            assert!(
+                read.time_step > 0.0
+                    && finite(&read.force)
+                    && read.position.iter().all(|p| finite(p))
+            );
         }
         if let Ok(read) = driven::read(&path, &driven::DrivenColumns::default(), 0.1) {
-            assert!(read.time_step > 0.0 && finite(&read.voltage) && read.friction.iter().all(|f| finite(f)));
+            assert!(
+                read.time_step > 0.0
+                    && finite(&read.voltage)
+                    && read.friction.iter().all(|f| finite(f))
+            );
         }
         if let Ok(read) = trajectory::read(&path) {
             assert!(read.time.windows(2).all(|pair| pair[0] < pair[1]) && finite(&read.velocity));
@@ -184,7 +198,8 @@ const NUMBERS: [f64; 12] =
 fn stretched(valid: &[[f64; 3]], random: &mut Pcg64Mcg) -> Vec<[f64; 3]> {
     let mut rows = valid.to_vec();
     for _ in 0..random.random_range(1..=4) {
-        let (column, extreme) = (random.random_range(0..3), NUMBERS[random.random_range(0..NUMBERS.len())]);
+        let (column, extreme) =
+            (random.random_range(0..3), NUMBERS[random.random_range(0..NUMBERS.len())]);
         match random.random_range(0..3) {
             0 => rows.iter_mut().for_each(|row| row[column] *= extreme),
             1 => rows.iter_mut().for_each(|row| row[column] = extreme),
@@ -204,7 +219,11 @@ fn identifications() {
         .map(|k| {
             let v = 0.05 * f64::from(k);
             let wobble = 1e-4 * (7.0 * v).sin();
-            [v, 0.0925 + 0.0069 * (-(v / 0.1407_f64).powi(2)).exp() + 0.0403 * v + wobble, 1e-3 * (1.0 + v)]
+            [
+                v,
+                0.0925 + 0.0069 * (-(v / 0.1407_f64).powi(2)).exp() + 0.0403 * v + wobble,
+                1e-3 * (1.0 + v),
+            ]
         })
         .collect();
     // Position, velocity and force of an axis with inertia and friction.
@@ -282,10 +301,12 @@ fn bag(folder: &Path) -> Vec<u8> {
     let mut bag = BagWriter::create(folder, BagOptions::default()).expect("a bag");
     bag.topic::<JointState>("/joint_states").expect("a topic");
     for k in 0..50u64 {
-        let message = JointState { header: Header::at(k), position: vec![1.0], ..Default::default() };
+        let message =
+            JointState { header: Header::at(k), position: vec![1.0], ..Default::default() };
         bag.write("/joint_states", k, &message).expect("a message");
     }
-    bag.attach("protocol.yaml", "application/yaml", b"experiment: sequence").expect("an attachment");
+    bag.attach("protocol.yaml", "application/yaml", b"experiment: sequence")
+        .expect("an attachment");
     let summary = bag.finish().expect("the bag is closed");
     let name = fs::read_dir(&summary.dir)
         .expect("the folder")
@@ -313,8 +334,11 @@ fn messages_of_strangers() {
     fn encoded<M: RosMessage + Default>() -> Vec<u8> {
         cdr::encode(&M::default()).expect("it encodes")
     }
-    let joint =
-        JointState { name: vec!["load_shaft".into()], position: vec![1.0, 2.0], ..Default::default() };
+    let joint = JointState {
+        name: vec!["load_shaft".into()],
+        position: vec![1.0, 2.0],
+        ..Default::default()
+    };
     let valid = [
         cdr::encode(&joint).expect("it encodes"),
         encoded::<RigMeasurement>(),
@@ -338,14 +362,20 @@ fn frames_of_a_line() {
         HostMessage::Activate(origin),
         HostMessage::EmergencyStop,
         HostMessage::Heartbeat(origin),
-        HostMessage::Voltage(VoltageCommand { origin, answers: 1, voltage: 500, validity_us: 20_000 }),
+        HostMessage::Voltage(VoltageCommand {
+            origin,
+            answers: 1,
+            voltage: 500,
+            validity_us: 20_000,
+        }),
         HostMessage::Close(origin),
     ]
     .iter()
     .map(|message| message.frame().as_bytes().repeat(3))
     .collect();
     fuzz(1_000_000, &valid, |bytes| {
-        let (mut host, mut device) = (Decoder::<HostMessage>::new(), Decoder::<DeviceMessage>::new());
+        let (mut host, mut device) =
+            (Decoder::<HostMessage>::new(), Decoder::<DeviceMessage>::new());
         for &byte in bytes {
             let _ = (host.push(byte), device.push(byte));
         }

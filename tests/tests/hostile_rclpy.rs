@@ -5,7 +5,8 @@ use tests::network::session;
 
 /// The voltage limit, and half a step of the converter that reads the voltage back [V].
 const LIMIT: f64 = 6.0 + 0.0025;
-/// What the shaft may turn in a phase with a reference of zero velocity [rad]: a few counts of the encoder, 1.5 mrad each.
+/// What the shaft may turn in a phase with a reference of zero velocity [rad]: a few counts of the
+/// encoder, 1.5 mrad each.
 const AT_REST: f64 = 0.02;
 const NODES: [&str; 3] = ["/rig_driver", "/friction_observer", "/controller"];
 
@@ -34,7 +35,10 @@ fn hostile(parts: &[&str]) -> Option<Value> {
     assert_eq!(report["again"], json!([true, true, true]));
     for node in ["rig_driver", "friction_observer", "controller"] {
         let said = text(&report[&format!("said {node}")]);
-        assert!(!said.contains("panicked") && !said.contains("starts anew"), "{node} said:\n{said}");
+        assert!(
+            !said.contains("panicked") && !said.contains("starts anew"),
+            "{node} said:\n{said}"
+        );
     }
     for exit in report["exit"].as_array().expect("exits") {
         assert_eq!(exit[0], 0, "{exit}");
@@ -54,9 +58,11 @@ fn quiet(name: &str, phase: &Value) {
 #[test]
 fn numbers_that_no_shaft_has_are_left_out_and_told() {
     let Some(report) = hostile(&["numbers"]) else { return };
-    // Six times twenty of references, and of joint states beyond a shaft's; of estimates those that are no number.
-    let left_out =
-        text(&report["health"]["controller"]["messages without numbers"]).parse::<u32>().unwrap_or(0);
+    // Six times twenty of references, and of joint states beyond a shaft's; of estimates those that
+    // are no number.
+    let left_out = text(&report["health"]["controller"]["messages without numbers"])
+        .parse::<u32>()
+        .unwrap_or(0);
     assert!(left_out >= 200, "{}", report["health"]["controller"]);
     assert!(text(&report["said controller"]).contains("is no number, or beyond what a shaft does"));
     // The controller commands: of anybody else a voltage that is no number is as good as none.
@@ -64,7 +70,10 @@ fn numbers_that_no_shaft_has_are_left_out_and_told() {
     let refused = text(&commands["/motor_voltage refused from others"]).parse::<u32>().unwrap_or(0);
     assert!(refused >= 40, "three times twenty: {commands}");
     let said = text(&report["said rig_driver"]);
-    assert!(!said.contains("command not finite") && said.contains("end the other publisher"), "{said}");
+    assert!(
+        !said.contains("command not finite") && said.contains("end the other publisher"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -72,7 +81,8 @@ fn joint_states_of_others_and_stamps_of_other_times_move_nothing() {
     let Some(report) = hostile(&["forms", "another_type"]) else { return };
     for node in ["controller", "friction_observer"] {
         assert!(
-            text(&report[&format!("said {node}")]).contains("no position or no velocity of load_shaft"),
+            text(&report[&format!("said {node}")])
+                .contains("no position or no velocity of load_shaft"),
             "{node}"
         );
     }
@@ -122,7 +132,10 @@ fn bad_requests_are_answered(report: &Value) {
             ("range", "but is"),
         ] {
             let answer = &report[what][node];
-            assert!(answer[0] == false && text(&answer[1]).contains(said), "{what} of {node}: {answer}");
+            assert!(
+                answer[0] == false && text(&answer[1]).contains(said),
+                "{what} of {node}: {answer}"
+            );
             assert!(text(&answer[1]).len() < 1000, "{what} of {node} is short");
         }
     }
@@ -138,7 +151,8 @@ fn is_lost(said: &str) -> bool {
     LOST.iter().any(|told| said.contains(told))
 }
 
-/// A node whose middleware a packet ended would start anew, and say so; a deaf one would not answer. One whose middleware is lost in a packet ends.
+/// A node whose middleware a packet ended would start anew, and say so; a deaf one would not
+/// answer. One whose middleware is lost in a packet ends.
 #[test]
 fn damaged_dds_packets_neither_move_the_motor_nor_silence_the_nodes() {
     let packets = if std::env::var_os("FRICTION_FULL").is_some() { "30000" } else { "3000" };
@@ -178,7 +192,8 @@ fn a_live_run_goes_on_under_hostile_packets_and_hears_ctrl_c() {
     let full = std::env::var_os("FRICTION_FULL").is_some();
     let attacks = [&["heartbeats"][..], &["heartbeats", "interrupted"], &["fragments"]];
     for attack in attacks.iter().take(if full { 3 } else { 1 }) {
-        let arguments: Vec<&str> = [program.as_str()].into_iter().chain(attack.iter().copied()).collect();
+        let arguments: Vec<&str> =
+            [program.as_str()].into_iter().chain(attack.iter().copied()).collect();
         let Some(report) = session("live_attacked_session.py", &arguments) else { return };
         eprintln!("{attack:?}: ended after {} s with {} GB", report["took"], report["gigabytes"]);
         assert!(number(&report["writers"]) > 4.0, "{report}");

@@ -29,7 +29,12 @@ impl Desk {
     }
 
     fn identify(&self, args: &[&str]) -> Output {
-        tests::frictionlab().current_dir(self.folder.path()).arg("identify").args(args).output().unwrap()
+        tests::frictionlab()
+            .current_dir(self.folder.path())
+            .arg("identify")
+            .args(args)
+            .output()
+            .unwrap()
     }
 
     /// Runs it, expects success, and returns what it printed.
@@ -39,8 +44,8 @@ impl Desk {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Runs it, expects it to refuse in one paragraph with exit code 2 and to leave the folder as it was; the
-    /// paragraph must contain all `parts`.
+    /// Runs it, expects it to refuse in one paragraph with exit code 2 and to leave the folder as
+    /// it was; the paragraph must contain all `parts`.
     fn refused(&self, args: &[&str], parts: &[&str]) {
         let before = self.names();
         let output = self.identify(args);
@@ -64,8 +69,10 @@ impl Desk {
     }
 
     fn json(&self, folder: &str) -> Value {
-        serde_json::from_str(&fs::read_to_string(self.path(folder).join("identification.json")).unwrap())
-            .unwrap()
+        serde_json::from_str(
+            &fs::read_to_string(self.path(folder).join("identification.json")).unwrap(),
+        )
+        .unwrap()
     }
 }
 
@@ -138,7 +145,8 @@ fn finds_a_known_axis() {
     assert_eq!(document["asymmetric"]["cross_test"], Value::Null);
     assert_near(number(&document, "/recording/time_step_s"), 0.002, 1e-6);
     assert!(number(&document, "/symmetric/relative_error_percent") < 2.0);
-    for part in ["inertia", "kg m^2", "±", "coulomb_negative", "relative error", "runs/identify-1"] {
+    for part in ["inertia", "kg m^2", "±", "coulomb_negative", "relative error", "runs/identify-1"]
+    {
         assert!(printed.contains(part), "{printed}");
     }
     let files = ["identification.json", "parameters.yaml", "report.html"];
@@ -152,7 +160,8 @@ fn finds_a_known_axis() {
     assert!(page.contains("Measured and predicted torque") && page.contains("kg m^2"));
     let yaml = fs::read_to_string(desk.path("runs/identify-1/parameters.yaml")).unwrap();
     let value = |name: &str| {
-        let line = yaml.lines().find(|line| line.trim_start().starts_with(&format!("{name}:"))).unwrap();
+        let line =
+            yaml.lines().find(|line| line.trim_start().starts_with(&format!("{name}:"))).unwrap();
         let text = line.split(':').nth(1).unwrap().split('#').next().unwrap().trim();
         assert!(text.contains('.'), "ROS takes {text} for an integer");
         text.parse::<f64>().unwrap()
@@ -168,9 +177,16 @@ fn columns_can_be_mapped_scaled_and_in_any_order() {
     let desk = Desk::new();
     let mut text = "\u{feff}motor current; Winkel ;Zeit\r\n".to_owned();
     for (t, x, torque) in motion(4000) {
-        // Current of a drive with -.25 N m/A, angle in turns, time in milliseconds that do not start at zero.
-        write!(text, "{:.9};{:.10};{:.4}\r\n", torque / -0.25, x / std::f64::consts::TAU, 5e4 + 1e3 * t)
-            .unwrap();
+        // Current of a drive with -.25 N m/A, angle in turns, time in milliseconds that do not
+        // start at zero.
+        write!(
+            text,
+            "{:.9};{:.10};{:.4}\r\n",
+            torque / -0.25,
+            x / std::f64::consts::TAU,
+            5e4 + 1e3 * t
+        )
+        .unwrap();
     }
     desk.file("fremd.csv", &text);
     let args = [
@@ -213,7 +229,19 @@ fn the_cross_test_uses_the_other_file() {
 fn a_second_run_replaces_the_first_only_if_told_to() {
     let desk = Desk::new();
     desk.file("a.csv", &good());
-    desk.ok(&["a.csv", "--out", "out", "--cutoff", "20", "--order", "2", "--decimate", "5", "--trim", "100"]);
+    desk.ok(&[
+        "a.csv",
+        "--out",
+        "out",
+        "--cutoff",
+        "20",
+        "--order",
+        "2",
+        "--decimate",
+        "5",
+        "--trim",
+        "100",
+    ]);
     let settings = &desk.json("out")["settings"];
     assert_eq!((settings["order"].as_u64(), settings["trim"].as_u64()), (Some(2), Some(100)));
     desk.refused(&["a.csv", "--out", "out"], &["out", "not empty", "--force"]);
@@ -231,7 +259,10 @@ fn one_direction_is_told_in_a_note() {
     });
     desk.file("forwards.csv", &table("t_s,position_rad,torque_Nm", rows));
     let printed = desk.ok(&["forwards.csv", "--out", "out"]);
-    assert!(printed.contains("one direction only") && printed.contains("both directions"), "{printed}");
+    assert!(
+        printed.contains("one direction only") && printed.contains("both directions"),
+        "{printed}"
+    );
     let document = desk.json("out");
     assert_eq!(document["asymmetric"], Value::Null);
     assert_eq!(document["notes"].as_array().unwrap().len(), 2);
@@ -265,7 +296,10 @@ fn bad_files_are_refused() {
 fn bad_columns_are_refused() {
     let desk = Desk::new();
     desk.file("a.csv", &good().replacen("torque_Nm", "u_V", 1));
-    desk.refused(&["a.csv"], &["a.csv", "force", "t_s, position_rad, u_V", "--force-column NAME:SCALE"]);
+    desk.refused(
+        &["a.csv"],
+        &["a.csv", "force", "t_s, position_rad, u_V", "--force-column NAME:SCALE"],
+    );
     desk.refused(
         &["a.csv", "--force-column", "voltage_V:2"],
         &["`voltage_V`", "t_s, position_rad, u_V", "--force-column"],
@@ -315,7 +349,8 @@ fn bad_options_are_refused() {
     desk.refused(&["a.csv", "--decimate", "0"], &["--decimate"]);
     desk.refused(&["a.csv", "--trim", "2000"], &["--trim"]);
     desk.refused(&["a.csv", "--trim", "18446744073709551615"], &["--trim"]);
-    // The option's own check speaks before a file is read, and clap puts the way to the help under it.
+    // The option's own check speaks before a file is read, and clap puts the way to the help under
+    // it.
     let output = desk.identify(&["a.csv", "--time-tolerance", "2"]);
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{message}");
@@ -355,7 +390,8 @@ fn an_unwritable_folder_leaves_nothing_behind() {
 
 #[test]
 fn agrees_with_the_published_table_of_emps() {
-    let Some(data) = tests::shared_data().map(|folder| folder.join("emps")).filter(|folder| folder.is_dir())
+    let Some(data) =
+        tests::shared_data().map(|folder| folder.join("emps")).filter(|folder| folder.is_dir())
     else {
         tests::skip("the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data");
         return;

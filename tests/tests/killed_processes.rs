@@ -1,4 +1,5 @@
-//! Processes that drive, or that help to, are killed, stopped and continued at random moments: the motor stands in time, by the device's own count.
+//! Processes that drive, or that help to, are killed, stopped and continued at random moments: the
+//! motor stands in time, by the device's own count.
 
 mod killed;
 
@@ -65,7 +66,8 @@ fn a_server_that_is_killed_or_stopped_during_an_experiment_leaves_the_motor_at_z
     device.finish();
 }
 
-/// Not a test by itself: what the one above starts in a namespace. It serves, and asks for an experiment.
+/// Not a test by itself: what the one above starts in a namespace. It serves, and asks for an
+/// experiment.
 #[test]
 fn the_asking_process() {
     killed::serve::ask_if_wished();

@@ -1,5 +1,6 @@
-//! Every service and the action are asked for the largest answer that they have, by the real rclpy: on one machine and over networks, with large
-//! questions, and with large messages of topics both ways.
+//! Every service and the action are asked for the largest answer that they have, by the real rclpy:
+//! on one machine and over networks, with large questions, and with large messages of topics both
+//! ways.
 
 use serde_json::Value;
 use tests::network::{Place, session_at};
@@ -10,7 +11,8 @@ const ONE_PACKET: u64 = 1400;
 /// As many models as make a result of an experiment of several packets.
 const MODELS: &[&str] = &["coulomb_viscous", "stribeck", "lugre", "proposed"];
 
-/// Every answer that was asked for came, and what else is large arrived. `models` are those of an experiment that is run and identified.
+/// Every answer that was asked for came, and what else is large arrived. `models` are those of an
+/// experiment that is run and identified.
 fn all_arrive(place: Place, distribution: Distribution, models: &[&str]) -> Option<Value> {
     let folder = tempfile::tempdir().expect("a folder");
     let (lab, runs) = (tests::frictionlab(), folder.path().join("runs").display().to_string());

@@ -1,4 +1,5 @@
-//! A late joiner of a latched topic is sent the last messages that its writer keeps, before the real rclpy.
+//! A late joiner of a latched topic is sent the last messages that its writer keeps, before the
+//! real rclpy.
 
 use std::io::BufRead;
 
@@ -15,19 +16,22 @@ use tests::{
 #[test]
 #[ignore = "the publisher of the other test, in a process of its own"]
 fn publishes_as_told() {
-    let participant =
-        Participant::join(&Discovery::from_environment().expect("an environment")).expect("a network");
+    let participant = Participant::join(&Discovery::from_environment().expect("an environment"))
+        .expect("a network");
     let node = participant.node("latched").expect("a node");
     let one = node.publisher(&EXPERIMENT_STATUS).expect("a publisher");
-    let three =
-        node.publisher_on("/last_three", Qos { depth: 3, transient_local: true }).expect("a publisher");
+    let three = node
+        .publisher_on("/last_three", Qos { depth: 3, transient_local: true })
+        .expect("a publisher");
     let mut published = 0;
     for line in std::io::stdin().lock().lines() {
         let until: u32 = line.expect("a line").parse().expect("a number");
         while published < until {
             published += 1;
-            let message =
-                || ExperimentStatus { message: published.to_string(), ..ExperimentStatus::default() };
+            let message = || ExperimentStatus {
+                message: published.to_string(),
+                ..ExperimentStatus::default()
+            };
             one.publish(message()).expect("it is taken");
             three.publish(message()).expect("it is taken");
         }
@@ -54,14 +58,21 @@ fn a_late_joiner_is_sent_the_last_messages_and_no_older_ones() {
             let three = heard["/last_three"].as_array().expect("a list");
             // A reader of depth 1 may take one before the next replaces it.
             let kept: Vec<Value> = ((count - 2).max(1)..=count).map(Value::from).collect();
-            let wanted =
-                if depth == 1 { &kept[kept.len() - three.len().min(kept.len())..] } else { &kept[..] };
-            assert!(!three.is_empty() && three == wanted, "{count} published, depth {depth}: {heard}");
+            let wanted = if depth == 1 {
+                &kept[kept.len() - three.len().min(kept.len())..]
+            } else {
+                &kept[..]
+            };
+            assert!(
+                !three.is_empty() && three == wanted,
+                "{count} published, depth {depth}: {heard}"
+            );
         }
     }
     // Who is there all the time hears every one, in order.
     for (topic, heard) in report["present"].as_object().expect("topics") {
-        let heard: Vec<u64> = heard.as_array().expect("a list").iter().filter_map(Value::as_u64).collect();
+        let heard: Vec<u64> =
+            heard.as_array().expect("a list").iter().filter_map(Value::as_u64).collect();
         assert!(heard.is_sorted() && heard.last() == Some(&100), "{topic}: {heard:?}");
     }
 }

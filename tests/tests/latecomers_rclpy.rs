@@ -23,7 +23,8 @@ fn nodes_callers_and_subscribers_may_come_in_any_order() {
     }
     assert_eq!(nodes["reset"], json!([true, "the estimator is at rest"]));
     assert_eq!((&nodes["voltages"][0], &nodes["estimates"][0]), (&json!(true), &json!(true)));
-    // A killed runner comes back, finds the bag that was cut, and goes on; its last status waits for whoever comes.
+    // A killed runner comes back, finds the bag that was cut, and goes on; its last status waits
+    // for whoever comes.
     let (killed, ended) = (&report["runner"]["SIGKILL"], &report["runner"]["SIGINT"]);
     for one in [killed, ended] {
         assert!(number(&one["experiments"]) >= 8.0, "{one}");

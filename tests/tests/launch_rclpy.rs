@@ -1,4 +1,5 @@
-//! `frictionlab launch` and its nodes before the real rclpy, on a PC that looks for others on its network; its commands beside those of the launch files.
+//! `frictionlab launch` and its nodes before the real rclpy, on a PC that looks for others on its
+//! network; its commands beside those of the launch files.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -39,7 +40,8 @@ fn topics_of(node: &str) -> [BTreeMap<String, String>; 2] {
     let mut hears: BTreeMap<String, String> = of(|topic| topic.subscribers);
     publishes.insert("/rosout".into(), "rcl_interfaces/msg/Log".into());
     publishes.insert("/parameter_events".into(), "rcl_interfaces/msg/ParameterEvent".into());
-    publishes.insert(format!("/{node}/transition_event"), "lifecycle_msgs/msg/TransitionEvent".into());
+    publishes
+        .insert(format!("/{node}/transition_event"), "lifecycle_msgs/msg/TransitionEvent".into());
     hears.insert("/clock".into(), "rosgraph_msgs/msg/Clock".into());
     [publishes, hears]
 }
@@ -105,9 +107,12 @@ fn launched_nodes_offer_what_the_tables_say_and_end_together() {
 
     // The recorder ends with the others, its bag whole.
     let bag = BagReader::open(&bag).expect("a whole bag");
-    for topic in
-        ["/axis_1/joint_states", "/axis_1/motor_voltage", "/axis_1/friction_estimate", "/diagnostics"]
-    {
+    for topic in [
+        "/axis_1/joint_states",
+        "/axis_1/motor_voltage",
+        "/axis_1/friction_estimate",
+        "/diagnostics",
+    ] {
         let of = bag.topics().iter().find(|of| of.name == topic).expect(topic);
         assert!(of.count > if topic == "/diagnostics" { 1 } else { 1000 }, "{topic}: {}", of.count);
     }
@@ -133,7 +138,8 @@ fn beside_running_nodes(doctor: &Value) {
         "{doctor}"
     );
     assert!(
-        text(&finding("Other nodes", "/experiment_runner")["found"]).contains("lifecycle state active"),
+        text(&finding("Other nodes", "/experiment_runner")["found"])
+            .contains("lifecycle state active"),
         "{doctor}"
     );
     let timing = finding("Control loops", "/rig_driver");
@@ -149,8 +155,12 @@ fn beside_running_nodes(doctor: &Value) {
 
 /// The commands of `frictionlab launch --show`, one list of words a process.
 fn shown(arguments: &[String]) -> Vec<Vec<String>> {
-    let output =
-        tests::frictionlab().arg("launch").arg("--show").args(arguments).output().expect("it starts");
+    let output = tests::frictionlab()
+        .arg("launch")
+        .arg("--show")
+        .args(arguments)
+        .output()
+        .expect("it starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout)
         .lines()
@@ -172,7 +182,11 @@ fn launch_starts_what_the_launch_files_start() {
     let record = format!("record:={}", folder.path().join("bag").display());
     let cases: [(&str, &str, &[&str]); 7] = [
         ("friction.launch.py", "friction", &[]),
-        ("friction.launch.py", "friction", &["rig:=simulated", "mode:=velocity", "model:=proposed"]),
+        (
+            "friction.launch.py",
+            "friction",
+            &["rig:=simulated", "mode:=velocity", "model:=proposed"],
+        ),
         (
             "friction.launch.py",
             "friction",
@@ -185,8 +199,9 @@ fn launch_starts_what_the_launch_files_start() {
     ];
     for (file, ours, given) in cases {
         let file = bringup.join("launch").join(file).canonicalize().expect("a launch file");
-        let words: Vec<&str> =
-            std::iter::once(file.to_str().expect("a plain path")).chain(given.iter().copied()).collect();
+        let words: Vec<&str> = std::iter::once(file.to_str().expect("a plain path"))
+            .chain(given.iter().copied())
+            .collect();
         let theirs = python::json(&python, "launch_commands.py", &words);
         let theirs: Vec<Vec<String>> = theirs
             .as_array()
@@ -230,8 +245,11 @@ fn frictionlab_alone_in_a_folder_has_the_nodes_in_it() {
     let alone = folder.path().join("frictionlab");
     std::fs::copy(tests::frictionlab().get_program(), &alone).expect("a copy");
     let run = |arguments: &[&str]| {
-        let output =
-            Command::new(&alone).args(arguments).env("PATH", folder.path()).output().expect("it starts");
+        let output = Command::new(&alone)
+            .args(arguments)
+            .env("PATH", folder.path())
+            .output()
+            .expect("it starts");
         (
             output.status.code(),
             String::from_utf8_lossy(&output.stdout).into_owned(),
@@ -245,6 +263,9 @@ fn frictionlab_alone_in_a_folder_has_the_nodes_in_it() {
         let (code, help, _) = run(&["node", node, "--help"]);
         assert!(code == Some(0) && help.contains(&format!("Usage: {node} [--ros-args")), "{help}");
         let (code, _, message) = run(&["node", node, "spin"]);
-        assert!(code == Some(2) && message.contains("the argument `spin` is unknown"), "{code:?} {message}");
+        assert!(
+            code == Some(2) && message.contains("the argument `spin` is unknown"),
+            "{code:?} {message}"
+        );
     }
 }

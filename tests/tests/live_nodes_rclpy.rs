@@ -1,4 +1,5 @@
-//! The nodes of `frictionlab live` before the real rclpy: what the executables offer, in one process, on a PC with a network card.
+//! The nodes of `frictionlab live` before the real rclpy: what the executables offer, in one
+//! process, on a PC with a network card.
 
 use std::path::Path;
 
@@ -41,7 +42,10 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     let Some(report) = session("live_nodes_session.py", folder.path()) else { return };
     assert_eq!(report["active"], true, "{report}");
     for node in ["/rig_driver", "/friction_observer", "/controller", "/experiment_runner"] {
-        assert!(report["nodes"].as_array().is_some_and(|nodes| nodes.contains(&json!(node))), "{report}");
+        assert!(
+            report["nodes"].as_array().is_some_and(|nodes| nodes.contains(&json!(node))),
+            "{report}"
+        );
     }
     // The options are the parameters.
     let given = &report["given"];
@@ -53,7 +57,9 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert!(text(&report["described"][0]).contains("[N/m or N m/rad]"), "{}", report["described"]);
     assert!(number(&report["described"][1]) > 0.0);
     assert!(
-        report["experiments"].as_array().is_some_and(|all| all.contains(&json!("constant-velocity"))),
+        report["experiments"]
+            .as_array()
+            .is_some_and(|all| all.contains(&json!("constant-velocity"))),
         "{}",
         report["experiments"]
     );
@@ -61,28 +67,48 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     assert_eq!(report["set"], json!([[true, ""]]));
     assert_eq!(report["models"], json!([["dahl"], ["lugre"]]));
     assert_eq!(report["events"], json!([["/friction_observer", "model", "lugre"]]));
-    assert!(report["refused"][0][0] == false && text(&report["refused"][0][1]).contains("0 to 2, but is 3"));
+    assert!(
+        report["refused"][0][0] == false
+            && text(&report["refused"][0][1]).contains("0 to 2, but is 3")
+    );
     assert!(report["refused"][1][0] == false && text(&report["refused"][1][1]).contains("above 0"));
     assert_eq!(report["scale"], json!([1.0]));
     // The motor moves in active only.
     let moves = |what: &str| number(&report[what][0]) > 0.5 && number(&report[what][1]) > 0.3;
     assert!(moves("moving") && moves("moving_again") && moves("closed_again"), "{report}");
-    assert_eq!((&report["deactivate"], &report["still"]), (&json!([true, "inactive"]), &json!([0.0, 0.0])));
+    assert_eq!(
+        (&report["deactivate"], &report["still"]),
+        (&json!([true, "inactive"]), &json!([0.0, 0.0]))
+    );
     assert_eq!(report["activate"], json!([true, "active"]));
-    assert_eq!((&report["observer_off"], &report["silent"]), (&json!([true, "inactive"]), &json!(0)));
+    assert_eq!(
+        (&report["observer_off"], &report["silent"]),
+        (&json!([true, "inactive"]), &json!(0))
+    );
     assert_eq!(report["uncompensated"], 0.0, "an estimate that does not come is not compensated");
     assert_eq!((&report["observer_on"], &report["reset"]), (&json!(true), &json!([true, true])));
     let commands = &report["commands"];
-    assert_eq!((&commands[0][0], &commands[0][2]), (&json!(0), &json!("0")), "its own are none: {commands}");
+    assert_eq!(
+        (&commands[0][0], &commands[0][2]),
+        (&json!(0), &json!("0")),
+        "its own are none: {commands}"
+    );
     assert_eq!(commands[1][0], 2, "{commands}");
-    assert!(text(&commands[1][1]).contains("while the controller in this process commands"), "{commands}");
+    assert!(
+        text(&commands[1][1]).contains("while the controller in this process commands"),
+        "{commands}"
+    );
     assert!(moves("nan_from_elsewhere") && report["nan_from_elsewhere"][2] == "active", "{report}");
     assert_eq!(
         (&report["nobody_inherits"], &report["handed_over"]),
         (&json!(0), &json!([true, true])),
         "{report}"
     );
-    assert_eq!((&report["controller_off"], &report["open_loop"]), (&json!(true), &json!([2.5])), "{report}");
+    assert_eq!(
+        (&report["controller_off"], &report["open_loop"]),
+        (&json!(true), &json!([2.5])),
+        "{report}"
+    );
     assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &json!([0.0, 0.0])));
     assert_eq!((&report["activate_stopped"], &report["clear"][0]), (&json!(false), &json!(true)));
     assert_eq!(report["configure"], json!([true, true, true]));
@@ -106,8 +132,10 @@ fn two_processes_are_two_axes_of_one_domain() {
     let Some(report) = session("live_axes_session.py", folder.path()) else { return };
     assert_eq!(report["follow"], true, "each its own reference: {}", report["velocities"]);
     let names = ["controller", "experiment_runner", "friction_observer", "rig_driver"];
-    let nodes: Vec<String> =
-        ["/axis_1", "/axis_2"].iter().flat_map(|axis| names.map(|name| format!("{axis}/{name}"))).collect();
+    let nodes: Vec<String> = ["/axis_1", "/axis_2"]
+        .iter()
+        .flat_map(|axis| names.map(|name| format!("{axis}/{name}")))
+        .collect();
     assert_eq!(report["nodes"], json!(nodes));
     assert_eq!((&report["stop"][0], &report["stands"]), (&json!(true), &json!(true)), "{report}");
     assert_eq!(report["other_goes_on"], true, "{report}");
@@ -116,7 +144,8 @@ fn two_processes_are_two_axes_of_one_domain() {
     }
 }
 
-/// The bags hold what was published, the parameter file beside it, and estimates only while the observer was active.
+/// The bags hold what was published, the parameter file beside it, and estimates only while the
+/// observer was active.
 fn check_bags(folder: &Path) {
     let bag = BagReader::open(&folder.join("own/bag")).expect("the first bag");
     let attached = bag.attachment("parameters.yaml").expect("a whole bag").expect("the parameters");

@@ -20,19 +20,29 @@ fn received(report: &Value, topic: &str) -> Vec<(u64, Vec<u64>)> {
     messages
         .iter()
         .map(|message| {
-            (number(&message[0]), message[1].as_array().expect("values").iter().map(number).collect())
+            (
+                number(&message[0]),
+                message[1].as_array().expect("values").iter().map(number).collect(),
+            )
         })
         .collect()
 }
 
-/// Each received message is in the bag with its stamp and every value to the last bit, in order and each once, and between
-/// the first and the last of them hardly one is missing.
+/// Each received message is in the bag with its stamp and every value to the last bit, in order and
+/// each once, and between the first and the last of them hardly one is missing.
 fn assert_same(topic: &str, received: &[(u64, Vec<u64>)], recorded: &HashMap<u64, Vec<u64>>) {
     // Discovery takes a second or two of the six; after that it is a thousand a second.
     assert!(received.len() > 1500, "{topic}: only {} messages arrived", received.len());
-    assert!(received.windows(2).all(|pair| pair[0].0 < pair[1].0), "{topic}: out of order or twice");
+    assert!(
+        received.windows(2).all(|pair| pair[0].0 < pair[1].0),
+        "{topic}: out of order or twice"
+    );
     for (stamp, values) in received {
-        assert_eq!(recorded.get(stamp), Some(values), "{topic}: the message of {stamp} against the bag");
+        assert_eq!(
+            recorded.get(stamp),
+            Some(values),
+            "{topic}: the message of {stamp} against the bag"
+        );
     }
     let (first, last) = (received[0].0, received[received.len() - 1].0);
     let sent = recorded.keys().filter(|stamp| (first..=last).contains(stamp)).count();
@@ -99,7 +109,8 @@ fn check(report: &Value, bag: &Path) {
         .expect("estimates")
         .into_iter()
         .map(|(stamp, m)| {
-            let values = [m.torque, m.deflection, m.gamma, f64::from(m.regime), m.velocity, m.residual];
+            let values =
+                [m.torque, m.deflection, m.gamma, f64::from(m.regime), m.velocity, m.residual];
             (stamp, bits(&values))
         })
         .collect();

@@ -32,7 +32,10 @@ fn a_live_run_drives_the_device_on_the_port_records_it_and_leaves_it_at_zero_vol
         .expect("it runs");
     let text = said(&output);
     assert!(output.status.success(), "{text}");
-    assert!(text.contains("rig_emulator (firmware 0.2.0), 1000 us a cycle, at most 6.00 V"), "{text}");
+    assert!(
+        text.contains("rig_emulator (firmware 0.2.0), 1000 us a cycle, at most 6.00 V"),
+        "{text}"
+    );
     assert!(rig.folder().join("live/bag").join("metadata.yaml").is_file(), "{text}");
     let summary = rig.finish();
     assert!(summary["books"]["commands"].as_u64().expect("a number") > 1500, "{summary}\n{text}");
@@ -43,11 +46,12 @@ fn a_live_run_drives_the_device_on_the_port_records_it_and_leaves_it_at_zero_vol
 #[test]
 fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
     let mut rig = Rig::start(&[]);
-    let mut run = live(&rig, UNPLUGGED, &["--duration", "60", "--mode", "position", "--frequency", "2"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("it starts");
+    let mut run =
+        live(&rig, UNPLUGGED, &["--duration", "60", "--mode", "position", "--frequency", "2"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
     let mut lines = BufReader::new(run.stdout.take().expect("its output")).lines();
     while !lines.next().expect("it says that it is live").expect("text").contains("live at") {}
     rig.wait_for("driven", 300);
@@ -77,7 +81,8 @@ fn a_second_run_in_the_same_domain_ends_with_a_sentence_about_the_first() {
     // Of two that begin within a second both may give way: a run elsewhere takes longer.
     let mut elsewhere = tests::frictionlab();
     elsewhere.args(["live", "--duration", "1.5", "--out"]).arg(folder.path().join("elsewhere"));
-    let output = elsewhere.env("ROS_DOMAIN_ID", "90").stdin(Stdio::null()).output().expect("it runs");
+    let output =
+        elsewhere.env("ROS_DOMAIN_ID", "90").stdin(Stdio::null()).output().expect("it runs");
     assert!(output.status.success(), "{}", said(&output));
     let mut second = tests::frictionlab();
     simulated(&mut second, "second");

@@ -1,5 +1,5 @@
-//! The executables `rig_driver`, `friction_observer` and `controller` before the real rclpy: on a machine with loopback alone, on a PC with a network card, and
-//! on another PC.
+//! The executables `rig_driver`, `friction_observer` and `controller` before the real rclpy: on a
+//! machine with loopback alone, on a PC with a network card, and on another PC.
 
 use controller::ControlMode;
 use experiment_runner::compensation::Means;
@@ -50,14 +50,17 @@ fn error_of_one_process(amplitude: f64, angular_frequency: f64, seconds: f64) ->
     (sum / f64::from(cycles)).sqrt()
 }
 
-/// The error over DDS is that of one process but for a reference that comes in steps of a millisecond, late, from an ordinary Python process, and for a
-/// cycle or more between measurement and voltage. Measured on two busy cores: .092 to .098 rad/s over DDS, .098 rad/s in one process.
+/// The error over DDS is that of one process but for a reference that comes in steps of a
+/// millisecond, late, from an ordinary Python process, and for a cycle or more between measurement
+/// and voltage. Measured on two busy cores: .092 to .098 rad/s over DDS, .098 rad/s in one process.
 #[test]
 fn three_processes_follow_a_reference_that_rclpy_publishes() {
     let Some(report) = session("loop_session.py", &["6"]) else { return };
     let one = error_of_one_process(1.5, 3.0, 6.0);
     let many = number(&report["rms_error"]);
-    eprintln!("root mean square of the error: {many:.4} rad/s over DDS, {one:.4} rad/s in one process");
+    eprintln!(
+        "root mean square of the error: {many:.4} rad/s over DDS, {one:.4} rad/s in one process"
+    );
     eprintln!(
         "age of the measurement behind each voltage, p50 and p99 of each second [us]: {}",
         report["ages"]
@@ -74,7 +77,10 @@ fn three_processes_follow_a_reference_that_rclpy_publishes() {
         number(&report["friction_used"]) > 0.9 * number(&report["heard"]),
         "the estimate is compensated: {report}"
     );
-    assert!(number(&report["at_rest"]) < 0.05, "without a reference the shaft comes to rest: {report}");
+    assert!(
+        number(&report["at_rest"]) < 0.05,
+        "without a reference the shaft comes to rest: {report}"
+    );
     assert_eq!(report["faults"], 0);
     assert_ended(&report["exit"]);
 }
@@ -82,20 +88,30 @@ fn three_processes_follow_a_reference_that_rclpy_publishes() {
 #[test]
 fn parameters_are_listed_set_described_and_refused_with_reasons() {
     for place in Place::of_tier(Place::TwoPcs(ORDINARY_MTU)) {
-        let Some(report) = session_at(place, Distribution::Kilted, "parameters_session.py", &[]) else {
+        let Some(report) = session_at(place, Distribution::Kilted, "parameters_session.py", &[])
+        else {
             return;
         };
-        let names: Vec<&str> = report["names"].as_array().expect("names").iter().map(text).collect();
-        for name in
-            ["model", "technique", "use_sim_time", "proposed.f_s", "lugre.sigma0", "gms.f_c", "drive.gain"]
-        {
+        let names: Vec<&str> =
+            report["names"].as_array().expect("names").iter().map(text).collect();
+        for name in [
+            "model",
+            "technique",
+            "use_sim_time",
+            "proposed.f_s",
+            "lugre.sigma0",
+            "gms.f_c",
+            "drive.gain",
+        ] {
             assert!(names.contains(&name), "{name} is not among {names:?}");
         }
-        let lugre =
-            ["delta", "f_c", "f_s", "f_v", "sigma0", "sigma1", "v_s"].map(|name| format!("lugre.{name}"));
+        let lugre = ["delta", "f_c", "f_s", "f_v", "sigma0", "sigma1", "v_s"]
+            .map(|name| format!("lugre.{name}"));
         assert_eq!(report["lugre"], json!(lugre));
         assert!(
-            report["shallow"].as_array().is_some_and(|all| all.iter().all(|name| !text(name).contains('.')))
+            report["shallow"]
+                .as_array()
+                .is_some_and(|all| all.iter().all(|name| !text(name).contains('.')))
         );
         assert_eq!(report["given"], json!(["lugre", 1.25]));
         assert_eq!(report["unknown"], json!([null]));
@@ -106,7 +122,10 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
         assert!(text(&described["sigma0"][1]).contains("[N/m or N m/rad]"));
         assert!(number(&described["sigma0"][2][0][0]) > 0.0);
         assert!(text(&described["model"][2]).starts_with("one of coulomb, "));
-        assert_eq!((&described["period_read_only"], &described["missing"]), (&json!(true), &json!(0)));
+        assert_eq!(
+            (&described["period_read_only"], &described["missing"]),
+            (&json!(true), &json!(0))
+        );
 
         assert_eq!(report["good"], json!([[true, ""]]));
         assert_eq!(report["read_back"], true);
@@ -127,7 +146,10 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
         }
         // One by one the good half counts, atomically none does.
         assert_eq!((&report["half"][0][0], &report["half"][1][0]), (&json!(true), &json!(false)));
-        assert_eq!((&report["injection"], &report["injection_after_bad"]), (&json!(1.0), &json!(1.0)));
+        assert_eq!(
+            (&report["injection"], &report["injection_after_bad"]),
+            (&json!(1.0), &json!(1.0))
+        );
         assert_eq!(report["atomic_bad"][0], false);
         assert_eq!(report["atomic_good"][0], true, "two levels that only fit together: {report}");
         assert_eq!(report["levels"], json!([3.0, 2.0]));
@@ -148,7 +170,8 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
 #[test]
 fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
     for place in Place::of_tier(Place::OnePc) {
-        let Some(report) = session_at(place, Distribution::Kilted, "lifecycle_session.py", &[]) else {
+        let Some(report) = session_at(place, Distribution::Kilted, "lifecycle_session.py", &[])
+        else {
             return;
         };
         // rclpy's own managed node is the peer.
@@ -168,26 +191,43 @@ fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
         assert_eq!((&report["inactive"], &report["deactivated"]), (&still, &still));
         assert!(moves("active") && moves("before_stop") && moves("moves_again"), "{report}");
 
-        assert!(report["zero"][0] == true && report["zero_while_active"][0] == false, "{}", report["zero"]);
+        assert!(
+            report["zero"][0] == true && report["zero_while_active"][0] == false,
+            "{}",
+            report["zero"]
+        );
         assert_eq!((&report["stop"][0], &report["stopped"]), (&json!(true), &stopped));
         assert_eq!(
             (&report["state_stopped"], &report["activate_stopped"]),
             (&json!("inactive"), &json!(false))
         );
-        assert_eq!((&report["clear"][0], &report["state_cleared"]), (&json!(true), &json!("unconfigured")));
+        assert_eq!(
+            (&report["clear"][0], &report["state_cleared"]),
+            (&json!(true), &json!("unconfigured"))
+        );
         assert_eq!(report["cleared"], 0, "unconfigured, it measures nothing");
 
-        // A voltage that is no number latches a fault; garbage does nothing; what is old does nothing; silence stops the motor.
+        // A voltage that is no number latches a fault; garbage does nothing; what is old does
+        // nothing; silence stops the motor.
         assert_eq!((&report["nan"], &report["state_nan"]), (&stopped, &json!("inactive")));
-        assert_eq!((&report["clear_nan"][0], &report["again"]), (&json!(true), &json!([true, "active"])));
+        assert_eq!(
+            (&report["clear_nan"][0], &report["again"]),
+            (&json!(true), &json!([true, "active"]))
+        );
         assert_eq!(report["after_garbage"][0], "active", "{}", report["exit"][2]);
-        assert!(number(&report["after_garbage"][1][0]) > 2.5, "the garbage does not disturb the commands");
+        assert!(
+            number(&report["after_garbage"][1][0]) > 2.5,
+            "the garbage does not disturb the commands"
+        );
         assert!(number(&report["old"][0]) == 0.0, "{}", report["old"]);
         assert_eq!((&report["silent"], &report["state_silent"]), (&stopped, &json!(true)));
         let said = text(&report["exit"][2]);
-        for line in
-            ["command not finite", "command lost", "emergency stop", "were no friction_msgs/msg/MotorVoltage"]
-        {
+        for line in [
+            "command not finite",
+            "command lost",
+            "emergency stop",
+            "were no friction_msgs/msg/MotorVoltage",
+        ] {
             assert!(said.contains(line), "`{line}` is not in the log:\n{said}");
         }
 
@@ -196,7 +236,11 @@ fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
         assert_eq!(events.first(), Some(&json!([1, "unconfigured", "configuring"])));
         assert_eq!(events.last(), Some(&json!([50, "shuttingdown", "finalized"])));
         // SIGINT: gone from the graph, and ended, within two seconds.
-        assert!(report["leaving"][0] == true && report["leaving"][1] == true, "{}", report["leaving"]);
+        assert!(
+            report["leaving"][0] == true && report["leaving"][1] == true,
+            "{}",
+            report["leaving"]
+        );
         assert!(
             number(&report["leaving"][2]) < 2.0 && number(&report["exit"][1]) < 2.0,
             "{}",
@@ -209,14 +253,24 @@ fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
 #[test]
 fn two_rigs_share_a_domain_by_their_namespaces_and_names_can_be_remapped() {
     for place in Place::of_tier(Place::OnePcOnItsNetwork) {
-        let Some(report) = session_at(place, Distribution::Kilted, "namespace_session.py", &[]) else {
+        let Some(report) = session_at(place, Distribution::Kilted, "namespace_session.py", &[])
+        else {
             return;
         };
         assert_eq!(report["moving"], true, "{report}");
         // The lag compensator leaves an error under friction that is only half compensated.
-        assert!((number(&report["velocity"]["/axis_1"]) - 1.0).abs() < 0.35, "{}", report["velocity"]);
-        assert!((number(&report["velocity"]["/axis_2"]) + 2.0).abs() < 0.35, "{}", report["velocity"]);
-        let nodes: Vec<&str> = report["nodes"].as_array().expect("nodes").iter().map(text).collect();
+        assert!(
+            (number(&report["velocity"]["/axis_1"]) - 1.0).abs() < 0.35,
+            "{}",
+            report["velocity"]
+        );
+        assert!(
+            (number(&report["velocity"]["/axis_2"]) + 2.0).abs() < 0.35,
+            "{}",
+            report["velocity"]
+        );
+        let nodes: Vec<&str> =
+            report["nodes"].as_array().expect("nodes").iter().map(text).collect();
         for axis in ["/axis_1", "/axis_2"] {
             for node in ["rig_driver", "friction_observer", "controller"] {
                 assert!(nodes.contains(&format!("{axis}/{node}").as_str()), "{nodes:?}");
@@ -308,13 +362,19 @@ left:
     };
     let cases = json!([
         case("n", &[]),
-        case("controller", &["-r", "__ns:=/left", "-r", "__node:=arm", "-p", "arm:a:=1", "-p", "b:=yes"]),
+        case(
+            "controller",
+            &["-r", "__ns:=/left", "-r", "__node:=arm", "-p", "arm:a:=1", "-p", "b:=yes"]
+        ),
         case("n", &["-r", "foo:=bar", "-r", "/foo:=/second", "-r", "n:~/foo:=/own"]),
         case("n", &["-r", "rosservice://foo:=/t", "-r", "rostopic:///joint_states:=~/js"]),
         case("n", &["-r", "m:foo:=bar", "-r", "__name:=k", "-r", "k:foo:=baz", "-r", "n:foo:=no"]),
         case(
             "n",
-            &["-p", "a:=010", "-p", "b:=0x1F", "-p", "c:=1e3", "-p", "d:=On", "-p", "e:='1'", "-p", "f:=08"]
+            &[
+                "-p", "a:=010", "-p", "b:=0x1F", "-p", "c:=1e3", "-p", "d:=On", "-p", "e:='1'",
+                "-p", "f:=08"
+            ]
         ),
         case(
             "n",
@@ -331,11 +391,17 @@ left:
                 "k:=-7"
             ]
         ),
-        case("n", &["-p", "a:=[1, 2]", "-p", "b:=[on, no]", "-p", "c:=[x, 'y']", "-p", "d:=[0.5, .25]"]),
+        case(
+            "n",
+            &["-p", "a:=[1, 2]", "-p", "b:=[on, no]", "-p", "c:=[x, 'y']", "-p", "d:=[0.5, .25]"]
+        ),
         case("n", &["-p", "a:=1", "-p", "n:a:=2", "-p", "a:=3"]),
         case("n", &["-p", "n:a:=1", "-p", "a:=2"]),
         case("arm", &["-r", "__ns:=/left", "--params-file", file]),
-        case("arm", &["-r", "__ns:=/left", "-p", "a:=5", "--params-file", file, "-p", "all:=false"]),
+        case(
+            "arm",
+            &["-r", "__ns:=/left", "-p", "a:=5", "--params-file", file, "-p", "all:=false"]
+        ),
         case("other", &["--params-file", file, "-p", "other:a:=4"]),
         // Refused by both.
         case("n", &["-p", "a:=[1, 2.0]"]),
@@ -348,7 +414,9 @@ left:
         case("n", &["--params-file", "/no/such/file"]),
     ]);
     let Some(theirs) = peer("arguments_peer.py", &cases) else { return };
-    for (case, theirs) in cases.as_array().expect("cases").iter().zip(theirs.as_array().expect("answers")) {
+    for (case, theirs) in
+        cases.as_array().expect("cases").iter().zip(theirs.as_array().expect("answers"))
+    {
         assert_eq!(&ours(case), theirs, "{}", case["arguments"]);
     }
 }

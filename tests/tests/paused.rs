@@ -1,4 +1,5 @@
-//! `frictionlab live` and `serve` that were stopped and continued: the middleware's threads do not survive it.
+//! `frictionlab live` and `serve` that were stopped and continued: the middleware's threads do not
+//! survive it.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -14,7 +15,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Time in which the program finds all threads of its middleware.
 const SETTLED: Duration = Duration::from_millis(1500);
 
-/// `frictionlab` in a namespace of its own, and the lines that it prints; `None` where no namespace can be had.
+/// `frictionlab` in a namespace of its own, and the lines that it prints; `None` where no namespace
+/// can be had.
 fn start(arguments: &[&str], folder: &Path) -> Option<(Child, Receiver<String>)> {
     let mut child = namespaced()?
         .arg(tests::frictionlab().get_program())
@@ -27,7 +29,9 @@ fn start(arguments: &[&str], folder: &Path) -> Option<(Child, Receiver<String>)>
         .expect("unshare starts");
     let (tell, lines) = channel();
     let output = BufReader::new(child.stdout.take().expect("its output is ours"));
-    thread::spawn(move || output.lines().map_while(Result::ok).try_for_each(|line| tell.send(line)));
+    thread::spawn(move || {
+        output.lines().map_while(Result::ok).try_for_each(|line| tell.send(line))
+    });
     Some((child, lines))
 }
 
@@ -41,7 +45,8 @@ fn wait_for(lines: &Receiver<String>, part: &str) {
 }
 
 fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill starts");
+    let status =
+        Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill starts");
     assert!(status.success());
 }
 
@@ -65,7 +70,8 @@ fn live_ends_with_the_motor_at_rest_and_its_bag_whole() {
     assert!(said.contains("middleware") && said.contains("zero volts"), "{said}");
     let bag = folder.path().join("run/bag");
     assert!(bag.join("metadata.yaml").is_file());
-    let info = tests::frictionlab().args(["bag", "info"]).arg(&bag).output().expect("frictionlab starts");
+    let info =
+        tests::frictionlab().args(["bag", "info"]).arg(&bag).output().expect("frictionlab starts");
     assert!(info.status.success(), "{}", String::from_utf8_lossy(&info.stderr));
 }
 

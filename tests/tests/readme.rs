@@ -1,11 +1,14 @@
 //! What the README shows of a command's output is what the command prints.
 //!
-//! A line `<!-- prints: run characterise -->` before a block of the README names the words behind `frictionlab`; all commands run in one folder, in their
-//! order, so that later ones find what earlier ones wrote. Every line of the block must be a line of the output, in the same order, its figures equal to one unit of
-//! their last digit (another processor rounds otherwise); the block may leave lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
+//! A line `<!-- prints: run characterise -->` before a block of the README names the words behind
+//! `frictionlab`; all commands run in one folder, in their order, so that later ones find what
+//! earlier ones wrote. Every line of the block must be a line of the output, in the same order, its
+//! figures equal to one unit of their last digit (another processor rounds otherwise); the block
+//! may leave lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
 //!
-//! A line `<!-- figures of: identify recording.csv -->` before a table does the same for the rows that begin with "this program": each number in them must
-//! be one of the output's, to the digits that the table has.
+//! A line `<!-- figures of: identify recording.csv -->` before a table does the same for the rows
+//! that begin with "this program": each number in them must be one of the output's, to the digits
+//! that the table has.
 
 use std::{fs, path::Path};
 
@@ -22,7 +25,8 @@ fn rows(page: &str) -> Vec<Shown<'_>> {
     let mut lines = page.lines();
     let mut found = Vec::new();
     while let Some(line) = lines.next() {
-        let Some(words) = line.strip_prefix("<!-- figures of: ").and_then(|rest| rest.strip_suffix(" -->"))
+        let Some(words) =
+            line.strip_prefix("<!-- figures of: ").and_then(|rest| rest.strip_suffix(" -->"))
         else {
             continue;
         };
@@ -37,23 +41,26 @@ fn rows(page: &str) -> Vec<Shown<'_>> {
 /// The decimal numbers of a text, as they are written.
 fn numbers(text: &str) -> Vec<&str> {
     let in_number = |c: char| c.is_ascii_digit() || ".-e".contains(c);
-    let words = text.split(|c: char| !in_number(c)).map(|word| word.trim_end_matches(['.', 'e', '-']));
+    let words =
+        text.split(|c: char| !in_number(c)).map(|word| word.trim_end_matches(['.', 'e', '-']));
     words.filter(|word| word.contains('.') && word.parse::<f64>().is_ok()).collect()
 }
 
 /// The first number of `row` that `output` does not have to as many digits.
 fn missing<'a>(row: &'a str, output: &str) -> Option<&'a str> {
-    let printed: Vec<f64> = numbers(output).iter().filter_map(|number| number.parse().ok()).collect();
+    let printed: Vec<f64> =
+        numbers(output).iter().filter_map(|number| number.parse().ok()).collect();
     numbers(row).into_iter().find(|number| {
         let digits = number.rsplit('.').next().map_or(0, str::len);
         let written: f64 = number.parse().unwrap_or(f64::NAN);
-        !printed
-            .iter()
-            .any(|value| (value - written).abs() <= 0.5001 * 10f64.powi(-i32::try_from(digits).unwrap_or(0)))
+        !printed.iter().any(|value| {
+            (value - written).abs() <= 0.5001 * 10f64.powi(-i32::try_from(digits).unwrap_or(0))
+        })
     })
 }
 
-/// Recordings that are not part of the project, by the names that the README's commands have for them.
+/// Recordings that are not part of the project, by the names that the README's commands have for
+/// them.
 const RECORDINGS: [(&str, &str); 4] = [
     ("estimation.csv", "emps/estimation.csv"),
     ("validation.csv", "emps/validation.csv"),
@@ -65,7 +72,8 @@ fn blocks(page: &str) -> Vec<Shown<'_>> {
     let mut lines = page.lines();
     let mut found = Vec::new();
     while let Some(line) = lines.next() {
-        let Some(words) = line.strip_prefix("<!-- prints: ").and_then(|rest| rest.strip_suffix(" -->"))
+        let Some(words) =
+            line.strip_prefix("<!-- prints: ").and_then(|rest| rest.strip_suffix(" -->"))
         else {
             continue;
         };
@@ -91,8 +99,9 @@ fn renewed<'a>(shown: &[&'a str], output: &'a str) -> Result<Vec<&'a str>, &'a s
     let mut renewed = Vec::new();
     for line in shown {
         let alike = printed.clone().find(|other| other == line);
-        let alike =
-            alike.or_else(|| printed.clone().find(|other| wording(other) == wording(line))).ok_or(*line)?;
+        let alike = alike
+            .or_else(|| printed.clone().find(|other| wording(other) == wording(line)))
+            .ok_or(*line)?;
         renewed.push(alike);
         let _ = printed.find(|other| *other == alike);
     }
@@ -107,7 +116,10 @@ fn alike(one: &str, other: &str) -> bool {
     };
     let (one, other) = (figures(one), figures(other));
     one.len() == other.len()
-        && one.iter().zip(&other).all(|((a, unit), (b, other))| (a - b).abs() <= 1.001 * unit.max(*other))
+        && one
+            .iter()
+            .zip(&other)
+            .all(|((a, unit), (b, other))| (a - b).abs() <= 1.001 * unit.max(*other))
 }
 
 /// 0.001 for `1.234`, 1e-5 for `8e-5`.
@@ -130,14 +142,16 @@ fn the_readme_shows_what_its_commands_print() {
     assert!(!blocks.is_empty(), "the README shows no output");
     let folder = tempfile::tempdir().expect("a folder");
     let recorded = recordings(folder.path());
-    std::os::unix::fs::symlink(checkout().join("docs"), folder.path().join("docs")).expect("a link");
+    std::os::unix::fs::symlink(checkout().join("docs"), folder.path().join("docs"))
+        .expect("a link");
     let printed = |words: &[&str]| {
         let command = words.join(" ");
         if !recorded && RECORDINGS.iter().any(|(name, _)| words.contains(name)) {
             skip(&format!("`frictionlab {command}`: the recordings are not at hand"));
             return None;
         }
-        let output = frictionlab().args(words).current_dir(folder.path()).output().expect("it starts");
+        let output =
+            frictionlab().args(words).current_dir(folder.path()).output().expect("it starts");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "frictionlab {command}: {said}");
         Some(String::from_utf8_lossy(&output.stdout).into_owned())
@@ -146,8 +160,9 @@ fn the_readme_shows_what_its_commands_print() {
     let mut anew = page.clone();
     for Shown { words, lines } in &blocks {
         let (command, Some(output)) = (words.join(" "), printed(words)) else { continue };
-        let now = renewed(lines, &output)
-            .unwrap_or_else(|line| panic!("`frictionlab {command}` has no line\n{line}\nbut\n{output}"));
+        let now = renewed(lines, &output).unwrap_or_else(|line| {
+            panic!("`frictionlab {command}` has no line\n{line}\nbut\n{output}")
+        });
         if update {
             anew = anew.replacen(&lines.join("\n"), &now.join("\n"), 1);
         } else {
@@ -172,7 +187,8 @@ fn the_readme_shows_what_its_commands_print() {
 
 #[test]
 fn another_figure_is_found_and_a_missing_line_named() {
-    let output = "Stribeck curve\n  f_s  0.09932 ± 8e-5 N m\n  f_c  0.09248 ± 4e-5 N m\nReport  x\n";
+    let output =
+        "Stribeck curve\n  f_s  0.09932 ± 8e-5 N m\n  f_c  0.09248 ± 4e-5 N m\nReport  x\n";
     let shown = ["  f_s  0.0994 ± 9e-5 N m", "  f_c  0.09248 ± 4e-5 N m"];
     assert_eq!(renewed(&shown, output), Ok(vec!["  f_s  0.09932 ± 8e-5 N m", shown[1]]));
     assert_eq!(renewed(&["  f_v  0.04 N m s/rad"], output), Err("  f_v  0.04 N m s/rad"));

@@ -1,5 +1,5 @@
-//! A live run killed at several moments: what was recorded until a second before the kill opens in other people's tools afterwards, and can be
-//! replayed.
+//! A live run killed at several moments: what was recorded until a second before the kill opens in
+//! other people's tools afterwards, and can be replayed.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -46,7 +46,8 @@ fn wait_for_data(file: &Path) {
 }
 
 fn bag_command(arguments: &[&str], bag: &Path) -> (Option<i32>, String) {
-    let output = frictionlab().arg("bag").args(arguments).arg(bag).output().expect("the program starts");
+    let output =
+        frictionlab().arg("bag").args(arguments).arg(bag).output().expect("the program starts");
     let text = [output.stdout, output.stderr].concat();
     (output.status.code(), String::from_utf8_lossy(&text).into_owned())
 }
@@ -66,7 +67,8 @@ fn a_killed_run_loses_its_last_second_and_no_more() {
         assert_eq!(in_use, Some(2), "{told}");
         assert!(told.contains("is being written"), "{told}");
         run.kill().expect("it runs");
-        let killed = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970").as_nanos() as u64;
+        let killed =
+            SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970").as_nanos() as u64;
         run.wait().expect("it was killed");
         assert!(!bag.join("metadata.yaml").exists());
         let (refused, told) = bag_command(&["info"], &bag);
@@ -83,19 +85,25 @@ fn a_killed_run_loses_its_last_second_and_no_more() {
 
         let reader = BagReader::open(&bag).expect("a bag");
         let states = reader.messages::<RigMeasurement>("/rig_measurement").expect("measurements");
-        assert!(states.windows(2).all(|pair| pair[1].1.cycle == pair[0].1.cycle + 1), "a cycle is missing");
+        assert!(
+            states.windows(2).all(|pair| pair[1].1.cycle == pair[0].1.cycle + 1),
+            "a cycle is missing"
+        );
         // Observer and controller say nothing before they are active.
-        let counts = TOPICS
-            .map(|topic| reader.topics().iter().find(|info| info.name == topic).map_or(0, |info| info.count));
+        let counts = TOPICS.map(|topic| {
+            reader.topics().iter().find(|info| info.name == topic).map_or(0, |info| info.count)
+        });
         assert!(counts.iter().all(|count| *count + 200 > states.len() as u64), "{counts:?}");
         let lost = killed.saturating_sub(states.last().expect("a state").0);
-        // A second is promised; another is the machine's, which may keep the recorder from its half second.
+        // A second is promised; another is the machine's, which may keep the recorder from its half
+        // second.
         assert!(lost < 2_000_000_000, "{:.3} s were lost", lost as f64 * 1e-9);
         recovered.push((bag, counts));
     }
     let Some(interpreter) = python::interpreter("bag_tools") else { return };
     for (bag, counts) in &recovered {
-        let seen = python::json(&interpreter, "read_bag.py", &[bag.to_str().expect("a plain path")]);
+        let seen =
+            python::json(&interpreter, "read_bag.py", &[bag.to_str().expect("a plain path")]);
         for (topic, count) in TOPICS.into_iter().zip(counts) {
             assert_eq!(seen["topics"][topic]["count"], *count, "{topic} by rosbags");
             let read = seen["topics"][topic]["messages"].as_array().map(|all| all.len() as u64);
@@ -134,7 +142,8 @@ fn replayed(bag: &Path) {
 fn the_next_start_offers_to_recover_what_was_cut_off() {
     let folder = tempfile::tempdir().expect("a folder");
     let bag = folder.path().join("runs/live-1/bag");
-    let mut writer = experiment_runner::bag::BagWriter::create(&bag, Default::default()).expect("a bag");
+    let mut writer =
+        experiment_runner::bag::BagWriter::create(&bag, Default::default()).expect("a bag");
     writer.write("/joint_states", 1, &JointState::default()).expect("a write");
     writer.flush().expect("a flush");
     let bytes = std::fs::read(bag.join("bag_0.mcap")).expect("the file");
@@ -161,15 +170,14 @@ fn the_next_start_offers_to_recover_what_was_cut_off() {
     run(&["bag", "to-csv", "last/bag", "--out", csv.to_str().expect("a plain path")]);
     let text = std::fs::read_to_string(&csv).expect("the table");
     let mut lines = text.lines();
-    assert!(
-        lines
-            .next()
-            .is_some_and(|head| head.starts_with("t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm,"))
-    );
+    assert!(lines.next().is_some_and(|head| {
+        head.starts_with("t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm,")
+    }));
     let states = BagReader::open(&folder.path().join("last/bag")).expect("a bag");
     let states = states.messages::<JointState>("/joint_states").expect("states");
     for (line, (_, state)) in lines.clone().zip(&states) {
-        let value = |column: usize| line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok());
+        let value =
+            |column: usize| line.split(',').nth(column).and_then(|text| text.parse::<f64>().ok());
         assert_eq!(value(1), Some(state.position[0]), "{line}");
         assert_eq!(value(4), Some(state.effort[0]), "{line}");
     }

@@ -1,4 +1,5 @@
-//! The report in a real browser: does it draw what it says, without a complaint and without a network?
+//! The report in a real browser: does it draw what it says, without a complaint and without a
+//! network?
 
 use std::path::{Path, PathBuf};
 
@@ -49,7 +50,11 @@ fn the_demonstration_page_draws_everything() {
     for (seen, figure) in seen.figures.iter().zip(figures) {
         assert_eq!(seen.drawn, figure.panels.iter().map(|p| p.traces.len() as u64).sum::<u64>());
         for label in figure.panels.iter().map(|p| &p.y_label).chain([&figure.x_label]) {
-            assert!(seen.axis_titles.contains(label), "{label} is not among {:?}", seen.axis_titles);
+            assert!(
+                seen.axis_titles.contains(label),
+                "{label} is not among {:?}",
+                seen.axis_titles
+            );
         }
     }
 
@@ -74,16 +79,23 @@ fn the_report_of_a_run_draws_everything() {
         .output()
         .expect("frictionlab starts");
     assert!(run.status.success(), "{}: {}", run.status, String::from_utf8_lossy(&run.stderr));
-    let html = std::fs::read_to_string(out.join("report.html")).expect("the run leaves report.html");
-    let seen = browser
-        .load(&html, "return [...document.querySelectorAll('.caption')].map((c) => c.textContent).join();");
+    let html =
+        std::fs::read_to_string(out.join("report.html")).expect("the run leaves report.html");
+    let seen = browser.load(
+        &html,
+        "return [...document.querySelectorAll('.caption')].map((c) => c.textContent).join();",
+    );
     assert_sound(&seen);
-    let titles: Vec<&str> = seen.figures.iter().flat_map(|f| &f.axis_titles).map(String::as_str).collect();
+    let titles: Vec<&str> =
+        seen.figures.iter().flat_map(|f| &f.axis_titles).map(String::as_str).collect();
     for label in ["velocity [rad/s]", "time [s]", "friction torque [N m]"] {
         assert!(titles.contains(&label), "{label} is not among {titles:?}");
     }
     let tables = seen.probe.as_str().unwrap_or_default();
-    assert!(tables.contains("Stribeck parameters") && tables.contains("compensations compared"), "{tables}");
+    assert!(
+        tables.contains("Stribeck parameters") && tables.contains("compensations compared"),
+        "{tables}"
+    );
 
     let png = picture("report_run.png");
     browser.screenshot(&html, &png, seen.height, false);
@@ -91,15 +103,16 @@ fn the_report_of_a_run_draws_everything() {
     assert!(size > 50_000, "{} has {size} bytes: an empty page", png.display());
 }
 
-/// A reader's hands: dragging zooms all panels of a figure, a double click resets, a click on a legend
-/// entry hides its series, pointing shows values of all panels.
+/// A reader's hands: dragging zooms all panels of a figure, a double click resets, a click on a
+/// legend entry hides its series, pointing shows values of all panels.
 #[test]
 fn figures_answer_the_mouse() {
     let Some(browser) = browser() else { return };
-    let seen =
-        browser.load(&render_page(&demonstration::demonstration()), include_str!("../browser/hands.js"));
+    let seen = browser
+        .load(&render_page(&demonstration::demonstration()), include_str!("../browser/hands.js"));
     assert_sound(&seen);
-    let number = |key: &str| seen.probe[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", seen.probe));
+    let number =
+        |key: &str| seen.probe[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", seen.probe));
     assert!(number("span_zoomed") < 0.6 * number("span_before"), "{}", seen.probe);
     assert!((number("span_reset") - number("span_before")).abs() < 1e-9, "{}", seen.probe);
     assert_eq!(number("shared_axes"), 1.0, "panels share one horizontal axis");
@@ -124,7 +137,8 @@ fn figures_and_tables_are_saved_as_csv() {
     let seen = browser.load(&render_page(&page), include_str!("../browser/csv.js"));
     assert_sound(&seen);
     let files = seen.probe.as_object().expect("a file for each button");
-    let counted = |wanted: fn(&Block) -> bool| page.blocks.iter().filter(|block| wanted(block)).count();
+    let counted =
+        |wanted: fn(&Block) -> bool| page.blocks.iter().filter(|block| wanted(block)).count();
     let (figures, tables) = (
         counted(|block| matches!(block, Block::Figure(_))),
         counted(|block| matches!(block, Block::Table(_))),
@@ -146,15 +160,24 @@ fn figures_and_tables_are_saved_as_csv() {
         wide[2]
     );
     let parameters = text("table-1.csv");
-    assert!(parameters.contains("\r\nStribeck velocity v_s,rad/s,0.141,0.0153,10.9\r\n"), "{parameters}");
+    assert!(
+        parameters.contains("\r\nStribeck velocity v_s,rad/s,0.141,0.0153,10.9\r\n"),
+        "{parameters}"
+    );
 
     let bars = text(&format!("figure-{figures}.csv"));
-    assert!(bars.starts_with("panel,series,kind of motion,value,half_error_bar,upper_edge\r\n"), "{bars}");
+    assert!(
+        bars.starts_with("panel,series,kind of motion,value,half_error_bar,upper_edge\r\n"),
+        "{bars}"
+    );
     assert!(bars.contains("rms [N m],LuGre,\"slow, \"\"creeping\"\"\",0.1,,\r\n"), "{bars}");
     assert!(bars.contains("rms [N m],Proposed,reversing,,,\r\n"), "{bars}");
     assert!(bars.contains("share [%],Proposed,fast,59,,\r\n"), "{bars}");
     let stribeck = text("figure-1.csv");
-    assert!(stribeck.lines().any(|line| line.starts_with("torque [N m],measured,0.03,")), "{stribeck:.300}");
+    assert!(
+        stribeck.lines().any(|line| line.starts_with("torque [N m],measured,0.03,")),
+        "{stribeck:.300}"
+    );
 }
 
 /// No two of the models look alike, in the browser's own words.
@@ -167,7 +190,10 @@ fn every_model_has_its_own_look() {
     let seen = browser.load(&render_page(&demonstration::demonstration()), probe);
     assert_sound(&seen);
     let models = friction_model::ModelName::ALL.len();
-    assert_eq!(seen.probe, serde_json::json!({ "models": models, "lines": models, "markers": models }));
+    assert_eq!(
+        seen.probe,
+        serde_json::json!({ "models": models, "lines": models, "markers": models })
+    );
 }
 
 /// Labels are text, whatever they contain.
@@ -175,7 +201,8 @@ fn every_model_has_its_own_look() {
 fn markup_in_labels_stays_text() {
     let Some(browser) = browser() else { return };
     let mut page = demonstration::demonstration();
-    let nasty = "a <b>bold</b> </script><img src='https://example.invalid/x.png'> & <a href='x'>b</a>";
+    let nasty =
+        "a <b>bold</b> </script><img src='https://example.invalid/x.png'> & <a href='x'>b</a>";
     for block in &mut page.blocks {
         if let Block::Figure(figure) = block {
             figure.title = nasty.into();
@@ -183,11 +210,15 @@ fn markup_in_labels_stays_text() {
             figure.panels[0].y_label = nasty.into();
         }
     }
-    let seen = browser
-        .load(&render_page(&page), "return document.querySelectorAll('img, figure a[href=\"x\"]').length;");
+    let seen = browser.load(
+        &render_page(&page),
+        "return document.querySelectorAll('img, figure a[href=\"x\"]').length;",
+    );
     assert_sound(&seen);
     assert_eq!(seen.probe, 0);
-    assert!(seen.figures[0].axis_titles.iter().all(|title| title == nasty || title == "residual [N m]"));
+    assert!(
+        seen.figures[0].axis_titles.iter().all(|title| title == nasty || title == "residual [N m]")
+    );
 }
 
 /// The checks above can fail: each of these pages has one fault, and it is seen.
@@ -214,7 +245,8 @@ fn broken_pages_are_noticed() {
 
     // Under the report's own policy the browser does not even try, and says so.
     let sound = render_page(&demonstration::demonstration());
-    let reaching = sound.replacen("</main>", "<img src=\"https://example.invalid/picture.png\"></main>", 1);
+    let reaching =
+        sound.replacen("</main>", "<img src=\"https://example.invalid/picture.png\"></main>", 1);
     let seen = browser.load(&reaching, "");
     assert!(seen.complaints.iter().any(|c| c.starts_with("policy:")), "{:?}", seen.complaints);
 

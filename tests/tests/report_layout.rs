@@ -1,4 +1,5 @@
-//! Every kind of report that the programs write: does it fit a window of 1040 pixels and a sheet of A4?
+//! Every kind of report that the programs write: does it fit a window of 1040 pixels and a sheet of
+//! A4?
 
 use std::path::Path;
 
@@ -17,10 +18,16 @@ fn make(folder: &Path, out: &str, arguments: &[&str]) {
         .current_dir(folder)
         .output()
         .expect("frictionlab starts");
-    assert!(run.status.success(), "{arguments:?}: {}: {}", run.status, String::from_utf8_lossy(&run.stderr));
+    assert!(
+        run.status.success(),
+        "{arguments:?}: {}: {}",
+        run.status,
+        String::from_utf8_lossy(&run.stderr)
+    );
 }
 
-/// The report in `out` draws everything, fits, says nothing that only a program should, and links only what is there.
+/// The report in `out` draws everything, fits, says nothing that only a program should, and links
+/// only what is there.
 fn assert_fits(browser: &Browser, folder: &Path, out: &str) {
     let out_folder = folder.join(out);
     let html = std::fs::read_to_string(out_folder.join("report.html")).expect("a report");
@@ -32,7 +39,10 @@ fn assert_fits(browser: &Browser, folder: &Path, out: &str) {
     }
     let probe = &seen.probe;
     assert_eq!(probe["window"], WINDOW, "{out}: {probe}");
-    assert!(probe["page"].as_f64() <= probe["window"].as_f64(), "{out} is wider than the window: {probe}");
+    assert!(
+        probe["page"].as_f64() <= probe["window"].as_f64(),
+        "{out} is wider than the window: {probe}"
+    );
     for what in ["wide", "paper", "narrow", "heads"] {
         assert_eq!(probe[what], serde_json::json!([]), "{out}: {probe}");
     }
@@ -87,7 +97,8 @@ fn a_sequence_has_its_figures() {
     let Some(browser) = browser() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    let protocol = tests::frictionlab().args(["protocols", "sequence"]).output().expect("frictionlab starts");
+    let protocol =
+        tests::frictionlab().args(["protocols", "sequence"]).output().expect("frictionlab starts");
     std::fs::write(folder.join("sequence.yaml"), protocol.stdout).expect("writing the protocol");
     make(folder, "sequence", &["run", "--protocol", "sequence.yaml"]);
     assert_fits(&browser, folder, "sequence");
@@ -103,7 +114,8 @@ fn reports_of_experiments_and_identification_fit_window_and_paper() {
     make(folder, "characterise", &["run", "characterise", "--quick"]);
     assert_fits(&browser, folder, "characterise");
     let table = |name: &str| format!("characterise/{name}.csv");
-    let [points, path, chirp, lag] = ["steady_points", "presliding", "lag_chirp", "lag_5_rad_s"].map(table);
+    let [points, path, chirp, lag] =
+        ["steady_points", "presliding", "lag_chirp", "lag_5_rad_s"].map(table);
     let models = "coulomb_viscous,stribeck,lugre,gms,proposed";
     make(
         folder,
@@ -131,11 +143,19 @@ fn reports_of_studies_fit_window_and_paper() {
     let folder = folder.path();
     make(folder, "features", &["features", "--model", "coulomb,dahl,lugre,gms,proposed"]);
     assert_fits(&browser, folder, "features");
-    make(folder, "monte-carlo", &["monte-carlo", "--draws", "3", "--means", "feedback,adaptive,retuned-pid"]);
+    make(
+        folder,
+        "monte-carlo",
+        &["monte-carlo", "--draws", "3", "--means", "feedback,adaptive,retuned-pid"],
+    );
     assert_fits(&browser, folder, "monte-carlo");
     make(folder, "truth", &["truth-matrix", "--seeds", "1", "--model", "stribeck,lugre,proposed"]);
     assert_fits(&browser, folder, "truth");
-    make(folder, "design", &["design", "position", "--overshoot", "15", "--rise", "0.2", "--settling", "1"]);
+    make(
+        folder,
+        "design",
+        &["design", "position", "--overshoot", "15", "--rise", "0.2", "--settling", "1"],
+    );
     assert_fits(&browser, folder, "design");
 }
 
@@ -152,8 +172,14 @@ fn reports_of_public_recordings_fit_window_and_paper() {
     let emps = [file("emps/estimation.csv"), file("emps/validation.csv")];
     let columns = ["--time", "t_s", "--position", "position_m"];
     if emps.iter().all(|file| Path::new(file).is_file()) {
-        let force =
-            ["--force-column", "control_V:35.150651882485472", "--validate", &emps[1], "--structure", "auto"];
+        let force = [
+            "--force-column",
+            "control_V:35.150651882485472",
+            "--validate",
+            &emps[1],
+            "--structure",
+            "auto",
+        ];
         make(folder, "axis", &[&["identify", &emps[0]], &columns[..], &force].concat());
         assert_fits(&browser, folder, "axis");
         let drive = ["--voltage", "control_V", "--force-per-volt", "35.15"];
@@ -175,7 +201,16 @@ fn reports_of_public_recordings_fit_window_and_paper() {
     if !logs.is_empty() {
         let mut arguments = vec!["identify-servo"];
         arguments.extend(logs.iter().map(String::as_str));
-        arguments.extend(["--hold-out", "kp=400", "--level", "m4", "--seeds", "1", "--evaluations", "100"]);
+        arguments.extend([
+            "--hold-out",
+            "kp=400",
+            "--level",
+            "m4",
+            "--seeds",
+            "1",
+            "--evaluations",
+            "100",
+        ]);
         make(folder, "servo", &arguments);
         assert_fits(&browser, folder, "servo");
     }

@@ -1,4 +1,5 @@
-//! Each side of the loop ends, is killed, stands still and comes back while the others go on, before the real rclpy.
+//! Each side of the loop ends, is killed, stands still and comes back while the others go on,
+//! before the real rclpy.
 
 use serde_json::{Value, json};
 use tests::network::session;
@@ -7,7 +8,8 @@ use tests::network::session;
 const COMMAND_AGE: f64 = 0.02;
 /// `command_lost` [s]: without a command for so long it is a fault.
 const COMMAND_LOST: f64 = 0.5;
-/// The voltage that a measurement tells of was applied in the cycle before, and an age is judged once a cycle [s].
+/// The voltage that a measurement tells of was applied in the cycle before, and an age is judged
+/// once a cycle [s].
 const TWO_CYCLES: f64 = 0.002;
 /// A cycle that comes late on a busy machine [s].
 const LATE: f64 = 0.02;
@@ -23,7 +25,8 @@ fn assert_ended(exits: &Value) {
 }
 
 #[test]
-fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_whoever_comes_back() {
+fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_whoever_comes_back()
+{
     let Some(report) = session("restarts_session.py", &[]) else { return };
     assert_eq!(report["moves"], true, "the rig comes last: {report}");
     for (how, code) in [("SIGINT", 0), ("SIGKILL", -9)] {
@@ -36,12 +39,24 @@ fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_
         );
         let fault = number(&gone["fault"]);
         assert!(fault > COMMAND_LOST && fault < COMMAND_LOST + TWO_CYCLES + LATE, "{how}: {gone}");
-        assert_eq!((&gone["state"], &gone["commands_again"]), (&json!("inactive"), &json!(true)), "{how}");
+        assert_eq!(
+            (&gone["state"], &gone["commands_again"]),
+            (&json!("inactive"), &json!(true)),
+            "{how}"
+        );
         assert_eq!(gone["voltage_in_fault"], 0.0, "{how}: new commands do not clear a fault");
-        assert_eq!((&gone["cleared"], &gone["moves_again"]), (&json!([true, true]), &json!(true)), "{how}");
+        assert_eq!(
+            (&gone["cleared"], &gone["moves_again"]),
+            (&json!([true, true]), &json!(true)),
+            "{how}"
+        );
 
         let alone = &report[how]["friction_observer"];
-        assert_eq!((&alone["friction"], &alone["faults"]), (&json!(0.0), &json!(0)), "{how}: {alone}");
+        assert_eq!(
+            (&alone["friction"], &alone["faults"]),
+            (&json!(0.0), &json!(0)),
+            "{how}: {alone}"
+        );
         assert!((number(&alone["velocity"]) - 1.0).abs() < 0.1, "{how}: {alone}");
         assert_eq!(alone["compensates_again"], true, "{how}");
 
@@ -54,7 +69,8 @@ fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_
     assert_ended(&report["exit"]);
 }
 
-/// The middleware's own threads do not survive SIGSTOP and SIGCONT: the node notices and starts anew.
+/// The middleware's own threads do not survive SIGSTOP and SIGCONT: the node notices and starts
+/// anew.
 #[test]
 fn a_process_that_stood_still_comes_back_and_nothing_that_waited_moves_the_motor() {
     let Some(report) = session("pauses_session.py", &[]) else { return };
@@ -66,14 +82,21 @@ fn a_process_that_stood_still_comes_back_and_nothing_that_waited_moves_the_motor
         assert!(number(&one["fastest"]) < 1.6 && number(&one["steepest"]) < 0.005, "{node}: {one}");
     }
     let paused = &report["controller"];
-    assert_eq!((&paused["fault_before"], &paused["fault"]), (&json!(true), &json!(true)), "{paused}");
+    assert_eq!(
+        (&paused["fault_before"], &paused["fault"]),
+        (&json!(true), &json!(true)),
+        "{paused}"
+    );
     assert!(number(&paused["last_voltage"]) <= COMMAND_AGE + TWO_CYCLES, "{paused}");
     assert_eq!(
         (&paused["voltage_after"], &paused["state"]),
         (&json!(0.0), &json!("inactive")),
         "what it says when it wakes moves nothing"
     );
-    assert_eq!(report["friction_observer"]["fault"], false, "the loop goes on without the observer");
+    assert_eq!(
+        report["friction_observer"]["fault"], false,
+        "the loop goes on without the observer"
+    );
     // What was asked for while there was no rig, or while the rig driver stood still.
     assert_eq!(report["heard_again"], true);
     assert!(number(&report["old_references"]) < 0.01, "rad: {report}");

@@ -50,7 +50,11 @@ fn went_on(output: &Output, run: &Path) -> Value {
     assert_eq!(sessions[0]["jobs"], sessions[1]["first_job"]);
     assert_eq!(sessions[0]["bag"], "bag_before_resume_1");
     for bag in ["bag", "bag_before_resume_1"] {
-        let output = tests::frictionlab().args(["bag", "info"]).arg(run.join(bag)).output().expect("it runs");
+        let output = tests::frictionlab()
+            .args(["bag", "info"])
+            .arg(run.join(bag))
+            .output()
+            .expect("it runs");
         assert!(output.status.success(), "{}", said(&output));
     }
     assert!(!run.join("journal.jsonl").exists());
@@ -64,7 +68,8 @@ fn a_run_that_was_killed_goes_on_and_finds_what_one_in_one_piece_finds() {
     let whole = { whole }.output().expect("it runs");
     assert!(whole.status.success(), "{}", said(&whole));
     let out = folder.path().join("out");
-    let child = run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
+    let child =
+        run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
     kill_after(child.expect("it starts"), &out, 3);
 
     // The folder and nothing else, from wherever.
@@ -83,7 +88,8 @@ fn a_run_that_was_killed_goes_on_and_finds_what_one_in_one_piece_finds() {
 fn a_run_whose_protocol_was_edited_meanwhile_does_not_go_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
-    let child = run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
+    let child =
+        run(folder.path(), &["--protocol", "protocol.yaml", "--out=out", "--real-time"]).spawn();
     kill_after(child.expect("it starts"), &out, 1);
     let edited = SHORT_PROTOCOL.replace("1.7 s", "1.8 s");
     std::fs::write(folder.path().join("protocol.yaml"), edited).expect("a protocol");

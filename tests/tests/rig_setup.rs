@@ -1,4 +1,5 @@
-//! Setting a rig up as a person does: list, jog, check, calibrate, and the profile that carries what was found from one command to the next.
+//! Setting a rig up as a person does: list, jog, check, calibrate, and the profile that carries
+//! what was found from one command to the next.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -18,14 +19,22 @@ fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     said(&output)
 }
 
-/// The same on the emulated device. The emulator is a program that has to keep time: on a machine that is too busy for it, it falls silent, and what is repeated takes
-/// long. None then, and the test says that it was skipped.
+/// The same on the emulated device. The emulator is a program that has to keep time: on a machine
+/// that is too busy for it, it falls silent, and what is repeated takes long. None then, and the
+/// test says that it was skipped.
 fn succeeds_in_real_time(folder: &Path, arguments: &[&str]) -> Option<String> {
     for _ in 0..2 {
-        // Twice the time that the longest step takes on a quiet machine; `timeout` then ends with 124.
+        // Twice the time that the longest step takes on a quiet machine; `timeout` then ends with
+        // 124.
         let mut command = Command::new("timeout");
-        command.args(["--signal=INT", "--kill-after=20", "100"]).arg(tests::frictionlab().get_program());
-        command.args(arguments).current_dir(folder).env("XDG_RUNTIME_DIR", folder).stdin(Stdio::null());
+        command
+            .args(["--signal=INT", "--kill-after=20", "100"])
+            .arg(tests::frictionlab().get_program());
+        command
+            .args(arguments)
+            .current_dir(folder)
+            .env("XDG_RUNTIME_DIR", folder)
+            .stdin(Stdio::null());
         let output = command.output().expect("it runs");
         if output.status.code() == Some(124) {
             break;
@@ -34,8 +43,13 @@ fn succeeds_in_real_time(folder: &Path, arguments: &[&str]) -> Option<String> {
         if output.status.success() {
             return Some(text);
         }
-        let busy =
-            ["no measurement came", "host went silent", "cycle lost", "commands refused", "another host"];
+        let busy = [
+            "no measurement came",
+            "host went silent",
+            "cycle lost",
+            "commands refused",
+            "another host",
+        ];
         assert!(busy.iter().any(|why| text.contains(why)), "{arguments:?}: {text}");
     }
     tests::skip("the machine is too busy for a device in real time");
@@ -54,7 +68,8 @@ fn a_jog_says_what_happened_and_that_nothing_did() {
     let text = succeeds(folder.path(), &["rig", "jog", "--volts", "0.8", "--seconds", "1"]);
     assert!(text.contains("applied        +0.80 V") && text.contains("travel         +"), "{text}");
     assert!(text.contains("rad/s by the encoder"), "{text}");
-    // A line now and then, where the output is no terminal: the last of them shows a shaft that moves.
+    // A line now and then, where the output is no terminal: the last of them shows a shaft that
+    // moves.
     let shown: Vec<&str> =
         text.lines().filter(|line| line.contains("encoder") && line.contains(" s  ")).collect();
     assert!(!shown.is_empty() && shown.iter().all(|line| !line.contains("+0 = ")), "{text}");
@@ -73,7 +88,8 @@ fn an_emulator_that_runs_is_listed_and_one_that_is_gone_is_not() {
     // What a killed emulator leaves.
     let left = runtime.path().join("frictionlab/rigs");
     std::fs::create_dir_all(&left).expect("a folder");
-    std::fs::write(left.join("1"), rig.folder().join("port").display().to_string()).expect("a file");
+    std::fs::write(left.join("1"), rig.folder().join("port").display().to_string())
+        .expect("a file");
     assert!(!list(runtime.path()).contains(&rig.name()));
 }
 
@@ -103,7 +119,8 @@ fn the_voltage_range_is_the_rigs_own_and_nobody_goes_beyond_it() {
     };
     // The usual limit stays, whatever the board could do.
     assert!(refused(folder, &jog(&["--max-volts", "8"])).contains("voltage limit"));
-    if succeeds_in_real_time(folder, &jog(&["--max-volts", "8", "--voltage-limit", "12"])).is_none() {
+    if succeeds_in_real_time(folder, &jog(&["--max-volts", "8", "--voltage-limit", "12"])).is_none()
+    {
         return;
     }
     let text = refused(folder, &jog(&["--voltage-limit", "30"]));
@@ -122,8 +139,11 @@ fn a_profile_that_lies_in_the_folder_drives_nothing_by_itself() {
     let text = succeeds(folder, &["run", "velocity-tracking", "--quick", "--model", "lugre"]);
     assert!(text.contains("simulated") && text.contains("--rig-file rig.yaml"), "{text}");
     succeeds(folder, &["rig", "jog", "--volts", "1", "--seconds", "0.1"]);
-    std::fs::write(folder.join("rig.yaml"), format!("rig: {}\nlimits: {{volts: 9.0}}\n", rig.name()))
-        .expect("a profile");
+    std::fs::write(
+        folder.join("rig.yaml"),
+        format!("rig: {}\nlimits: {{volts: 9.0}}\n", rig.name()),
+    )
+    .expect("a profile");
     for arguments in [
         vec!["run", "velocity-tracking", "--quick", "--rig-file", "rig.yaml"],
         vec!["rig", "jog", "--volts", "1", "--rig-file", "rig.yaml"],
@@ -145,9 +165,10 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
     let with = ["--rig-file", "rig.yaml"];
     assert!(refused(folder, &["rig", "check", "--rig-file", "rig.yaml"]).contains("--rig serial:"));
     let choice = rig.choice();
-    let Some(text) =
-        succeeds_in_real_time(folder, &["rig", "check", &choice, "--rig-file", "rig.yaml", "--quiet"])
-    else {
+    let Some(text) = succeeds_in_real_time(
+        folder,
+        &["rig", "check", &choice, "--rig-file", "rig.yaml", "--quiet"],
+    ) else {
         return;
     };
     assert!(text.contains("Rig profile  rig.yaml"), "{text}");
@@ -157,7 +178,9 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
         profile()
     );
 
-    if succeeds_in_real_time(folder, &[&["rig", "calibrate", "--quiet"][..], &with].concat()).is_none() {
+    if succeeds_in_real_time(folder, &[&["rig", "calibrate", "--quiet"][..], &with].concat())
+        .is_none()
+    {
         return;
     }
     assert!(profile().contains("tachometer_gain: "), "{}", profile());
@@ -167,7 +190,8 @@ fn one_profile_goes_from_the_check_to_the_experiment() {
     let Some(text) = succeeds_in_real_time(folder, &[&run[..], &with].concat()) else { return };
     assert!(text.contains("rig profile rig.yaml: ") && text.contains("calibration"), "{text}");
     let bag = "excitation/bag";
-    let Some(text) = succeeds_in_real_time(folder, &[&["identify-drive", bag][..], &with].concat()) else {
+    let Some(text) = succeeds_in_real_time(folder, &[&["identify-drive", bag][..], &with].concat())
+    else {
         return;
     };
     assert!(text.contains("drive written, with the motor's constants"), "{text}");

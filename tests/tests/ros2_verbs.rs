@@ -26,7 +26,9 @@ verb service call /rig_driver/emergency_stop std_srvs/srv/Trigger
 #[test]
 fn the_ros2_command_finds_and_drives_the_nodes() {
     if !Command::new("ros2").arg("--help").output().is_ok_and(|said| said.status.success()) {
-        skip("no `ros2` command on the path; the same calls are made with rclpy in the other tests");
+        skip(
+            "no `ros2` command on the path; the same calls are made with rclpy in the other tests",
+        );
         return;
     }
     let Some(mut command) = namespaced() else { return };

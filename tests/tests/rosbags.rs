@@ -8,8 +8,8 @@ use msgs::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use msgs::friction_msgs::{
     ControllerState, ExperimentDescription, ExperimentStatus, FrictionEstimate, IdentifyRequest,
     IdentifyResponse, ListExperimentsRequest, ListExperimentsResponse, MotorVoltage, Reference,
-    RigMeasurement, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, StartExperimentRequest,
-    StartExperimentResponse,
+    RigMeasurement, RunExperimentFeedback, RunExperimentGoal, RunExperimentResult,
+    StartExperimentRequest, StartExperimentResponse,
 };
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
@@ -52,12 +52,17 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
         bag.write("/friction_estimate", stamp(index), &estimate).expect("a write");
     }
     let header = Header::at(stamp(999));
-    let status = ExperimentStatus { header: header.clone(), stage: "done".into(), ..Default::default() };
+    let status =
+        ExperimentStatus { header: header.clone(), stage: "done".into(), ..Default::default() };
     bag.write("/experiment_status", stamp(999), &status).expect("a write");
     let values = vec![KeyValue { key: "overruns".into(), value: "0".into() }];
     let health = DiagnosticStatus { values, ..Default::default() };
-    bag.write("/diagnostics", stamp(999), &DiagnosticArray { header: header.clone(), status: vec![health] })
-        .expect("a write");
+    bag.write(
+        "/diagnostics",
+        stamp(999),
+        &DiagnosticArray { header: header.clone(), status: vec![health] },
+    )
+    .expect("a write");
     bag.write(
         "/rig_measurement",
         stamp(999),
@@ -70,9 +75,14 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
         &ControllerState { header: header.clone(), ..Default::default() },
     )
     .expect("a write");
-    bag.write("/reference", stamp(999), &Reference { header: header.clone(), ..Default::default() })
+    bag.write(
+        "/reference",
+        stamp(999),
+        &Reference { header: header.clone(), ..Default::default() },
+    )
+    .expect("a write");
+    bag.write("/motor_voltage", stamp(999), &MotorVoltage { header, voltage: 1.5 })
         .expect("a write");
-    bag.write("/motor_voltage", stamp(999), &MotorVoltage { header, voltage: 1.5 }).expect("a write");
     bag.finish().expect("the end");
 
     let seen = python::json(&python, "read_bag.py", &[dir.to_str().expect("a plain path")]);
@@ -103,9 +113,30 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
             1,
             "TRANSIENT_LOCAL",
         ),
-        ("/diagnostics", DiagnosticArray::type_name(), DiagnosticArray::TYPE_HASH, 1, 10, "VOLATILE"),
-        ("/rig_measurement", RigMeasurement::type_name(), RigMeasurement::TYPE_HASH, 1, 100, "VOLATILE"),
-        ("/controller_state", ControllerState::type_name(), ControllerState::TYPE_HASH, 1, 100, "VOLATILE"),
+        (
+            "/diagnostics",
+            DiagnosticArray::type_name(),
+            DiagnosticArray::TYPE_HASH,
+            1,
+            10,
+            "VOLATILE",
+        ),
+        (
+            "/rig_measurement",
+            RigMeasurement::type_name(),
+            RigMeasurement::TYPE_HASH,
+            1,
+            100,
+            "VOLATILE",
+        ),
+        (
+            "/controller_state",
+            ControllerState::type_name(),
+            ControllerState::TYPE_HASH,
+            1,
+            100,
+            "VOLATILE",
+        ),
         ("/reference", Reference::type_name(), Reference::TYPE_HASH, 1, 100, "VOLATILE"),
         ("/motor_voltage", MotorVoltage::type_name(), MotorVoltage::TYPE_HASH, 1, 100, "VOLATILE"),
     ];
@@ -192,9 +223,14 @@ fn the_analysis_package_makes_a_table_of_a_bag() {
     let package = tests::checkout().join("analysis");
     let csv = folder.path().join("table.csv");
     let run = |arguments: &[&std::ffi::OsStr]| {
-        Command::new(&python).env("PYTHONPATH", &package).args(arguments).output().expect("Python starts")
+        Command::new(&python)
+            .env("PYTHONPATH", &package)
+            .args(arguments)
+            .output()
+            .expect("Python starts")
     };
-    let output = run(&["-m".as_ref(), "friction_analysis.table".as_ref(), dir.as_ref(), csv.as_ref()]);
+    let output =
+        run(&["-m".as_ref(), "friction_analysis.table".as_ref(), dir.as_ref(), csv.as_ref()]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = std::fs::read_to_string(&csv).expect("the table");
     let lines: Vec<&str> = text.lines().collect();
@@ -204,7 +240,8 @@ fn the_analysis_package_makes_a_table_of_a_bag() {
     assert_eq!(lines[4], "0.003,0.75,1.0,-0.5,");
 
     let nowhere = folder.path().join("nowhere");
-    let output = run(&["-m".as_ref(), "friction_analysis.table".as_ref(), nowhere.as_ref(), csv.as_ref()]);
+    let output =
+        run(&["-m".as_ref(), "friction_analysis.table".as_ref(), nowhere.as_ref(), csv.as_ref()]);
     let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{complaint}");
     assert!(complaint.contains("nowhere") && !complaint.contains("Traceback"), "{complaint}");

@@ -16,11 +16,18 @@ fn folder() -> TempDir {
 }
 
 fn run(arguments: &[&str], out: &Path) -> Output {
-    frictionlab().arg("run").args(arguments).arg("--out").arg(out).output().expect("frictionlab starts")
+    frictionlab()
+        .arg("run")
+        .args(arguments)
+        .arg("--out")
+        .arg(out)
+        .output()
+        .expect("frictionlab starts")
 }
 
 fn results(out: &Path) -> Value {
-    serde_json::from_str(&fs::read_to_string(out.join("run.json")).expect("run.json")).expect("valid JSON")
+    serde_json::from_str(&fs::read_to_string(out.join("run.json")).expect("run.json"))
+        .expect("valid JSON")
 }
 
 /// The rows `none`, `lugre`, `proposed` of a comparison, and what holds for all of them.
@@ -51,10 +58,14 @@ fn one_command_does_the_whole_job() {
     assert_compensated(&found, "velocity_tracking", 2.0);
     assert_compensated(&found, "position_tracking", 2.0);
     // The plant's own values, within what forty points of 3.5 s tell.
-    for (parameter, tolerance) in
-        found["identification"]["parameters"].as_array().unwrap().iter().zip([0.02, 0.01, 0.3, 0.01])
+    for (parameter, tolerance) in found["identification"]["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip([0.02, 0.01, 0.3, 0.01])
     {
-        let (value, truth) = (parameter["value"].as_f64().unwrap(), parameter["truth"].as_f64().unwrap());
+        let (value, truth) =
+            (parameter["value"].as_f64().unwrap(), parameter["truth"].as_f64().unwrap());
         assert!((value / truth - 1.0).abs() < tolerance, "{parameter}");
         let error = parameter["standard_error"].as_f64().unwrap();
         assert!((value - truth).abs() < 5.0 * error, "{parameter}");
@@ -74,9 +85,15 @@ fn one_command_does_the_whole_job() {
         &["position-tracking", "--quick", "--quiet", "--parameters", parameters.to_str().unwrap()],
         &again,
     );
-    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
+    assert!(
+        output.status.success() && output.stdout.is_empty() && output.stderr.is_empty(),
+        "{output:?}"
+    );
     let next = results(&again);
-    assert_eq!(next["position_tracking"]["rows"][2]["mse"], found["position_tracking"]["rows"][2]["mse"]);
+    assert_eq!(
+        next["position_tracking"]["rows"][2]["mse"],
+        found["position_tracking"]["rows"][2]["mse"]
+    );
     assert!(next["identification"].is_null());
 }
 
@@ -85,7 +102,8 @@ fn the_same_seed_gives_the_same_figures_and_another_seed_others() {
     let folder = folder();
     let figures = |seed: &str, jobs: &str, name: &str| {
         let out = folder.path().join(name);
-        let output = run(&["velocity-tracking", "--quick", "--quiet", "--seed", seed, "--jobs", jobs], &out);
+        let output =
+            run(&["velocity-tracking", "--quick", "--quiet", "--seed", seed, "--jobs", jobs], &out);
         assert!(output.status.success(), "{output:?}");
         results(&out)["velocity_tracking"].clone()
     };
@@ -160,7 +178,8 @@ fn a_change_of_mind_leaves_a_readable_bag() {
     while !bag.is_file() {
         std::thread::yield_now();
     }
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    let killed =
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());
     let output = child.wait_with_output().expect("it ends");
     let said = String::from_utf8_lossy(&output.stderr);
@@ -191,10 +210,14 @@ fn the_full_protocol_fits_its_bag() {
     assert!((found["timing"]["rig_seconds"].as_f64().unwrap() - 25_180.5).abs() < 1e-6);
     assert_compensated(&found, "velocity_tracking", 3.0);
     assert_compensated(&found, "position_tracking", 3.0);
-    for (parameter, tolerance) in
-        found["identification"]["parameters"].as_array().unwrap().iter().zip([0.002, 0.002, 0.02, 0.002])
+    for (parameter, tolerance) in found["identification"]["parameters"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip([0.002, 0.002, 0.02, 0.002])
     {
-        let (value, truth) = (parameter["value"].as_f64().unwrap(), parameter["truth"].as_f64().unwrap());
+        let (value, truth) =
+            (parameter["value"].as_f64().unwrap(), parameter["truth"].as_f64().unwrap());
         assert!((value / truth - 1.0).abs() < tolerance, "{parameter}");
     }
 }

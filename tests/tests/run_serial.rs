@@ -1,4 +1,5 @@
-//! `frictionlab run` against the emulated rig on a pseudo-terminal: experiments on a real rig, in real time.
+//! `frictionlab run` against the emulated rig on a pseudo-terminal: experiments on a real rig, in
+//! real time.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -31,15 +32,17 @@ fn alike((real, offline): (&(f64, f64), &(f64, f64))) -> bool {
     (real.0 - offline.0).abs() < 5e-3 && (real.1 - offline.1).abs() < 1e-3
 }
 
-/// A command that comes late on a busy machine gets zero volts for a cycle, as it must, and the mean of that point is another. So each point must agree in one of some
-/// measurements; on a quiet machine the first has them all.
+/// A command that comes late on a busy machine gets zero volts for a cycle, as it must, and the
+/// mean of that point is another. So each point must agree in one of some measurements; on a quiet
+/// machine the first has them all.
 #[test]
 fn an_experiment_on_the_device_measures_what_it_measures_offline() {
     let rig = EmulatedRig::start(&[]);
     let measure = |choice: &str, name: &str| {
         let out = rig.folder().join(name);
-        let output =
-            run(choice, rig.folder(), &[&format!("--out={}", out.display())]).output().expect("it runs");
+        let output = run(choice, rig.folder(), &[&format!("--out={}", out.display())])
+            .output()
+            .expect("it runs");
         assert!(output.status.success(), "{}", said(&output));
         let found = points(&out);
         assert_eq!(found.len(), 8);
@@ -90,7 +93,8 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
     assert_eq!(rig.finish()["voltage"], 0);
 }
 
-/// A run in which `order` is given to the device in the middle of the third point; what it printed, its exit code and its results.
+/// A run in which `order` is given to the device in the middle of the third point; what it printed,
+/// its exit code and its results.
 fn disturbed(order: &str) -> (String, Option<i32>, Value, Value) {
     let mut rig = EmulatedRig::start(&[]);
     let out = rig.folder().join("real");
@@ -147,7 +151,8 @@ fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
         .expect("it starts");
     // In the second point.
     rig.wait_for("driven", 1700 + 500);
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    let killed =
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
@@ -161,8 +166,11 @@ fn points_that_no_curve_fits_are_kept_all_the_same() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("few");
     let mut command = run("", folder.path(), &[&format!("--out={}", out.display())]);
-    std::fs::write(folder.path().join("protocol.yaml"), SHORT_PROTOCOL.replace("points: 8", "points: 4"))
-        .expect("a protocol");
+    std::fs::write(
+        folder.path().join("protocol.yaml"),
+        SHORT_PROTOCOL.replace("points: 8", "points: 4"),
+    )
+    .expect("a protocol");
     let output = command.output().expect("it runs");
     let text = said(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
@@ -174,7 +182,9 @@ fn points_that_no_curve_fits_are_kept_all_the_same() {
 #[test]
 fn what_a_device_cannot_measure_is_told_before_anything_moves() {
     let rig = EmulatedRig::start(&["--without", "torque", "--without", "current"]);
-    for (source, mend) in [("sensor", "--torque-source voltage"), ("current", "--torque-source voltage")] {
+    for (source, mend) in
+        [("sensor", "--torque-source voltage"), ("current", "--torque-source voltage")]
+    {
         let out = rig.folder().join(source);
         let output = run(
             &rig.choice(),

@@ -1,4 +1,5 @@
-//! The experiment runner asked by the real rclpy on another PC: action, services, status, refusals, cancelling, SIGINT.
+//! The experiment runner asked by the real rclpy on another PC: action, services, status, refusals,
+//! cancelling, SIGINT.
 
 use std::path::Path;
 
@@ -64,7 +65,9 @@ fn ready_and_listed(report: &Value) {
     assert!(all["duration"].as_f64().expect("a duration") > 24_000.0);
     let parameters = all["parameters"].as_array().expect("parameters");
     assert!(
-        parameters.iter().any(|parameter| parameter["name"] == "seed" && parameter["default_value"] == "1")
+        parameters
+            .iter()
+            .any(|parameter| parameter["name"] == "seed" && parameter["default_value"] == "1")
     );
     assert_eq!(report["nothing_to_abort"]["success"], false);
 }
@@ -104,14 +107,17 @@ fn one_runs_to_its_end(report: &Value) {
     for file in ["report", "parameters_file"] {
         assert!(Path::new(text(complete, file)).is_file(), "{file}");
     }
-    assert!(!bag(complete).messages::<JointState>("/joint_states").expect("joint states").is_empty());
+    assert!(
+        !bag(complete).messages::<JointState>("/joint_states").expect("joint states").is_empty()
+    );
     // The plant's Coulomb level is .0925 N m.
     let parameters = complete["parameters"].as_array().expect("parameters");
     let f_c = parameters.iter().find(|parameter| parameter["name"] == "f_c").expect("f_c");
     assert!((f_c["value"].as_f64().expect("a number") - 0.0925).abs() < 0.002, "{f_c}");
     assert!(f_c["standard_error"].as_f64().expect("a number") < 0.002, "{f_c}");
     let feedback = report["feedback"].as_array().expect("a list");
-    let progress: Vec<f64> = feedback.iter().filter_map(|message| message["progress"].as_f64()).collect();
+    let progress: Vec<f64> =
+        feedback.iter().filter_map(|message| message["progress"].as_f64()).collect();
     assert!(progress.len() >= 2, "{} feedbacks", progress.len());
     assert!(progress.windows(2).all(|pair| pair[0] <= pair[1]), "{progress:?}");
     assert!(progress.iter().all(|done| (0.0..=1.0).contains(done)));
@@ -126,7 +132,8 @@ fn a_bag_is_identified(report: &Value) {
     let fits = found["fits"].as_array().expect("fits");
     assert_eq!(fits.len(), 2);
     // The simplest of those that cannot be told from the best.
-    let chosen = fits.iter().position(|fit| fit["model"] == found["model"]).expect("one of the two");
+    let chosen =
+        fits.iter().position(|fit| fit["model"] == found["model"]).expect("one of the two");
     assert!(chosen == 0 || fits[chosen]["tie"] == true, "{fits:?}");
     let f_c = found["parameters"]
         .as_array()
@@ -143,7 +150,10 @@ fn the_analysis_package_runs_one_too(report: &Value) {
     assert!(text(client, "out").contains("velocity-tracking-1 is complete"), "{client}");
     assert!(text(client, "out").contains("mse_improvement"), "{client}");
     assert_eq!(report["bad_client"]["code"], 2);
-    assert!(text(&report["bad_client"], "err").contains("there is no option `velocity`"), "{report}");
+    assert!(
+        text(&report["bad_client"], "err").contains("there is no option `velocity`"),
+        "{report}"
+    );
 }
 
 fn one_at_a_time(report: &Value) {
@@ -176,10 +186,17 @@ fn one_at_a_time(report: &Value) {
     assert_eq!(report["preempted"]["status"], report["codes"]["ABORTED"]);
     assert_eq!(report["preempted"]["outcome"], RunExperimentResult::CANCELED);
     assert_eq!(report["preempting"]["status"], report["codes"]["SUCCEEDED"]);
-    let seen: Vec<i64> =
-        report["goal_statuses"].as_array().expect("a list").iter().filter_map(Value::as_i64).collect();
+    let seen: Vec<i64> = report["goal_statuses"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(Value::as_i64)
+        .collect();
     for code in ["SUCCEEDED", "CANCELED", "ABORTED"] {
-        assert!(seen.contains(&report["codes"][code].as_i64().expect("a code")), "{code} in {seen:?}");
+        assert!(
+            seen.contains(&report["codes"][code].as_i64().expect("a code")),
+            "{code} in {seen:?}"
+        );
     }
 }
 

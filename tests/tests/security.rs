@@ -1,4 +1,5 @@
-//! Whoever asks for security gets it, or nothing: a program that cannot be secured does not start, whatever it is.
+//! Whoever asks for security gets it, or nothing: a program that cannot be secured does not start,
+//! whatever it is.
 //!
 //! Secured programs and peers of another vendor: `rig_driver/tests/security_peers.rs`.
 
@@ -6,8 +7,13 @@ use std::process::Command;
 
 use tests::network::namespaced;
 
-/// Runs a program in a network of its own with security asked for and no keystore; its code and what it said.
-fn run(program: &std::path::Path, arguments: &[&str], enable: &str) -> Option<(Option<i32>, String)> {
+/// Runs a program in a network of its own with security asked for and no keystore; its code and
+/// what it said.
+fn run(
+    program: &std::path::Path,
+    arguments: &[&str],
+    enable: &str,
+) -> Option<(Option<i32>, String)> {
     let mut command: Command = namespaced()?;
     let output = command
         .arg(program)
@@ -47,7 +53,8 @@ fn no_program_runs_in_the_clear_where_security_is_asked_for() {
     }
 }
 
-/// The policy and the refusals of the command; keystores themselves are made in the crates' own tests.
+/// The policy and the refusals of the command; keystores themselves are made in the crates' own
+/// tests.
 #[test]
 fn the_command_prints_the_policy_and_says_what_is_wrong() {
     let printed = tests::frictionlab().args(["security", "policy"]).output().expect("it starts");

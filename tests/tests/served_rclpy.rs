@@ -1,4 +1,5 @@
-//! Every service that a node shows answers, and every node answers what `ros2 param list` asks, before the real rclpy.
+//! Every service that a node shows answers, and every node answers what `ros2 param list` asks,
+//! before the real rclpy.
 
 use serde_json::{Value, json};
 use tests::network::session;
@@ -14,7 +15,9 @@ fn what_a_node_shows_is_there() {
     } else {
         &["live", "serve"]
     };
-    let Some(report) = session("served_session.py", &[&[program][..], ways].concat()) else { return };
+    let Some(report) = session("served_session.py", &[&[program][..], ways].concat()) else {
+        return;
+    };
     for way in ways {
         let nodes = report[way].as_object().expect("nodes");
         let of_way = if *way == "serve" { 1 } else { 4 };
@@ -24,7 +27,9 @@ fn what_a_node_shows_is_there() {
             for (service, answer) in services {
                 assert_eq!(answer, &json!(true), "{way}: {service} of {node} does not answer");
             }
-            for parameters in ["list_parameters", "get_parameters", "describe_parameters", "set_parameters"] {
+            for parameters in
+                ["list_parameters", "get_parameters", "describe_parameters", "set_parameters"]
+            {
                 let there = services.get(&format!("{node}/{parameters}")).and_then(Value::as_bool);
                 assert_eq!(there, Some(true), "{way}: {node} has no {parameters}: {services:?}");
             }

@@ -1,4 +1,5 @@
-//! Strangers that command the motor, or speak for its sensors, a thousand times a second, beside the nodes that may: before the real rclpy.
+//! Strangers that command the motor, or speak for its sensors, a thousand times a second, beside
+//! the nodes that may: before the real rclpy.
 
 use serde_json::{Value, json};
 use tests::network::session;
@@ -20,18 +21,21 @@ fn one_commands_whoever_else_speaks() {
     stamps_of_no_measurement_move_nothing(&report["invented"], text(&report["said"]));
 }
 
-/// A stranger's voltages with stamps ten seconds ahead once owned nine cycles of ten; joint states of another writer drove the motor to six volts.
+/// A stranger's voltages with stamps ten seconds ahead once owned nine cycles of ten; joint states
+/// of another writer drove the motor to six volts.
 fn strangers_move_nothing_and_are_told(report: &Value) {
     assert_eq!(report["moves"], true, "{report}");
     assert!(text(&report["commander"]).starts_with("/controller (GUID "), "{report}");
-    let attacks = report.as_object().into_iter().flatten().filter(|(_, attack)| attack.get("said").is_some());
+    let attacks =
+        report.as_object().into_iter().flatten().filter(|(_, attack)| attack.get("said").is_some());
     let attacks: Vec<_> = attacks.collect();
     assert!(attacks.len() >= 4, "{report}");
     for (what, attack) in attacks {
         let said = text(&attack["said"]);
         assert!(said.contains("/stranger") && said.contains("were refused"), "{what}: {attack}");
         assert!(number(&attack["heard"]) > 200.0, "{what}: {attack}");
-        // About 1.5 V are enough for 1 rad/s; a stranger's voltage, or its speed, would make it six.
+        // About 1.5 V are enough for 1 rad/s; a stranger's voltage, or its speed, would make it
+        // six.
         assert!(number(&attack["highest"]) < 5.5, "{what}: {attack}");
         assert_eq!(
             (&attack["state"], &attack["moves"]),
@@ -67,8 +71,10 @@ fn stamps_of_no_measurement_move_nothing(report: &Value, said: &str) {
     assert_eq!(report["state"], "active");
     assert_eq!(report["refused"], false, "{report}");
     assert!(said.contains("two publish on /motor_voltage at the same time"), "{said}");
-    // A name comes in a message of its own, on a busy machine seconds after the first voltage; the GUIDs are there from the start.
-    let told = said.split("two publish on /motor_voltage at the same time").nth(1).unwrap_or_default();
+    // A name comes in a message of its own, on a busy machine seconds after the first voltage; the
+    // GUIDs are there from the start.
+    let told =
+        said.split("two publish on /motor_voltage at the same time").nth(1).unwrap_or_default();
     let told = told.lines().next().unwrap_or_default();
     assert!(told.matches("(GUID ").count() == 2 && told.contains("/caller (GUID"), "{said}");
     assert_eq!(report["named"], json!([[true, ""], true]), "{report}");

@@ -1,7 +1,8 @@
 //! `cargo xtask audit`: licences, bans and sources of every dependency, judged by `deny.toml`.
 //!
-//! Where cargo-deny is installed it judges, the advisory database included if that can be reached. Building it takes longer than this
-//! project's tests may, so elsewhere the same file is read here: the licence expressions by the crate `spdx`, which cargo-deny stands on too.
+//! Where cargo-deny is installed it judges, the advisory database included if that can be reached.
+//! Building it takes longer than this project's tests may, so elsewhere the same file is read here:
+//! the licence expressions by the crate `spdx`, which cargo-deny stands on too.
 
 use std::{
     collections::BTreeSet,
@@ -82,8 +83,12 @@ impl Audit {
     /// # Errors
     /// Every dependency that may not be there, with the reason.
     pub fn run(&self) -> anyhow::Result<()> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-        if !self.plain && cargo(root).args(["deny", "--version"]).output().is_ok_and(|o| o.status.success()) {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
+        if !self.plain
+            && cargo(root).args(["deny", "--version"]).output().is_ok_and(|o| o.status.success())
+        {
             return by_cargo_deny(root);
         }
         let text = fs::read_to_string(root.join("deny.toml")).context("cannot read deny.toml")?;
@@ -112,10 +117,15 @@ fn cargo(root: &Path) -> Command {
 }
 
 fn by_cargo_deny(root: &Path) -> anyhow::Result<()> {
-    let check = |what: &[&str]| cargo(root).args(["deny", "--all-features", "check"]).args(what).status();
+    let check =
+        |what: &[&str]| cargo(root).args(["deny", "--all-features", "check"]).args(what).status();
     let status = check(&["licenses", "bans", "sources"]).context("cargo deny does not start")?;
     ensure!(status.success(), "cargo deny refuses a dependency");
-    if cargo(root).args(["deny", "fetch", "db"]).output().is_ok_and(|fetched| fetched.status.success()) {
+    if cargo(root)
+        .args(["deny", "fetch", "db"])
+        .output()
+        .is_ok_and(|fetched| fetched.status.success())
+    {
         let status = check(&["advisories"]).context("cargo deny does not start")?;
         ensure!(status.success(), "cargo deny knows an advisory against a dependency");
     } else {
@@ -128,9 +138,18 @@ fn by_cargo_deny(root: &Path) -> anyhow::Result<()> {
 fn dependencies(root: &Path) -> anyhow::Result<Vec<Package>> {
     let host = Command::new("rustc").arg("-vV").output().context("rustc does not start")?;
     let host = String::from_utf8_lossy(&host.stdout).into_owned();
-    let host = host.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc names no host")?;
+    let host =
+        host.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc names no host")?;
     let output = cargo(root)
-        .args(["metadata", "--format-version", "1", "--all-features", "--locked", "--filter-platform", host])
+        .args([
+            "metadata",
+            "--format-version",
+            "1",
+            "--all-features",
+            "--locked",
+            "--filter-platform",
+            host,
+        ])
         .output()
         .context("cargo metadata does not start")?;
     if !output.status.success() {
@@ -145,16 +164,20 @@ fn dependencies(root: &Path) -> anyhow::Result<Vec<Package>> {
 fn judge(rules: &Rules, packages: &[Package]) -> anyhow::Result<Vec<String>> {
     let licences = |names: &[String]| {
         let one = |name: &String| {
-            Licensee::parse(name).with_context(|| format!("deny.toml allows `{name}`, which is no licence"))
+            Licensee::parse(name)
+                .with_context(|| format!("deny.toml allows `{name}`, which is no licence"))
         };
         names.iter().map(one).collect::<anyhow::Result<Vec<_>>>()
     };
     let for_all = licences(&rules.licenses.allow)?;
-    let banned: BTreeSet<&str> = rules.bans.deny.iter().map(|banned| banned.name.as_str()).collect();
+    let banned: BTreeSet<&str> =
+        rules.bans.deny.iter().map(|banned| banned.name.as_str()).collect();
     let mut complaints = Vec::new();
     for Package { name, version, source, license } in packages {
         let mut allowed = for_all.clone();
-        for exception in rules.licenses.exceptions.iter().filter(|exception| exception.name == *name) {
+        for exception in
+            rules.licenses.exceptions.iter().filter(|exception| exception.name == *name)
+        {
             allowed.extend(licences(&exception.allow)?);
         }
         let mut complain = |why: String| complaints.push(format!("{name} {version}: {why}"));
@@ -170,9 +193,14 @@ fn judge(rules: &Rules, packages: &[Package]) -> anyhow::Result<Vec<String>> {
             None => complain("says no licence".to_owned()),
             // Old manifests write `MIT/Apache-2.0` for a choice.
             Some(text) => match Expression::parse_mode(text, spdx::ParseMode::LAX) {
-                Err(error) => complain(format!("its licence `{text}` cannot be read: {}", error.reason)),
-                Ok(licence) if licence.evaluate(|asked| allowed.iter().any(|a| a.satisfies(asked))) => {}
-                Ok(_) => complain(format!("its licence `{text}` is not among those that deny.toml allows")),
+                Err(error) => {
+                    complain(format!("its licence `{text}` cannot be read: {}", error.reason))
+                }
+                Ok(licence)
+                    if licence.evaluate(|asked| allowed.iter().any(|a| a.satisfies(asked))) => {}
+                Ok(_) => complain(format!(
+                    "its licence `{text}` is not among those that deny.toml allows"
+                )),
             },
         }
     }
@@ -201,7 +229,9 @@ mod tests {
 
     #[test]
     fn usual_licences_pass_in_every_spelling() {
-        for license in ["MIT", "MIT OR Apache-2.0", "MIT/Apache-2.0", "(MIT OR GPL-3.0) AND Unicode-3.0"] {
+        for license in
+            ["MIT", "MIT OR Apache-2.0", "MIT/Apache-2.0", "(MIT OR GPL-3.0) AND Unicode-3.0"]
+        {
             assert_eq!(complaints("serde", CRATES_IO, Some(license)), [""; 0], "{license}");
         }
     }
@@ -224,7 +254,10 @@ mod tests {
             ("other", "registry+https://example.org/index", Some("MIT"), "example.org"),
         ] {
             let complaints = complaints(name, source, license);
-            assert!(complaints.len() == 1 && complaints[0].contains(said), "{name}: {complaints:?}");
+            assert!(
+                complaints.len() == 1 && complaints[0].contains(said),
+                "{name}: {complaints:?}"
+            );
         }
     }
 }

@@ -1,10 +1,11 @@
-//! `cargo xtask bench`: is a control step in Rust as fast as the same step in plain C, and what does choosing the model while the program
-//! runs cost?
+//! `cargo xtask bench`: is a control step in Rust as fast as the same step in plain C, and what
+//! does choosing the model while the program runs cost?
 //!
-//! Both programs take the same velocities and parameters, time themselves in processor time (neither starting a process nor other
-//! programs count), and print the sum of all forces: a comparison is only honest if both computed the same. They run in turns, model
-//! by model, and what counts is the median of the ratios of neighbouring runs, because a machine's speed drifts more over a minute
-//! than the two differ.
+//! Both programs take the same velocities and parameters, time themselves in processor time
+//! (neither starting a process nor other programs count), and print the sum of all forces: a
+//! comparison is only honest if both computed the same. They run in turns, model by model, and what
+//! counts is the median of the ratios of neighbouring runs, because a machine's speed drifts more
+//! over a minute than the two differ.
 
 mod programs;
 mod statistics;
@@ -50,10 +51,12 @@ impl Bench {
     /// Builds both programs for this processor, runs them in turns and prints the tables.
     ///
     /// # Errors
-    /// When a program cannot be built or run, when the sums of forces differ, or when a figure is above its bar.
+    /// When a program cannot be built or run, when the sums of forces differ, or when a figure is
+    /// above its bar.
     pub fn run(&self) -> Result<()> {
         let programs = Programs::build()?;
-        let models = if self.models.is_empty() { ModelName::ALL.to_vec() } else { self.models.clone() };
+        let models =
+            if self.models.is_empty() { ModelName::ALL.to_vec() } else { self.models.clone() };
 
         // Apart from the tables, which may go into a file.
         writeln!(

@@ -1,7 +1,9 @@
-//! `cargo xtask bench-fits`: are the fits faster than SciPy's least squares over models that Numba compiled?
+//! `cargo xtask bench-fits`: are the fits faster than SciPy's least squares over models that Numba
+//! compiled?
 //!
-//! Both sides read the same files, start from the same values, stop at the same tolerance and use one thread. They run in turns; what counts is the ratio of the medians.
-//! Both must find the same minimum: a fit that stops early would be fast too.
+//! Both sides read the same files, start from the same values, stop at the same tolerance and use
+//! one thread. They run in turns; what counts is the ratio of the medians. Both must find the same
+//! minimum: a fit that stops early would be fast too.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,7 +21,8 @@ pub struct BenchFits {
     /// Turns; in each, both programs make every fit five times.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     turns: u32,
-    /// Least accepted ratio of SciPy's time to ours, where SciPy integrates as a user would write it.
+    /// Least accepted ratio of SciPy's time to ours, where SciPy integrates as a user would write
+    /// it.
     #[arg(long, default_value_t = 10.0)]
     bar: f64,
 }
@@ -47,14 +50,18 @@ impl BenchFits {
     /// Runs both and prints the table.
     ///
     /// # Errors
-    /// When a program cannot be built or run, when the two find different minima, or when a ratio is below its bar.
+    /// When a program cannot be built or run, when the two find different minima, or when a ratio
+    /// is below its bar.
     pub fn run(&self) -> Result<()> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-        let target =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
+        let target = env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let python = python_env::scipy()?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let build = ["build", "--release", "--locked", "-p", "friction_ident", "--example", "fit_speed"];
+        let build =
+            ["build", "--release", "--locked", "-p", "friction_ident", "--example", "fit_speed"];
         ensure!(
             Command::new(cargo).args(build).current_dir(root).status()?.success(),
             "the fits do not build"
@@ -105,7 +112,8 @@ impl BenchFits {
                 "| {peer} | {points} | {mine:.2} | {others:.2} | {ratio:.1} | {} / {} |",
                 ours.evaluations, theirs.evaluations
             );
-            // Schemes of different order see slightly different minima; noise of 0.0029 N m makes 8.4e-6.
+            // Schemes of different order see slightly different minima; noise of 0.0029 N m makes
+            // 8.4e-6.
             ensure!(
                 (ours.mse / theirs.mse - 1.0).abs() < 0.005,
                 "{peer}: mean squares {:e} and {:e} are not the same minimum: {:?} {:?}",
@@ -126,7 +134,11 @@ impl BenchFits {
 
 fn fits(command: &mut Command) -> Result<Vec<Fit>> {
     let output = command.output().with_context(|| format!("{command:?} does not start"))?;
-    ensure!(output.status.success(), "{command:?} failed: {}", String::from_utf8_lossy(&output.stderr));
+    ensure!(
+        output.status.success(),
+        "{command:?} failed: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let text = String::from_utf8(output.stdout)?;
     text.lines()
         .map(|line| serde_json::from_str(line).with_context(|| format!("not a fit: {line}")))

@@ -1,7 +1,9 @@
-//! `cargo xtask bench-live`: is the 1 kHz loop of `frictionlab live` as regular as this machine allows?
+//! `cargo xtask bench-live`: is the 1 kHz loop of `frictionlab live` as regular as this machine
+//! allows?
 //!
-//! The loop runs with recording and DDS publishing on, in blocks, and between them a bare loop that does nothing but sleep to its next deadline by the same
-//! call, in the same scheduling class. What counts is the 99th percentile of |period - 1 ms| of each block, and of the blocks the median of
+//! The loop runs with recording and DDS publishing on, in blocks, and between them a bare loop that
+//! does nothing but sleep to its next deadline by the same call, in the same scheduling class. What
+//! counts is the 99th percentile of |period - 1 ms| of each block, and of the blocks the median of
 //! the ratios of neighbours: what else the machine does strikes both.
 
 mod bare;
@@ -19,8 +21,7 @@ use errors::PeriodErrors;
 /// Period of both loops.
 const PERIOD: Duration = Duration::from_millis(1);
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
 /// Options of `cargo xtask bench-live`.
 #[derive(Debug, Clone, clap::Args)]
@@ -46,7 +47,8 @@ impl BenchLive {
     /// Runs both loops in turns and prints the table.
     ///
     /// # Errors
-    /// When a loop cannot be built or run, when they ran in different scheduling classes, or when the median ratio is above the bar.
+    /// When a loop cannot be built or run, when they ran in different scheduling classes, or when
+    /// the median ratio is above the bar.
     pub fn run(&self) -> Result<()> {
         let program = match &self.program {
             Some(program) => program.clone(),
@@ -93,7 +95,10 @@ impl BenchLive {
             out.flush()?;
             ratios.push(ratio);
             if block == 0 && !live.realtime {
-                writeln!(std::io::stderr(), "both loops run at ordinary priority: SCHED_FIFO was refused")?;
+                writeln!(
+                    std::io::stderr(),
+                    "both loops run at ordinary priority: SCHED_FIFO was refused"
+                )?;
             }
         }
         let median = median(&mut ratios);
@@ -129,11 +134,17 @@ impl BenchLive {
             .stdin(Stdio::null())
             .output()
             .with_context(|| format!("starting {}", program.display()))?;
-        ensure!(output.status.success(), "frictionlab live: {}", String::from_utf8_lossy(&output.stderr));
-        let text = std::fs::read_to_string(&timing).context("reading the timing of frictionlab live")?;
+        ensure!(
+            output.status.success(),
+            "frictionlab live: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        let text =
+            std::fs::read_to_string(&timing).context("reading the timing of frictionlab live")?;
         let found: serde_json::Value =
             serde_json::from_str(&text).context("the timing of frictionlab live")?;
-        let number = |name: &str| found[name].as_f64().with_context(|| format!("no {name} in {text}"));
+        let number =
+            |name: &str| found[name].as_f64().with_context(|| format!("no {name} in {text}"));
         let priority = found["priority"].as_str().context("no priority in the timing")?;
         let cycles = number("cycles")?;
         ensure!(
@@ -150,7 +161,9 @@ impl BenchLive {
 
     fn bare(&self) -> Result<PeriodErrors> {
         let cycles = u64::from(self.seconds) * 1000;
-        let thread = std::thread::Builder::new().name("bare".into()).spawn(move || bare::run(PERIOD, cycles));
+        let thread = std::thread::Builder::new()
+            .name("bare".into())
+            .spawn(move || bare::run(PERIOD, cycles));
         thread
             .context("starting the bare loop")?
             .join()
@@ -166,14 +179,23 @@ fn median(ratios: &mut [f64]) -> f64 {
 
 /// Builds `frictionlab` in the release profile.
 pub(crate) fn build() -> Result<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let arguments =
-        ["build", "--release", "--locked", "--package", "experiment_runner", "--bin", "frictionlab"];
-    let status = Command::new(cargo).args(arguments).current_dir(root).status().context("starting cargo")?;
+    let arguments = [
+        "build",
+        "--release",
+        "--locked",
+        "--package",
+        "experiment_runner",
+        "--bin",
+        "frictionlab",
+    ];
+    let status =
+        Command::new(cargo).args(arguments).current_dir(root).status().context("starting cargo")?;
     ensure!(status.success(), "frictionlab could not be built; see above");
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+    let target = std::env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| root.join("target"), |dir| root.join(dir));
     Ok(target.join("release").join(format!("frictionlab{}", std::env::consts::EXE_SUFFIX)))
 }
 

@@ -1,7 +1,10 @@
-//! `cargo xtask bench-monte-carlo`: is the Monte Carlo of position tracking as fast as a loop that Numba compiled, and are its figures the same?
+//! `cargo xtask bench-monte-carlo`: is the Monte Carlo of position tracking as fast as a loop that
+//! Numba compiled, and are its figures the same?
 //!
-//! Both sides simulate the proposed plant with the same steps, sensors, controller, observer and errors on one thread each, in turns. Their random numbers differ, so that the mean squares agree as
-//! distributions: the medians within four standard errors, and those of the linear controller alone, which hardly scatter, within 1 %.
+//! Both sides simulate the proposed plant with the same steps, sensors, controller, observer and
+//! errors on one thread each, in turns. Their random numbers differ, so that the mean squares agree
+//! as distributions: the medians within four standard errors, and those of the linear controller
+//! alone, which hardly scatter, within 1 %.
 
 use std::path::Path;
 use std::process::Command;
@@ -55,12 +58,15 @@ impl BenchMonteCarlo {
     /// # Errors
     /// When a program cannot be built or run, or when the two do not agree.
     pub fn run(&self) -> Result<()> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-        let target =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
+        let target = env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let python = python_env::scipy()?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let package = ["build", "--release", "--locked", "-p", "experiment_runner", "--no-default-features"];
+        let package =
+            ["build", "--release", "--locked", "-p", "experiment_runner", "--no-default-features"];
         let example = ["--example", "monte_carlo_speed"];
         ensure!(
             Command::new(cargo).args(package).args(example).current_dir(root).status()?.success(),
@@ -70,7 +76,9 @@ impl BenchMonteCarlo {
         for seed in 1..=self.turns {
             eprintln!("turn {seed} of {} ...", self.turns);
             let arguments = [self.draws.to_string(), seed.to_string()];
-            ours.add(turn(Command::new(target.join("release/examples/monte_carlo_speed")).args(&arguments))?);
+            ours.add(turn(
+                Command::new(target.join("release/examples/monte_carlo_speed")).args(&arguments),
+            )?);
             let script = root.join("tests/peers/monte_carlo.py");
             theirs.add(turn(Command::new(&python).arg(script).args(&arguments))?);
         }
@@ -80,7 +88,8 @@ impl BenchMonteCarlo {
         );
         println!("|---|---|---|---|");
         for (name, speed, side) in [("this program", a, &ours), ("Numba", b, &theirs)] {
-            let (alone, compensated) = (percentile(&side.alone, 0.5), percentile(&side.compensated, 0.5));
+            let (alone, compensated) =
+                (percentile(&side.alone, 0.5), percentile(&side.compensated, 0.5));
             println!("| {name} | {speed:.0} | {alone:.4e} | {compensated:.4e} |");
         }
         println!("{:.2} times as fast as Numba, one thread each", a / b);
@@ -100,7 +109,8 @@ fn agree(what: &str, ours: &[f64], theirs: &[f64], close: f64) -> Result<()> {
     Ok(())
 }
 
-/// Standard error of the median without assuming a distribution: half the distance of the order statistics one binomial standard deviation to each side.
+/// Standard error of the median without assuming a distribution: half the distance of the order
+/// statistics one binomial standard deviation to each side.
 fn median_error(values: &[f64]) -> f64 {
     let half = 0.5 / (values.len() as f64).sqrt();
     0.5 * (percentile(values, 0.5 + half) - percentile(values, 0.5 - half))
@@ -115,7 +125,11 @@ fn percentile(values: &[f64], share: f64) -> f64 {
 
 fn turn(command: &mut Command) -> Result<Turn> {
     let output = command.output().with_context(|| format!("{command:?} does not start"))?;
-    ensure!(output.status.success(), "{command:?} failed: {}", String::from_utf8_lossy(&output.stderr));
+    ensure!(
+        output.status.success(),
+        "{command:?} failed: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let text = str::from_utf8(&output.stdout)?;
     serde_json::from_str(text).with_context(|| format!("not a turn: {text}"))
 }

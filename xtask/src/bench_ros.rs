@@ -1,5 +1,6 @@
-//! `cargo xtask bench-ros`: what `/friction_estimate` at 1 kHz costs and how fast it is, from `frictionlab live`, from `frictionlab launch` and from a
-//! publisher of rclpy, measured in one run by subscribers and clients of rclpy.
+//! `cargo xtask bench-ros`: what `/friction_estimate` at 1 kHz costs and how fast it is, from
+//! `frictionlab live`, from `frictionlab launch` and from a publisher of rclpy, measured in one run
+//! by subscribers and clients of rclpy.
 
 mod table;
 
@@ -13,8 +14,7 @@ use serde_json::Value;
 use crate::python_env;
 
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
 /// Options of `cargo xtask bench-ros`.
 #[derive(Debug, Clone, clap::Args)]
@@ -39,15 +39,18 @@ impl BenchRos {
     /// # Errors
     /// What does not build or run.
     pub fn run(&self) -> Result<()> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
         let python = python_env::prepare()?;
         python.rclpy.context("the bench needs the real rclpy")?;
         let program = match &self.program {
             Some(program) => std::path::absolute(program).context("the program's path")?,
             None => crate::bench_live::build()?,
         };
-        let flags = crate::bench_live::namespace()
-            .context("no network namespace (`unshare -n` with `ip`): run as root or allow user namespaces")?;
+        let flags = crate::bench_live::namespace().context(
+            "no network namespace (`unshare -n` with `ip`): run as root or allow user namespaces",
+        )?;
         let mut err = std::io::stderr();
         writeln!(err, "three publishers, one after the other; leave the machine alone meanwhile")?;
         let output = Command::new("unshare")
@@ -64,7 +67,8 @@ impl BenchRos {
             .output()
             .context("unshare does not start")?;
         ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let report: Value = serde_json::from_slice(&output.stdout).context("the session prints JSON")?;
+        let report: Value =
+            serde_json::from_slice(&output.stdout).context("the session prints JSON")?;
         write!(std::io::stdout(), "{}", table::markdown(&report, self.minutes, self.clients))?;
         Ok(())
     }

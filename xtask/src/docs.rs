@@ -1,7 +1,8 @@
 //! `cargo xtask docs`: one page a friction model under `docs/models/`.
 //!
-//! A page is made of what exists already: the text at the head of the model's source file, its parameter table, and the figures that the
-//! tests of `friction_features` hold. A test here fails when the pages on disk are not what would be made.
+//! A page is made of what exists already: the text at the head of the model's source file, its
+//! parameter table, and the figures that the tests of `friction_features` hold. A test here fails
+//! when the pages on disk are not what would be made.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -27,7 +28,12 @@ const FIGURES: &[(&str, &str, &str, f64)] = &[
     ("test_bed_lag[1].area", "Frictional lag, test bed, 1 rad/s: area of the loop", "uW", 1e6),
     ("test_bed_lag[10].area", "... 10 rad/s", "uW", 1e6),
     ("steady_state.error", "Steady sliding: largest distance from its curve", "uN", 1e6),
-    ("zero_crossing[0.1].displacement_to_zero", "Reversal at 0.1 m/s^2: travel to zero force", "mm", 1e3),
+    (
+        "zero_crossing[0.1].displacement_to_zero",
+        "Reversal at 0.1 m/s^2: travel to zero force",
+        "mm",
+        1e3,
+    ),
     ("zero_crossing[0.1].displacement_to_sliding", "... travel to forward sliding", "mm", 1e3),
     ("sensitivity.rms_elasticity", "Root mean square elasticity of breakaway and lag", "-", 1.0),
 ];
@@ -61,9 +67,10 @@ fn root() -> Result<PathBuf> {
 /// All pages: file name and text.
 fn pages(root: &Path) -> Result<Vec<(String, String)>> {
     let snapshot = root.join("friction_features/tests/snapshots/features.json");
-    let text =
-        fs::read_to_string(&snapshot).with_context(|| format!("cannot read {}", snapshot.display()))?;
-    let figures: Value = serde_json::from_str(&text).context("the snapshot of the features is no JSON")?;
+    let text = fs::read_to_string(&snapshot)
+        .with_context(|| format!("cannot read {}", snapshot.display()))?;
+    let figures: Value =
+        serde_json::from_str(&text).context("the snapshot of the features is no JSON")?;
     let mut pages = Vec::new();
     let mut index = String::from(
         "# Friction models\n\nOne page each, made by `cargo xtask docs` from the source, the parameter table and the tested figures.\n\n\
@@ -71,11 +78,16 @@ fn pages(root: &Path) -> Result<Vec<(String, String)>> {
     );
     for name in ModelName::ALL {
         let source = root.join(format!("friction_model/src/{name}.rs"));
-        let text =
-            fs::read_to_string(&source).with_context(|| format!("cannot read {}", source.display()))?;
+        let text = fs::read_to_string(&source)
+            .with_context(|| format!("cannot read {}", source.display()))?;
         let head = head(&text);
         ensure!(!head.trim().is_empty(), "{} has no text at its head", source.display());
-        writeln!(index, "| [{}]({name}.md) | `{name}` | {} |", name.title(), first_sentence(&head))?;
+        writeln!(
+            index,
+            "| [{}]({name}.md) | `{name}` | {} |",
+            name.title(),
+            first_sentence(&head)
+        )?;
         pages.push((format!("{name}.md"), page(name, &head, &figures[name.as_str()])?));
     }
     pages.push(("README.md".to_owned(), index));
@@ -140,7 +152,11 @@ fn short(value: f64) -> String {
     let exponent = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     if (-4..6).contains(&exponent) {
         let text = format!("{value:.*}", (4 - exponent).clamp(0, 9) as usize);
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text
+        }
     } else {
         format!("{value:.4e}")
     }
@@ -173,15 +189,22 @@ mod tests {
         for (file, text) in pages(&root).unwrap() {
             let path = root.join("docs/models").join(&file);
             let disk = fs::read_to_string(&path).unwrap_or_default();
-            assert!(disk == text, "docs/models/{file} is not what its sources say: run `cargo xtask docs`");
+            assert!(
+                disk == text,
+                "docs/models/{file} is not what its sources say: run `cargo xtask docs`"
+            );
         }
     }
 
     #[test]
     fn numbers_are_short_and_lose_nothing_that_matters() {
-        for (value, text) in
-            [(0.0994, "0.0994"), (1e5, "100000"), (316.227_766, "316.23"), (0.0, "0"), (7e-6, "7.0000e-6")]
-        {
+        for (value, text) in [
+            (0.0994, "0.0994"),
+            (1e5, "100000"),
+            (316.227_766, "316.23"),
+            (0.0, "0"),
+            (7e-6, "7.0000e-6"),
+        ] {
             assert_eq!(short(value), text);
         }
         assert_eq!(with_unit(7.927_48, "s"), "7.9275 s");

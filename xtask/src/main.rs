@@ -23,15 +23,20 @@ enum Task {
     Audit(audit::Audit),
     /// Nanoseconds a control step of the friction models, in Rust and in plain C.
     Bench(bench::Bench),
-    /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled by Numba.
+    /// Milliseconds of the identification's fits, beside SciPy's least squares over models compiled
+    /// by Numba.
     BenchFits(bench_fits::BenchFits),
-    /// Period errors of the loop of `frictionlab live`, beside a bare `clock_nanosleep` loop of the same scheduling class.
+    /// Period errors of the loop of `frictionlab live`, beside a bare `clock_nanosleep` loop of the
+    /// same scheduling class.
     BenchLive(bench_live::BenchLive),
-    /// Draws a second of the Monte Carlo of position tracking, beside the same loop compiled by Numba.
+    /// Draws a second of the Monte Carlo of position tracking, beside the same loop compiled by
+    /// Numba.
     BenchMonteCarlo(bench_monte_carlo::BenchMonteCarlo),
-    /// `/friction_estimate` at 1 kHz from `live` and `launch` beside a publisher of rclpy: rate, loss, latency, processor time, memory, calls.
+    /// `/friction_estimate` at 1 kHz from `live` and `launch` beside a publisher of rclpy: rate,
+    /// loss, latency, processor time, memory, calls.
     BenchRos(bench_ros::BenchRos),
-    /// Nanoseconds of a whole control step, estimator and controller, for every model and technique.
+    /// Nanoseconds of a whole control step, estimator and controller, for every model and
+    /// technique.
     BenchStep(bench_step::BenchStep),
     /// The pages of the friction models under docs/models, from their sources and tested figures.
     Docs(docs::Docs),

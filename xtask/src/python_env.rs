@@ -1,8 +1,9 @@
-//! The Python side of the tests: a virtual environment with readers of bags and, where wheels exist, the real rclpy with
-//! the laboratory's own message types built into it.
+//! The Python side of the tests: a virtual environment with readers of bags and, where wheels
+//! exist, the real rclpy with the laboratory's own message types built into it.
 //!
-//! The parts are independent: where one cannot be had, the others still are, and the tests that need the missing one are
-//! skipped. Everything is made once; what was made of other versions or other messages is made anew.
+//! The parts are independent: where one cannot be had, the others still are, and the tests that
+//! need the missing one are skipped. Everything is made once; what was made of other versions or
+//! other messages is made anew.
 
 use std::{
     env, fs,
@@ -25,7 +26,8 @@ const BAG_TOOLS: &[&str] = &[
     "PyYAML>=6,<7",
 ];
 
-/// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo, which some workspaces have.
+/// The tool that builds ROS workspaces, as a ROS installation has it, and its extensions for cargo,
+/// which some workspaces have.
 const COLCON: &[&str] =
     &["colcon-common-extensions==0.3.0", "colcon-cargo==0.2.0", "colcon-ros-cargo==0.2.0"];
 
@@ -50,13 +52,16 @@ pub struct PythonEnv {
     pub colcon: anyhow::Result<()>,
 }
 
-/// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the first time.
+/// Makes the environment of Kilted in `target/python`, or finds it made. Needs the network the
+/// first time.
 ///
 /// # Errors
-/// No Python 3 with `venv`, or a target folder that cannot be written. A half that cannot be had is told in the result.
+/// No Python 3 with `venv`, or a target folder that cannot be written. A half that cannot be had is
+/// told in the result.
 pub fn prepare() -> anyhow::Result<PythonEnv> {
     let environment = Environment::make(&target()?.join(Distribution::Kilted.folder()))?;
-    let bag_tools = environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
+    let bag_tools =
+        environment.half("bag_tools", BAG_TOOLS.join("\n"), || environment.install(BAG_TOOLS));
     let rclpy = environment.rclpy(Distribution::Kilted);
     let cyclone = Environment::make(&target()?.join("python-cyclone")).and_then(|environment| {
         environment.half("cyclone", CYCLONE.join("\n"), || environment.install(CYCLONE))
@@ -85,7 +90,8 @@ fn root() -> anyhow::Result<&'static Path> {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")
 }
 
-/// A Python with SciPy and Numba, in an environment of its own: they are only needed for `cargo xtask bench-fits` and `bench-monte-carlo`, and their numpy must not disturb rclpy's.
+/// A Python with SciPy and Numba, in an environment of its own: they are only needed for
+/// `cargo xtask bench-fits` and `bench-monte-carlo`, and their numpy must not disturb rclpy's.
 ///
 /// # Errors
 /// No Python 3 with `venv`, no network the first time.
@@ -98,7 +104,8 @@ pub fn scipy() -> anyhow::Result<PathBuf> {
 /// Arguments of `cargo xtask python-env`.
 #[derive(Debug, clap::Args)]
 pub struct PythonEnvCommand {
-    /// Distribution of ROS 2 whose rclpy is made ready; `kilted` with the readers of bags, `jazzy` without
+    /// Distribution of ROS 2 whose rclpy is made ready; `kilted` with the readers of bags, `jazzy`
+    /// without
     #[arg(long, value_enum, default_value = "kilted")]
     distribution: Distribution,
 }
@@ -128,7 +135,9 @@ impl PythonEnvCommand {
             match half {
                 Ok(()) => println!("  ready: {what}"),
                 Err(error) => {
-                    println!("  missing: {what}; tests that need it are skipped\n    because: {error:#}")
+                    println!(
+                        "  missing: {what}; tests that need it are skipped\n    because: {error:#}"
+                    )
                 }
             }
         }
@@ -147,10 +156,12 @@ impl Environment {
         if !python.exists() {
             let interpreter = env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
             fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
-            run_quietly(Command::new(&interpreter).args(["-m", "venv"]).arg(dir))
-                .context("a Python 3 with its `venv` module is needed; install it, or name one in PYTHON")?;
+            run_quietly(Command::new(&interpreter).args(["-m", "venv"]).arg(dir)).context(
+                "a Python 3 with its `venv` module is needed; install it, or name one in PYTHON",
+            )?;
         }
-        // The ROS packages of the target folder are none of a workspace that this checkout is built in.
+        // The ROS packages of the target folder are none of a workspace that this checkout is built
+        // in.
         let target = dir.parent().unwrap_or(dir);
         fs::write(target.join("COLCON_IGNORE"), "")
             .with_context(|| format!("cannot write into {}", target.display()))?;
@@ -158,7 +169,12 @@ impl Environment {
     }
 
     /// Makes a half unless its stamp says that it stands. The stamp is what the half was made of.
-    fn half(&self, name: &str, key: String, make: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<()> {
+    fn half(
+        &self,
+        name: &str,
+        key: String,
+        make: impl FnOnce() -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
         let stamp = self.dir.join(format!("{name}.stamp"));
         if fs::read_to_string(&stamp).is_ok_and(|made_of| made_of == key) {
             return Ok(());
@@ -191,7 +207,8 @@ impl Environment {
 
     /// Asks the interpreter for one line.
     fn ask(&self, expression: &str) -> anyhow::Result<String> {
-        let output = Command::new(&self.python).args(["-c", &format!("print({expression})")]).output()?;
+        let output =
+            Command::new(&self.python).args(["-c", &format!("print({expression})")]).output()?;
         ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         Ok(String::from_utf8(output.stdout)?.trim().to_owned())
     }
@@ -219,8 +236,9 @@ impl Environment {
                     continue;
                 }
                 let before = fs::read_to_string(&file)?;
-                let after =
-                    replacements.iter().fold(before.clone(), |text, (from, to)| text.replace(from, to));
+                let after = replacements
+                    .iter()
+                    .fold(before.clone(), |text, (from, to)| text.replace(from, to));
                 if after != before {
                     fs::write(&file, after)?;
                 }
@@ -237,12 +255,16 @@ impl Environment {
         }
         let bin = self.dir.join("bin");
         let path = env::join_paths(
-            std::iter::once(bin.clone()).chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())),
+            std::iter::once(bin.clone())
+                .chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())),
         )?;
         let prefix = |name: &str| format!("-D{name}={}", self.dir.display());
         let command = |program: &str| {
             let mut command = Command::new(bin.join(program));
-            command.env("AMENT_PREFIX_PATH", &self.dir).env("VIRTUAL_ENV", &self.dir).env("PATH", &path);
+            command
+                .env("AMENT_PREFIX_PATH", &self.dir)
+                .env("VIRTUAL_ENV", &self.dir)
+                .env("PATH", &path);
             command
         };
         run_quietly(
@@ -255,26 +277,34 @@ impl Environment {
                 .args([prefix("CMAKE_PREFIX_PATH"), prefix("CMAKE_INSTALL_PREFIX")])
                 .arg(format!("-DPython3_EXECUTABLE={}", self.python.display())),
         )
-        .context("cannot configure friction_msgs; a C++ compiler and the headers of Python are needed")?;
-        run_quietly(command("cmake").arg("--build").arg(&build)).context("cannot build friction_msgs")?;
-        run_quietly(command("cmake").arg("--install").arg(&build)).context("cannot install friction_msgs")?;
-        run_quietly(
-            Command::new(&self.python)
-                .args(["-c", "import rclpy, friction_msgs.msg, friction_msgs.srv, friction_msgs.action"]),
-        )
+        .context(
+            "cannot configure friction_msgs; a C++ compiler and the headers of Python are needed",
+        )?;
+        run_quietly(command("cmake").arg("--build").arg(&build))
+            .context("cannot build friction_msgs")?;
+        run_quietly(command("cmake").arg("--install").arg(&build))
+            .context("cannot install friction_msgs")?;
+        run_quietly(Command::new(&self.python).args([
+            "-c",
+            "import rclpy, friction_msgs.msg, friction_msgs.srv, friction_msgs.action",
+        ]))
         .context("rclpy with friction_msgs was built, but cannot be imported")
     }
 }
 
 /// Runs a command; its output is only told if it fails.
 fn run_quietly(command: &mut Command) -> anyhow::Result<()> {
-    let output =
-        command.output().with_context(|| format!("cannot run {}", command.get_program().display()))?;
+    let output = command
+        .output()
+        .with_context(|| format!("cannot run {}", command.get_program().display()))?;
     if output.status.success() {
         return Ok(());
     }
-    let text =
-        format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let text = format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
     let lines: Vec<&str> = text.lines().collect();
     let last = &lines[lines.len().saturating_sub(12)..];
     bail!("{} ended with {}:\n{}", command.get_program().display(), output.status, last.join("\n"))
@@ -285,7 +315,9 @@ fn contents(package: &Path) -> anyhow::Result<String> {
     let mut files = vec![package.join("package.xml"), package.join("CMakeLists.txt")];
     for folder in ["msg", "srv", "action"] {
         let folder = package.join(folder);
-        for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        for entry in
+            fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?
+        {
             files.push(entry?.path());
         }
     }
@@ -293,7 +325,8 @@ fn contents(package: &Path) -> anyhow::Result<String> {
     let mut text = String::new();
     for file in files {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let content = fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+        let content =
+            fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
         text.push_str(&format!("{name}\n{content}\n"));
     }
     Ok(text)

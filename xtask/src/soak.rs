@@ -1,4 +1,5 @@
-//! `cargo xtask soak`: the loop at 1 kHz for a long time, with a subscriber of the real rclpy: memory, losses, drift.
+//! `cargo xtask soak`: the loop at 1 kHz for a long time, with a subscriber of the real rclpy:
+//! memory, losses, drift.
 
 use std::{env, path::Path, process::Command};
 
@@ -11,11 +12,11 @@ use crate::python_env;
 const GROWTH: f64 = 0.05;
 /// Drift that counts as none: of stamps against the wall clock, and of cycles against stamps.
 const DRIFT: f64 = 1e-4;
-/// Share of a signal that a subscriber in Python may lose when it does not get its share of the machine.
+/// Share of a signal that a subscriber in Python may lose when it does not get its share of the
+/// machine.
 const LOST_IN_PYTHON: f64 = 0.005;
 /// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str =
-    "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
+const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
 
 /// Arguments of `cargo xtask soak`.
 #[derive(Debug, clap::Args)]
@@ -41,9 +42,11 @@ impl Soak {
     /// # Errors
     /// What does not build or run, or a figure beyond its limit.
     pub fn run(&self) -> anyhow::Result<()> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-        let target =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
+        let target = env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let python = python_env::prepare()?;
         python.rclpy.context("the soak needs the real rclpy")?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -74,7 +77,8 @@ impl Soak {
                 .output()
                 .context("unshare does not start")?;
             ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            let report: Value = serde_json::from_slice(&output.stdout).context("the session prints JSON")?;
+            let report: Value =
+                serde_json::from_slice(&output.stdout).context("the session prints JSON")?;
             good &= print(&report);
         }
         ensure!(good, "a figure is beyond its limit");
@@ -108,7 +112,12 @@ fn print(report: &Value) -> bool {
         ("disordered", 0.0, "0"),
     ] {
         if let Some(count) = report[what].as_f64() {
-            row(&what.replace('_', " "), format!("{count} of {heard}"), limit, count <= share * heard);
+            row(
+                &what.replace('_', " "),
+                format!("{count} of {heard}"),
+                limit,
+                count <= share * heard,
+            );
         }
     }
     if let (Some(commands), Some(cycles)) =
@@ -119,7 +128,12 @@ fn print(report: &Value) -> bool {
         row("commands of the controller", format!("{commands} for {cycles} cycles"), "1 s", within);
     }
     if let Some(missing) = report["bag"]["missing"].as_i64() {
-        row("missing in the bag", format!("{missing} of {}", report["bag"]["messages"]), "0", missing == 0);
+        row(
+            "missing in the bag",
+            format!("{missing} of {}", report["bag"]["messages"]),
+            "0",
+            missing == 0,
+        );
     }
     for what in ["cycles_against_stamps", "stamps_against_wall_clock"] {
         if let Some(drift) = report[what].as_f64() {

@@ -14,9 +14,12 @@ const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
 /// Arguments of `cargo xtask test`.
 #[derive(Debug, clap::Args)]
 pub struct Test {
-    /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the whole protocol of `frictionlab run`, ten
-    /// seeds of servo identification, 1000 draws of compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes, up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
-    /// inputs, the loader under valgrind, the unit tests of the mended middleware, DDS Security with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
+    /// Long tiers whole: 25 times the random cases, 2000 repetitions of the identifications, the
+    /// whole protocol of `frictionlab run`, ten seeds of servo identification, 1000 draws of
+    /// compensation with wrong parameters, 200 rounds of killed drivers, 50 rounds of killed nodes,
+    /// up to ten frozen and unplugged readers beside each way to run the loop, millions of damaged
+    /// inputs, the loader under valgrind, the unit tests of the mended middleware, DDS Security
+    /// with a peer on Fast DDS, the nodes built by colcon in release, the largest answers to the
     /// rclpy of Kilted and Jazzy on every kind of network
     #[arg(long)]
     full: bool,
@@ -29,18 +32,25 @@ impl Test {
     /// Whatever does not build or does not pass.
     pub fn run(&self) -> anyhow::Result<()> {
         let started = Instant::now();
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
-        let target =
-            env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask stands in the workspace")?;
+        let target = env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let (tier, cases) = CASES[usize::from(self.full)];
-        // Fetching the Python half leaves the processors to the compiler. Programs and tests are built together, with the same features, so that nothing is built twice.
+        // Fetching the Python half leaves the processors to the compiler. Programs and tests are
+        // built together, with the same features, so that nothing is built twice.
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
             cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], &[])
         })?;
         let built = |name: &str| {
             let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
-            program.into_os_string().into_string().ok().context("the target folder's path must be text")
+            program
+                .into_os_string()
+                .into_string()
+                .ok()
+                .context("the target folder's path must be text")
         };
         let (program, emulator) = (built("frictionlab")?, built("rig_emulator")?);
         let nodes = target.join("debug").into_os_string().into_string().ok();
@@ -61,8 +71,15 @@ impl Test {
         }
         cargo(root, &["test", "--workspace", "--locked"], &environment)?;
         if self.full {
-            let seeds =
-                ["run", "--release", "--locked", "--package", "friction_ident", "--example", "servo_seeds"];
+            let seeds = [
+                "run",
+                "--release",
+                "--locked",
+                "--package",
+                "friction_ident",
+                "--example",
+                "servo_seeds",
+            ];
             cargo(root, &seeds, &environment)?;
             let bars = [
                 "run",
@@ -87,7 +104,8 @@ impl Test {
     }
 }
 
-/// DDS Security, with a peer of another vendor; in the long tier only, because the middleware is compiled once more for it.
+/// DDS Security, with a peer of another vendor; in the long tier only, because the middleware is
+/// compiled once more for it.
 fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
     if !Path::new("/usr/include/openssl/ssl.h").exists() {
         println!(
@@ -96,25 +114,45 @@ fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
         return Ok(());
     }
     let features = ["--features", "ros_node/security,rig_driver/security"];
-    let of_nodes =
-        ["test", "--locked", "-p", "ros_node", "-p", "rig_driver", "--lib", "--test", "security_peers"];
+    let of_nodes = [
+        "test",
+        "--locked",
+        "-p",
+        "ros_node",
+        "-p",
+        "rig_driver",
+        "--lib",
+        "--test",
+        "security_peers",
+    ];
     cargo(root, &[&of_nodes[..], &features].concat(), environment)?;
     // Keystores from the command line.
-    let of_command =
-        ["test", "--locked", "-p", "experiment_runner", "--features", "security", "--lib", "security"];
+    let of_command = [
+        "test",
+        "--locked",
+        "-p",
+        "experiment_runner",
+        "--features",
+        "security",
+        "--lib",
+        "security",
+    ];
     cargo(root, &of_command, environment)
 }
 
 /// The unit tests of the mended middleware, which is no member of the workspace.
 fn middleware(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
-    let library = ["test", "--locked", "--manifest-path", "third_party/rustdds/Cargo.toml", "--lib"];
+    let library =
+        ["test", "--locked", "--manifest-path", "third_party/rustdds/Cargo.toml", "--lib"];
     let features = ["--no-default-features", "--features", "mio_1"];
     let target = root.join("target/rustdds");
-    let apart = [environment, &[("CARGO_TARGET_DIR", target.to_str().context("a folder's name")?)]].concat();
+    let apart = [environment, &[("CARGO_TARGET_DIR", target.to_str().context("a folder's name")?)]]
+        .concat();
     cargo(root, &[&library[..], &features].concat(), &apart)
 }
 
-/// The tests of the loader of foreign code, each access to memory checked. Those that kill themselves are left out: what they check is the card's watchdog.
+/// The tests of the loader of foreign code, each access to memory checked. Those that kill
+/// themselves are left out: what they check is the card's watchdog.
 fn loader_under_valgrind(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|said| said.status.success()) {
         println!(
@@ -122,16 +160,27 @@ fn loader_under_valgrind(root: &Path, environment: &[(&str, &str)]) -> anyhow::R
         );
         return Ok(());
     }
-    let runner = "target.'cfg(unix)'.runner=['valgrind','-q','--error-exitcode=99','--trace-children=no']";
-    let mut arguments =
-        vec!["--config", runner, "test", "--locked", "--package", "rig_driver", "--test", "quanser", "--"];
+    let runner =
+        "target.'cfg(unix)'.runner=['valgrind','-q','--error-exitcode=99','--trace-children=no']";
+    let mut arguments = vec![
+        "--config",
+        runner,
+        "test",
+        "--locked",
+        "--package",
+        "rig_driver",
+        "--test",
+        "quanser",
+        "--",
+    ];
     for left_out in ["driver_to_be_killed", "killed_with", "a_driver_that_was_stopped"] {
         arguments.extend(["--skip", left_out]);
     }
     cargo(root, &arguments, environment)
 }
 
-/// Without the environment the tests that need it say that they are skipped. The other distribution's is for the long tier.
+/// Without the environment the tests that need it say that they are skipped. The other
+/// distribution's is for the long tier.
 fn prepare_python(full: bool) {
     println!("Python environment for the tests (first time: about two minutes) ...");
     match python_env::prepare() {

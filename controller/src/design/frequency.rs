@@ -4,7 +4,8 @@ use nalgebra::Complex;
 
 use super::LinearLoop;
 
-/// Margins of a loop. Where the gain or phase is crossed more than once, the smallest margin counts.
+/// Margins of a loop. Where the gain or phase is crossed more than once, the smallest margin
+/// counts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
     /// Highest frequency at which the open loop's gain is 1 [rad/s].
@@ -26,7 +27,8 @@ pub struct Margins {
 /// Points a decade of the frequencies that are searched.
 const POINTS_A_DECADE: f64 = 400.0;
 
-/// So many frequencies from `lowest` to `highest` [rad/s], equally spaced on a logarithmic scale, both ends included.
+/// So many frequencies from `lowest` to `highest` [rad/s], equally spaced on a logarithmic scale,
+/// both ends included.
 #[must_use]
 pub fn frequencies(lowest: f64, highest: f64, a_decade: f64) -> Vec<f64> {
     let decades = (highest / lowest).log10();
@@ -45,7 +47,8 @@ pub fn frequencies(lowest: f64, highest: f64, a_decade: f64) -> Vec<f64> {
 pub fn margins(open: impl Fn(f64) -> Complex<f64>, lowest: f64, highest: f64) -> Margins {
     let grid = frequencies(lowest, highest, POINTS_A_DECADE);
     let mut found = Margins::default();
-    let smaller = |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if b.abs() < a.abs() { b } else { a }));
+    let smaller =
+        |a: Option<f64>, b: f64| Some(a.map_or(b, |a| if b.abs() < a.abs() { b } else { a }));
     for pair in grid.windows(2) {
         let (low, high) = (pair[0], pair[1]);
         let (at_low, at_high) = (open(low), open(high));
@@ -65,7 +68,8 @@ pub fn margins(open: impl Fn(f64) -> Complex<f64>, lowest: f64, highest: f64) ->
             if factor > 1.0 {
                 found.gain_margin = smaller(found.gain_margin, factor);
             } else {
-                found.gain_reduction = Some(found.gain_reduction.map_or(factor, |before| before.max(factor)));
+                found.gain_reduction =
+                    Some(found.gain_reduction.map_or(factor, |before| before.max(factor)));
             }
         }
     }
@@ -78,7 +82,8 @@ pub fn margins(open: impl Fn(f64) -> Complex<f64>, lowest: f64, highest: f64) ->
     found
 }
 
-/// Margins of a loop as it runs at the period `dt` [s], from `lowest` [rad/s] to the Nyquist frequency, where a sampled loop is real and may be at -180 degrees.
+/// Margins of a loop as it runs at the period `dt` [s], from `lowest` [rad/s] to the Nyquist
+/// frequency, where a sampled loop is real and may be at -180 degrees.
 #[must_use]
 pub fn margins_sampled(linear: &LinearLoop, dt: f64, lowest: f64) -> Margins {
     // The bilinear rule sees the Nyquist frequency itself at infinity.
@@ -123,13 +128,17 @@ mod tests {
         assert!((found.crossover.unwrap() / 111.03 - 1.0).abs() < 1e-3, "{found:?}");
         assert!((found.phase_margin.unwrap() - 105.2).abs() < 0.1, "{found:?}");
         assert_eq!(found.gain_margin, None);
-        // The gain at zero frequency, 53.140 with the exact gains, crosses over at 4145.5 rad/s on its own.
+        // The gain at zero frequency, 53.140 with the exact gains, crosses over at 4145.5 rad/s on
+        // its own.
         let alone = margins(
             |w| {
                 53.140
-                    * LinearLoop { drive: LinearDrive::SRV02, law: LoopLaw::Velocity(VelocityLaw::default()) }
-                        .plant()
-                        .at_frequency(w)
+                    * LinearLoop {
+                        drive: LinearDrive::SRV02,
+                        law: LoopLaw::Velocity(VelocityLaw::default()),
+                    }
+                    .plant()
+                    .at_frequency(w)
             },
             1.0,
             1e5,
@@ -138,9 +147,12 @@ mod tests {
         // The drive alone crosses over at 65.824 rad/s.
         let drive = margins(
             |w| {
-                LinearLoop { drive: LinearDrive::SRV02, law: LoopLaw::Velocity(VelocityLaw::default()) }
-                    .plant()
-                    .at_frequency(w)
+                LinearLoop {
+                    drive: LinearDrive::SRV02,
+                    law: LoopLaw::Velocity(VelocityLaw::default()),
+                }
+                .plant()
+                .at_frequency(w)
             },
             1.0,
             1e5,
@@ -148,7 +160,8 @@ mod tests {
         assert!((drive.crossover.unwrap() / 65.824 - 1.0).abs() < 1e-4);
     }
 
-    /// A sampled first-order loop under a proportional gain goes unstable at z = -1: `k K (1 - a) = 1 + a`.
+    /// A sampled first-order loop under a proportional gain goes unstable at z = -1:
+    /// `k K (1 - a) = 1 + a`.
     #[test]
     fn a_sampled_loop_has_a_gain_margin_at_the_nyquist_frequency() {
         let drive = LinearDrive::SRV02;
@@ -173,16 +186,19 @@ mod tests {
         assert!((w * (1.0 + w * w) - 0.5).abs() < 1e-9);
         assert!((found.phase_margin.unwrap() - (90.0 - 2.0 * w.atan().to_degrees())).abs() < 1e-9);
         assert!(
-            (found.sensitivity_peak - 1.0 / (1.0 + open(found.sensitivity_frequency)).norm()).abs() < 1e-12
+            (found.sensitivity_peak - 1.0 / (1.0 + open(found.sensitivity_frequency)).norm()).abs()
+                < 1e-12
         );
         assert!(found.sensitivity_peak > 4.0 / 3.0);
     }
 
-    /// The gains may fall until Routh's criterion fails: `(1 + K k K_d) K_p = T K_i` for the factor k.
+    /// The gains may fall until Routh's criterion fails: `(1 + K k K_d) K_p = T K_i` for the factor
+    /// k.
     #[test]
     fn a_pid_may_also_lose_gain_only_so_far() {
         let gains = PidGains { k_i: 300.0, ..PidGains::THESIS };
-        let found = of(LoopLaw::Position { gains, derivative_on: DerivativeOn::Error, filter: 0.0 });
+        let found =
+            of(LoopLaw::Position { gains, derivative_on: DerivativeOn::Error, filter: 0.0 });
         let routh = (0.02388 * 300.0 / 5.7517 - 1.0) / (1.863 * 0.0768);
         assert!(
             (found.gain_reduction.or(found.gain_margin).unwrap() / routh - 1.0).abs() < 1e-9,

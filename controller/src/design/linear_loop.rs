@@ -4,7 +4,9 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 
 use super::{LinearDrive, Polynomial, TransferFunction};
-use crate::{ControllerError, DerivativeOn, LagCompensator, PiController, Pid, PidGains, VelocityLaw};
+use crate::{
+    ControllerError, DerivativeOn, LagCompensator, PiController, Pid, PidGains, VelocityLaw,
+};
 
 /// The linear law of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -40,7 +42,9 @@ impl LinearLoop {
     pub fn check(&self, dt: f64) -> Result<(), ControllerError> {
         self.drive.check()?;
         match self.law {
-            LoopLaw::Velocity(VelocityLaw::Lag(gains)) => LagCompensator::new(gains, dt).map(|_| ()),
+            LoopLaw::Velocity(VelocityLaw::Lag(gains)) => {
+                LagCompensator::new(gains, dt).map(|_| ())
+            }
             LoopLaw::Velocity(VelocityLaw::Pi(gains)) => PiController::new(gains, dt).map(|_| ()),
             LoopLaw::Position { gains, derivative_on, filter } => {
                 Pid::new(gains, derivative_on, filter, dt).map(|_| ())
@@ -56,9 +60,10 @@ impl LinearLoop {
 
     fn controller_with_filter(&self, least: f64) -> TransferFunction {
         match self.law {
-            LoopLaw::Velocity(VelocityLaw::Lag(gains)) => {
-                TransferFunction::new(vec![gains.k_p, gains.k_p * gains.t_i], vec![gains.gamma, gains.t_i])
-            }
+            LoopLaw::Velocity(VelocityLaw::Lag(gains)) => TransferFunction::new(
+                vec![gains.k_p, gains.k_p * gains.t_i],
+                vec![gains.gamma, gains.t_i],
+            ),
             // Without an integral gain no pole at zero, which the numerator would cancel.
             LoopLaw::Velocity(VelocityLaw::Pi(gains)) if gains.k_i == 0.0 => {
                 TransferFunction::new(vec![gains.k_p], vec![1.0])
@@ -71,7 +76,10 @@ impl LinearLoop {
                 if k_i == 0.0 {
                     return TransferFunction::new(vec![k_p, k_d + k_p * t_f], vec![1.0, t_f]);
                 }
-                TransferFunction::new(vec![k_i, k_p + k_i * t_f, k_d + k_p * t_f], vec![0.0, 1.0, t_f])
+                TransferFunction::new(
+                    vec![k_i, k_p + k_i * t_f, k_d + k_p * t_f],
+                    vec![0.0, 1.0, t_f],
+                )
             }
         }
     }
@@ -82,7 +90,9 @@ impl LinearLoop {
         let LinearDrive { gain, time_constant } = self.drive;
         match self.law {
             LoopLaw::Velocity(_) => TransferFunction::new(vec![gain], vec![1.0, time_constant]),
-            LoopLaw::Position { .. } => TransferFunction::new(vec![gain], vec![0.0, 1.0, time_constant]),
+            LoopLaw::Position { .. } => {
+                TransferFunction::new(vec![gain], vec![0.0, 1.0, time_constant])
+            }
         }
     }
 
@@ -99,8 +109,9 @@ impl LinearLoop {
         self.controller().at_frequency(w) * self.plant().at_frequency(w)
     }
 
-    /// The open loop as it runs at the period `dt` [s], at `w` [rad/s] below the Nyquist frequency: the discrete controller (bilinear rule) and the drive
-    /// between a held voltage and a sampled measurement. The half period of delay that costs is in its phase.
+    /// The open loop as it runs at the period `dt` [s], at `w` [rad/s] below the Nyquist frequency:
+    /// the discrete controller (bilinear rule) and the drive between a held voltage and a sampled
+    /// measurement. The half period of delay that costs is in its phase.
     #[must_use]
     pub fn open_sampled(&self, w: f64, dt: f64) -> Complex<f64> {
         let z = Complex::from_polar(1.0, w * dt);
@@ -135,7 +146,11 @@ mod tests {
         for law in [
             LoopLaw::Velocity(VelocityLaw::Lag(LagGains::THESIS)),
             LoopLaw::Velocity(VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 20.0 })),
-            LoopLaw::Position { gains: PidGains::THESIS, derivative_on: DerivativeOn::Error, filter: 0.005 },
+            LoopLaw::Position {
+                gains: PidGains::THESIS,
+                derivative_on: DerivativeOn::Error,
+                filter: 0.005,
+            },
         ] {
             let linear = LinearLoop { drive: LinearDrive::SRV02, law };
             for w in [1.0, 30.0, 200.0] {
@@ -143,7 +158,10 @@ mod tests {
                 assert!((near / exact - 1.0).norm() < 2e-4, "{law:?} {w}");
                 // At 1 kHz what differs is half a period of delay.
                 let delayed = exact * Complex::from_polar(1.0, -w * 5e-4);
-                assert!((linear.open_sampled(w, 1e-3) / delayed - 1.0).norm() < 1e-2, "{law:?} {w}");
+                assert!(
+                    (linear.open_sampled(w, 1e-3) / delayed - 1.0).norm() < 1e-2,
+                    "{law:?} {w}"
+                );
             }
         }
     }

@@ -2,7 +2,8 @@
 
 use nalgebra::{Complex, DMatrix, Schur};
 
-/// A polynomial; coefficients ascending, the last not zero but for the zero polynomial, which has none.
+/// A polynomial; coefficients ascending, the last not zero but for the zero polynomial, which has
+/// none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polynomial(Vec<f64>);
 
@@ -46,7 +47,8 @@ impl Polynomial {
         self.0.iter().rev().fold(Complex::new(0.0, 0.0), |sum, c| sum * s + c)
     }
 
-    /// Sum of the magnitudes of the terms at `x`: what a rounding error of [`at`](Self::at) is measured by.
+    /// Sum of the magnitudes of the terms at `x`: what a rounding error of [`at`](Self::at) is
+    /// measured by.
     #[must_use]
     pub fn magnitude_at(&self, x: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, c| sum * x.abs() + c.abs())
@@ -56,7 +58,11 @@ impl Polynomial {
     #[must_use]
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         let at = |p: &Self, k: usize| p.0.get(k).copied().unwrap_or(0.0);
-        Self::new((0..self.0.len().max(other.0.len())).map(|k| at(self, k) + factor * at(other, k)).collect())
+        Self::new(
+            (0..self.0.len().max(other.0.len()))
+                .map(|k| at(self, k) + factor * at(other, k))
+                .collect(),
+        )
     }
 
     /// `self other`.
@@ -83,17 +89,21 @@ impl Polynomial {
     /// Even and odd part as polynomials in `s^2`: `p(s) = even(s^2) + s odd(s^2)`.
     #[must_use]
     pub fn even_and_odd(&self) -> (Self, Self) {
-        let every_other = |from: usize| Self::new(self.0.iter().skip(from).step_by(2).copied().collect());
+        let every_other =
+            |from: usize| Self::new(self.0.iter().skip(from).step_by(2).copied().collect());
         (every_other(0), every_other(1))
     }
 
     /// `p(-x)`.
     #[must_use]
     pub fn reflected(&self) -> Self {
-        Self::new(self.0.iter().enumerate().map(|(k, c)| if k % 2 == 0 { *c } else { -c }).collect())
+        Self::new(
+            self.0.iter().enumerate().map(|(k, c)| if k % 2 == 0 { *c } else { -c }).collect(),
+        )
     }
 
-    /// All roots: the eigenvalues of the companion matrix, scaled so that its entries are of one size, each improved by Newton's method.
+    /// All roots: the eigenvalues of the companion matrix, scaled so that its entries are of one
+    /// size, each improved by Newton's method.
     ///
     /// `None` if the eigenvalues do not converge or a coefficient is not finite.
     #[must_use]
@@ -110,9 +120,13 @@ impl Polynomial {
         if !(size.is_finite() && size > 0.0 && rest.iter().all(|c| c.is_finite())) {
             return None;
         }
-        let scaled: Vec<f64> =
-            rest.iter().enumerate().map(|(k, c)| c / rest[n] * size.powi(k as i32 - n as i32)).collect();
-        // Coefficients of very different size leave the range of numbers; a decomposition of what is none would not end.
+        let scaled: Vec<f64> = rest
+            .iter()
+            .enumerate()
+            .map(|(k, c)| c / rest[n] * size.powi(k as i32 - n as i32))
+            .collect();
+        // Coefficients of very different size leave the range of numbers; a decomposition of what
+        // is none would not end.
         if !scaled.iter().all(|c| c.is_finite()) {
             return None;
         }
@@ -132,7 +146,9 @@ impl Polynomial {
             for _ in 0..3 {
                 let step = self.at_complex(x) / derivative.at_complex(x);
                 // At a multiple root the step may lead away: only one that helps is taken.
-                if !step.is_finite() || self.at_complex(x - step).norm() >= self.at_complex(x).norm() {
+                if !step.is_finite()
+                    || self.at_complex(x - step).norm() >= self.at_complex(x).norm()
+                {
                     break;
                 }
                 x -= step;
@@ -142,7 +158,8 @@ impl Polynomial {
         Some(roots)
     }
 
-    /// Real roots above zero, ascending: those whose imaginary part is no more than rounding, or a double root pulled apart by it.
+    /// Real roots above zero, ascending: those whose imaginary part is no more than rounding, or a
+    /// double root pulled apart by it.
     #[must_use]
     pub fn positive_roots(&self) -> Option<Vec<f64>> {
         let mut real: Vec<f64> = self
@@ -162,8 +179,9 @@ impl Polynomial {
         if self.0.is_empty() || !self.0.iter().all(|c| c * self.leading() > 0.0) {
             return false;
         }
-        let descending =
-            |from: usize| -> Vec<f64> { self.0.iter().rev().skip(from).step_by(2).copied().collect() };
+        let descending = |from: usize| -> Vec<f64> {
+            self.0.iter().rev().skip(from).step_by(2).copied().collect()
+        };
         let (mut upper, mut lower) = (descending(0), descending(1));
         for _ in 1..n {
             let Some((&top, &pivot)) = upper.first().zip(lower.first()) else { return false };
@@ -208,7 +226,8 @@ impl TransferFunction {
         self.at(Complex::new(0.0, w))
     }
 
-    /// The real part of numerator times conjugate denominator at the frequency w, as a polynomial in `x = w^2`: its sign is that of the real part.
+    /// The real part of numerator times conjugate denominator at the frequency w, as a polynomial
+    /// in `x = w^2`: its sign is that of the real part.
     #[must_use]
     pub fn real_part(&self) -> Polynomial {
         let (n_even, n_odd) = self.numerator.even_and_odd();
@@ -226,7 +245,9 @@ mod tests {
     use super::*;
 
     fn from_roots(roots: &[f64]) -> Polynomial {
-        roots.iter().fold(Polynomial::new(vec![1.0]), |p, root| p.times(&Polynomial::new(vec![-root, 1.0])))
+        roots
+            .iter()
+            .fold(Polynomial::new(vec![1.0]), |p, root| p.times(&Polynomial::new(vec![-root, 1.0])))
     }
 
     #[test]

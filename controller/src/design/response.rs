@@ -1,4 +1,5 @@
-//! Step response of a loop without friction, with the controller as it runs: discrete, and the drive integrated exactly between its samples.
+//! Step response of a loop without friction, with the controller as it runs: discrete, and the
+//! drive integrated exactly between its samples.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +13,8 @@ use crate::{ControllerError, Pid};
 pub struct StepDefinition {
     /// Fraction of the final value at which the rise begins; it ends at 1 minus that.
     pub rise_from: f64,
-    /// Half width of the band around the final value in which the response has settled, as a fraction of it.
+    /// Half width of the band around the final value in which the response has settled, as a
+    /// fraction of it.
     pub band: f64,
 }
 
@@ -60,7 +62,11 @@ pub struct StepFigures {
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for gains, a drive, a period or a length that cannot be.
-pub fn step_response(linear: &LinearLoop, dt: f64, seconds: f64) -> Result<StepResponse, ControllerError> {
+pub fn step_response(
+    linear: &LinearLoop,
+    dt: f64,
+    seconds: f64,
+) -> Result<StepResponse, ControllerError> {
     linear.check(dt)?;
     positive("seconds", seconds)?;
     let samples = (seconds / dt).ceil();
@@ -156,14 +162,19 @@ mod tests {
     }
 
     fn pid(k_d: f64, derivative_on: DerivativeOn) -> LoopLaw {
-        LoopLaw::Position { gains: PidGains { k_d, ..PidGains::THESIS }, derivative_on, filter: 0.0 }
+        LoopLaw::Position {
+            gains: PidGains { k_d, ..PidGains::THESIS },
+            derivative_on,
+            filter: 0.0,
+        }
     }
 
     fn close(value: f64, expected: f64, tolerance: f64) -> bool {
         (value - expected).abs() <= tolerance
     }
 
-    /// Expected of the printed lag: no overshoot, 10-90 % rise 0.0935 s, 2 % settling 0.280 s, error 0.0100058.
+    /// Expected of the printed lag: no overshoot, 10-90 % rise 0.0935 s, 2 % settling 0.280 s,
+    /// error 0.0100058.
     #[test]
     fn the_thesis_lag_steps_as_computed() {
         let law = LoopLaw::Velocity(VelocityLaw::Lag(LagGains::THESIS));
@@ -174,7 +185,8 @@ mod tests {
         assert!(close(found.steady_state_error, 0.010_005_8, 1e-7), "{found:?}");
     }
 
-    /// Expected of the printed PID with the derivative of the error: 11.19 %, rise 0.1425 s (5-95 %: 0.169), settling 1.282 s (5 %: 0.872).
+    /// Expected of the printed PID with the derivative of the error: 11.19 %, rise 0.1425 s (5-95
+    /// %: 0.169), settling 1.282 s (5 %: 0.872).
     #[test]
     fn the_thesis_pid_steps_as_computed() {
         let law = pid(0.0768, DerivativeOn::Error);
@@ -187,10 +199,12 @@ mod tests {
         assert!(close(five.settling_time.unwrap(), 0.872, 1e-3), "{five:?}");
     }
 
-    /// Expected with the derivative of the measurement: 12.77 %, 5-95 % rise 0.167 s, 5 % settling 0.936 s.
+    /// Expected with the derivative of the measurement: 12.77 %, 5-95 % rise 0.167 s, 5 % settling
+    /// 0.936 s.
     #[test]
     fn the_derivative_of_the_measurement_overshoots_more() {
-        let found = figures(pid(0.0768, DerivativeOn::Measurement), &StepDefinition::FIVE_PERCENT, 8.0);
+        let found =
+            figures(pid(0.0768, DerivativeOn::Measurement), &StepDefinition::FIVE_PERCENT, 8.0);
         assert!(close(100.0 * found.overshoot, 12.77, 0.013), "{found:?}");
         assert!(close(found.rise_time.unwrap(), 0.167, 5e-4), "{found:?}");
         assert!(close(found.settling_time.unwrap(), 0.936, 1e-3), "{found:?}");

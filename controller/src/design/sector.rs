@@ -1,13 +1,16 @@
 //! How much friction a linear loop is proven to stand.
 //!
-//! What is left of friction after its compensation, `F(w)`, is taken as any function of velocity, also one that changes with time, whose slope seen from zero lies
-//! in a sector: `a w^2 <= F w <= b w^2` [N m s/rad]. A negative slope is friction that falls with velocity (Stribeck) or is over-compensated. The linear loop
-//! is `H(s)` from a braking torque's opposite to velocity. The circle criterion (Zames 1966; Khalil, Nonlinear Systems, theorem 7.1) proves that the loop comes to rest if
-//! `(1 + b H) / (1 + a H)` is strictly positive real. Beyond that sector nothing is proven; beyond the range of constant slopes
-//! ([`stable_slopes`]) instability is.
+//! What is left of friction after its compensation, `F(w)`, is taken as any function of velocity,
+//! also one that changes with time, whose slope seen from zero lies in a sector:
+//! `a w^2 <= F w <= b w^2` [N m s/rad]. A negative slope is friction that falls with velocity
+//! (Stribeck) or is over-compensated. The linear loop is `H(s)` from a braking torque's opposite to
+//! velocity. The circle criterion (Zames 1966; Khalil, Nonlinear Systems, theorem 7.1) proves that
+//! the loop comes to rest if `(1 + b H) / (1 + a H)` is strictly positive real. Beyond that sector
+//! nothing is proven; beyond the range of constant slopes ([`stable_slopes`]) instability is.
 //!
-//! Coulomb friction fits into a sector without an upper end, since it jumps at zero. With an integrating position loop no such sector is ever
-//! proven, and such loops hunt. Over-compensated Coulomb friction, a jump of the wrong sign at zero, fits into no sector at all.
+//! Coulomb friction fits into a sector without an upper end, since it jumps at zero. With an
+//! integrating position loop no such sector is ever proven, and such loops hunt. Over-compensated
+//! Coulomb friction, a jump of the wrong sign at zero, fits into no sector at all.
 
 use super::theory::{PositiveRealness, positive_realness};
 use super::{LinearLoop, LoopLaw, Polynomial, TransferFunction};
@@ -26,16 +29,19 @@ pub enum UpperSlope {
 /// What is proven of a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectorMargin {
-    /// Lowest constant slope at which the linear loop is stable [N m s/rad]; minus infinity if there is none.
+    /// Lowest constant slope at which the linear loop is stable [N m s/rad]; minus infinity if
+    /// there is none.
     pub lowest_constant: f64,
-    /// Lowest slope `a` for which every friction in the sector from `a` upwards is proven stable [N m s/rad]; `None` if that is not even proven from the slope zero
-    /// upwards.
+    /// Lowest slope `a` for which every friction in the sector from `a` upwards is proven stable
+    /// [N m s/rad]; `None` if that is not even proven from the slope zero upwards.
     pub lowest_with_any_upper: Option<f64>,
-    /// Upper end of the sector from zero that is proven stable; `None` if the loop without friction is not.
+    /// Upper end of the sector from zero that is proven stable; `None` if the loop without friction
+    /// is not.
     pub upper_from_zero: Option<UpperSlope>,
 }
 
-/// `H(s)` from minus the friction torque [N m] to velocity [rad/s], with the loop closed; `volts_per_newton_metre` is `R_a / (A K_m)`.
+/// `H(s)` from minus the friction torque [N m] to velocity [rad/s], with the loop closed;
+/// `volts_per_newton_metre` is `R_a / (A K_m)`.
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for a factor that is not above zero.
@@ -73,7 +79,8 @@ pub fn is_proven(h: &TransferFunction, lower: f64, upper: UpperSlope) -> bool {
     }
 }
 
-/// The range of constant slopes around zero at which the loop is stable [N m s/rad]; `None` if it is not at zero.
+/// The range of constant slopes around zero at which the loop is stable [N m s/rad]; `None` if it
+/// is not at zero.
 #[must_use]
 pub fn stable_slopes(h: &TransferFunction) -> Option<(f64, f64)> {
     let stable = |slope: f64| h.denominator.plus(slope, &h.numerator).is_hurwitz();
@@ -143,7 +150,8 @@ mod tests {
         }
     }
 
-    /// Velocity after `seconds` from 1 rad/s under the friction `f(t, w)`, relative to the largest before; continuous PI or PD with integral, small steps.
+    /// Velocity after `seconds` from 1 rad/s under the friction `f(t, w)`, relative to the largest
+    /// before; continuous PI or PD with integral, small steps.
     fn decays(law: LoopLaw, f: impl Fn(f64, f64) -> f64, seconds: f64) -> bool {
         let LinearDrive { gain, time_constant } = LinearDrive::SRV02;
         let dt = 1e-5;
@@ -167,29 +175,39 @@ mod tests {
         w.abs() < 1e-3
     }
 
-    /// `Re 1/H = (1/K + K_p) / r` at every frequency under a PI: the circle criterion is tight, and the closed form is the bound.
+    /// `Re 1/H = (1/K + K_p) / r` at every frequency under a PI: the circle criterion is tight, and
+    /// the closed form is the bound.
     #[test]
     fn the_lowest_slope_under_a_pi_is_proven_up_to_where_simulation_diverges() {
         let (_, h) = h(pi());
         let margin = sector_margin(&h);
         let closed_form = -(1.0 / 1.863 + 1.0) / R;
-        assert!((margin.lowest_with_any_upper.unwrap() / closed_form - 1.0).abs() < 1e-6, "{margin:?}");
+        assert!(
+            (margin.lowest_with_any_upper.unwrap() / closed_form - 1.0).abs() < 1e-6,
+            "{margin:?}"
+        );
         assert!((margin.lowest_constant / closed_form - 1.0).abs() < 1e-6);
         assert_eq!(margin.upper_from_zero, Some(UpperSlope::Any));
         assert!(decays(pi(), |_, w| 0.98 * closed_form * w, 30.0));
         assert!(!decays(pi(), |_, w| 1.02 * closed_form * w, 30.0));
         // Any function in the sector, also one that changes with time.
-        let wild = |t: f64, w: f64| if (37.0 * t).sin() * w > 0.0 { 0.9 * closed_form * w } else { 0.5 * w };
+        let wild = |t: f64, w: f64| {
+            if (37.0 * t).sin() * w > 0.0 { 0.9 * closed_form * w } else { 0.5 * w }
+        };
         assert!(decays(pi(), wild, 30.0));
     }
 
-    /// The lag differs by the little that its pole leaves: `Re C` falls from `K_p / gamma` to `K_p`.
+    /// The lag differs by the little that its pole leaves: `Re C` falls from `K_p / gamma` to
+    /// `K_p`.
     #[test]
     fn the_thesis_lag_stands_friction_that_falls_by_up_to_0_42() {
         let (_, h) = h(LoopLaw::Velocity(VelocityLaw::Lag(LagGains::THESIS)));
         let margin = sector_margin(&h);
         let at_high_frequency = -(1.0 / 1.863 + 1.5136) / R;
-        assert!((margin.lowest_with_any_upper.unwrap() - at_high_frequency).abs() < 1e-6, "{margin:?}");
+        assert!(
+            (margin.lowest_with_any_upper.unwrap() - at_high_frequency).abs() < 1e-6,
+            "{margin:?}"
+        );
         // The linear loop goes unstable at a slope lower by T gamma / (r K T_i).
         let further = at_high_frequency - 0.02388 * 0.0285 / (R * 1.863 * 0.0909);
         assert!((margin.lowest_constant / further - 1.0).abs() < 1e-6, "{margin:?} {further}");
@@ -204,11 +222,14 @@ mod tests {
         assert!(margin.lowest_with_any_upper.is_none() && upper > 0.1, "{margin:?}");
         assert!(is_proven(&with, 0.0, UpperSlope::Finite(0.999 * upper)));
         assert!(!is_proven(&with, 0.0, UpperSlope::Finite(1.001 * upper)));
-        let changing = move |t: f64, w: f64| if (23.0 * t).sin() > 0.0 { 0.99 * upper * w } else { 0.0 };
+        let changing =
+            move |t: f64, w: f64| if (23.0 * t).sin() > 0.0 { 0.99 * upper * w } else { 0.0 };
         assert!(decays(pid(10.0), changing, 60.0));
         let (_, without) = h(pid(0.0));
         let lowest = -(1.0 / 1.863 + 0.0768) / R;
-        assert!((sector_margin(&without).lowest_with_any_upper.unwrap() / lowest - 1.0).abs() < 1e-6);
+        assert!(
+            (sector_margin(&without).lowest_with_any_upper.unwrap() / lowest - 1.0).abs() < 1e-6
+        );
     }
 
     /// The constant slope at which a PID loses its linear stability is where simulation says.

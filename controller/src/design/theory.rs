@@ -1,10 +1,14 @@
-//! Positive real transfer functions: what the thesis's theorems on observer-based compensation ask of the linear loop.
+//! Positive real transfer functions: what the thesis's theorems on observer-based compensation ask
+//! of the linear loop.
 //!
-//! Theorem 5.1 (velocity) asks that `G(s)` of eq. 5.48 is strictly positive real, and it is. Theorem 5.2 (position) asks that `G(s)` of eq. 5.67 is
-//! positive real, and with a PID it never is: `Re 1/G(jw) = K_p - J w^2`, so that `Re G < 0` above `sqrt(K_p / J)`, whatever the gains.
+//! Theorem 5.1 (velocity) asks that `G(s)` of eq. 5.48 is strictly positive real, and it is.
+//! Theorem 5.2 (position) asks that `G(s)` of eq. 5.67 is positive real, and with a PID it never
+//! is: `Re 1/G(jw) = K_p - J w^2`, so that `Re G < 0` above `sqrt(K_p / J)`, whatever the gains.
 //!
-//! The checks follow the definitions (Khalil, Nonlinear Systems, section 6.3): stable poles, and the real part on the imaginary axis. The latter has the sign
-//! of a polynomial in `w^2`, whose smallest value lies at zero, at infinity or at a root of its derivative; no frequency grid is involved.
+//! The checks follow the definitions (Khalil, Nonlinear Systems, section 6.3): stable poles, and
+//! the real part on the imaginary axis. The latter has the sign of a polynomial in `w^2`, whose
+//! smallest value lies at zero, at infinity or at a root of its derivative; no frequency grid is
+//! involved.
 
 use super::TransferFunction;
 use crate::error::positive;
@@ -24,7 +28,8 @@ pub enum PositiveRealness {
 /// Why a transfer function is not positive real.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Obstacle {
-    /// Degrees of numerator and denominator differ by more than 1, or a degree at infinity has the wrong sign.
+    /// Degrees of numerator and denominator differ by more than 1, or a degree at infinity has the
+    /// wrong sign.
     AtInfinity,
     /// A pole in the right half-plane, or on the imaginary axis where none may be.
     Pole {
@@ -38,7 +43,8 @@ pub enum Obstacle {
         /// Where it begins to be [rad/s].
         from: f64,
     },
-    /// Its poles could not be found: coefficients that are not finite, or no poles and zeros at all.
+    /// Its poles could not be found: coefficients that are not finite, or no poles and zeros at
+    /// all.
     NotANumber,
 }
 
@@ -51,7 +57,11 @@ impl std::fmt::Display for PositiveRealness {
                 f.write_str("not positive real: it falls or rises too fast at high frequencies")
             }
             Self::NotPositiveReal(Obstacle::Pole { real, imaginary }) => {
-                write!(f, "not positive real: it has a pole at {real:.4} +- {:.4} j rad/s", imaginary.abs())
+                write!(
+                    f,
+                    "not positive real: it has a pole at {real:.4} +- {:.4} j rad/s",
+                    imaginary.abs()
+                )
             }
             Self::NotPositiveReal(Obstacle::Negative { from }) => {
                 write!(f, "not positive real: its real part is negative from {from:.4} rad/s on")
@@ -66,7 +76,8 @@ impl std::fmt::Display for PositiveRealness {
 /// Relative size below which a value counts as zero: rounding of the coefficients.
 const ROUNDING: f64 = 1e-11;
 
-/// Whether `g`, whose numerator and denominator have no common root, is strictly positive real, positive real or neither.
+/// Whether `g`, whose numerator and denominator have no common root, is strictly positive real,
+/// positive real or neither.
 #[must_use]
 pub fn positive_realness(g: &TransferFunction) -> PositiveRealness {
     use PositiveRealness::{NotPositiveReal, PositiveReal, StrictlyPositiveReal};
@@ -86,7 +97,8 @@ pub fn positive_realness(g: &TransferFunction) -> PositiveRealness {
             continue;
         }
         stable = false;
-        // On the axis: simple, with a residue above zero. At a multiple pole the residue is not finite or not real.
+        // On the axis: simple, with a residue above zero. At a multiple pole the residue is not
+        // finite or not real.
         let residue = n.at_complex(pole) / slope.at_complex(pole);
         let on_axis = pole.re.abs() <= 1e-9 * pole.norm();
         if !(on_axis && residue.re > 0.0 && residue.im.abs() <= 1e-6 * residue.re) {
@@ -126,19 +138,22 @@ fn begins_negative(real: &super::Polynomial) -> f64 {
     (0..edges.len()).find(|&k| real.at(inside(k)) < 0.0).map_or(f64::NAN, |k| edges[k].sqrt())
 }
 
-/// `G(s)` of theorem 5.1: from the error of the friction estimate to the velocity error, for an inertia `J` [kg m^2] under a lag compensator whose output is a
-/// torque (thesis eq. 5.48).
+/// `G(s)` of theorem 5.1: from the error of the friction estimate to the velocity error, for an
+/// inertia `J` [kg m^2] under a lag compensator whose output is a torque (thesis eq. 5.48).
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for an inertia that is not above zero.
 pub fn velocity_theorem(inertia: f64, lag: LagGains) -> Result<TransferFunction, ControllerError> {
     positive("inertia", inertia)?;
     let LagGains { k_p, t_i, gamma } = lag;
-    Ok(TransferFunction::new(vec![gamma, t_i], vec![k_p, inertia * gamma + k_p * t_i, inertia * t_i]))
+    Ok(TransferFunction::new(
+        vec![gamma, t_i],
+        vec![k_p, inertia * gamma + k_p * t_i, inertia * t_i],
+    ))
 }
 
-/// `G(s)` of theorem 5.2: from the error of the friction estimate to the position error, for an inertia `J` [kg m^2] under a PID whose output is a torque (thesis
-/// eq. 5.67).
+/// `G(s)` of theorem 5.2: from the error of the friction estimate to the position error, for an
+/// inertia `J` [kg m^2] under a PID whose output is a torque (thesis eq. 5.67).
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for an inertia that is not above zero.
@@ -168,13 +183,17 @@ mod tests {
         assert_eq!(verdict(&[3.0, 1.0], &[2.0, 3.0, 1.0]), PositiveReal);
         assert_eq!(verdict(&[2.5, 1.0], &[2.0, 3.0, 1.0]), StrictlyPositiveReal);
         // Re = (8 - x) / |D|^2 for (s + 4) / ((s + 1)(s + 2)).
-        let NotPositiveReal(Obstacle::Negative { from }) = verdict(&[4.0, 1.0], &[2.0, 3.0, 1.0]) else {
+        let NotPositiveReal(Obstacle::Negative { from }) = verdict(&[4.0, 1.0], &[2.0, 3.0, 1.0])
+        else {
             panic!()
         };
         assert!((from - 8f64.sqrt()).abs() < 1e-9);
         assert_eq!(verdict(&[1.0], &[1.0, 1.0, 1.0]), NotPositiveReal(Obstacle::AtInfinity));
         assert!(matches!(verdict(&[1.0], &[-1.0, 1.0]), NotPositiveReal(Obstacle::Pole { .. })));
-        assert!(matches!(verdict(&[1.0, 1.0], &[0.0, 0.0, 1.0]), NotPositiveReal(Obstacle::Pole { .. })));
+        assert!(matches!(
+            verdict(&[1.0, 1.0], &[0.0, 0.0, 1.0]),
+            NotPositiveReal(Obstacle::Pole { .. })
+        ));
     }
 
     #[test]
@@ -196,7 +215,8 @@ mod tests {
             prop_assert_eq!(positive_realness(&g), StrictlyPositiveReal);
         }
 
-        /// The hypothesis of theorem 5.2 is false for every PID: the real part is negative above `sqrt(K_p / J)`, or the loop is not even stable.
+        /// The hypothesis of theorem 5.2 is false for every PID: the real part is negative above
+        /// `sqrt(K_p / J)`, or the loop is not even stable.
         #[test]
         fn the_hypothesis_of_theorem_5_2_fails_for_every_pid(
             k_p in 0.01f64..100.0, k_i in 0.0f64..100.0, k_d in -1.0f64..10.0, inertia in 1e-5f64..1.0,

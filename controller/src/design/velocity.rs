@@ -1,4 +1,5 @@
-//! The velocity loop: lag compensator and PI by the frequency response method (thesis section 6.2 and appendix A).
+//! The velocity loop: lag compensator and PI by the frequency response method (thesis section 6.2
+//! and appendix A).
 
 use serde::{Deserialize, Serialize};
 
@@ -17,12 +18,13 @@ pub struct VelocitySpecification {
 
 /// Lag compensator `K_p (T_i s + 1) / (T_i s + gamma)` by the frequency response method.
 ///
-/// The gain at zero frequency, `K_p / gamma = (1 - e) / (e K)`, leaves the error `e`; `K_p = 1 / |G(j w_c)|` puts the
-/// crossover at `w_c`; the lag's zero lies a decade below it, `T_i = 10 / w_c`, so that its phase hardly matters there.
+/// The gain at zero frequency, `K_p / gamma = (1 - e) / (e K)`, leaves the error `e`;
+/// `K_p = 1 / |G(j w_c)|` puts the crossover at `w_c`; the lag's zero lies a decade below it,
+/// `T_i = 10 / w_c`, so that its phase hardly matters there.
 ///
 /// # Errors
-/// [`ControllerError::OutOfRange`] for numbers that make no sense; [`ControllerError::Infeasible`] if the drive would need
-/// a lead instead (`gamma >= 1`).
+/// [`ControllerError::OutOfRange`] for numbers that make no sense; [`ControllerError::Infeasible`]
+/// if the drive would need a lead instead (`gamma >= 1`).
 pub fn lag_from_specification(
     drive: &LinearDrive,
     specification: &VelocitySpecification,
@@ -63,12 +65,12 @@ pub struct PiSpecification {
 
 /// PI `K_p + K_i / s` with the stated crossover and phase margin.
 ///
-/// The phase of the drive at the crossover leaves the PI `-180 + margin + atan(w T)`, which sets its zero,
-/// `T_i = tan(margin - 90 + atan(w T)) / w`; the gain then is 1 at `w`.
+/// The phase of the drive at the crossover leaves the PI `-180 + margin + atan(w T)`, which sets
+/// its zero, `T_i = tan(margin - 90 + atan(w T)) / w`; the gain then is 1 at `w`.
 ///
 /// # Errors
-/// [`ControllerError::OutOfRange`] for numbers that make no sense; [`ControllerError::Infeasible`] for a phase margin that no PI
-/// gives on this drive at this crossover.
+/// [`ControllerError::OutOfRange`] for numbers that make no sense; [`ControllerError::Infeasible`]
+/// for a phase margin that no PI gives on this drive at this crossover.
 pub fn pi_from_specification(
     drive: &LinearDrive,
     specification: &PiSpecification,
@@ -119,7 +121,8 @@ mod tests {
         assert!((k_p * 1.863 * 0.01 / 0.99 - LagGains::THESIS.gamma).abs() < 5e-5);
     }
 
-    /// Crossover and phase margin of the printed compensator on the printed drive (expected: 111.03 rad/s, 105.2 degrees).
+    /// Crossover and phase margin of the printed compensator on the printed drive (expected: 111.03
+    /// rad/s, 105.2 degrees).
     #[test]
     fn the_printed_lag_crosses_over_where_it_should() {
         let LagGains { k_p, t_i, gamma } = LagGains::THESIS;
@@ -134,7 +137,8 @@ mod tests {
             if open(middle) > 1.0 { low = middle } else { high = middle }
         }
         assert!((low - 111.03).abs() < 0.1, "{low}");
-        let phase = (low * t_i).atan() - (low * t_i).atan2(gamma) - (low * drive.time_constant).atan();
+        let phase =
+            (low * t_i).atan() - (low * t_i).atan2(gamma) - (low * drive.time_constant).atan();
         assert!((180.0 + phase.to_degrees() - 105.2).abs() < 0.1);
     }
 
@@ -143,26 +147,34 @@ mod tests {
     fn the_pi_crosses_over_where_it_was_asked_to() {
         let drive = LinearDrive::SRV02;
         for (w, margin) in [(50.0, 60.0), (110.0, 80.0), (300.0, 45.0)] {
-            let gains =
-                pi_from_specification(&drive, &PiSpecification { crossover: w, phase_margin: margin })
-                    .unwrap();
+            let gains = pi_from_specification(
+                &drive,
+                &PiSpecification { crossover: w, phase_margin: margin },
+            )
+            .unwrap();
             let law = crate::design::LoopLaw::Velocity(crate::VelocityLaw::Pi(gains));
             let open = crate::design::LinearLoop { drive, law }.open(w);
             assert!((open.norm() - 1.0).abs() < 1e-12);
             assert!((180.0 + open.arg().to_degrees() - margin).abs() < 1e-9);
         }
-        let error = pi_from_specification(&drive, &PiSpecification { crossover: 50.0, phase_margin: 20.0 })
-            .unwrap_err();
+        let error =
+            pi_from_specification(&drive, &PiSpecification { crossover: 50.0, phase_margin: 20.0 })
+                .unwrap_err();
         assert!(error.to_string().contains("between 39.9 and 129.9"), "{error}");
     }
 
     #[test]
     fn senseless_specifications_are_refused() {
         let drive = LinearDrive::SRV02;
-        for (steady_state_error, crossover) in [(0.0, 110.0), (1.5, 110.0), (0.01, -1.0), (f64::NAN, 110.0)] {
+        for (steady_state_error, crossover) in
+            [(0.0, 110.0), (1.5, 110.0), (0.01, -1.0), (f64::NAN, 110.0)]
+        {
             assert!(
-                lag_from_specification(&drive, &VelocitySpecification { steady_state_error, crossover })
-                    .is_err()
+                lag_from_specification(
+                    &drive,
+                    &VelocitySpecification { steady_state_error, crossover }
+                )
+                .is_err()
             );
         }
         let message = lag_from_specification(

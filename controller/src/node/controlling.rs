@@ -17,7 +17,8 @@ use msgs::{
     topics,
 };
 use ros_node::{
-    Gate, Logger, Participant, Passes, Publisher, RosNode, RosNodeError, SUBSCRIBERS_THAT_LAG, Stop,
+    Gate, Logger, Participant, Passes, Publisher, RosNode, RosNodeError, SUBSCRIBERS_THAT_LAG,
+    Stop,
     deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
     parameters::Parameters,
@@ -39,7 +40,8 @@ const WAITING: usize = 256;
 const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Said when orders come faster than cycles.
 const BUSY: &str = "too many requests at once; try again";
-/// Silence of the one that is listened to after which another may follow it: by then the loop begins anew.
+/// Silence of the one that is listened to after which another may follow it: by then the loop
+/// begins anew.
 const SILENCE: Duration = Duration::from_millis(500);
 /// Name of the joint that is looked for.
 const JOINT: &str = "load_shaft";
@@ -73,13 +75,15 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     Ok(())
 }
 
-/// What controls, apart from the node: it belongs to one thread, which calls it once a cycle and sends on what it says.
+/// What controls, apart from the node: it belongs to one thread, which calls it once a cycle and
+/// sends on what it says.
 pub struct Inner {
     /// The controller.
     pub control: Control,
     /// The way to the publisher. With its end the publisher ends.
     pub out: Sender<Decided>,
-    /// The way of references to the controller: [`follow`](ManagedController::follow) takes it where they come over `/reference`.
+    /// The way of references to the controller: [`follow`](ManagedController::follow) takes it
+    /// where they come over `/reference`.
     pub references: Sender<(Reference, Instant)>,
 }
 
@@ -97,12 +101,15 @@ pub struct ManagedController {
 }
 
 impl ManagedController {
-    /// Joins the participant, unconfigured and without any joint states: whoever holds the other part decides where they come from.
-    /// `base` has the options that are no parameters.
+    /// Joins the participant, unconfigured and without any joint states: whoever holds the other
+    /// part decides where they come from. `base` has the options that are no parameters.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
-    pub fn new(participant: &Participant, base: &ControllerOptions) -> Result<(Self, Inner), RosNodeError> {
+    pub fn new(
+        participant: &Participant,
+        base: &ControllerOptions,
+    ) -> Result<(Self, Inner), RosNodeError> {
         let node = participant.node("controller")?;
         let cannot_be =
             |reason: String| RosNodeError::Parameters { node: node.identity().qualified(), reason };
@@ -112,14 +119,21 @@ impl ManagedController {
         let gates = Gates::new(&node)?;
         let references_gate = gates.references.clone();
         let (judged, to_thread, base) = (Arc::clone(&first), Arc::clone(&orders), *base);
-        let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
-            let settings = ControlSettings::read_upon(values, &base)?;
-            *locked(&judged) = Some(settings);
-            references_gate.hand_over_after(Duration::from_secs_f64(settings.reference_timeout));
-            if locked(&to_thread).send(Order::Settings(settings)) { Ok(()) } else { Err(BUSY.to_owned()) }
-        })?;
+        let parameters =
+            Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
+                let settings = ControlSettings::read_upon(values, &base)?;
+                *locked(&judged) = Some(settings);
+                references_gate
+                    .hand_over_after(Duration::from_secs_f64(settings.reference_timeout));
+                if locked(&to_thread).send(Order::Settings(settings)) {
+                    Ok(())
+                } else {
+                    Err(BUSY.to_owned())
+                }
+            })?;
         let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;
-        let controller = Controller::new(settings.options).map_err(|error| cannot_be(error.to_string()))?;
+        let controller =
+            Controller::new(settings.options).map_err(|error| cannot_be(error.to_string()))?;
         let counts = Arc::new(Counts::default());
         let published = Waker::default();
         let (out, for_publisher) = queue(WAITING, &published);
@@ -157,7 +171,8 @@ impl ManagedController {
         Ok((this, Inner { control, out, references }))
     }
 
-    /// Takes references from `/reference`: of one writer, until it is silent for `reference_timeout` or has left.
+    /// Takes references from `/reference`: of one writer, until it is silent for
+    /// `reference_timeout` or has left.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses.
@@ -179,7 +194,8 @@ impl ManagedController {
         })
     }
 
-    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it is not active, if it is not.
+    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it
+    /// is not active, if it is not.
     pub fn start(&self) {
         if self.autostart && self.lifecycle.request(Requested::Configure).is_ok() {
             let _ = self.lifecycle.request(Requested::Activate);
@@ -273,13 +289,15 @@ impl Counts {
         let unusable = self.unusable.load(Ordering::Relaxed);
         let untimely = self.untimely.load(Ordering::Relaxed);
         let reports: Vec<_> = locked(&self.gates).iter().map(Gate::report).collect();
-        let stranger = node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
+        let stranger =
+            node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
         let (level, message) = if let Some(stranger) = stranger {
             (DiagnosticStatus::ERROR, stranger)
         } else if self.faulty.load(Ordering::Relaxed) {
             (
                 DiagnosticStatus::ERROR,
-                "zero volts: the joint states are no numbers; mend them, then call ~/reset".to_owned(),
+                "zero volts: the joint states are no numbers; mend them, then call ~/reset"
+                    .to_owned(),
             )
         } else if self.stale.load(Ordering::Relaxed) {
             (DiagnosticStatus::WARN, format!("{phase}; no reference comes"))
@@ -325,7 +343,8 @@ fn listen(
     let (mut frictions, for_frictions) = queue(WAITING, waker);
     let unusable = counts.complainer(node);
     let gate = counts.watched(&gates.joints);
-    let (mut forwards, counted, logger) = (Forwards::default(), Arc::clone(counts), node.logger().clone());
+    let (mut forwards, counted, logger) =
+        (Forwards::default(), Arc::clone(counts), node.logger().clone());
     node.subscribe_from(&topics::JOINT_STATES, move |message, sent| {
         let index = plausible::index_of(JOINT, &message.name);
         let of_joint = |values: &[f64]| index.and_then(|index| values.get(index).copied());
@@ -338,7 +357,8 @@ fn listen(
             unusable("a joint state is beyond what a shaft does");
             return;
         }
-        // Of another joint, or of no shaft: such a publisher is none of ours. Of the others one counts.
+        // Of another joint, or of no shaft: such a publisher is none of ours. Of the others one
+        // counts.
         match gate.hear(sent.writer) {
             Passes::Yes { first: true } => forwards.reset(),
             Passes::Yes { first: false } => {}
@@ -360,10 +380,17 @@ fn listen(
         if !message.torque.is_finite() {
             unusable("a friction estimate is no number");
         } else if gate.hear(sent.writer) != Passes::No {
-            frictions.send(Friction { stamp_ns: message.header.stamp.to_nanos(), torque: message.torque });
+            frictions.send(Friction {
+                stamp_ns: message.header.stamp.to_nanos(),
+                torque: message.torque,
+            });
         }
     })?;
-    Ok(Inputs { joints: for_joints, frictions: for_frictions, strange: Arc::clone(&counts.strange) })
+    Ok(Inputs {
+        joints: for_joints,
+        frictions: for_frictions,
+        strange: Arc::clone(&counts.strange),
+    })
 }
 
 /// Publishes commands until the queue's other end is gone.
@@ -400,8 +427,9 @@ fn publish(
         if let Some(fault) = fault
             && !counts.faulty.swap(true, Ordering::Relaxed)
         {
-            logger
-                .error(&format!("zero volts from now on: {fault}; mend the joint states, then call ~/reset"));
+            logger.error(&format!(
+                "zero volts from now on: {fault}; mend the joint states, then call ~/reset"
+            ));
         } else if fault.is_none() {
             counts.faulty.store(false, Ordering::Relaxed);
         }

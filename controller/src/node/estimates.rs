@@ -9,7 +9,8 @@ use super::step::Friction;
 /// Estimates that wait for their joint state at most: the two come on different ways.
 const WAITING: usize = 64;
 
-/// Keeps the newest estimate that answers a joint state which was seen. What answers none does not count. It neither locks nor allocates.
+/// Keeps the newest estimate that answers a joint state which was seen. What answers none does not
+/// count. It neither locks nor allocates.
 #[derive(Debug)]
 pub(super) struct Estimates {
     seen: Given,

@@ -7,18 +7,25 @@ use ros_node::{ParameterValue, parameters::ParameterStore};
 use super::{declarations, parameters::ControlSettings};
 use crate::{ControlMode, ControllerOptions, DerivativeOn, DitherShape, PlantInverse, VelocityLaw};
 
-/// The parameters that make the node control with `options`: what a program sets that wants the node to do what it would do itself. The period is left out, which cannot be
-/// set while the node runs.
+/// The parameters that make the node control with `options`: what a program sets that wants the
+/// node to do what it would do itself. The period is left out, which cannot be set while the node
+/// runs.
 ///
 /// # Errors
-/// A sentence if no parameters say it: acceleration feedback, impulses and another guard than the usual one are no parameters.
-pub fn parameters_of(options: &ControllerOptions) -> Result<BTreeMap<String, ParameterValue>, String> {
+/// A sentence if no parameters say it: acceleration feedback, impulses and another guard than the
+/// usual one are no parameters.
+pub fn parameters_of(
+    options: &ControllerOptions,
+) -> Result<BTreeMap<String, ParameterValue>, String> {
     let mut said = BTreeMap::new();
     let mut text = |name: &str, value: &str| {
         said.insert(name.to_owned(), ParameterValue::String(value.to_owned()));
     };
     text("mode", if options.mode == ControlMode::Position { "position" } else { "velocity" });
-    text("derivative_on", if options.derivative_on == DerivativeOn::Error { "error" } else { "measurement" });
+    text(
+        "derivative_on",
+        if options.derivative_on == DerivativeOn::Error { "error" } else { "measurement" },
+    );
     let (law, gains) = match options.velocity {
         VelocityLaw::Lag(lag) => {
             ("lag", vec![("lag.k_p", lag.k_p), ("lag.t_i", lag.t_i), ("lag.gamma", lag.gamma)])
@@ -54,11 +61,15 @@ pub fn parameters_of(options: &ControllerOptions) -> Result<BTreeMap<String, Par
     for (name, value) in doubles.into_iter().chain(gains).chain(dither).chain(drive.flatten()) {
         said.insert(name.to_owned(), ParameterValue::Double(value));
     }
-    for (name, value) in [("compensation", options.compensation.enabled), ("guard", options.guard.is_some())]
+    for (name, value) in
+        [("compensation", options.compensation.enabled), ("guard", options.guard.is_some())]
     {
         said.insert(name.to_owned(), ParameterValue::Boolean(value));
     }
-    said.insert("tolerated_cycles".to_owned(), ParameterValue::Integer(i64::from(options.tolerated_cycles)));
+    said.insert(
+        "tolerated_cycles".to_owned(),
+        ParameterValue::Integer(i64::from(options.tolerated_cycles)),
+    );
 
     // Read as the node will read them, they must come to the same.
     let store = ParameterStore::new(declarations(&[]), &said, Box::new(|_, _| Ok(())))
@@ -87,8 +98,16 @@ mod tests {
         let usual = ControllerOptions::default();
         for options in [
             usual,
-            ControllerOptions { mode: ControlMode::Position, voltage_limit: 3.0, fade: 0.0, ..usual },
-            ControllerOptions { velocity: VelocityLaw::Pi(PiGains { k_p: 1.5, k_i: 12.0 }), ..usual },
+            ControllerOptions {
+                mode: ControlMode::Position,
+                voltage_limit: 3.0,
+                fade: 0.0,
+                ..usual
+            },
+            ControllerOptions {
+                velocity: VelocityLaw::Pi(PiGains { k_p: 1.5, k_i: 12.0 }),
+                ..usual
+            },
             ControllerOptions {
                 pid: PidGains { k_p: 9.0, k_i: 1.0, k_d: 0.2 },
                 derivative_on: DerivativeOn::Error,
@@ -98,7 +117,11 @@ mod tests {
             ControllerOptions { inverse: PlantInverse::Whole(LinearDrive::SRV02), ..usual },
             ControllerOptions {
                 inverse: PlantInverse::Gain(LinearDrive { gain: 2.0, time_constant: 0.03 }),
-                dither: Some(Dither { shape: DitherShape::Square, amplitude: 0.4, frequency: 90.0 }),
+                dither: Some(Dither {
+                    shape: DitherShape::Square,
+                    amplitude: 0.4,
+                    frequency: 90.0,
+                }),
                 ..usual
             },
         ] {
@@ -109,7 +132,8 @@ mod tests {
     #[test]
     fn what_no_parameter_says_is_refused_by_name() {
         let impulse = Some(crate::Impulse { height: 1.0, width: 0.01, period: 0.1 });
-        let said = parameters_of(&ControllerOptions { impulse, ..ControllerOptions::default() }).unwrap_err();
+        let said = parameters_of(&ControllerOptions { impulse, ..ControllerOptions::default() })
+            .unwrap_err();
         assert!(said.contains("impulses"), "{said}");
     }
 }

@@ -1,4 +1,5 @@
-//! What comes over the network and may not move the motor: each row of [`ros_node::hostile`] that is the controller's, given to what it passes on its way.
+//! What comes over the network and may not move the motor: each row of [`ros_node::hostile`] that
+//! is the controller's, given to what it passes on its way.
 
 use ros_node::{
     hostile::{self, Effect},
@@ -52,7 +53,11 @@ fn effect(input: &str) -> Effect {
         "a joint state of another joint" => {
             let names = ["elbow".to_owned()];
             assert_eq!(plausible::index_of("load_shaft", &names), None);
-            assert_eq!(plausible::index_of("load_shaft", &[]), Some(0), "without names the first is meant");
+            assert_eq!(
+                plausible::index_of("load_shaft", &[]),
+                Some(0),
+                "without names the first is meant"
+            );
             Effect::Dropped
         }
         "a joint state beyond what a shaft does" => {
@@ -63,7 +68,8 @@ fn effect(input: &str) -> Effect {
             let mut controller = Controller::new(ControllerOptions::default()).unwrap();
             let moving = Reference { velocity: 3.0, ..Reference::default() };
             for _ in 0..1000 {
-                let seen = Feedback { position: f64::NAN, velocity: f64::NAN, friction: 0.0, cycle: None };
+                let seen =
+                    Feedback { position: f64::NAN, velocity: f64::NAN, friction: 0.0, cycle: None };
                 assert_eq!(controller.step(&moving, &seen).total, 0.0);
             }
             Effect::Rests
@@ -84,7 +90,10 @@ fn effect(input: &str) -> Effect {
         }
         "a reference that is no number, or beyond what a shaft does" => {
             for x in BAD {
-                assert!(!plausible::is_reference(&Reference { velocity: x, ..Reference::default() }));
+                assert!(!plausible::is_reference(&Reference {
+                    velocity: x,
+                    ..Reference::default()
+                }));
             }
             Effect::Dropped
         }

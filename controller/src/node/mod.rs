@@ -1,7 +1,9 @@
 //! The controller as a ROS 2 node.
 //!
-//! - [`run`]: the executable `controller`, a managed node that gives one command for each joint state ([`step`]);
-//! - [`ManagedController`] and [`Inner`]: the same node taken apart, for a process whose control thread gives the commands itself.
+//! - [`run`]: the executable `controller`, a managed node that gives one command for each joint
+//!   state ([`step`]);
+//! - [`ManagedController`] and [`Inner`]: the same node taken apart, for a process whose control
+//!   thread gives the commands itself.
 
 mod controlling;
 mod estimates;

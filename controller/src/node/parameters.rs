@@ -13,7 +13,8 @@ const NON_NEGATIVE: ValueRange = ValueRange::Double(0.0, f64::MAX);
 /// Highest voltage limit of any rig [V]: the end of extra-low direct voltage, as the driver has it.
 const HIGHEST_VOLTAGE: f64 = 60.0;
 
-/// Every parameter of the node. Of the velocity laws, the one that the command line gives gains to is the default.
+/// Every parameter of the node. Of the velocity laws, the one that the command line gives gains to
+/// is the default.
 #[must_use]
 pub fn declarations(given: &[String]) -> Vec<Declaration> {
     let options = ControllerOptions::default();
@@ -24,14 +25,25 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
         Declaration::double(name, default, description).range(range)
     };
     vec![
-        Declaration::text("mode", "velocity", "What is regulated").choices(["velocity", "position"]),
+        Declaration::text("mode", "velocity", "What is regulated")
+            .choices(["velocity", "position"]),
         Declaration::text("velocity_law", law, "Linear law of velocity").choices(["lag", "pi"]),
         double("lag.k_p", lag.k_p, POSITIVE, "Gain K_p of the lag compensator [V s/rad]"),
         double("lag.t_i", lag.t_i, POSITIVE, "Time constant T_i of the lag compensator [s]"),
-        double("lag.gamma", lag.gamma, ValueRange::Double(0.0, 1.0), "Ratio gamma of the lag compensator"),
+        double(
+            "lag.gamma",
+            lag.gamma,
+            ValueRange::Double(0.0, 1.0),
+            "Ratio gamma of the lag compensator",
+        ),
         double("pi.k_p", lag.k_p, POSITIVE, "Proportional gain K_p of the PI [V s/rad]"),
         double("pi.k_i", lag.k_p / lag.t_i, NON_NEGATIVE, "Integral gain K_i of the PI [V/rad]"),
-        double("pid.k_p", pid.k_p, NON_NEGATIVE, "Proportional gain K_p of the PID of position [V/rad]"),
+        double(
+            "pid.k_p",
+            pid.k_p,
+            NON_NEGATIVE,
+            "Proportional gain K_p of the PID of position [V/rad]",
+        ),
         double("pid.k_i", pid.k_i, NON_NEGATIVE, "Integral gain K_i of the PID [V/(rad s)]"),
         double("pid.k_d", pid.k_d, ValueRange::Any, "Derivative gain K_d of the PID [V s/rad]"),
         Declaration::text("derivative_on", "measurement", "What the PID differentiates")
@@ -74,7 +86,8 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
             "Voltage that overcomes 1 N m of friction [V/(N m)]",
         ),
         Declaration::boolean("guard", true, "Whether compensation that hunts is scaled back"),
-        Declaration::text("dither.shape", "sine", "Shape of the dither").choices(["sine", "square"]),
+        Declaration::text("dither.shape", "sine", "Shape of the dither")
+            .choices(["sine", "square"]),
         double("dither.amplitude", 0.0, NON_NEGATIVE, "Amplitude of the dither [V]; 0 for none"),
         double("dither.frequency", 50.0, POSITIVE, "Frequency of the dither [Hz]"),
         double(
@@ -119,9 +132,15 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
             ValueRange::Double(0.0, 0.01),
             "Longest wait for the estimate that belongs to a joint state [s]",
         ),
-        double("period", options.period, ValueRange::Double(1e-4, 0.01), "Period of the joint states [s]")
+        double(
+            "period",
+            options.period,
+            ValueRange::Double(1e-4, 0.01),
+            "Period of the joint states [s]",
+        )
+        .read_only(),
+        Declaration::boolean("autostart", true, "Configure and activate when the program starts")
             .read_only(),
-        Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
     ]
 }
 
@@ -163,9 +182,10 @@ impl ControlSettings {
             },
             period: values.double("period"),
             velocity: match values.text("velocity_law") {
-                "pi" => {
-                    VelocityLaw::Pi(PiGains { k_p: values.double("pi.k_p"), k_i: values.double("pi.k_i") })
-                }
+                "pi" => VelocityLaw::Pi(PiGains {
+                    k_p: values.double("pi.k_p"),
+                    k_i: values.double("pi.k_i"),
+                }),
                 _ => VelocityLaw::Lag(LagGains {
                     k_p: values.double("lag.k_p"),
                     t_i: values.double("lag.t_i"),
@@ -230,13 +250,21 @@ mod tests {
     #[test]
     fn the_defaults_are_those_of_the_controller() {
         let store =
-            ParameterStore::new(declarations(&[]), &BTreeMap::new(), Box::new(|_, _| Ok(()))).unwrap();
-        assert_eq!(ControlSettings::read(store.values()).unwrap().options, ControllerOptions::default());
+            ParameterStore::new(declarations(&[]), &BTreeMap::new(), Box::new(|_, _| Ok(())))
+                .unwrap();
+        assert_eq!(
+            ControlSettings::read(store.values()).unwrap().options,
+            ControllerOptions::default()
+        );
         let given = ["pi.k_p".to_owned()];
         let store =
-            ParameterStore::new(declarations(&given), &BTreeMap::new(), Box::new(|_, _| Ok(()))).unwrap();
+            ParameterStore::new(declarations(&given), &BTreeMap::new(), Box::new(|_, _| Ok(())))
+                .unwrap();
         let options = ControlSettings::read(store.values()).unwrap().options;
-        assert!(matches!(options.velocity, VelocityLaw::Pi(_)), "gains of a PI in the file mean a PI");
+        assert!(
+            matches!(options.velocity, VelocityLaw::Pi(_)),
+            "gains of a PI in the file mean a PI"
+        );
     }
 
     /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
@@ -247,7 +275,8 @@ mod tests {
         for page in ["../docs/ros.md", "../README.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let from =
+                text.find(begin).expect("the page marks where the table begins") + begin.len();
             let to = text.find(end).expect("the page marks where the table ends");
             if std::env::var_os("UPDATE_DOCS").is_some() {
                 text.replace_range(from..to, &made);

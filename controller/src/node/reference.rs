@@ -16,22 +16,28 @@ pub(super) struct ReferenceKeeper {
 }
 
 impl ReferenceKeeper {
-    /// Stands still at `position` [rad] until the first reference; without [limits](Self::limit) each is stale at once.
+    /// Stands still at `position` [rad] until the first reference; without [limits](Self::limit)
+    /// each is stale at once.
     pub(super) fn new(position: f64) -> Self {
         let now = Reference { position, ..Reference::default() };
         Self { timeout: 0.0, deceleration: 0.0, fastest: 0.0, now, age: f64::INFINITY }
     }
 
-    /// Limits from now on: the age at which a reference is stale [s], how fast its velocity goes to zero then [rad/s^2], and from which velocity at most
-    /// [rad/s].
+    /// Limits from now on: the age at which a reference is stale [s], how fast its velocity goes to
+    /// zero then [rad/s^2], and from which velocity at most [rad/s].
     pub(super) fn limit(&mut self, timeout: f64, deceleration: f64, fastest: f64) {
         (self.timeout, self.deceleration, self.fastest) = (timeout, deceleration, fastest);
     }
 
-    /// Takes a reference that came `age` [s] ago. One that is not finite, or stale already, counts as not come.
+    /// Takes a reference that came `age` [s] ago. One that is not finite, or stale already, counts
+    /// as not come.
     pub(super) fn take(&mut self, reference: Reference, age: f64) {
         let Reference { position, velocity, acceleration } = reference;
-        if position.is_finite() && velocity.is_finite() && acceleration.is_finite() && age <= self.timeout {
+        if position.is_finite()
+            && velocity.is_finite()
+            && acceleration.is_finite()
+            && age <= self.timeout
+        {
             (self.now, self.age) = (reference, age);
         }
     }
@@ -75,7 +81,10 @@ mod tests {
         let mut keeper = keeper(0.0);
         keeper.take(Reference { velocity: 100.0, ..Reference::default() }, 0.0);
         let stops = (0..).position(|_| keeper.next(1e-3).velocity == 0.0).unwrap();
-        assert!((5490..=5510).contains(&stops), "{stops} cycles: 0.5 s until it is stale, 5 s from 10 rad/s");
+        assert!(
+            (5490..=5510).contains(&stops),
+            "{stops} cycles: 0.5 s until it is stale, 5 s from 10 rad/s"
+        );
     }
 
     #[test]
@@ -83,15 +92,17 @@ mod tests {
         let mut keeper = keeper(0.0);
         keeper.take(Reference { position: 1.0, velocity: 1.0, acceleration: 0.0 }, 0.0);
         for _ in 0..499 {
-            assert_eq!(keeper.next(1e-3), Reference { position: 1.0, velocity: 1.0, acceleration: 0.0 });
+            assert_eq!(
+                keeper.next(1e-3),
+                Reference { position: 1.0, velocity: 1.0, acceleration: 0.0 }
+            );
         }
         assert!(!keeper.is_stale());
         let ramp: Vec<_> = (0..700).map(|_| keeper.next(1e-3)).collect();
         assert!(keeper.is_stale());
         assert!(
-            ramp.windows(2)
-                .all(|pair| (pair[0].velocity - pair[1].velocity - 2e-3).abs() < 1e-9
-                    || pair[1].velocity == 0.0)
+            ramp.windows(2).all(|pair| (pair[0].velocity - pair[1].velocity - 2e-3).abs() < 1e-9
+                || pair[1].velocity == 0.0)
         );
         let last = ramp[ramp.len() - 1];
         assert_eq!((last.velocity, last.acceleration), (0.0, 0.0));
@@ -105,7 +116,10 @@ mod tests {
     fn before_the_first_reference_it_stands_where_it_is() {
         let mut keeper = keeper(0.7);
         keeper.take(Reference { velocity: f64::NAN, ..Reference::default() }, 0.0);
-        assert_eq!(keeper.next(1e-3), Reference { position: 0.7, velocity: 0.0, acceleration: 0.0 });
+        assert_eq!(
+            keeper.next(1e-3),
+            Reference { position: 0.7, velocity: 0.0, acceleration: 0.0 }
+        );
     }
 
     #[test]

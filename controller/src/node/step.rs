@@ -1,4 +1,5 @@
-//! One command for each joint state, and the thread that gives them. While it runs it locks, allocates and publishes nothing.
+//! One command for each joint state, and the thread that gives them. While it runs it locks,
+//! allocates and publishes nothing.
 
 use std::{
     sync::{
@@ -13,9 +14,11 @@ use ros_node::queue::{Receiver, Sender, Waker};
 use super::{estimates::Estimates, parameters::ControlSettings, reference::ReferenceKeeper};
 use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedback, Reference};
 
-/// Time without joint states after which the loop begins anew [s]: the rig driver takes that of commands for a fault.
+/// Time without joint states after which the loop begins anew [s]: the rig driver takes that of
+/// commands for a fault.
 const SILENCE: f64 = 0.5;
-/// A joint state that is older than the one before by that much is of a driver that was started anew, by another clock [ns].
+/// A joint state that is older than the one before by that much is of a driver that was started
+/// anew, by another clock [ns].
 const RESTARTED: u64 = 1_000_000_000;
 
 /// One joint state.
@@ -42,7 +45,10 @@ pub struct Friction {
 
 /// What people ask of it, taken at the beginning of a cycle.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "settings travel in place: taking them allocates nothing")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "settings travel in place: taking them allocates nothing"
+)]
 pub(super) enum Order {
     Settings(ControlSettings),
     Reset,
@@ -72,7 +78,8 @@ pub struct Decided {
     pub fresh_estimate: bool,
 }
 
-/// The controller of the running node: settings, resets, the lifecycle and references reach it by queues, which it empties between two cycles.
+/// The controller of the running node: settings, resets, the lifecycle and references reach it by
+/// queues, which it empties between two cycles.
 pub struct Control {
     settings: ControlSettings,
     controller: Controller,
@@ -120,10 +127,16 @@ impl Control {
                 }
                 Order::Settings(new) => {
                     // It was built once by the one who sent it: it cannot fail.
-                    if new.options == self.settings.options || self.controller.change(new.options).is_ok() {
+                    if new.options == self.settings.options
+                        || self.controller.change(new.options).is_ok()
+                    {
                         self.settings = new;
                         if let Some(keeper) = &mut self.keeper {
-                            keeper.limit(new.reference_timeout, new.reference_deceleration, new.fastest);
+                            keeper.limit(
+                                new.reference_timeout,
+                                new.reference_deceleration,
+                                new.fastest,
+                            );
                         }
                     }
                 }
@@ -133,7 +146,8 @@ impl Control {
         self.newest_reference = self.references.take_last().or(self.newest_reference.take());
     }
 
-    /// Back to rest, unless a fault is latched: the shaft may be elsewhere, and what was asked for before is old.
+    /// Back to rest, unless a fault is latched: the shaft may be elsewhere, and what was asked for
+    /// before is old.
     fn begin_anew(&mut self) {
         self.keeper = None;
         if !self.faulted {
@@ -159,12 +173,17 @@ impl Control {
         self.settings.options.mode
     }
 
-    /// The reference for a cycle: the newest that came, or what stands in for it. `position` [rad] is where the axis stands without any.
+    /// The reference for a cycle: the newest that came, or what stands in for it. `position` [rad]
+    /// is where the axis stands without any.
     pub fn next_reference(&mut self, position: f64) -> Reference {
         let settings = &self.settings;
         let keeper = self.keeper.get_or_insert_with(|| {
             let mut keeper = ReferenceKeeper::new(position);
-            keeper.limit(settings.reference_timeout, settings.reference_deceleration, settings.fastest);
+            keeper.limit(
+                settings.reference_timeout,
+                settings.reference_deceleration,
+                settings.fastest,
+            );
             keeper
         });
         if let Some((reference, came)) = self.newest_reference.take() {
@@ -173,17 +192,25 @@ impl Control {
         keeper.next(settings.options.period)
     }
 
-    /// The command for a joint state; none while the node is not active. `friction` is the newest estimate.
-    pub fn step(&mut self, joint: &Joint, reference: &Reference, friction: &Friction) -> Option<Decided> {
+    /// The command for a joint state; none while the node is not active. `friction` is the newest
+    /// estimate.
+    pub fn step(
+        &mut self,
+        joint: &Joint,
+        reference: &Reference,
+        friction: &Friction,
+    ) -> Option<Decided> {
         if !self.runs {
             return None;
         }
         let Compensation { volts_per_newton_metre, .. } = self.settings.options.compensation;
         // One from the future belongs to another clock.
         let age = joint.stamp_ns.abs_diff(friction.stamp_ns) as f64 * 1e-9;
-        // More than the motor can overcome is no friction that it could compensate: it would be full voltage.
+        // More than the motor can overcome is no friction that it could compensate: it would be
+        // full voltage.
         let volts = friction.torque.abs() * volts_per_newton_metre;
-        let counts = age <= self.settings.estimate_timeout && volts <= self.settings.options.voltage_limit;
+        let counts =
+            age <= self.settings.estimate_timeout && volts <= self.settings.options.voltage_limit;
         let feedback = Feedback {
             position: joint.position,
             velocity: joint.velocity,
@@ -236,7 +263,9 @@ pub(super) fn control(mut control: Control, mut inputs: Inputs, mut out: Sender<
             continue;
         };
         // A joint state that comes twice, or late, is no news.
-        if !control.runs() || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < RESTARTED {
+        if !control.runs()
+            || joint.stamp_ns <= last_stamp && last_stamp - joint.stamp_ns < RESTARTED
+        {
             pending = None;
             last_stamp = last_stamp.max(joint.stamp_ns);
             continue;

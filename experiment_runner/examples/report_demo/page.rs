@@ -5,8 +5,8 @@ use experiment_runner::report::figure::{
 };
 use friction_model::ModelName;
 
-/// Parameters of the thesis's test bed: static and kinetic friction [N m], Stribeck velocity [rad/s],
-/// viscous friction [N m s/rad].
+/// Parameters of the thesis's test bed: static and kinetic friction [N m], Stribeck velocity
+/// [rad/s], viscous friction [N m s/rad].
 const F_S: f64 = 0.0994;
 const F_C: f64 = 0.0925;
 const V_S: f64 = 0.1407;
@@ -53,8 +53,10 @@ pub fn demonstration() -> Page {
 
 /// Noise without a dependency: -1..1, the same every time.
 fn noise(seed: usize) -> f64 {
-    let bits =
-        (seed as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let bits = (seed as u64)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .rotate_left(31)
+        .wrapping_mul(0xbf58_476d_1ce4_e5b9);
     (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
@@ -118,18 +120,25 @@ fn tracking() -> Figure {
     let t: Vec<f64> = (0..15_000).map(|k| 1e-3 * k as f64).collect();
     let reference = |t: f64| 1.0 - 0.95 * (2.0 * t).cos();
     let response = |t: f64| reference(t - 0.02) - 0.01 * (8.0 * t).sin();
-    let line = |name: &str, style, y: Vec<f64>| Trace::Line { name: name.into(), x: t.clone(), y, style };
-    let each =
-        |f: &dyn Fn(usize, f64) -> f64| t.iter().enumerate().map(|(k, &t)| f(k, t)).collect::<Vec<_>>();
+    let line =
+        |name: &str, style, y: Vec<f64>| Trace::Line { name: name.into(), x: t.clone(), y, style };
+    let each = |f: &dyn Fn(usize, f64) -> f64| {
+        t.iter().enumerate().map(|(k, &t)| f(k, t)).collect::<Vec<_>>()
+    };
     Figure {
         title: "Velocity tracking, without and with compensation".into(),
-        caption: "The sensor was off between 6 and 7 s, and a single sample near 10 s is a spike.".into(),
+        caption: "The sensor was off between 6 and 7 s, and a single sample near 10 s is a spike."
+            .into(),
         x_label: "time [s]".into(),
         panels: vec![
             Panel {
                 y_label: "velocity [rad/s]".into(),
                 traces: vec![
-                    line("measured velocity", LineStyle::Faint, each(&|k, t| response(t) + 0.05 * noise(k))),
+                    line(
+                        "measured velocity",
+                        LineStyle::Faint,
+                        each(&|k, t| response(t) + 0.05 * noise(k)),
+                    ),
                     line("response", LineStyle::Solid, each(&|_, t| response(t))),
                     line("reference", LineStyle::Dashed, each(&|_, t| reference(t))),
                 ],
@@ -138,8 +147,16 @@ fn tracking() -> Figure {
                 y_label: "error [rad/s]".into(),
                 traces: vec![
                     line("none", LineStyle::Solid, each(&|_, t| reference(t) - response(t))),
-                    line("LuGre", LineStyle::Solid, each(&|_, t| 0.4 * (reference(t) - response(t)))),
-                    line("Proposed", LineStyle::Solid, each(&|_, t| 0.3 * (reference(t) - response(t)))),
+                    line(
+                        "LuGre",
+                        LineStyle::Solid,
+                        each(&|_, t| 0.4 * (reference(t) - response(t))),
+                    ),
+                    line(
+                        "Proposed",
+                        LineStyle::Solid,
+                        each(&|_, t| 0.3 * (reference(t) - response(t))),
+                    ),
                     line("limit", LineStyle::Dotted, each(&|_, _| 0.04)),
                 ],
             },
@@ -188,23 +205,34 @@ fn frequency_response() -> Figure {
     let w: Vec<f64> = (0..200).map(|i| 10f64.powf(-1.0 + 0.02 * i as f64)).collect();
     let gain = |w: f64| -10.0 * (1.0 + (w / 40.0).powi(2)).log10();
     let phase = |w: f64| -(w / 40.0).atan().to_degrees();
-    let line =
-        |y: Vec<f64>| Trace::Line { name: "closed loop".into(), x: w.clone(), y, style: LineStyle::Solid };
+    let line = |y: Vec<f64>| Trace::Line {
+        name: "closed loop".into(),
+        x: w.clone(),
+        y,
+        style: LineStyle::Solid,
+    };
     Figure {
         title: "Closed loop".into(),
         caption: "From reference to velocity.".into(),
         x_label: "angular frequency [rad/s]".into(),
         log_x: true,
         panels: vec![
-            Panel { y_label: "gain [dB]".into(), traces: vec![line(w.iter().map(|&w| gain(w)).collect())] },
-            Panel { y_label: "phase [°]".into(), traces: vec![line(w.iter().map(|&w| phase(w)).collect())] },
+            Panel {
+                y_label: "gain [dB]".into(),
+                traces: vec![line(w.iter().map(|&w| gain(w)).collect())],
+            },
+            Panel {
+                y_label: "phase [°]".into(),
+                traces: vec![line(w.iter().map(|&w| phase(w)).collect())],
+            },
         ],
     }
 }
 
 fn every_model() -> Figure {
     let x: Vec<f64> = (0..60).map(|i| 0.05 * f64::from(i)).collect();
-    let curve = |place: usize| x.iter().map(|x| place as f64 + (x + 0.2 * place as f64).sin()).collect();
+    let curve =
+        |place: usize| x.iter().map(|x| place as f64 + (x + 0.2 * place as f64).sin()).collect();
     let traces = ModelName::ALL.iter().enumerate().map(|(place, model)| Trace::Line {
         name: model.title().into(),
         x: x.clone(),
@@ -260,7 +288,8 @@ fn wide() -> Table {
         columns: std::iter::once("plant".to_owned()).chain(names).collect(),
         rows: ["LuGre", "a plant with a comma, and a long name"]
             .map(|plant| {
-                let cells = (0..ModelName::ALL.len()).map(|i| format!("{:.4e}", 1e-3 * (i + 1) as f64));
+                let cells =
+                    (0..ModelName::ALL.len()).map(|i| format!("{:.4e}", 1e-3 * (i + 1) as f64));
                 std::iter::once(plant.to_owned()).chain(cells).collect()
             })
             .to_vec(),

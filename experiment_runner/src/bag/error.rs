@@ -6,7 +6,8 @@ use msgs::cdr::CdrError;
 
 use crate::output::said;
 
-/// A bag that cannot be written or read. Each message names the file, what was expected and how to mend it.
+/// A bag that cannot be written or read. Each message names the file, what was expected and how to
+/// mend it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BagError {
@@ -60,7 +61,9 @@ pub enum BagError {
         detail: String,
     },
     /// A topic carries one type only.
-    #[error("the topic {topic} of the bag carries {expected}, but a {found} came; use another topic for it")]
+    #[error(
+        "the topic {topic} of the bag carries {expected}, but a {found} came; use another topic for it"
+    )]
     TopicType {
         /// The topic.
         topic: String,

@@ -26,9 +26,16 @@ pub(super) struct TopicEntry {
     pub(super) count: u64,
 }
 
-/// The entry of a topic without messages, from what its channel says in `offered_qos_profiles` and `topic_type_hash`.
-pub(super) fn entry_of(name: &str, type_name: &str, about: &BTreeMap<String, String>) -> TopicEntry {
-    let said = about.get("offered_qos_profiles").and_then(|text| serde_saphyr::from_str::<Value>(text).ok());
+/// The entry of a topic without messages, from what its channel says in `offered_qos_profiles` and
+/// `topic_type_hash`.
+pub(super) fn entry_of(
+    name: &str,
+    type_name: &str,
+    about: &BTreeMap<String, String>,
+) -> TopicEntry {
+    let said = about
+        .get("offered_qos_profiles")
+        .and_then(|text| serde_saphyr::from_str::<Value>(text).ok());
     let usual = || serde_json::to_value([Profile::from(Qos::DEFAULT)]).unwrap_or_default();
     TopicEntry {
         name: name.to_owned(),

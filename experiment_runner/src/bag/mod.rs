@@ -1,8 +1,10 @@
-//! Bags: recordings in the form rosbag2 writes them, so that `ros2 bag`, `rosbags`, Foxglove and PlotJuggler open them.
+//! Bags: recordings in the form rosbag2 writes them, so that `ros2 bag`, `rosbags`, Foxglove and
+//! PlotJuggler open them.
 //!
-//! A bag is a folder with an MCAP file and a `metadata.yaml`. Messages are CDR, schemas `ros2msg` with all their
-//! dependencies; log time is the sample's own time. [`BagWriter`] writes one, [`BagReader`] reads one, or a bare `.mcap`;
-//! [`recover`] saves what is whole of one that was cut off.
+//! A bag is a folder with an MCAP file and a `metadata.yaml`. Messages are CDR, schemas `ros2msg`
+//! with all their dependencies; log time is the sample's own time. [`BagWriter`] writes one,
+//! [`BagReader`] reads one, or a bare `.mcap`; [`recover`] saves what is whole of one that was cut
+//! off.
 //!
 //! ```
 //! use experiment_runner::bag::{BagOptions, BagReader, BagWriter};

@@ -12,7 +12,8 @@ use super::metadata::{Span, TopicEntry, metadata_yaml};
 use super::{BagError, BagOptions, BagSummary, Compression};
 use crate::durable::write_one;
 
-/// An MCAP file as rosbag2 writes it. As long as it is open, its lock tells others that somebody writes.
+/// An MCAP file as rosbag2 writes it. As long as it is open, its lock tells others that somebody
+/// writes.
 pub(super) struct Output {
     path: PathBuf,
     mcap: mcap::Writer<BufWriter<File>>,
@@ -48,9 +49,10 @@ impl Description {
 impl Output {
     /// Makes the file, which must not be there.
     pub(super) fn create(path: &Path, options: &BagOptions) -> Result<Self, BagError> {
-        let handle =
-            File::create_new(path).map_err(|source| BagError::Write { path: path.into(), source })?;
-        // A file system without locks only costs the warning to whoever would recover this file meanwhile.
+        let handle = File::create_new(path)
+            .map_err(|source| BagError::Write { path: path.into(), source })?;
+        // A file system without locks only costs the warning to whoever would recover this file
+        // meanwhile.
         let _ = handle.try_lock();
         let compression = match options.compression {
             Compression::None => None,
@@ -66,7 +68,10 @@ impl Output {
             .compression_threads(0)
             .chunk_size(Some(options.chunk_size))
             .create(BufWriter::with_capacity(1 << 18, handle))
-            .map_err(|source| BagError::WriteMcap { path: path.into(), source: Box::new(source) })?;
+            .map_err(|source| BagError::WriteMcap {
+                path: path.into(),
+                source: Box::new(source),
+            })?;
         Ok(Self { path: path.into(), mcap, span: None })
     }
 
@@ -79,9 +84,13 @@ impl Output {
         about: &BTreeMap<String, String>,
     ) -> Result<u16, BagError> {
         // A channel of messages without a type has the schema number 0.
-        let schema =
-            if type_name.is_empty() { Ok(0) } else { self.mcap.add_schema(type_name, encoding, text) };
-        let id = schema.and_then(|schema| self.mcap.add_channel(schema, topic, message_encoding, about));
+        let schema = if type_name.is_empty() {
+            Ok(0)
+        } else {
+            self.mcap.add_schema(type_name, encoding, text)
+        };
+        let id =
+            schema.and_then(|schema| self.mcap.add_channel(schema, topic, message_encoding, about));
         id.map_err(|source| self.error(source))
     }
 
@@ -119,17 +128,21 @@ impl Output {
         self.mcap.flush().map_err(|source| self.error(source))
     }
 
-    /// Closes the file and brings it to the disk. The description belongs beside it, once it has its name.
+    /// Closes the file and brings it to the disk. The description belongs beside it, once it has
+    /// its name.
     pub(super) fn finish(self, close: Close<'_>) -> Result<(BagSummary, Description), BagError> {
         let Self { path, mut mcap, span } = self;
         let Close { dir, file, file_name, entries } = close;
-        let mcap_error = |source| BagError::WriteMcap { path: path.clone(), source: Box::new(source) };
+        let mcap_error =
+            |source| BagError::WriteMcap { path: path.clone(), source: Box::new(source) };
         let description = dir.join("metadata.yaml");
         let yaml = metadata_yaml(file_name, &entries, span)
             .map_err(|e| BagError::Describe { path: description.clone(), detail: e.to_string() })?;
-        // rosbag2 keeps the description inside the file too, for those who get the file without its folder.
+        // rosbag2 keeps the description inside the file too, for those who get the file without its
+        // folder.
         let inside = BTreeMap::from([("serialized_metadata".to_owned(), yaml.clone())]);
-        mcap.write_metadata(&Metadata { name: "rosbag2".into(), metadata: inside }).map_err(mcap_error)?;
+        mcap.write_metadata(&Metadata { name: "rosbag2".into(), metadata: inside })
+            .map_err(mcap_error)?;
         mcap.finish().map_err(mcap_error)?;
         let write_error = |source: io::Error| BagError::Write { path: path.clone(), source };
         let handle = mcap.into_inner().into_inner().map_err(|e| write_error(e.into_error()))?;
@@ -140,7 +153,10 @@ impl Output {
         let summary = BagSummary {
             messages: entries.iter().map(|entry| entry.count).sum(),
             duration: span.map_or(0.0, |(start, end)| (end - start) as f64 * 1e-9),
-            topics: entries.into_iter().map(|entry| (entry.name, entry.type_name, entry.count)).collect(),
+            topics: entries
+                .into_iter()
+                .map(|entry| (entry.name, entry.type_name, entry.count))
+                .collect(),
             dir: dir.into(),
             file: file.into(),
             bytes,

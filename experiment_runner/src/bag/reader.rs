@@ -54,15 +54,16 @@ impl BagReader {
     /// Opens a bag and looks what is in it.
     ///
     /// # Errors
-    /// [`BagError::Read`], [`BagError::NoMcap`], [`BagError::Empty`], [`BagError::NotMcap`] or [`BagError::Damaged`],
-    /// each naming the file.
+    /// [`BagError::Read`], [`BagError::NoMcap`], [`BagError::Empty`], [`BagError::NotMcap`] or
+    /// [`BagError::Damaged`], each naming the file.
     pub fn open(path: &Path) -> Result<Self, BagError> {
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         let mut files = Vec::new();
         for file in files_of(path)? {
             let (summary, counts) = guarded(&file, || inspect(&file))?;
             for (id, channel) in &summary.channels {
-                let type_name = channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default();
+                let type_name =
+                    channel.schema.as_ref().map(|schema| schema.name.clone()).unwrap_or_default();
                 let topic = topics.entry(channel.topic.clone()).or_insert_with(|| TopicInfo {
                     name: channel.topic.clone(),
                     type_name,
@@ -82,10 +83,15 @@ impl BagReader {
 
     /// Size of the MCAP files.
     pub fn bytes(&self) -> u64 {
-        self.files.iter().filter_map(|file| fs::metadata(&file.path).ok()).map(|file| file.len()).sum()
+        self.files
+            .iter()
+            .filter_map(|file| fs::metadata(&file.path).ok())
+            .map(|file| file.len())
+            .sum()
     }
 
-    /// Times of the first and last message [ns since the epoch], where the files say so and hold any.
+    /// Times of the first and last message [ns since the epoch], where the files say so and hold
+    /// any.
     pub fn span(&self) -> Option<(u64, u64)> {
         let stats = self.files.iter().filter_map(|file| file.summary.stats.as_ref());
         let spans = stats.filter(|stats| stats.message_count > 0);
@@ -96,23 +102,37 @@ impl BagReader {
 
     /// Names of the files that were kept with the bag.
     pub fn attachment_names(&self) -> impl Iterator<Item = &str> {
-        self.files.iter().flat_map(|file| &file.summary.attachment_indexes).map(|index| index.name.as_str())
+        self.files
+            .iter()
+            .flat_map(|file| &file.summary.attachment_indexes)
+            .map(|index| index.name.as_str())
     }
 
     /// Names under which texts were kept with the bag.
     pub fn metadata_names(&self) -> impl Iterator<Item = &str> {
-        self.files.iter().flat_map(|file| &file.summary.metadata_indexes).map(|index| index.name.as_str())
+        self.files
+            .iter()
+            .flat_map(|file| &file.summary.metadata_indexes)
+            .map(|index| index.name.as_str())
     }
 
     /// All messages of a topic with their log times [ns since the epoch], in order of time.
     ///
     /// # Errors
-    /// [`BagError::NoTopic`], [`BagError::ReadType`], [`BagError::Message`], or those of [`open`](Self::open).
+    /// [`BagError::NoTopic`], [`BagError::ReadType`], [`BagError::Message`], or those of
+    /// [`open`](Self::open).
     pub fn messages<M: RosMessage>(&self, topic: &str) -> Result<Vec<(u64, M)>, BagError> {
-        let info = self.topics.iter().find(|info| info.name == topic).ok_or_else(|| BagError::NoTopic {
-            path: self.path.clone(),
-            topic: topic.into(),
-            present: self.topics.iter().map(|info| info.name.as_str()).collect::<Vec<_>>().join(", "),
+        let info = self.topics.iter().find(|info| info.name == topic).ok_or_else(|| {
+            BagError::NoTopic {
+                path: self.path.clone(),
+                topic: topic.into(),
+                present: self
+                    .topics
+                    .iter()
+                    .map(|info| info.name.as_str())
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            }
         })?;
         if info.type_name != M::type_name() {
             return Err(BagError::ReadType {
@@ -162,7 +182,9 @@ impl BagReader {
     /// [`BagError::Read`] or [`BagError::Damaged`].
     pub fn metadata(&self, name: &str) -> Result<Option<BTreeMap<String, String>>, BagError> {
         for file in &self.files {
-            if let Some(index) = file.summary.metadata_indexes.iter().find(|index| index.name == name) {
+            if let Some(index) =
+                file.summary.metadata_indexes.iter().find(|index| index.name == name)
+            {
                 let record = record(&file.path, index.offset, index.length)?;
                 if let mcap::records::Record::Metadata(metadata) = record {
                     return Ok(Some(metadata.metadata));
@@ -179,7 +201,9 @@ impl BagReader {
     /// [`BagError::Read`] or [`BagError::Damaged`].
     pub fn attachment(&self, name: &str) -> Result<Option<Vec<u8>>, BagError> {
         for file in &self.files {
-            if let Some(index) = file.summary.attachment_indexes.iter().find(|index| index.name == name) {
+            if let Some(index) =
+                file.summary.attachment_indexes.iter().find(|index| index.name == name)
+            {
                 let record = record(&file.path, index.offset, index.length)?;
                 if let mcap::records::Record::Attachment { data, .. } = record {
                     return Ok(Some(data.into_owned()));
@@ -240,19 +264,22 @@ pub(super) fn check_magic(path: &Path) -> Result<(File, u64), BagError> {
     if known { Ok((file, size)) } else { Err(BagError::NotMcap { path: path.into() }) }
 }
 
-/// Whether every message of a file can be read, every checksum is right, every definition is one, and its index says how many messages there are.
+/// Whether every message of a file can be read, every checksum is right, every definition is one,
+/// and its index says how many messages there are.
 pub(super) fn is_whole(path: &Path) -> bool {
     let read = || -> Result<bool, BagError> {
         let (summary, _) = inspect(path)?;
         let Some(stats) = summary.stats else { return Ok(false) };
         let mut count = 0;
-        let every = options().with_validate_data_section_crc(true).with_validate_summary_section_crc(true);
+        let every =
+            options().with_validate_data_section_crc(true).with_validate_summary_section_crc(true);
         for message in message_reader(path, every)? {
             message.map_err(|error| damaged(path, error))?;
             count += 1;
         }
         let mut sound = count == stats.message_count;
-        // Checksums may be right and what they vouch for may not be; and those of the sections may be missing.
+        // Checksums may be right and what they vouch for may not be; and those of the sections may
+        // be missing.
         let salvage = File::open(path).and_then(Salvage::new).map_err(read_error(path))?;
         let take = |found: Found<'_>| -> Result<(), io::Error> {
             if let Found::Message { channel, schema: Some((header, text)), .. } = found {
@@ -272,7 +299,8 @@ pub(super) fn definition(channel: &Channel, header: &SchemaHeader, text: &[u8]) 
     judge(&header.name, &header.encoding, text, hash)
 }
 
-/// Summary of a file and number of messages a channel; read from the end of the file, or counted where it has none.
+/// Summary of a file and number of messages a channel; read from the end of the file, or counted
+/// where it has none.
 fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
     let (file, size) = check_magic(path)?;
     let summary = summary(&mut BufReader::new(file), size).map_err(|error| damaged(path, error))?;
@@ -291,8 +319,9 @@ fn inspect(path: &Path) -> Result<(Summary, BTreeMap<u16, u64>), BagError> {
 }
 
 fn summary(file: &mut (impl Read + Seek), size: u64) -> McapResult<Option<Summary>> {
-    let options =
-        SummaryReaderOptions::default().with_file_size(size).with_record_length_limit(LARGEST_RECORD);
+    let options = SummaryReaderOptions::default()
+        .with_file_size(size)
+        .with_record_length_limit(LARGEST_RECORD);
     let mut reader = SummaryReader::new_with_options(options);
     while let Some(event) = reader.next_event() {
         match event? {
@@ -311,7 +340,9 @@ fn summary(file: &mut (impl Read + Seek), size: u64) -> McapResult<Option<Summar
 
 /// A chunk whose checksum is wrong is damaged: what it says is not believed.
 fn options() -> LinearReaderOptions {
-    LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD).with_validate_chunk_crcs(true)
+    LinearReaderOptions::default()
+        .with_record_length_limit(LARGEST_RECORD)
+        .with_validate_chunk_crcs(true)
 }
 
 /// The messages of a file as long as it was when it was opened: one that grows comes to an end.
@@ -326,7 +357,11 @@ fn message_reader(
 }
 
 /// The record at a place that an index of the file names.
-fn record(path: &Path, offset: u64, length: u64) -> Result<mcap::records::Record<'static>, BagError> {
+fn record(
+    path: &Path,
+    offset: u64,
+    length: u64,
+) -> Result<mcap::records::Record<'static>, BagError> {
     let mut file = File::open(path).map_err(read_error(path))?;
     let size = file.metadata().map_err(read_error(path))?.len();
     // An opcode and eight bytes of length stand before the content.
@@ -334,7 +369,9 @@ fn record(path: &Path, offset: u64, length: u64) -> Result<mcap::records::Record
     let length = usize::try_from(length).ok().filter(|length| inside && *length >= 9);
     let Some(length) = length else { return Err(damaged(path, McapError::BadIndex)) };
     let mut bytes = vec![0; length];
-    file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(&mut bytes)).map_err(read_error(path))?;
+    file.seek(SeekFrom::Start(offset))
+        .and_then(|_| file.read_exact(&mut bytes))
+        .map_err(read_error(path))?;
     guarded(path, || {
         mcap::parse_record(bytes[0], &bytes[9..])
             .map(mcap::records::Record::into_owned)

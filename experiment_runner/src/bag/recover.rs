@@ -41,17 +41,19 @@ pub enum Recovery {
         lost_messages: u64,
         /// Topics whose definition was damaged, and is now the one that its hash names.
         mended_definitions: Vec<String>,
-        /// Topics whose definition was damaged and is not known here: their messages are kept, without a type.
+        /// Topics whose definition was damaged and is not known here: their messages are kept,
+        /// without a type.
         lost_definitions: Vec<String>,
     },
 }
 
-/// Whether a folder holds a bag that was cut off: an MCAP file that nobody is writing, and no `metadata.yaml`. Looks at names and the lock
-/// only, so that it is quick.
+/// Whether a folder holds a bag that was cut off: an MCAP file that nobody is writing, and no
+/// `metadata.yaml`. Looks at names and the lock only, so that it is quick.
 #[must_use]
 pub fn is_cut(dir: &Path) -> bool {
     !dir.join("metadata.yaml").exists()
-        && files_of(dir).is_ok_and(|files| dir.is_dir() && files.iter().all(|file| !is_being_written(file)))
+        && files_of(dir)
+            .is_ok_and(|files| dir.is_dir() && files.iter().all(|file| !is_being_written(file)))
 }
 
 /// Bags beneath a folder of runs that were cut off: `RUN/bag` for each run.
@@ -67,12 +69,13 @@ pub fn cut_bags(runs: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Makes the bag in a folder whole: its MCAP file gets its index and loses what is damaged, and `metadata.yaml` is written. The original
-/// stays beside it with `.damaged` behind its name. A bag that is whole stays as it is.
+/// Makes the bag in a folder whole: its MCAP file gets its index and loses what is damaged, and
+/// `metadata.yaml` is written. The original stays beside it with `.damaged` behind its name. A bag
+/// that is whole stays as it is.
 ///
 /// # Errors
-/// [`BagError`] that names the file: no bag, a bag that is being written, a file of another kind, a folder that cannot be written. The original is
-/// as it was then.
+/// [`BagError`] that names the file: no bag, a bag that is being written, a file of another kind, a
+/// folder that cannot be written. The original is as it was then.
 pub fn recover(dir: &Path) -> Result<Recovery, BagError> {
     let files = files_of(dir)?;
     let [file] = &files[..] else {
@@ -102,11 +105,15 @@ pub fn recover(dir: &Path) -> Result<Recovery, BagError> {
             }
         };
     let original = beside(file, ORIGINAL, true);
-    // A second name for the damaged file where that can be had: so there is a file of the bag's name at any moment.
+    // A second name for the damaged file where that can be had: so there is a file of the bag's
+    // name at any moment.
     fs::hard_link(file, &original)
         .or_else(|_| fs::rename(file, &original))
         .map_err(write_error(&original))?;
-    System.rename(&draft, file).and_then(|()| System.sync_folder(&folder)).map_err(write_error(file))?;
+    System
+        .rename(&draft, file)
+        .and_then(|()| System.sync_folder(&folder))
+        .map_err(write_error(file))?;
     // Last: a bag that is described is taken for whole.
     description.write()?;
     Ok(Recovery::Recovered {
@@ -143,7 +150,8 @@ pub(super) fn is_being_written(file: &Path) -> bool {
 
 /// Copies everything whole into the draft.
 fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagError> {
-    let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name =
+        file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let read_error = |source| BagError::Read { path: file.into(), source };
     let salvage = File::open(file).and_then(Salvage::new).map_err(read_error)?;
     if draft.exists() {
@@ -164,7 +172,8 @@ fn rewrite(file: &Path, draft: &Path, folder: &Path) -> Result<Rewritten, BagErr
                             let of_type = match schema {
                                 None => ("", "", &[][..]),
                                 Some((header, text)) => {
-                                    let (name, encoding) = (header.name.as_str(), header.encoding.as_str());
+                                    let (name, encoding) =
+                                        (header.name.as_str(), header.encoding.as_str());
                                     match definition(channel, header, text) {
                                         Judgement::Sound => (name, encoding, &text[..]),
                                         Judgement::Mended(text) => {

@@ -22,7 +22,8 @@ fn stamp(index: u64) -> u64 {
     1_600_000_000_000_000_000 + index * 1_000_000
 }
 
-/// A bag of several chunks with a status among the voltages, an attachment in the middle and metadata.
+/// A bag of several chunks with a status among the voltages, an attachment in the middle and
+/// metadata.
 fn write(dir: &Path, compression: Compression) -> PathBuf {
     let options = BagOptions { compression, ..BagOptions::default() };
     let mut bag = BagWriter::create(dir, options).unwrap();
@@ -92,7 +93,10 @@ fn recovered(folder: &Path, bytes: &[u8]) -> Option<BTreeSet<u64>> {
     // Where its definition was damaged, the topic is another.
     let messages = bag.messages::<MotorVoltage>("/motor_voltage").unwrap_or_default();
     for (time, message) in &messages {
-        assert_eq!((message.header.stamp.to_nanos(), stamp(message.voltage as u64)), (*time, *time));
+        assert_eq!(
+            (message.header.stamp.to_nanos(), stamp(message.voltage as u64)),
+            (*time, *time)
+        );
     }
     Some(messages.into_iter().map(|(time, _)| time).collect())
 }
@@ -130,7 +134,9 @@ fn attachments_metadata_and_quality_of_service_survive() {
     fs::write(&file, &bytes[..end]).unwrap();
     fs::remove_file(dir.join("metadata.yaml")).unwrap();
     assert!(is_cut(&dir));
-    let Recovery::Recovered { bag, original, .. } = recover(&dir).unwrap() else { panic!("it was cut") };
+    let Recovery::Recovered { bag, original, .. } = recover(&dir).unwrap() else {
+        panic!("it was cut")
+    };
     assert!(!is_cut(&dir));
     assert_eq!(bag.messages, MESSAGES + 1);
     assert_eq!(original, dir.join("bag_0.mcap.damaged"));
@@ -193,7 +199,8 @@ proptest! {
         }
         let changed = |range: &Range<usize>| range.end > length || bytes[range.clone()] != whole[range.clone()];
         let Some(found) = recovered(folder.path(), &bytes) else { panic!("it is a bag by its first bytes") };
-        // The first chunk defines the channels; with it they are gone, unless the index at the end has them.
+        // The first chunk defines the channels; with it they are gone, unless the index at the end
+        // has them.
         if !changed(&chunks[0].0) {
             for (place, times) in chunks.iter().filter(|(place, _)| !changed(place)) {
                 prop_assert!(times.is_subset(&found), "the chunk at {place:?} is whole, but was not found");
@@ -211,7 +218,8 @@ proptest! {
     }
 }
 
-/// Puts `new` in the place of `old` in every chunk that holds it, which is not packed; with the checksum of what it says now if `sealed`.
+/// Puts `new` in the place of `old` in every chunk that holds it, which is not packed; with the
+/// checksum of what it says now if `sealed`.
 fn exchange(bytes: &mut [u8], old: &[u8], new: &[u8], sealed: bool) -> usize {
     assert_eq!(old.len(), new.len());
     let mut exchanged = 0;
@@ -221,7 +229,8 @@ fn exchange(bytes: &mut [u8], old: &[u8], new: &[u8], sealed: bool) -> usize {
         chunk[at..at + old.len()].copy_from_slice(new);
         exchanged += 1;
         if sealed {
-            // Opcode, length, two times and the length unpacked; then the checksum, the packing's name and what is packed.
+            // Opcode, length, two times and the length unpacked; then the checksum, the packing's
+            // name and what is packed.
             let name = u32::from_le_bytes(chunk[37..41].try_into().unwrap()) as usize;
             let checksum = crc32(&chunk[41 + name + 8..]);
             chunk[33..37].copy_from_slice(&checksum.to_le_bytes());
@@ -233,7 +242,9 @@ fn exchange(bytes: &mut [u8], old: &[u8], new: &[u8], sealed: bool) -> usize {
 /// The checksum of MCAP: CRC-32 as in Ethernet.
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0u32, |crc, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
+        })
     })
 }
 
@@ -249,7 +260,10 @@ fn a_wrong_checksum_is_told_although_the_bag_is_described() {
     bytes[place.end - 2] ^= 1;
     fs::write(&file, &bytes).unwrap();
     let read = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage");
-    assert!(matches!(read, Err(BagError::Damaged { .. })), "what a wrong checksum vouches for is not read");
+    assert!(
+        matches!(read, Err(BagError::Damaged { .. })),
+        "what a wrong checksum vouches for is not read"
+    );
     let Recovery::Recovered { bag, lost_chunks, lost_bytes, .. } = recover(&dir).unwrap() else {
         panic!("a chunk is damaged")
     };
@@ -281,7 +295,8 @@ fn a_damaged_definition_is_told_and_mended_by_its_hash() {
         } else {
             assert!(lost_chunks > 0);
         }
-        let read = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
+        let read =
+            BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
         assert!(!read.is_empty());
         assert_eq!(recover(&dir).unwrap(), Recovery::Whole);
     }

@@ -7,8 +7,8 @@ use std::path::Path;
 use super::BagError;
 use super::recover::is_being_written;
 
-/// Removes the bag in a folder: its MCAP files, whole or damaged, and its description. What else is in the folder stays, and so does the folder. Without
-/// a folder nothing is done.
+/// Removes the bag in a folder: its MCAP files, whole or damaged, and its description. What else is
+/// in the folder stays, and so does the folder. Without a folder nothing is done.
 ///
 /// # Errors
 /// [`BagError::InUse`] if it is being written, [`BagError::Write`] if it cannot be removed.
@@ -56,7 +56,8 @@ mod tests {
         drop(writer);
         fs::write(dir.join("notes.txt"), "mine").unwrap();
         remove(&dir).unwrap();
-        let left: Vec<_> = fs::read_dir(&dir).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        let left: Vec<_> =
+            fs::read_dir(&dir).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, ["notes.txt"]);
     }
 }

@@ -1,8 +1,9 @@
 //! Finds what is whole in a damaged MCAP file.
 //!
-//! A record is an opcode, a length of eight bytes and its content. The file is followed from record to record; where that breaks off, the
-//! next chunk, attachment or metadata record that its own checksum or its successor vouches for is looked for byte by byte. A chunk counts
-//! only whole, with the right checksum.
+//! A record is an opcode, a length of eight bytes and its content. The file is followed from record
+//! to record; where that breaks off, the next chunk, attachment or metadata record that its own
+//! checksum or its successor vouches for is looked for byte by byte. A chunk counts only whole,
+//! with the right checksum.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -70,11 +71,13 @@ impl Salvage {
         mut self,
         mut take: impl FnMut(Found<'_>) -> Result<(), E>,
     ) -> Result<Losses, E> {
-        // Channels are repeated at the end of a closed file: there they are found if their first chunk is damaged.
+        // Channels are repeated at the end of a closed file: there they are found if their first
+        // chunk is damaged.
         self.definitions_at_the_end()?;
         let mut at = mcap::MAGIC.len() as u64;
         while at < self.size {
-            if self.size - at == mcap::MAGIC.len() as u64 && self.bytes(at, mcap::MAGIC.len())? == mcap::MAGIC
+            if self.size - at == mcap::MAGIC.len() as u64
+                && self.bytes(at, mcap::MAGIC.len())? == mcap::MAGIC
             {
                 self.losses.closed = true;
                 break;
@@ -87,7 +90,8 @@ impl Salvage {
                 continue;
             }
             self.losses.chunks += u64::from(record.is_some_and(|record| record[0] == op::CHUNK));
-            // A length that is damaged would lead past what is whole: nothing behind it is believed.
+            // A length that is damaged would lead past what is whole: nothing behind it is
+            // believed.
             let next = self.search(at + 1)?;
             self.losses.bytes += next - at;
             at = next;
@@ -97,9 +101,12 @@ impl Salvage {
 
     /// Notes schemas and channels of the summary section, if there is one.
     fn definitions_at_the_end(&mut self) -> io::Result<()> {
-        // Footer: opcode, length, start of the summary, start of its offsets, checksum; then the magic bytes.
+        // Footer: opcode, length, start of the summary, start of its offsets, checksum; then the
+        // magic bytes.
         const FOOTER: u64 = HEAD as u64 + 20;
-        let Some(footer) = self.size.checked_sub(FOOTER + mcap::MAGIC.len() as u64) else { return Ok(()) };
+        let Some(footer) = self.size.checked_sub(FOOTER + mcap::MAGIC.len() as u64) else {
+            return Ok(());
+        };
         let Some(record) = self.record(footer)? else { return Ok(()) };
         let Some(Record::Footer(found)) = parse(&record) else { return Ok(()) };
         let mut at = found.summary_start;
@@ -149,7 +156,9 @@ impl Salvage {
                 Ok(true)
             }
             op::ATTACHMENT => {
-                let Some(Record::Attachment { header, data, .. }) = parse(record) else { return Ok(false) };
+                let Some(Record::Attachment { header, data, .. }) = parse(record) else {
+                    return Ok(false);
+                };
                 take(Found::Attachment(mcap::Attachment {
                     log_time: header.log_time,
                     create_time: header.create_time,
@@ -210,7 +219,8 @@ impl Salvage {
         Ok(self.length(at)?.is_some())
     }
 
-    /// The next place, from `from`, where a whole chunk, attachment or metadata record stands; else the end of the file.
+    /// The next place, from `from`, where a whole chunk, attachment or metadata record stands; else
+    /// the end of the file.
     fn search(&mut self, from: u64) -> io::Result<u64> {
         let mut at = from;
         while self.size.saturating_sub(at) >= HEAD as u64 {
@@ -237,7 +247,9 @@ impl Salvage {
         Ok(match record[0] {
             op::CHUNK => unpack(&record).is_some(),
             // A checksum of zero says that there is none.
-            op::ATTACHMENT => matches!(parse(&record), Some(Record::Attachment { crc, .. }) if crc != 0),
+            op::ATTACHMENT => {
+                matches!(parse(&record), Some(Record::Attachment { crc, .. }) if crc != 0)
+            }
             _ => parse(&record).is_some() && self.is_head(at + record.len() as u64)?,
         })
     }
@@ -263,7 +275,8 @@ fn length(head: &[u8], left: u64) -> Option<usize> {
 fn parse(record: &[u8]) -> Option<Record<'_>> {
     let (&opcode, content) =
         record.split_first().and_then(|(opcode, rest)| Some((opcode, rest.get(8..)?)))?;
-    // A length that is too long would swallow what stands behind the record; one that is too short makes the library cut where nothing is.
+    // A length that is too long would swallow what stands behind the record; one that is too short
+    // makes the library cut where nothing is.
     if !Content(content).ends_with(opcode) {
         return None;
     }
@@ -279,12 +292,16 @@ impl Content<'_> {
         let read = match opcode {
             op::HEADER => self.text().and_then(|()| self.text()),
             op::FOOTER => self.skip(20),
-            op::SCHEMA => {
-                self.skip(2).and_then(|()| self.text()).and_then(|()| self.text()).and_then(|()| self.text())
-            }
-            op::CHANNEL => {
-                self.skip(4).and_then(|()| self.text()).and_then(|()| self.text()).and_then(|()| self.text())
-            }
+            op::SCHEMA => self
+                .skip(2)
+                .and_then(|()| self.text())
+                .and_then(|()| self.text())
+                .and_then(|()| self.text()),
+            op::CHANNEL => self
+                .skip(4)
+                .and_then(|()| self.text())
+                .and_then(|()| self.text())
+                .and_then(|()| self.text()),
             // A message has no length but that of its record.
             op::MESSAGE => return self.0.len() >= 22,
             op::CHUNK => self.skip(28).and_then(|()| self.text()).and_then(|()| self.long()),
@@ -325,7 +342,8 @@ impl Content<'_> {
 
 /// The records in a chunk; `None` unless all of it can be read and its checksum is right.
 fn unpack(record: &[u8]) -> Option<Vec<Vec<u8>>> {
-    // The reader goes by the content's own length: with a record's that is too long it would read one chunk and leave out those behind it.
+    // The reader goes by the content's own length: with a record's that is too long it would read
+    // one chunk and leave out those behind it.
     if !Content(record.get(HEAD..)?).ends_with(op::CHUNK) {
         return None;
     }

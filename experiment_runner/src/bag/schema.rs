@@ -1,4 +1,5 @@
-//! Definitions of message types in a bag: whether they are what they say, and what to put in the place of a damaged one.
+//! Definitions of message types in a bag: whether they are what they say, and what to put in the
+//! place of a damaged one.
 
 use msgs::RosMessage;
 use msgs::diagnostic_msgs::DiagnosticArray;
@@ -9,7 +10,8 @@ use msgs::rosgraph_msgs::Clock;
 use msgs::sensor_msgs::JointState;
 
 /// Between the definitions of a schema.
-const RULER: &str = "================================================================================";
+const RULER: &str =
+    "================================================================================";
 
 /// What a definition is worth.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +24,8 @@ pub(super) enum Judgement {
     Damaged,
 }
 
-/// Judges the definition `text` of the type `name`; `hash` is what its channel says of the type's structure.
+/// Judges the definition `text` of the type `name`; `hash` is what its channel says of the type's
+/// structure.
 pub(super) fn judge(name: &str, encoding: &str, text: &[u8], hash: Option<&str>) -> Judgement {
     if encoding != "ros2msg" {
         return Judgement::Sound;
@@ -30,7 +33,9 @@ pub(super) fn judge(name: &str, encoding: &str, text: &[u8], hash: Option<&str>)
     let found = std::str::from_utf8(text).ok().and_then(structure);
     let known = known(name).filter(|(_, of)| hash == Some(of));
     match (found, known) {
-        (Some(found), Some((schema, _))) if Some(&found) == structure(&schema).as_ref() => Judgement::Sound,
+        (Some(found), Some((schema, _))) if Some(&found) == structure(&schema).as_ref() => {
+            Judgement::Sound
+        }
         (_, Some((schema, _))) => Judgement::Mended(schema),
         (Some(_), None) => Judgement::Sound,
         (None, None) => Judgement::Damaged,
@@ -53,11 +58,14 @@ fn known(name: &str) -> Option<(String, &'static str)> {
         of::<DiagnosticArray>,
         of::<Clock>,
     ];
-    all.into_iter().map(|of| of()).find(|(known, ..)| known == name).map(|(_, schema, hash)| (schema, hash))
+    all.into_iter()
+        .map(|of| of())
+        .find(|(known, ..)| known == name)
+        .map(|(_, schema, hash)| (schema, hash))
 }
 
-/// What a schema says without its comments: a line a field or constant, a line with its name before each further definition. `None` for what
-/// is no `ros2msg`.
+/// What a schema says without its comments: a line a field or constant, a line with its name before
+/// each further definition. `None` for what is no `ros2msg`.
 fn structure(text: &str) -> Option<Vec<String>> {
     let mut lines = Vec::new();
     let mut named = true;
@@ -117,7 +125,9 @@ fn is_type(text: &str) -> bool {
     let number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let base = match text.strip_suffix(']').map(|rest| rest.rsplit_once('[')) {
         None => text,
-        Some(Some((base, size))) if size.is_empty() || number(size.trim_start_matches("<=")) => base,
+        Some(Some((base, size))) if size.is_empty() || number(size.trim_start_matches("<=")) => {
+            base
+        }
         Some(_) => return false,
     };
     let base = match base.split_once("<=") {
@@ -147,7 +157,8 @@ mod tests {
         }
         let all = "int8 A=1\nstring<=5 s 'a#b' # no\nint8[<=3] x\npkg/Type[] y\nbool[3] z\n";
         assert_eq!(structure(all).unwrap().len(), 5);
-        for wrong in ["float64", "8float x", "float64 x\u{1}", "a[ x", "a<=b x", "float64 \u{e9}", "int8 x!"]
+        for wrong in
+            ["float64", "8float x", "float64 x\u{1}", "a[ x", "a<=b x", "float64 \u{e9}", "int8 x!"]
         {
             assert_eq!(structure(wrong), None, "{wrong:?}");
         }
@@ -167,12 +178,18 @@ mod tests {
             String::new(),
         ] {
             assert_ne!(damaged, whole);
-            assert_eq!(judge(NAME, "ros2msg", damaged.as_bytes(), hash), Judgement::Mended(whole.clone()));
+            assert_eq!(
+                judge(NAME, "ros2msg", damaged.as_bytes(), hash),
+                Judgement::Mended(whole.clone())
+            );
         }
         assert_eq!(judge("there/msg/Else", "ros2msg", b"float64 \xff", None), Judgement::Damaged);
         assert_eq!(judge("there/msg/Else", "ros2msg", b"float64 x", None), Judgement::Sound);
         assert_eq!(judge("there/msg/Else", "ros2idl", b"struct", None), Judgement::Sound);
         // Another version of a type is no damage.
-        assert_eq!(judge(NAME, "ros2msg", b"float64 volts", Some("RIHS01_other")), Judgement::Sound);
+        assert_eq!(
+            judge(NAME, "ros2msg", b"float64 volts", Some("RIHS01_other")),
+            Judgement::Sound
+        );
     }
 }

@@ -36,8 +36,9 @@ pub struct Table {
     pub rows: usize,
 }
 
-/// The messages of each control cycle side by side, one line a time stamp. Time is that since the first [s]; `voltage_V` is the voltage that
-/// was on the motor in the period before, `torque_Nm` the friction torque.
+/// The messages of each control cycle side by side, one line a time stamp. Time is that since the
+/// first [s]; `voltage_V` is the voltage that was on the motor in the period before, `torque_Nm`
+/// the friction torque.
 ///
 /// # Errors
 /// [`BagError`] names what cannot be read, or that the bag has none of the topics of a cycle.
@@ -63,7 +64,11 @@ pub fn table(path: &Path) -> Result<Table, BagError> {
         Ok(true)
     }
     known |= read(&bag, topics::JOINT_STATES.name, &mut rows, |m: &JointState| {
-        [(1, m.position.first().copied()), (2, m.velocity.first().copied()), (4, m.effort.first().copied())]
+        [
+            (1, m.position.first().copied()),
+            (2, m.velocity.first().copied()),
+            (4, m.effort.first().copied()),
+        ]
     })?;
     known |= read(&bag, topics::RIG_MEASUREMENT.name, &mut rows, |m: &RigMeasurement| {
         [
@@ -77,8 +82,9 @@ pub fn table(path: &Path) -> Result<Table, BagError> {
     known |= read(&bag, topics::REFERENCE.name, &mut rows, |m: &Reference| {
         [(6, Some(m.position)), (7, Some(m.velocity)), (8, Some(m.acceleration))]
     })?;
-    known |=
-        read(&bag, topics::CONTROLLER_STATE.name, &mut rows, |m: &ControllerState| [(9, Some(m.total))])?;
+    known |= read(&bag, topics::CONTROLLER_STATE.name, &mut rows, |m: &ControllerState| {
+        [(9, Some(m.total))]
+    })?;
     known |= read(&bag, topics::FRICTION_ESTIMATE.name, &mut rows, |m: &FrictionEstimate| {
         [(10, Some(m.torque)), (11, Some(m.deflection))]
     })?;
@@ -86,7 +92,12 @@ pub fn table(path: &Path) -> Result<Table, BagError> {
         return Err(BagError::NoTopic {
             path: path.into(),
             topic: topics::JOINT_STATES.name.into(),
-            present: bag.topics().iter().map(|info| info.name.as_str()).collect::<Vec<_>>().join(", "),
+            present: bag
+                .topics()
+                .iter()
+                .map(|info| info.name.as_str())
+                .collect::<Vec<_>>()
+                .join(", "),
         });
     }
     let mut text = COLUMNS.join(",") + "\n";

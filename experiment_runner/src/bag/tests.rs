@@ -54,7 +54,10 @@ fn what_was_written_is_read() {
             assert_eq!(messages, (0..500).map(voltage).collect::<Vec<_>>());
             assert_eq!(bag.metadata("run").unwrap().unwrap()["seed"], "7");
             assert_eq!(bag.metadata("nothing").unwrap(), None);
-            assert_eq!(bag.attachment("parameters.yaml").unwrap().unwrap(), b"friction_observer: {}");
+            assert_eq!(
+                bag.attachment("parameters.yaml").unwrap().unwrap(),
+                b"friction_observer: {}"
+            );
             assert_eq!(bag.attachment("nothing").unwrap(), None);
         }
     }
@@ -70,7 +73,8 @@ fn messages_come_in_order_of_time() {
         bag.write("/motor_voltage", stamp, &message).unwrap();
     }
     bag.finish().unwrap();
-    let messages = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
+    let messages =
+        BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
     assert_eq!(messages, [voltage(1), voltage(2), voltage(3)]);
 }
 
@@ -85,8 +89,10 @@ fn messages_encoded_elsewhere_are_numbered_by_their_makers() {
     bag.write("/motor_voltage", stamp, &message).unwrap();
     let summary = bag.finish().unwrap();
     let bytes = fs::read(&summary.file).unwrap();
-    let sequences: Vec<u32> =
-        mcap::MessageStream::new(&bytes).unwrap().map(|message| message.unwrap().sequence).collect();
+    let sequences: Vec<u32> = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(|message| message.unwrap().sequence)
+        .collect();
     assert_eq!(sequences, [41, 42]);
 }
 
@@ -99,7 +105,8 @@ fn channels_are_as_rosbag2_writes_them() {
     let summary = bag.finish().unwrap();
     let bytes = fs::read(&summary.file).unwrap();
     let index = mcap::Summary::read(&bytes).unwrap().unwrap();
-    let channel = |topic: &str| index.channels.values().find(|channel| channel.topic == topic).unwrap();
+    let channel =
+        |topic: &str| index.channels.values().find(|channel| channel.topic == topic).unwrap();
     let status = channel("/experiment_status");
     let schema = status.schema.as_ref().unwrap();
     assert_eq!(schema.name, "friction_msgs/msg/ExperimentStatus");
@@ -112,7 +119,10 @@ fn channels_are_as_rosbag2_writes_them() {
         "{profiles}"
     );
     let profiles = &channel("/joint_states").metadata["offered_qos_profiles"];
-    assert!(profiles.contains("durability: volatile\n") && profiles.contains("depth: 100\n"), "{profiles}");
+    assert!(
+        profiles.contains("durability: volatile\n") && profiles.contains("depth: 100\n"),
+        "{profiles}"
+    );
 }
 
 #[test]
@@ -147,7 +157,8 @@ fn a_dropped_writer_leaves_a_bag_that_can_be_read() {
         bag.write("/motor_voltage", stamp, &message).unwrap();
     }
     drop(bag);
-    let messages = BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
+    let messages =
+        BagReader::open(&dir).unwrap().messages::<MotorVoltage>("/motor_voltage").unwrap();
     assert_eq!(messages.len(), 100);
 }
 
@@ -166,7 +177,8 @@ fn what_was_flushed_outlives_the_program() {
     // What another program sees now is what a kill would leave.
     let bytes = fs::read(dir.join("bag_0.mcap")).unwrap();
     let stream =
-        mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into()).unwrap();
+        mcap::MessageStream::new_with_options(&bytes, mcap::read::Options::IgnoreEndMagic.into())
+            .unwrap();
     assert_eq!(stream.flatten().count(), 60);
     let error = BagReader::open(&dir).unwrap_err();
     assert!(matches!(error, BagError::Damaged { .. }), "{error}");
@@ -190,7 +202,10 @@ fn a_place_that_cannot_be_a_folder_is_refused() {
     fs::write(&file, "").unwrap();
     let error = BagWriter::create(&file.join("bag"), BagOptions::default()).err().unwrap();
     assert!(matches!(error, BagError::Write { .. }), "{error}");
-    assert!(matches!(BagWriter::create(Path::new("/"), BagOptions::default()), Err(BagError::Name { .. })));
+    assert!(matches!(
+        BagWriter::create(Path::new("/"), BagOptions::default()),
+        Err(BagError::Name { .. })
+    ));
 }
 
 #[test]
@@ -232,8 +247,9 @@ fn a_cut_bag_is_an_error_at_every_length() {
     let cut = folder.path().join("cut.mcap");
     for length in 0..whole.len() {
         fs::write(&cut, &whole[..length]).unwrap();
-        let error =
-            BagReader::open(&cut).err().unwrap_or_else(|| panic!("{length} bytes were taken for a bag"));
+        let error = BagReader::open(&cut)
+            .err()
+            .unwrap_or_else(|| panic!("{length} bytes were taken for a bag"));
         assert!(error.to_string().contains("cut.mcap"), "{error}");
     }
 }

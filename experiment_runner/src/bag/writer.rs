@@ -22,8 +22,8 @@ pub enum Compression {
     None,
     /// LZ4, for readers that have nothing else.
     Lz4,
-    /// Zstandard at its fastest level: on the loop's messages a fifth smaller than LZ4 for a tenth of the speed, which is
-    /// still above a million messages a second.
+    /// Zstandard at its fastest level: on the loop's messages a fifth smaller than LZ4 for a tenth
+    /// of the speed, which is still above a million messages a second.
     #[default]
     Zstd,
 }
@@ -72,9 +72,10 @@ pub struct BagSummary {
 
 /// A bag that is being written.
 ///
-/// It keeps no thread and never waits for anything but the disk; a single write can take some 20 ms, so nobody with a
-/// deadline should hold it. Dropped without [`finish`](Self::finish), it closes the MCAP file as well as it can, but
-/// writes no `metadata.yaml`; killed, it leaves every chunk that was [flushed](Self::flush).
+/// It keeps no thread and never waits for anything but the disk; a single write can take some 20
+/// ms, so nobody with a deadline should hold it. Dropped without [`finish`](Self::finish), it
+/// closes the MCAP file as well as it can, but writes no `metadata.yaml`; killed, it leaves every
+/// chunk that was [flushed](Self::flush).
 pub struct BagWriter {
     dir: PathBuf,
     file: PathBuf,
@@ -95,8 +96,8 @@ impl BagWriter {
     /// Starts a bag in the folder, which is made if it is not there.
     ///
     /// # Errors
-    /// [`BagError::NotEmpty`] if the folder holds something, [`BagError::Name`] if its name cannot name a file,
-    /// [`BagError::Write`] if it cannot be written.
+    /// [`BagError::NotEmpty`] if the folder holds something, [`BagError::Name`] if its name cannot
+    /// name a file, [`BagError::Write`] if it cannot be written.
     pub fn create(dir: &Path, options: BagOptions) -> Result<Self, BagError> {
         let name = dir
             .file_name()
@@ -127,7 +128,8 @@ impl BagWriter {
     /// Opens a topic, or finds it again. Its quality of service is that of [`msgs::topics`].
     ///
     /// # Errors
-    /// [`BagError::TopicType`] if the topic was opened with another type, [`BagError::WriteMcap`] if writing fails.
+    /// [`BagError::TopicType`] if the topic was opened with another type, [`BagError::WriteMcap`]
+    /// if writing fails.
     pub fn topic<M: RosMessage>(&mut self, name: &str) -> Result<TopicHandle, BagError> {
         if let Some(&handle) = self.by_name.get(name) {
             let entry = &self.topics[handle.0].entry;
@@ -149,7 +151,12 @@ impl BagWriter {
         ]);
         let type_name = M::type_name();
         let schema = M::schema();
-        let id = self.output.channel(name, (&type_name, "ros2msg", schema.as_bytes()), "cdr", &metadata)?;
+        let id = self.output.channel(
+            name,
+            (&type_name, "ros2msg", schema.as_bytes()),
+            "cdr",
+            &metadata,
+        )?;
         let entry = entry_of(name, &type_name, &metadata);
         let handle = TopicHandle(self.topics.len());
         self.topics.push(Channel { entry, id, sequence: 0 });
@@ -157,11 +164,17 @@ impl BagWriter {
         Ok(handle)
     }
 
-    /// Writes a message, opening its topic at the first. `stamp_ns` is its time, in nanoseconds since the epoch.
+    /// Writes a message, opening its topic at the first. `stamp_ns` is its time, in nanoseconds
+    /// since the epoch.
     ///
     /// # Errors
     /// Those of [`topic`](Self::topic) and [`write_cdr`](Self::write_cdr); [`BagError::Encode`].
-    pub fn write<M: RosMessage>(&mut self, topic: &str, stamp_ns: u64, message: &M) -> Result<(), BagError> {
+    pub fn write<M: RosMessage>(
+        &mut self,
+        topic: &str,
+        stamp_ns: u64,
+        message: &M,
+    ) -> Result<(), BagError> {
         let handle = self.topic::<M>(topic)?;
         let mut bytes = std::mem::take(&mut self.scratch);
         let sequence = self.topics[handle.0].sequence;
@@ -172,8 +185,9 @@ impl BagWriter {
         result
     }
 
-    /// Writes a message that was encoded elsewhere by [`cdr::encode`](msgs::cdr::encode), so that several threads can
-    /// share that work. `sequence` numbers the messages of a topic; [`write`](Self::write) goes on behind it.
+    /// Writes a message that was encoded elsewhere by [`cdr::encode`](msgs::cdr::encode), so that
+    /// several threads can share that work. `sequence` numbers the messages of a topic;
+    /// [`write`](Self::write) goes on behind it.
     ///
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
@@ -185,8 +199,12 @@ impl BagWriter {
         bytes: &[u8],
     ) -> Result<(), BagError> {
         let channel = &mut self.topics[topic.0];
-        let header =
-            MessageHeader { channel_id: channel.id, sequence, log_time: stamp_ns, publish_time: stamp_ns };
+        let header = MessageHeader {
+            channel_id: channel.id,
+            sequence,
+            log_time: stamp_ns,
+            publish_time: stamp_ns,
+        };
         self.output.message(channel.id, &header, bytes)?;
         channel.entry.count += 1;
         channel.sequence = sequence.wrapping_add(1);
@@ -213,12 +231,17 @@ impl BagWriter {
     ///
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
-    pub fn metadata(&mut self, name: &str, entries: BTreeMap<String, String>) -> Result<(), BagError> {
+    pub fn metadata(
+        &mut self,
+        name: &str,
+        entries: BTreeMap<String, String>,
+    ) -> Result<(), BagError> {
         self.output.metadata(&mcap::records::Metadata { name: name.into(), metadata: entries })
     }
 
-    /// Closes the present chunk and hands everything to the system, so that it outlives the program, but not a power cut: that only
-    /// [`finish`](Self::finish) waits for. Two times a second is often enough; each time costs some packing.
+    /// Closes the present chunk and hands everything to the system, so that it outlives the
+    /// program, but not a power cut: that only [`finish`](Self::finish) waits for. Two times a
+    /// second is often enough; each time costs some packing.
     ///
     /// # Errors
     /// [`BagError::WriteMcap`] if the disk refuses.
@@ -231,7 +254,8 @@ impl BagWriter {
     /// # Errors
     /// [`BagError::Write`] if the disk refuses.
     pub fn sync(&self) -> Result<(), BagError> {
-        let synced = fs::File::options().append(true).open(&self.file).and_then(|file| file.sync_data());
+        let synced =
+            fs::File::options().append(true).open(&self.file).and_then(|file| file.sync_data());
         synced.map_err(|source| BagError::Write { path: self.file.clone(), source })
     }
 

@@ -1,14 +1,16 @@
 //! Experiments 3 and 4: when the shaft breaks away under a rising torque.
 //!
-//! Gross motion is a displacement that no pre-sliding reaches. Sliding begins (the onset) with the last stretch before gross motion in
-//! which the speed is above both limits of the [`OnsetRule`]: a smallest speed, clear of the sensor's noise, and a multiple
-//! of the mean speed since the torque began to rise. Before sliding a contact is a spring that softens: its speed under a steady
-//! ramp is the ramp's rate over the stiffness, and grows several times only where the stiffness is nearly gone. The ratio of the test
-//! bed's spring is 2.5 at 0.8 of the breakaway displacement. Inertia alone gives 3 (x grows with the cube of time), so that a ratio near it fails
-//! above some 2 N m/s.
+//! Gross motion is a displacement that no pre-sliding reaches. Sliding begins (the onset) with the
+//! last stretch before gross motion in which the speed is above both limits of the [`OnsetRule`]: a
+//! smallest speed, clear of the sensor's noise, and a multiple of the mean speed since the torque
+//! began to rise. Before sliding a contact is a spring that softens: its speed under a steady ramp
+//! is the ramp's rate over the stiffness, and grows several times only where the stiffness is
+//! nearly gone. The ratio of the test bed's spring is 2.5 at 0.8 of the breakaway displacement.
+//! Inertia alone gives 3 (x grows with the cube of time), so that a ratio near it fails above some
+//! 2 N m/s.
 //!
-//! Two torques are reported, for published statements about the rate of the torque disagree by which of them is meant: the friction at the
-//! onset, and the highest friction before gross motion.
+//! Two torques are reported, for published statements about the rate of the torque disagree by
+//! which of them is meant: the friction at the onset, and the highest friction before gross motion.
 
 use friction_ident::{FrictionTorque, IdentError, zero_phase::LowPass};
 use serde::{Deserialize, Serialize};
@@ -61,7 +63,8 @@ pub enum NoBreakaway {
     Recording(#[from] IdentError),
 }
 
-/// Finds the breakaway of a run that rests for [`REST`] and then is driven by a rising torque in `direction` (1 or -1).
+/// Finds the breakaway of a run that rests for [`REST`] and then is driven by a rising torque in
+/// `direction` (1 or -1).
 ///
 /// # Errors
 /// [`NoBreakaway`].
@@ -93,7 +96,8 @@ pub fn find_breakaway(
         let elapsed = (i.saturating_sub(rest) + 1) as f64 * channels.period;
         speed[i] > rule.speed.max(rule.ratio * moved[i] / elapsed)
     };
-    // Once the shaft slides the mean speed catches up: the last stretch that counts need not reach to the gross motion.
+    // Once the shaft slides the mean speed catches up: the last stretch that counts need not reach
+    // to the gross motion.
     let onset = (rest..=gross).rev().skip_while(|i| !slides(i)).take_while(slides).last();
     let Some(onset) = onset else { return Err(NoBreakaway::TooFast { ratio: rule.ratio }) };
     // A line through the last tenth of the rise, read at its end.
@@ -144,8 +148,11 @@ mod tests {
             let since = (t - REST).max(0.0);
             // A moment's jerk before, which does not last.
             let jerk = if (2.0..2.05).contains(&t) { 0.05 } else { 0.0 };
-            let (x, w) =
-                if since < 5.0 { (0.001 * since, 0.001 + jerk) } else { (0.005 + (since - 5.0), 1.0) };
+            let (x, w) = if since < 5.0 {
+                (0.001 * since, 0.001 + jerk)
+            } else {
+                (0.005 + (since - 5.0), 1.0)
+            };
             channels.time.push(t);
             channels.potentiometer.push(-x);
             channels.velocity.push(-w);
@@ -158,11 +165,15 @@ mod tests {
             constants: vec![],
         };
         let rule = OnsetRule { speed: 0.02, ratio: 4.0, gross_motion: 0.1 };
-        let find =
-            |direction| find_breakaway(&channels, &friction, &rule, Displacement::Potentiometer, direction);
+        let find = |direction| {
+            find_breakaway(&channels, &friction, &rule, Displacement::Potentiometer, direction)
+        };
         let found = find(-1.0).unwrap();
         assert!((found.time - 5.0).abs() < 0.02, "{found:?}");
-        assert!((found.torque - 0.1).abs() < 1e-3 && (found.displacement - 0.005).abs() < 1e-3, "{found:?}");
+        assert!(
+            (found.torque - 0.1).abs() < 1e-3 && (found.displacement - 0.005).abs() < 1e-3,
+            "{found:?}"
+        );
         let message = find(1.0).unwrap_err().to_string();
         assert!(message.contains("up_to"), "{message}");
     }

@@ -1,8 +1,8 @@
 //! What is recorded of a run, and the friction torque in it by the chosen source.
 
 use friction_ident::{
-    ChannelDeviations, DriveConstants, DriveSignals, FrictionTorque, IdentError, TorqueSource, Uncertain,
-    friction_torque,
+    ChannelDeviations, DriveConstants, DriveSignals, FrictionTorque, IdentError, TorqueSource,
+    Uncertain, friction_torque,
 };
 use rig_driver::{Drive, Sensors};
 use serde::{Deserialize, Serialize};
@@ -22,10 +22,16 @@ pub struct TorqueReading {
 }
 
 impl TorqueReading {
-    /// The reading of a rig with this drive and these sensors. `relative_errors` are the standard errors of the torque constant,
-    /// the armature resistance and the inertia as fractions of their values.
+    /// The reading of a rig with this drive and these sensors. `relative_errors` are the standard
+    /// errors of the torque constant, the armature resistance and the inertia as fractions of their
+    /// values.
     #[must_use]
-    pub fn new(source: TorqueSource, drive: &Drive, sensors: &Sensors, relative_errors: [f64; 3]) -> Self {
+    pub fn new(
+        source: TorqueSource,
+        drive: &Drive,
+        sensors: &Sensors,
+        relative_errors: [f64; 3],
+    ) -> Self {
         let parameters = drive.parameters();
         let [k, r, j] = relative_errors;
         Self {
@@ -45,7 +51,8 @@ impl TorqueReading {
         }
     }
 
-    /// Standard errors that data sheets of small servo motors leave, as fractions: torque constant 1 %, resistance 2 %, inertia 2 %.
+    /// Standard errors that data sheets of small servo motors leave, as fractions: torque constant
+    /// 1 %, resistance 2 %, inertia 2 %.
     pub const RELATIVE_ERRORS: [f64; 3] = [0.01, 0.02, 0.02];
 
     /// Friction torque of the channels.

@@ -1,14 +1,15 @@
 //! Experiment 2: the loop of friction over a periodic velocity.
 //!
-//! Torque and velocity are turned into Fourier series over whole periods, which uses every sample and keeps the noise of one from
-//! that of the other. The area is exact for the series:
+//! Torque and velocity are turned into Fourier series over whole periods, which uses every sample
+//! and keeps the noise of one from that of the other. The area is exact for the series:
 //!
 //! ```text
 //! F = sum a_k cos k theta + b_k sin k theta,  w = sum c_k cos k theta + d_k sin k theta
 //! loop area = closed integral of F dw = pi sum k (a_k d_k - b_k c_k)
 //! ```
 //!
-//! It is above zero where the torque is higher at rising velocity than at falling velocity: friction lags.
+//! It is above zero where the torque is higher at rising velocity than at falling velocity:
+//! friction lags.
 
 use std::f64::consts::{PI, TAU};
 
@@ -45,8 +46,9 @@ struct Series {
 }
 
 impl Series {
-    /// The series of `values` over `length` samples, a whole number of periods of angular frequency `w` that need not end at a
-    /// sample: trapezia up to there. `values` holds two samples more than `length`, or as many as there are.
+    /// The series of `values` over `length` samples, a whole number of periods of angular frequency
+    /// `w` that need not end at a sample: trapezia up to there. `values` holds two samples more
+    /// than `length`, or as many as there are.
     fn of(values: &[f64], time_step: f64, w: f64, length: f64) -> Self {
         let last = length.floor() as usize;
         let part = length - length.floor();
@@ -60,7 +62,8 @@ impl Series {
             values.iter().take(last + 2).enumerate().map(|(i, value)| weight(i) * value).collect();
         let mut terms = [(0.0, 0.0); HARMONICS];
         for (k, term) in (1..).zip(&mut terms) {
-            // The angle turns by a product of complex numbers; restarted often enough that roundings do not gather.
+            // The angle turns by a product of complex numbers; restarted often enough that
+            // roundings do not gather.
             let step = f64::from(k) * w * time_step;
             let (turn_sin, turn_cos) = step.sin_cos();
             for (block, values) in weighted.chunks(1000).enumerate() {
@@ -91,8 +94,8 @@ impl Series {
     }
 }
 
-/// The loop of friction over the velocity [rad/s] at angular frequency `w` [rad/s], over the whole periods that begin with
-/// sample `first`; `None` where there is not one.
+/// The loop of friction over the velocity [rad/s] at angular frequency `w` [rad/s], over the whole
+/// periods that begin with sample `first`; `None` where there is not one.
 #[must_use]
 pub fn lag_loop(
     friction: &FrictionTorque,
@@ -113,9 +116,12 @@ pub fn lag_loop(
     let motion = Series::of(velocity.get(window.clone())?, time_step, w, samples);
     let torque = Series::of(friction.torque.get(window.clone())?, time_step, w, samples);
     let area_of = |values: &[f64]| {
-        values.get(window.clone()).map_or(0.0, |part| Series::of(part, time_step, w, samples).area(&motion))
+        values
+            .get(window.clone())
+            .map_or(0.0, |part| Series::of(part, time_step, w, samples).area(&motion))
     };
-    let power: f64 = (1..).zip(&motion.terms).map(|(k, (c, d))| (f64::from(k) * c.hypot(*d)).powi(2)).sum();
+    let power: f64 =
+        (1..).zip(&motion.terms).map(|(k, (c, d))| (f64::from(k) * c.hypot(*d)).powi(2)).sum();
     let angles = (0..=POINTS).map(|i| TAU * i as f64 / POINTS as f64);
     Some(LagLoop {
         area: torque.area(&motion),
@@ -133,14 +139,16 @@ mod tests {
 
     use super::*;
 
-    /// F = 0.09 + 0.04 w lagging by an angle: the loop is an ellipse with area pi 0.04 0.95^2 sin(angle).
+    /// F = 0.09 + 0.04 w lagging by an angle: the loop is an ellipse with area pi 0.04 0.95^2
+    /// sin(angle).
     #[test]
     fn the_area_of_an_ellipse_is_its_closed_form() {
         let (w, h, angle) = (5.0, 1e-3, 0.01f64);
         let at = |i: u32| w * h * f64::from(i);
         let velocity: Vec<f64> = (0..30_000).map(|i| 1.0 - 0.95 * at(i).cos()).collect();
         let torque = (0..30_000).map(|i| 0.13 - 0.038 * (at(i) + angle).cos()).collect();
-        let friction = FrictionTorque { source: TorqueSource::Sensor, torque, noise: 0.0, constants: vec![] };
+        let friction =
+            FrictionTorque { source: TorqueSource::Sensor, torque, noise: 0.0, constants: vec![] };
         let found = lag_loop(&friction, &velocity, h, 2000, w).unwrap();
         // The torque is ahead of the velocity here: higher when it rises.
         let expected = PI * 0.95 * 0.038 * angle.sin();

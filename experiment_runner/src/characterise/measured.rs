@@ -11,7 +11,8 @@ pub struct Measured {
     pub quartiles: [f64; 3],
     /// Standard error of the mean by what differs between repetitions; none for a single one.
     pub standard_error: Option<f64>,
-    /// Standard deviation by what is the same in all of them, the drive's constants; zero with a torque sensor.
+    /// Standard deviation by what is the same in all of them, the drive's constants; zero with a
+    /// torque sensor.
     pub systematic: f64,
     /// Repetitions.
     pub repetitions: u32,
@@ -29,7 +30,11 @@ impl Measured {
         let standard_error = (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt());
         Some(Self {
             mean,
-            quartiles: [quantile(&sorted, 0.25)?, quantile(&sorted, 0.5)?, quantile(&sorted, 0.75)?],
+            quartiles: [
+                quantile(&sorted, 0.25)?,
+                quantile(&sorted, 0.5)?,
+                quantile(&sorted, 0.75)?,
+            ],
             standard_error,
             systematic: values.iter().map(|value| value.1).sum::<f64>() / n,
             repetitions: values.len() as u32,
@@ -49,7 +54,8 @@ impl Measured {
     }
 }
 
-/// Quantile of sorted values, by straight lines between them (definition 7 of Hyndman and Fan 1996).
+/// Quantile of sorted values, by straight lines between them (definition 7 of Hyndman and Fan
+/// 1996).
 fn quantile(sorted: &[f64], p: f64) -> Option<f64> {
     let at = p * sorted.len().checked_sub(1)? as f64;
     let (low, high) = (at.floor() as usize, at.ceil() as usize);

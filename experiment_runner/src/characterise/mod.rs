@@ -1,7 +1,9 @@
-//! What experiments 2 to 4 say about friction: from recorded channels to lag, breakaway and hysteresis.
+//! What experiments 2 to 4 say about friction: from recorded channels to lag, breakaway and
+//! hysteresis.
 //!
-//! Every figure is found for each repetition and comes with its quartiles over the repetitions, the standard error that they show,
-//! and what the drive's constants add where there is no torque sensor ([`Measured`]).
+//! Every figure is found for each repetition and comes with its quartiles over the repetitions, the
+//! standard error that they show, and what the drive's constants add where there is no torque
+//! sensor ([`Measured`]).
 
 pub mod breakaway;
 pub mod channels;

@@ -1,7 +1,7 @@
 //! Experiment 3, stage 2: nested loops below breakaway.
 //!
-//! Where the path comes to a level at which it turned before, and has not left the range of the loop in between, hysteresis with non-local
-//! memory is back where it was: the loop closes.
+//! Where the path comes to a level at which it turned before, and has not left the range of the
+//! loop in between, hysteresis with non-local memory is back where it was: the loop closes.
 
 use friction_ident::FrictionTorque;
 use serde::{Deserialize, Serialize};
@@ -41,8 +41,8 @@ pub struct NestedPath {
     pub torque: Vec<f64>,
 }
 
-/// Pairs of turns that begin and end a closed loop: the latest earlier turn of the same level, if no turn in between lies outside the
-/// range of the turns of the loop that holds it.
+/// Pairs of turns that begin and end a closed loop: the latest earlier turn of the same level, if
+/// no turn in between lies outside the range of the turns of the loop that holds it.
 #[must_use]
 pub fn closed_pairs(turns: &[f64]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
@@ -86,13 +86,17 @@ pub fn nested_path(
         let values = &position[index.saturating_sub(half)..=(index + half).min(last)];
         values.iter().sum::<f64>() / values.len() as f64
     };
-    let size = (protocol.duration / channels.period / f64::from(protocol.samples)).round().max(1.0) as usize;
+    let size = (protocol.duration / channels.period / f64::from(protocol.samples)).round().max(1.0)
+        as usize;
     let blocks = |values: &[f64]| block_means(values.get(rest..).unwrap_or_default(), size);
     let displacement: Vec<f64> = blocks(position).iter().map(|x| x - zero).collect();
-    let block_of =
-        |turn: usize| (turns[turn].saturating_sub(rest) / size).min(displacement.len().saturating_sub(1));
-    let closures = closed_pairs(&protocol.turns).into_iter().filter(|&(_, end)| end < turns.len()).map(
-        |(begin, end)| {
+    let block_of = |turn: usize| {
+        (turns[turn].saturating_sub(rest) / size).min(displacement.len().saturating_sub(1))
+    };
+    let closures = closed_pairs(&protocol.turns)
+        .into_iter()
+        .filter(|&(_, end)| end < turns.len())
+        .map(|(begin, end)| {
             let (from, to) = (block_of(begin), block_of(end));
             let work = |torque: &[f64]| loop_work(&blocks(torque), &displacement, from, to);
             Closure {
@@ -103,14 +107,15 @@ pub fn nested_path(
                 work: work(&friction.torque),
                 work_systematic: friction.propagate(work),
             }
-        },
-    );
+        });
     NestedPath { closures: closures.collect(), torque: blocks(&friction.torque), displacement }
 }
 
 /// Closed integral of F dx by trapezia over the samples `from` to `to`, closed by a straight line.
 fn loop_work(torque: &[f64], displacement: &[f64], from: usize, to: usize) -> f64 {
-    let (Some(torque), Some(x)) = (torque.get(from..=to), displacement.get(from..=to)) else { return 0.0 };
+    let (Some(torque), Some(x)) = (torque.get(from..=to), displacement.get(from..=to)) else {
+        return 0.0;
+    };
     let pairs = torque.windows(2).zip(x.windows(2));
     let open: f64 = pairs.map(|(f, x)| 0.5 * (f[0] + f[1]) * (x[1] - x[0])).sum();
     let n = torque.len() - 1;

@@ -17,8 +17,8 @@ pub struct BagArgs {
 enum BagCommand {
     /// Record what the running nodes publish, until ctrl-C
     ///
-    /// For those without `ros2 bag record`: every topic of one axis, and /diagnostics, as rosbag2 would write them. `frictionlab live` and
-    /// `frictionlab run` record by themselves.
+    /// For those without `ros2 bag record`: every topic of one axis, and /diagnostics, as rosbag2
+    /// would write them. `frictionlab live` and `frictionlab run` record by themselves.
     #[cfg(feature = "ros")]
     Record {
         /// Folder for the bag, new or empty
@@ -42,9 +42,10 @@ enum BagCommand {
     },
     /// Make a bag whole that was cut off by a kill or a full disk, or damaged
     ///
-    /// Writes a new MCAP file of everything that is whole, with its index, and metadata.yaml, so that stock tools open it. The original
-    /// stays beside it with `.damaged` behind its name. A bag that is whole stays as it is; one that is being written is refused.
-    /// A killed run loses at most its last second.
+    /// Writes a new MCAP file of everything that is whole, with its index, and metadata.yaml, so
+    /// that stock tools open it. The original stays beside it with `.damaged` behind its name. A
+    /// bag that is whole stays as it is; one that is being written is refused. A killed run loses
+    /// at most its last second.
     Recover {
         /// Folder of the bag
         #[arg(value_name = "DIR")]
@@ -52,8 +53,10 @@ enum BagCommand {
     },
     /// Write the cycles of a bag as comma-separated values, one line a time stamp
     ///
-    /// The columns are those that `frictionlab identify` reads: t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm, and behind them the
-    /// reference, the command and the friction estimate. A field is empty where the bag has no message of that time.
+    /// The columns are those that `frictionlab identify` reads:
+    /// t_s,position_rad,velocity_rad_s,voltage_V,torque_Nm, and behind them the reference, the
+    /// command and the friction estimate. A field is empty where the bag has no message of that
+    /// time.
     ToCsv {
         /// Folder of the bag, or an .mcap file
         #[arg(value_name = "DIR")]
@@ -73,7 +76,9 @@ enum BagCommand {
 pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
     let text = match &args.command {
         #[cfg(feature = "ros")]
-        BagCommand::Record { bag, namespace, duration } => record(bag, namespace.as_deref(), *duration)?,
+        BagCommand::Record { bag, namespace, duration } => {
+            record(bag, namespace.as_deref(), *duration)?
+        }
         BagCommand::Info { bag, json } => info(bag, *json)?,
         BagCommand::Recover { bag } => recovered(bag)?,
         BagCommand::ToCsv { bag, out, force } => to_csv(bag, out.as_deref(), force)?,
@@ -89,7 +94,8 @@ fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow:
     }
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     let stop = ros_node::Stop::on_signals()?;
-    let namespace = namespace.map(|name| format!("/{}", name.trim_matches('/'))).filter(|name| name != "/");
+    let namespace =
+        namespace.map(|name| format!("/{}", name.trim_matches('/'))).filter(|name| name != "/");
     let options = RecordOptions { dir: bag.to_owned(), namespace, duration };
     let ready = || _ = print(&format!("recording into {}; ctrl-C ends it\n", bag.display()));
     let recorded = record(&options, &stop, ready).map_err(|error| match error {
@@ -193,10 +199,12 @@ fn recovered(path: &Path) -> Result<String, BadInput> {
                 original.display()
             );
             if lost_bytes > 0 {
-                text += &format!("lost: {lost_bytes} bytes, among them {lost_chunks} damaged chunks\n");
+                text +=
+                    &format!("lost: {lost_bytes} bytes, among them {lost_chunks} damaged chunks\n");
             }
             if lost_messages > 0 {
-                text += &format!("lost: {lost_messages} messages whose topic is not known any more\n");
+                text +=
+                    &format!("lost: {lost_messages} messages whose topic is not known any more\n");
             }
             if !mended_definitions.is_empty() {
                 text += &format!(
@@ -220,5 +228,9 @@ fn to_csv(path: &Path, out: Option<&Path>, force: &Force) -> anyhow::Result<Stri
     let table = crate::bag::table(path).map_err(|error| bad(&error))?;
     out.write(table.text.as_bytes())?;
     // Standard output has the table and nothing else.
-    Ok(if out.is_stdout() { String::new() } else { format!("{}: {} lines\n", out.name(), table.rows) })
+    Ok(if out.is_stdout() {
+        String::new()
+    } else {
+        format!("{}: {} lines\n", out.name(), table.rows)
+    })
 }

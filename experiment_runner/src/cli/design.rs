@@ -20,17 +20,19 @@ use crate::report::{linked, render_page};
 
 /// Design the linear controller, or assess gains of your own
 ///
-/// Prints the gains, the step response's figures, the margins continuous and sampled, and what is proven of the loop under friction; writes report.html, design.json
-/// and controller.yaml, which `run --parameters` and `live --parameters` read.
+/// Prints the gains, the step response's figures, the margins continuous and sampled, and what is
+/// proven of the loop under friction; writes report.html, design.json and controller.yaml, which
+/// `run --parameters` and `live --parameters` read.
 ///
-///   frictionlab design velocity --steady-state-error 0.01 --crossover 110     # lag compensator, the thesis's specification
-///   frictionlab design velocity --crossover 150 --phase-margin 60          # PI
-///   frictionlab design velocity --gains 1.5136,0.0909,0.0285                 # three gains: lag; two: PI
-///   frictionlab design position --retuned                              # the best gains of monte-carlo's last row
-///   frictionlab design position --overshoot 10 --rise 0.05 --settling 0.3
+///   frictionlab design velocity --steady-state-error 0.01 --crossover 110     # lag compensator,
+///   the thesis's specification frictionlab design velocity --crossover 150 --phase-margin 60      
+///      # PI frictionlab design velocity --gains 1.5136,0.0909,0.0285                 # three gains: lag; two: PI
+///   frictionlab design position --retuned                              # the best gains of
+///   monte-carlo's last row frictionlab design position --overshoot 10 --rise 0.05 --settling 0.3
 ///   frictionlab design position --gains 5.7517,10,0.0768 --drive drive.yaml
 ///
-/// The design is then tried on the simulated rig beside the default gains: what it follows better, the voltage that it needs, the noise that it makes.
+/// The design is then tried on the simulated rig beside the default gains: what it follows better,
+/// the voltage that it needs, the noise that it makes.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct DesignArgs {
@@ -48,7 +50,8 @@ enum What {
 
 #[derive(Debug, clap::Args)]
 struct VelocityArgs {
-    /// Error that remains of a constant reference, as a fraction of it; with --crossover: a lag compensator
+    /// Error that remains of a constant reference, as a fraction of it; with --crossover: a lag
+    /// compensator
     #[arg(long, value_name = "FRACTION", conflicts_with_all = ["gains", "phase_margin"], requires = "crossover")]
     steady_state_error: Option<f64>,
     /// Gain crossover [rad/s]
@@ -111,10 +114,12 @@ struct SharedArgs {
     /// Time constant T of the drive [s] [default: 0.02388]
     #[arg(long, value_name = "T", conflicts_with = "drive", allow_negative_numbers = true)]
     time_constant: Option<f64>,
-    /// Voltage that overcomes 1 N m of friction, Ra/(A Km) [V/(N m)] [default: as the drive's file says, else 4.8426]
+    /// Voltage that overcomes 1 N m of friction, Ra/(A Km) [V/(N m)]
+    /// [default: as the drive's file says, else 4.8426]
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     volts_per_newton_metre: Option<f64>,
-    /// The drive as `identify-drive` writes it: the motor's constants, or gain and time constant alone
+    /// The drive as `identify-drive` writes it: the motor's constants, or gain and time constant
+    /// alone
     #[arg(long, value_name = "FILE")]
     drive: Option<PathBuf>,
     /// Voltage that the rig gives at most [V]
@@ -145,7 +150,8 @@ enum DerivativeArg {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for gains, specifications or a drive that cannot be, or a folder that cannot be written.
+/// [`BadInput`] for gains, specifications or a drive that cannot be, or a folder that cannot be
+/// written.
 pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
     let shared = match &args.what {
         What::Velocity(args) => &args.shared,
@@ -161,8 +167,9 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
         What::Position(args) => position(args, &drive)?,
     };
     let linear = LinearLoop { drive, law };
-    let mut found = assess(DesignOptions { linear, period: shared.period, volts_per_newton_metre, asked })
-        .map_err(worded)?;
+    let mut found =
+        assess(DesignOptions { linear, period: shared.period, volts_per_newton_metre, asked })
+            .map_err(worded)?;
     // A period that no rig has can be designed for, but not tried.
     found.worth = Worth::of(&found.options, shared.voltage_limit).ok();
     let folder = shared.to.reserve("design")?;
@@ -173,8 +180,12 @@ pub fn execute(args: &DesignArgs) -> anyhow::Result<()> {
         ("design.json", json.clone()),
     ])?;
     let file = |name: &str| folder.join(name).display().to_string();
-    let text =
-        format!("{}Report  {}\nGains   {}\n", summary(&found), file("report.html"), file("controller.yaml"));
+    let text = format!(
+        "{}Report  {}\nGains   {}\n",
+        summary(&found),
+        file("report.html"),
+        file("controller.yaml")
+    );
     shared.saying.result(shared.quiet, &json, &text)
 }
 
@@ -194,8 +205,12 @@ fn worded(error: ControllerError) -> BadInput {
     let option = match name {
         "overshoot" => return BadInput(percent("--overshoot")),
         "definition" => {
-            let expected = "--rise-from must lie between 0 and 50 %, and --band between 0 and 100 %";
-            return BadInput(format!("{expected}; the rise is from {} %", (1e8 * value).round() / 1e6));
+            let expected =
+                "--rise-from must lie between 0 and 50 %, and --band between 0 and 100 %";
+            return BadInput(format!(
+                "{expected}; the rise is from {} %",
+                (1e8 * value).round() / 1e6
+            ));
         }
         "rise_time" => "--rise [s]",
         "settling_time" => "--settling [s]",
@@ -254,7 +269,10 @@ fn velocity(args: &VelocityArgs, drive: &LinearDrive) -> Result<(LoopLaw, String
         ([], Some(crossover), Some(error), None) => {
             let specification = VelocitySpecification { steady_state_error: error, crossover };
             let gains = lag_from_specification(drive, &specification).map_err(worded)?;
-            (VelocityLaw::Lag(gains), format!("steady-state error {error}, crossover {crossover} rad/s"))
+            (
+                VelocityLaw::Lag(gains),
+                format!("steady-state error {error}, crossover {crossover} rad/s"),
+            )
         }
         ([], Some(crossover), None, Some(phase_margin)) => {
             let specification = PiSpecification { crossover, phase_margin };
@@ -286,7 +304,8 @@ fn position(args: &PositionArgs, drive: &LinearDrive) -> Result<(LoopLaw, String
         }
         (&[k_p, k_i, k_d], ..) => (PidGains { k_p, k_i, k_d }, "gains by hand".to_owned()),
         ([], Some(overshoot), Some(rise_time), Some(settling_time)) => {
-            let definition = StepDefinition { rise_from: 0.01 * args.rise_from, band: 0.01 * args.band };
+            let definition =
+                StepDefinition { rise_from: 0.01 * args.rise_from, band: 0.01 * args.band };
             let specification = PositionSpecification {
                 overshoot: 0.01 * overshoot,
                 rise_time,
@@ -295,7 +314,8 @@ fn position(args: &PositionArgs, drive: &LinearDrive) -> Result<(LoopLaw, String
                 sensitivity_peak: args.sensitivity,
             };
             let realisation = PidRealisation { derivative_on, filter, period: args.shared.period };
-            let gains = pid_from_specification(drive, &specification, &realisation).map_err(worded)?;
+            let gains =
+                pid_from_specification(drive, &specification, &realisation).map_err(worded)?;
             let asked = format!(
                 "overshoot {overshoot} %, rise {rise_time} s ({} to {} %), settling {settling_time} s ({} %), sensitivity peak {}",
                 args.rise_from,

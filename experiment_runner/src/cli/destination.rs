@@ -10,7 +10,8 @@ pub(crate) const RUNS: &str = "runs";
 /// Where a command with several files puts them.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub struct ToFolder {
-    /// Folder for the results, new or empty [default: a new one under runs/, named after the command and numbered]
+    /// Folder for the results, new or empty
+    /// [default: a new one under runs/, named after the command and numbered]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Write into a folder that is not empty, and replace files of the same names

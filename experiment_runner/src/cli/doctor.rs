@@ -13,13 +13,15 @@ use crate::{
 
 /// Look at this machine and the running nodes
 ///
-/// Scheduling rights and how late a loop of 1 kHz is here; clocks; network, multicast and the environment variables of ROS; which other nodes
-/// are on the domain, in which lifecycle state; rigs, ports and disk. About nine seconds. Needs no ROS installation.
+/// Scheduling rights and how late a loop of 1 kHz is here; clocks; network, multicast and the
+/// environment variables of ROS; which other nodes are on the domain, in which lifecycle state;
+/// rigs, ports and disk. About nine seconds. Needs no ROS installation.
 ///
-/// Beside running nodes (`frictionlab launch`, or the executables) it also tells how old the measurement behind each applied voltage is,
-/// from what rig_driver reports on /diagnostics.
+/// Beside running nodes (`frictionlab launch`, or the executables) it also tells how old the
+/// measurement behind each applied voltage is, from what rig_driver reports on /diagnostics.
 ///
-/// Nothing is moved, opened or changed. Ends with exit code 1 if something is broken; what is merely worth a look ends with 0.
+/// Nothing is moved, opened or changed. Ends with exit code 1 if something is broken; what is
+/// merely worth a look ends with 0.
 #[derive(Debug, clap::Args)]
 pub struct DoctorArgs {
     /// Print the findings as JSON, for programs
@@ -51,7 +53,12 @@ pub fn execute(args: &DoctorArgs) -> anyhow::Result<()> {
     if stop.is_set() {
         return Err(Interrupted("stopped; not everything was looked at".to_owned()).into());
     }
-    let broken: Vec<&str> = report.of(Verdict::Broken).map(|finding| finding.subject.as_str()).collect();
-    anyhow::ensure!(broken.is_empty(), "broken: {}; how to mend it is said above", broken.join(", "));
+    let broken: Vec<&str> =
+        report.of(Verdict::Broken).map(|finding| finding.subject.as_str()).collect();
+    anyhow::ensure!(
+        broken.is_empty(),
+        "broken: {}; how to mend it is said above",
+        broken.join(", ")
+    );
     Ok(())
 }

@@ -2,12 +2,14 @@
 
 use super::BadInput;
 
-/// Standard errors of torque constant, armature resistance and inertia as fractions, from percentages.
+/// Standard errors of torque constant, armature resistance and inertia as fractions, from
+/// percentages.
 ///
 /// # Errors
 /// [`BadInput`] for a percentage outside 0 to 100, or not three of them.
 pub(super) fn fractions(percentages: &[f64]) -> Result<[f64; 3], BadInput> {
-    let expected = "--drive-errors takes three percentages from 0 to 100, as in --drive-errors 1,2,2";
+    let expected =
+        "--drive-errors takes three percentages from 0 to 100, as in --drive-errors 1,2,2";
     if let Some(percent) = percentages.iter().find(|percent| !(0.0..=100.0).contains(*percent)) {
         return Err(BadInput(format!("{expected}, but one is {percent}")));
     }

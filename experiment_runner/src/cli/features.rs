@@ -14,10 +14,11 @@ use crate::report::{linked, render_page};
 
 /// Draw what tells friction models apart, in one report
 ///
-/// For each model: stick-slip, drift, hysteresis and its memory, breakaway against force rate, frictional
-/// lag, steady sliding, reversal, sensitivity to each parameter, and the describing function. Then the
-/// thesis's position loop that hunts, simulated and predicted. Parameters are those of the thesis's
-/// chapter 3; steps are halved until the figures hold to 1e-4, or no longer settle: the report shows the last change.
+/// For each model: stick-slip, drift, hysteresis and its memory, breakaway against force rate,
+/// frictional lag, steady sliding, reversal, sensitivity to each parameter, and the describing
+/// function. Then the thesis's position loop that hunts, simulated and predicted. Parameters are
+/// those of the thesis's chapter 3; steps are halved until the figures hold to 1e-4, or no longer
+/// settle: the report shows the last change.
 ///
 ///   frictionlab features
 ///   frictionlab features --model lugre,gms,proposed --out runs/three
@@ -45,12 +46,14 @@ pub struct FeaturesArgs {
 /// Runs it.
 ///
 /// # Errors
-/// [`OutputError`](crate::output::OutputError) if the folder cannot be written, [`Interrupted`] after ctrl-C.
+/// [`OutputError`](crate::output::OutputError) if the folder cannot be written, [`Interrupted`]
+/// after ctrl-C.
 pub fn execute(args: &FeaturesArgs) -> anyhow::Result<()> {
     let chosen = |name: &ModelName| args.model.is_empty() || args.model.contains(name);
     let models: Vec<ModelName> = ModelName::ALL.into_iter().filter(chosen).collect();
-    let workers =
-        args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers = args
+        .jobs
+        .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let folder = args.to.reserve("features")?;
     let cancel = interruption::watch(interruption::WRITING)?;
 

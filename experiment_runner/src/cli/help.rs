@@ -1,4 +1,5 @@
-//! What all commands have in common on the command line: groups, short options, and help that fits the terminal.
+//! What all commands have in common on the command line: groups, short options, and help that fits
+//! the terminal.
 
 use std::fmt::Write;
 
@@ -22,7 +23,8 @@ const SHORT: [(&str, char); 5] =
 /// Longest line of an example that is not parted from its remark.
 const EXAMPLE: usize = 78;
 
-/// The command with its groups, short options and help as they are everywhere; negative numbers are values.
+/// The command with its groups, short options and help as they are everywhere; negative numbers are
+/// values.
 #[must_use]
 pub fn prepared(command: Command) -> Command {
     let groups = groups(&command);
@@ -58,7 +60,8 @@ fn groups(command: &Command) -> String {
     text
 }
 
-/// Short options by the table above, values that may be negative, and long texts that wrap, here and in all subcommands.
+/// Short options by the table above, values that may be negative, and long texts that wrap, here
+/// and in all subcommands.
 fn uniform(command: Command) -> Command {
     let long = command.get_long_about().map(|text| flowing(&text.to_string()));
     let command = command.mut_args(|arg: Arg| {
@@ -68,7 +71,8 @@ fn uniform(command: Command) -> Command {
             Some((_, short)) => arg.short(*short),
             None => arg,
         };
-        // `--gain -1` is a gain, wherever it comes: whether it may be negative is said by whoever reads it, in words.
+        // `--gain -1` is a gain, wherever it comes: whether it may be negative is said by whoever
+        // reads it, in words.
         arg.allow_negative_numbers(takes)
     });
     let command = match long {
@@ -78,8 +82,8 @@ fn uniform(command: Command) -> Command {
     command.mut_subcommands(uniform)
 }
 
-/// Text whose paragraphs are one line each, for the terminal to wrap. Lines that begin with a space are examples and stay; where a remark behind one is
-/// too far to the right, it stands above.
+/// Text whose paragraphs are one line each, for the terminal to wrap. Lines that begin with a space
+/// are examples and stay; where a remark behind one is too far to the right, it stands above.
 fn flowing(text: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     let mut in_paragraph = false;

@@ -40,7 +40,8 @@ use crate::recording::{AxisKind, Column, Recording};
 ///
 /// A driving force gives friction models too, once the inertia is known:
 ///
-///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 --model lugre \
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 --model lugre
+///   \
 ///     --torque-source driving --inertia 95.1:0.1 --validate validation.csv
 ///
 /// Bag with --torque-from-voltage: the driving torque worked out from /rig_measurement.
@@ -51,7 +52,8 @@ pub struct IdentifyArgs {
     #[arg(value_name = "FILE", required = true)]
     pub(super) files: Vec<PathBuf>,
 
-    /// Try the fitted models on this recording too (the cross-test); several only for friction models.
+    /// Try the fitted models on this recording too (the cross-test); several only for friction
+    /// models.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub(super) validate: Vec<PathBuf>,
 
@@ -92,7 +94,8 @@ pub struct IdentifyArgs {
     #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
     pub(super) axis: Option<AxisKind>,
 
-    /// Cutoff of the low-pass for the motion [Hz] [default: a tenth of the sampling rate, at most 100].
+    /// Cutoff of the low-pass for the motion [Hz]
+    /// [default: a tenth of the sampling rate, at most 100].
     #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
     pub(super) cutoff: Option<f64>,
 
@@ -100,7 +103,8 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Conditioning")]
     pub(super) order: usize,
 
-    /// Keep one sample in N for the fit, after an anti-alias low-pass [default: sampling rate over cutoff].
+    /// Keep one sample in N for the fit, after an anti-alias low-pass
+    /// [default: sampling rate over cutoff].
     #[arg(long, value_name = "N", help_heading = "Conditioning")]
     pub(super) decimate: Option<usize>,
 
@@ -108,8 +112,9 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
     trim: usize,
 
-    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction of it, at most 0.5; samples off by more are read between
-    /// their neighbours, and gaps split the recording.
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a
+    /// fraction of it, at most 0.5; samples off by more are read between their neighbours, and gaps
+    /// split the recording.
     #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Conditioning")]
     pub(super) time_tolerance: f64,
 
@@ -117,12 +122,18 @@ pub struct IdentifyArgs {
     #[arg(long, help_heading = "Model")]
     without_inertia: bool,
 
-    /// Choose the structure of the axis by cross-validation: auto, or names as asymmetric+stribeck+delay, separated by commas.
-    #[arg(long, value_name = "auto|NAMES", help_heading = "Model", conflicts_with = "without_inertia")]
+    /// Choose the structure of the axis by cross-validation: auto, or names as
+    /// asymmetric+stribeck+delay, separated by commas.
+    #[arg(
+        long,
+        value_name = "auto|NAMES",
+        help_heading = "Model",
+        conflicts_with = "without_inertia"
+    )]
     structure: Option<StructureChoice>,
 
-    /// Voltage- or current-driven recording: drive.yaml of identify-drive gives the motor's constants, and the inertia for
-    /// --torque-source.
+    /// Voltage- or current-driven recording: drive.yaml of identify-drive gives the motor's
+    /// constants, and the inertia for --torque-source.
     #[arg(long, value_name = "FILE", help_heading = "Bag", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]
     drive: Option<PathBuf>,
 
@@ -147,10 +158,12 @@ pub struct IdentifyArgs {
     resistance: f64,
 }
 
-/// Reads, identifies, writes `identification.json`, `report.html` and `parameters.yaml`, and prints a table.
+/// Reads, identifies, writes `identification.json`, `report.html` and `parameters.yaml`, and prints
+/// a table.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
+/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is
+/// written then.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     check(args)?;
     args.saying.begin();
@@ -204,7 +217,10 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
                 ["parameters.yaml", "identification.json"],
             )),
         ),
-        ("parameters.yaml", identify::parameters::render(&found, &recording.path.display().to_string())),
+        (
+            "parameters.yaml",
+            identify::parameters::render(&found, &recording.path.display().to_string()),
+        ),
     ];
     let folder = args.to.reserve("identify")?;
     folder.write(&files)?;
@@ -237,11 +253,13 @@ fn compare(
     let progress = Progress::counting(count as u64, "structures", quiet);
     let found = structured(&estimation, other.as_ref(), wanted, settings.axis, &progress, &cancel);
     progress.finish();
-    let found = found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
+    let found =
+        found.map_err(|error| BadInput(format!("{}: {error}", recording.path.display())))?;
     if found.is_none() {
-        return Err(
-            Interrupted("stopped before any structure was compared; nothing was written".to_owned()).into()
-        );
+        return Err(Interrupted(
+            "stopped before any structure was compared; nothing was written".to_owned(),
+        )
+        .into());
     }
     Ok(found)
 }
@@ -293,7 +311,9 @@ fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
         ("--resistance", args.resistance),
     ] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(BadInput(format!("{option} must be a finite number above zero, but is {value}")));
+            return Err(BadInput(format!(
+                "{option} must be a finite number above zero, but is {value}"
+            )));
         }
     }
     Ok(())
@@ -304,7 +324,12 @@ fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
     let cutoff = args.cutoff.unwrap_or(usual.cutoff);
     // A cutoff out of range is refused later, with the sampling rate in the message.
     let factor = (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize;
-    Conditioning { cutoff, order: args.order, trim: args.trim, decimate: args.decimate.unwrap_or(factor) }
+    Conditioning {
+        cutoff,
+        order: args.order,
+        trim: args.trim,
+        decimate: args.decimate.unwrap_or(factor),
+    }
 }
 
 fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, BadInput> {

@@ -17,14 +17,14 @@ use crate::rig::{DriveSheet, RigProfile};
 
 /// Find a drive's constants from its voltage and motion
 ///
-/// Finds gain K, time constant T, delay and voltage deadband of T w' + w = K (u - friction), and the
-/// inertia as far as it can be known: from a torque sensor in the recording (a bag of this laboratory
-/// has one), from the motor's constants, or from a known force per volt. Excite the drive with steps
-/// or a chirp for T, and with a slow triangle through zero for the deadband.
+/// Finds gain K, time constant T, delay and voltage deadband of T w' + w = K (u - friction), and
+/// the inertia as far as it can be known: from a torque sensor in the recording (a bag of this
+/// laboratory has one), from the motor's constants, or from a known force per volt. Excite the
+/// drive with steps or a chirp for T, and with a slow triangle through zero for the deadband.
 ///
 ///   frictionlab identify-drive bag/ --gear-ratio 70
-///   frictionlab identify-drive run.csv --gear-ratio 70 --motor-constant 0.00767 --resistance 2.6:0.05
-///   frictionlab identify-drive estimation.csv --voltage control_V --force-per-volt 35.15
+///   frictionlab identify-drive run.csv --gear-ratio 70 --motor-constant 0.00767 --resistance
+///   2.6:0.05 frictionlab identify-drive estimation.csv --voltage control_V --force-per-volt 35.15
 ///
 /// CSV: t_s, voltage_V, position_rad or velocity_rad_s (or _m), and if there is one friction_Nm.
 /// Several files are averaged by their errors.
@@ -38,7 +38,8 @@ pub struct IdentifyDriveArgs {
     #[command(flatten)]
     to: ToFolder,
 
-    /// Rig profile that gets the drive, as `frictionlab rig check --rig-file` writes it; `run` and `live` take the drive from there.
+    /// Rig profile that gets the drive, as `frictionlab rig check --rig-file` writes it; `run` and
+    /// `live` take the drive from there.
     #[arg(long, value_name = "FILE")]
     rig_file: Option<PathBuf>,
 
@@ -72,8 +73,9 @@ pub struct IdentifyDriveArgs {
     #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
     axis: Option<AxisKind>,
 
-    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction of it, at most 0.5; samples off by more are read between
-    /// their neighbours, and gaps split the recording.
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a
+    /// fraction of it, at most 0.5; samples off by more are read between their neighbours, and gaps
+    /// split the recording.
     #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Columns of a CSV file")]
     time_tolerance: f64,
 
@@ -106,11 +108,15 @@ pub struct IdentifyDriveArgs {
 /// `VALUE` or `VALUE:ERROR`.
 fn known(text: &str) -> Result<Known, String> {
     let (value, error) = text.split_once(':').unwrap_or((text, "0"));
-    let number =
-        |text: &str| text.trim().parse::<f64>().map_err(|_| format!("expected a number, but found `{text}`"));
+    let number = |text: &str| {
+        text.trim().parse::<f64>().map_err(|_| format!("expected a number, but found `{text}`"))
+    };
     let known = Known { value: number(value)?, standard_error: number(error)? };
     if !(known.value > 0.0 && known.value.is_finite()) {
-        return Err(format!("the value must be a finite number above zero, but is {}", known.value));
+        return Err(format!(
+            "the value must be a finite number above zero, but is {}",
+            known.value
+        ));
     }
     if !(known.standard_error >= 0.0 && known.standard_error.is_finite()) {
         return Err(format!(
@@ -121,22 +127,29 @@ fn known(text: &str) -> Result<Known, String> {
     Ok(known)
 }
 
-/// Reads, identifies, writes `drive.yaml`, `identification-drive.json` and `report.html`, and prints a table.
+/// Reads, identifies, writes `drive.yaml`, `identification-drive.json` and `report.html`, and
+/// prints a table.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then.
+/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is
+/// written then.
 pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     if let Some(ratio) = args.gear_ratio.filter(|ratio| !(*ratio > 0.0 && ratio.is_finite())) {
-        return Err(
-            BadInput(format!("--gear-ratio must be a finite number above zero, but is {ratio}")).into()
-        );
+        return Err(BadInput(format!(
+            "--gear-ratio must be a finite number above zero, but is {ratio}"
+        ))
+        .into());
     }
-    let profile =
-        args.rig_file.as_deref().map(|file| rig_profile::read(file).map(|read| (file, read))).transpose()?;
+    let profile = args
+        .rig_file
+        .as_deref()
+        .map(|file| rig_profile::read(file).map(|read| (file, read)))
+        .transpose()?;
     let profile_file = profile.as_ref().map(|(file, _)| OutputFile::new(file, true)).transpose()?;
     // Where there is no sensor its channel says zero, which is no friction torque.
-    let senseless =
-        profile.as_ref().is_some_and(|(_, profile)| profile.sensors.is_some_and(|sensors| !sensors.torque));
+    let senseless = profile
+        .as_ref()
+        .is_some_and(|(_, profile)| profile.sensors.is_some_and(|sensors| !sensors.torque));
     let columns = DrivenColumns {
         time: args.time.clone(),
         voltage: args.voltage.clone(),
@@ -146,8 +159,8 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     };
     let mut recordings = Vec::new();
     for file in &args.files {
-        let mut recording =
-            driven::read(file, &columns, args.time_tolerance).map_err(|error| BadInput(error.to_string()))?;
+        let mut recording = driven::read(file, &columns, args.time_tolerance)
+            .map_err(|error| BadInput(error.to_string()))?;
         if args.without_torque || senseless {
             recording.friction = None;
         }
@@ -158,8 +171,10 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     let calibration = match (args.motor_constant, args.resistance, args.force_per_volt) {
         (Some(constant), Some(resistance), _) => {
             let ratio = args.gear_ratio.unwrap_or(1.0);
-            let torque_constant =
-                Known { value: ratio * constant.value, standard_error: ratio * constant.standard_error };
+            let torque_constant = Known {
+                value: ratio * constant.value,
+                standard_error: ratio * constant.standard_error,
+            };
             Some(Calibration::Motor { torque_constant, resistance })
         }
         (_, _, Some(gain)) => Some(Calibration::ForcePerVolt(gain)),
@@ -172,14 +187,20 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     let files = [
         ("drive.yaml", parameters::render(&found)),
         ("identification-drive.json", found.document()),
-        ("report.html", render_page(&linked(page(&found), ["drive.yaml", "identification-drive.json"]))),
+        (
+            "report.html",
+            render_page(&linked(page(&found), ["drive.yaml", "identification-drive.json"])),
+        ),
     ];
     folder.write(&files)?;
-    let told =
-        profile_file.zip(profile).map(|(file, (_, profile))| update(&found, &file, profile)).transpose()?;
+    let told = profile_file
+        .zip(profile)
+        .map(|(file, (_, profile))| update(&found, &file, profile))
+        .transpose()?;
     let names = files.each_ref().map(|(name, _)| *name).join(", ");
     let told = told.map_or(String::new(), |told| told + "\n");
-    let text = format!("{}\nwritten to {}: {names}\n{told}", found.summary(), folder.path().display());
+    let text =
+        format!("{}\nwritten to {}: {names}\n{told}", found.summary(), folder.path().display());
     args.saying.result(args.quiet, &files[1].1, &text)
 }
 

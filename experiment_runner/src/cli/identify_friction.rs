@@ -20,7 +20,8 @@ use crate::recording::{AxisKind, Column};
 /// The options.
 #[derive(Debug, clap::Args)]
 pub struct FrictionArgs {
-    /// Friction models to identify, separated by commas, or all [default: coulomb_viscous,stribeck,lugre,proposed].
+    /// Friction models to identify, separated by commas, or all
+    /// [default: coulomb_viscous,stribeck,lugre,proposed].
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choice, help_heading = "Friction models")]
     model: Vec<Choice>,
 
@@ -32,9 +33,10 @@ pub struct FrictionArgs {
     #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Friction models")]
     elements: usize,
 
-    /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in 0.0026:0.00003. The micro-damping is then
-    /// computed from it; --torque-source other than sensor needs it, from here or from --drive. Without :SE the last of
-    /// --drive-errors counts there.
+    /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in
+    /// 0.0026:0.00003. The micro-damping is then computed from it; --torque-source other than
+    /// sensor needs it, from here or from --drive. Without :SE the last of --drive-errors counts
+    /// there.
     #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
     inertia: Option<Inertia>,
 
@@ -52,20 +54,22 @@ pub struct FrictionArgs {
     #[arg(long, help_heading = "Friction models")]
     no_joint: bool,
 
-    /// How far the contact bends before it slides [m or rad]; motion within twice that counts as pre-sliding [default: told
-    /// from the friction].
+    /// How far the contact bends before it slides [m or rad]; motion within twice that counts as
+    /// pre-sliding [default: told from the friction].
     #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Friction models")]
     reach: Option<f64>,
 
-    /// Where the friction comes from. sensor: the force column is friction. driving: it drives the axis, friction is that less inertia times
-    /// acceleration. voltage, current: the column is the motor's mean over the period before each sample (voltage_V, current_A, or
-    /// --force-column NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and --resistance. What the errors of
-    /// the constants add to each parameter is shown beside its standard error, as `from the drive`.
+    /// Where the friction comes from. sensor: the force column is friction. driving: it drives the
+    /// axis, friction is that less inertia times acceleration. voltage, current: the column is the
+    /// motor's mean over the period before each sample (voltage_V, current_A, or --force-column
+    /// NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and
+    /// --resistance. What the errors of the constants add to each parameter is shown beside its
+    /// standard error, as `from the drive`.
     #[arg(long, value_enum, value_name = "SOURCE", help_heading = "Friction models")]
     torque_source: Option<SourceChoice>,
 
-    /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia (where --inertia has
-    /// none).
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance,
+    /// inertia (where --inertia has none).
     #[arg(
         long,
         value_name = "K,R,J",
@@ -139,7 +143,10 @@ fn choice(text: &str) -> Result<Choice, String> {
     if ALL.contains(&name) {
         Ok(Choice::One(name))
     } else {
-        Err(format!("{name} cannot be identified stage by stage; expected all or some of {}", known()))
+        Err(format!(
+            "{name} cannot be identified stage by stage; expected all or some of {}",
+            known()
+        ))
     }
 }
 
@@ -181,11 +188,12 @@ fn is_bag(file: &Path) -> bool {
     file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap")
 }
 
-/// Reads, identifies every model, writes `identification.json`, `report.html` and `parameters.yaml`, and prints a table.
+/// Reads, identifies every model, writes `identification.json`, `report.html` and
+/// `parameters.yaml`, and prints a table.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is written then. [`Interrupted`] after ctrl-C; what
-/// there was by then is written.
+/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is
+/// written then. [`Interrupted`] after ctrl-C; what there was by then is written.
 pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     let cancel = interruption::watch(interruption::WRITING)?;
     let progress = Progress::counting(1, "models", args.quiet);
@@ -196,7 +204,8 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         folder.path().display(),
         FILES.join(", ")
     );
-    let document = if args.saying.json { friction::document::render(&found) } else { String::new() };
+    let document =
+        if args.saying.json { friction::document::render(&found) } else { String::new() };
     args.saying.result(args.quiet, &document, &text)?;
     if found.interrupted {
         return Err(Interrupted(format!(
@@ -219,7 +228,8 @@ pub(crate) struct Written {
     pub(crate) folder: Folder,
 }
 
-/// Reads, identifies every model and writes the files. Once `cancel` is set it ends with what there is.
+/// Reads, identifies every model and writes the files. Once `cancel` is set it ends with what there
+/// is.
 ///
 /// # Errors
 /// As for [`execute`].
@@ -240,14 +250,19 @@ pub(crate) fn identify(
     let found = friction::run::identify(&files, &validation, &settings, progress, cancel);
     progress.finish();
     let found = match found {
-        Err(FrictionError::Nothing) => return Err(Interrupted(FrictionError::Nothing.to_string()).into()),
+        Err(FrictionError::Nothing) => {
+            return Err(Interrupted(FrictionError::Nothing.to_string()).into());
+        }
         other => other.map_err(|error| BadInput(error.to_string()))?,
     };
 
     let page = friction::page::page(&found, args.friction.thesis_tables);
     let contents = [
         friction::document::render(&found),
-        crate::report::render_page(&crate::report::linked(page, ["parameters.yaml", "identification.json"])),
+        crate::report::render_page(&crate::report::linked(
+            page,
+            ["parameters.yaml", "identification.json"],
+        )),
         friction::parameters::render(&found)?,
     ];
     let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();
@@ -287,14 +302,18 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
         Some(SourceChoice::Voltage) => TorqueSource::Voltage,
         Some(SourceChoice::Current) => TorqueSource::Current,
     };
-    let drive = if torque == TorqueSource::Sensor { None } else { Some(drive_constants(args, torque)?) };
+    let drive =
+        if torque == TorqueSource::Sensor { None } else { Some(drive_constants(args, torque)?) };
     if torque == TorqueSource::Driving && args.files.iter().any(|file| is_bag(file)) {
         return Err(BadInput(
-            "a bag has the friction torque or the voltage; use --torque-source sensor or voltage".to_owned(),
+            "a bag has the friction torque or the voltage; use --torque-source sensor or voltage"
+                .to_owned(),
         ));
     }
     if torque == TorqueSource::Current && args.files.iter().any(|file| is_bag(file)) {
-        return Err(BadInput("a bag has no current; use --torque-source sensor or voltage".to_owned()));
+        return Err(BadInput(
+            "a bag has no current; use --torque-source sensor or voltage".to_owned(),
+        ));
     }
     Ok(Preparation {
         smoothing: friction.smooth,
@@ -308,7 +327,8 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
     })
 }
 
-/// The drive as far as it is known: from `--drive` or the options, with the standard errors of `--drive-errors`.
+/// The drive as far as it is known: from `--drive` or the options, with the standard errors of
+/// `--drive-errors`.
 fn drive_constants(args: &IdentifyArgs, source: TorqueSource) -> Result<DriveConstants, BadInput> {
     let [k, r, j] = super::drive_errors::fractions(&args.friction.drive_errors)?;
     let file = super::identify::drive_file(args)?;
@@ -359,7 +379,10 @@ fn settings(
         models = USUAL.to_vec();
     }
     if !(1..=16).contains(&friction.elements) {
-        return Err(BadInput(format!("--elements must lie between 1 and 16, but is {}", friction.elements)));
+        return Err(BadInput(format!(
+            "--elements must lie between 1 and 16, but is {}",
+            friction.elements
+        )));
     }
     if !(friction.damping_ratio > 0.0 && friction.damping_ratio <= 10.0) {
         return Err(BadInput(format!(
@@ -368,7 +391,9 @@ fn settings(
         )));
     }
     if let Some(reach) = friction.reach.filter(|reach| !(*reach > 0.0 && reach.is_finite())) {
-        return Err(BadInput(format!("--reach must be a length or an angle above zero, but is {reach}")));
+        return Err(BadInput(format!(
+            "--reach must be a length or an angle above zero, but is {reach}"
+        )));
     }
     let axis = args.axis.or(files.iter().find_map(|file| file.axis)).unwrap_or(AxisKind::Rotary);
     let output_error =

@@ -17,8 +17,8 @@ use crate::servo::{Settings, document, identify, page, terminal};
 /// Each log is a JSON file as the tool bam (Better Actuator Models) records it: a pendulum of known
 /// mass and length follows a goal. The servo is simulated from the first sample of each log on, and
 /// an evolution strategy looks for the parameters whose position is closest. Friction comes in the
-/// levels of arXiv 2410.08650, m1 (Coulomb, viscous) to m6 (load, direction of power, Stribeck), and
-/// one of our own, progressive, which grows faster than the load.
+/// levels of arXiv 2410.08650, m1 (Coulomb, viscous) to m6 (load, direction of power, Stribeck),
+/// and one of our own, progressive, which grows faster than the load.
 ///
 /// Logs of one gain may be held out to see what the result is worth where it was not fitted:
 ///
@@ -80,26 +80,31 @@ fn gain(text: &str) -> Result<f64, String> {
 }
 
 fn level(text: &str) -> Result<FrictionLevel, String> {
-    FrictionLevel::ALL
-        .into_iter()
-        .find(|level| level.name() == text)
-        .ok_or_else(|| format!("expected one of {}", FrictionLevel::ALL.map(FrictionLevel::name).join(", ")))
+    FrictionLevel::ALL.into_iter().find(|level| level.name() == text).ok_or_else(|| {
+        format!("expected one of {}", FrictionLevel::ALL.map(FrictionLevel::name).join(", "))
+    })
 }
 
 /// Reads, searches, writes `servo.json` and `report.html`, and prints a table.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the logs or the output folder, [`Interrupted`] after ctrl-C, with the results so far written.
+/// [`BadInput`] for whatever is wrong with the logs or the output folder, [`Interrupted`] after
+/// ctrl-C, with the results so far written.
 pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
     let mut train: Vec<NamedServoLog> = Vec::new();
     let mut held_out = Vec::new();
     for path in &args.logs {
         let named = servo_log::read(path).map_err(|error| BadInput(error.to_string()))?;
-        if args.hold_out.contains(&named.log.gain()) { held_out.push(named) } else { train.push(named) }
+        if args.hold_out.contains(&named.log.gain()) {
+            held_out.push(named)
+        } else {
+            train.push(named)
+        }
     }
     for gain in &args.hold_out {
         if !held_out.iter().any(|named| named.log.gain() == *gain) {
-            let mut present: Vec<String> = train.iter().map(|named| named.log.gain().to_string()).collect();
+            let mut present: Vec<String> =
+                train.iter().map(|named| named.log.gain().to_string()).collect();
             present.dedup();
             return Err(BadInput(format!(
                 "--hold-out kp={gain}: no log has this gain; the logs have {}",
@@ -108,8 +113,9 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
             .into());
         }
     }
-    let workers =
-        args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers = args
+        .jobs
+        .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let settings = Settings {
         level: args.level,
         seeds: args.seeds as usize,

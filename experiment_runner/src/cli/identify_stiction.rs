@@ -33,7 +33,12 @@ pub struct IdentifyStictionArgs {
     angle: Column,
 
     /// Column of the voltage on the motor [V].
-    #[arg(long, value_name = "NAME[:SCALE]", default_value = "plant_input", help_heading = "Columns")]
+    #[arg(
+        long,
+        value_name = "NAME[:SCALE]",
+        default_value = "plant_input",
+        help_heading = "Columns"
+    )]
     voltage: Column,
 
     /// Column of the angle of a pendulum on the axis [rad].
@@ -94,7 +99,9 @@ pub fn execute(args: &IdentifyStictionArgs) -> anyhow::Result<()> {
     let tables = args
         .files
         .iter()
-        .map(|path| stiction_table::read(path, &columns).map_err(|error| BadInput(error.to_string())))
+        .map(|path| {
+            stiction_table::read(path, &columns).map_err(|error| BadInput(error.to_string()))
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let settings = Settings::new(args.counts, args.from, args.until);
     let found = identify(&tables, &settings).map_err(|error| BadInput(error.to_string()))?;

@@ -12,8 +12,9 @@ pub(super) const WRITING: Duration = Duration::from_secs(60);
 /// Time for a command that only drives the rig.
 pub(super) const DRIVING: Duration = Duration::from_secs(5);
 
-/// A flag that SIGINT, SIGTERM and SIGHUP set. If the program is still there `within` later, or when a second signal comes, it ends at once with
-/// the code of that signal. A real rig's motor is at zero volts then by the device's own watch: no commands come any more.
+/// A flag that SIGINT, SIGTERM and SIGHUP set. If the program is still there `within` later, or
+/// when a second signal comes, it ends at once with the code of that signal. A real rig's motor is
+/// at zero volts then by the device's own watch: no commands come any more.
 ///
 /// # Errors
 /// If signals cannot be watched.
@@ -91,8 +92,9 @@ mod alone {
     fn listen(heard: impl Fn(u8) + Send + 'static) -> anyhow::Result<()> {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
         let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
-        let pass_on =
-            move || signals.forever().filter_map(|signal| u8::try_from(signal).ok()).for_each(heard);
+        let pass_on = move || {
+            signals.forever().filter_map(|signal| u8::try_from(signal).ok()).for_each(heard)
+        };
         thread::Builder::new().name("signals".into()).spawn(pass_on)?;
         Ok(())
     }

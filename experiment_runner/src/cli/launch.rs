@@ -12,30 +12,34 @@ use crate::launch::{
 
 /// Start the nodes, each a process of its own
 ///
-/// For those without ROS: the same as `ros2 launch friction_bringup friction.launch.py`, with the same arguments.
+/// For those without ROS: the same as `ros2 launch friction_bringup friction.launch.py`, with the
+/// same arguments.
 ///
 ///   frictionlab launch                                            simulated rig, four nodes
 ///   frictionlab launch model:=lugre mode:=position
 ///   frictionlab launch rig:=serial:/dev/ttyACM0 params_file:=runs/all-1/parameters.yaml
 ///   frictionlab launch namespace:=axis_1                          a whole axis in a namespace
-///   frictionlab launch --file two-axes rig_2:=serial:/dev/ttyACM1   /axis_1 and /axis_2 on one domain
-///   frictionlab launch --show                                     what would be started
+///   frictionlab launch --file two-axes rig_2:=serial:/dev/ttyACM1   /axis_1 and /axis_2 on one
+///   domain frictionlab launch --show                                     what would be started
 ///
 /// Arguments (an empty value is none; what is not given is as the parameter files say):
 ///
-///   rig:=RIG           simulated, serial:PORT, quanser or quanser:CARD; experiments run on it too if it is a real one
-///   model:=NAME        friction model that estimates; `frictionlab models` lists them
-///   mode:=MODE         what is regulated: velocity or position
+///   rig:=RIG           simulated, serial:PORT, quanser or quanser:CARD; experiments run on it too
+///   if it is a real one model:=NAME        friction model that estimates; `frictionlab models`
+///   lists them mode:=MODE         what is regulated: velocity or position
 ///   namespace:=NAME    namespace of the axis
 ///   params_file:=FILE  one more parameter file for all nodes
-///   record:=DIR        bag written by `ros2 bag record`, or by frictionlab where there is no ros2; true: runs/launch-N
-///   log_level:=LEVEL   debug, info, warn, error or fatal
-///   files:=DIR         folder for the nodes' own parameter files, to be edited; made if it is not there
+///   record:=DIR        bag written by `ros2 bag record`, or by frictionlab where there is no ros2;
+///   true: runs/launch-N log_level:=LEVEL   debug, info, warn, error or fatal
+///   files:=DIR         folder for the nodes' own parameter files, to be edited; made if it is not
+///   there
 ///
-/// `--file two-axes` has rig_1, model_1, params_file_1 and the same with _2, and mode, record, log_level and files for both.
+/// `--file two-axes` has rig_1, model_1, params_file_1 and the same with _2, and mode, record,
+/// log_level and files for both.
 ///
-/// The nodes are in frictionlab itself, as `frictionlab node NAME`. A real rig waits for `configure` and `activate` of /rig_driver.
-/// Ctrl-C ends all; if one of the loop's three nodes ends, the others are ended, and the exit code is 1.
+/// The nodes are in frictionlab itself, as `frictionlab node NAME`. A real rig waits for
+/// `configure` and `activate` of /rig_driver. Ctrl-C ends all; if one of the loop's three nodes
+/// ends, the others are ended, and the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct LaunchArgs {
@@ -74,7 +78,8 @@ const ENDS_WITHIN: Duration = Duration::from_secs(15);
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an argument that cannot be; a plain error if a program is missing, does not start or ends by itself.
+/// [`BadInput`] for an argument that cannot be; a plain error if a program is missing, does not
+/// start or ends by itself.
 pub fn execute(args: &LaunchArgs) -> anyhow::Result<()> {
     launch(args).map_err(|error| match error.downcast::<LaunchError>() {
         Ok(error) if error.is_bad_input() => BadInput(error.to_string()).into(),
@@ -98,7 +103,9 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
         .iter()
         .cloned()
         .chain(
-            options.iter().filter_map(|(name, value)| value.as_ref().map(|value| format!("{name}:={value}"))),
+            options
+                .iter()
+                .filter_map(|(name, value)| value.as_ref().map(|value| format!("{name}:={value}"))),
         )
         .collect();
     let arguments = LaunchArguments::read(args.file, &given)?;
@@ -111,7 +118,8 @@ fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
     let config = ConfigFolder::make(arguments.files.as_deref())?;
     let processes = processes(&arguments, config.path());
     // A terminal that went away must not stop the nodes.
-    let ended = supervise(&processes, &stop, |text| ros_node::terminal::say(format!("[launch] {text}")));
+    let ended =
+        supervise(&processes, &stop, |text| ros_node::terminal::say(format!("[launch] {text}")));
     ros_node::terminal::flush();
     Ok(ended?)
 }
@@ -134,7 +142,8 @@ fn show(arguments: &LaunchArguments) -> anyhow::Result<()> {
             (config.path().to_owned(), String::new())
         }
         None => {
-            let note = "# `files:=DIR` writes the parameter files named below to a folder that stays\n";
+            let note =
+                "# `files:=DIR` writes the parameter files named below to a folder that stays\n";
             (ConfigFolder::temporary_path(), note.to_owned())
         }
     };

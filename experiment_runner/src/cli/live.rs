@@ -24,22 +24,26 @@ use crate::{
 
 /// Run the loop in real time and publish it over ROS 2
 ///
-/// One process with the nodes rig_driver, friction_observer, controller and experiment_runner, as the executables have them: parameters,
-/// lifecycle and services. The loop goes through memory on one control thread at 1 kHz; the options here are the nodes' parameters, which
-/// `ros2 param set` changes while it runs. Publishes /joint_states, /rig_measurement, /reference, /friction_estimate,
-/// /motor_voltage, /controller_state and /diagnostics, and records them into DIR/bag. ROS_DOMAIN_ID is honoured; only this
+/// One process with the nodes rig_driver, friction_observer, controller and experiment_runner, as
+/// the executables have them: parameters, lifecycle and services. The loop goes through memory on
+/// one control thread at 1 kHz; the options here are the nodes' parameters, which `ros2 param set`
+/// changes while it runs. Publishes /joint_states, /rig_measurement, /reference,
+/// /friction_estimate, /motor_voltage, /controller_state and /diagnostics, and records them into DIR/bag. ROS_DOMAIN_ID is honoured; only this
 /// machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends the run cleanly.
 ///
-/// --rig serial:PORT drives a real rig: a device on a serial port that speaks the protocol of rig_driver/PROTOCOL.md. The device's
-/// clock sets the pace then, and it takes the motor to zero volts by itself 20 ms after the last command, whatever
-/// happens here. `rig_emulator` is such a device without hardware.
+/// --rig serial:PORT drives a real rig: a device on a serial port that speaks the protocol of
+/// rig_driver/PROTOCOL.md. The device's clock sets the pace then, and it takes the motor to zero
+/// volts by itself 20 ms after the last command, whatever happens here. `rig_emulator` is such a
+/// device without hardware.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
-    /// The rig: `simulated`, `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for another rate than 2000000, or `quanser[:CARD]`
+    /// The rig: `simulated`, `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for
+    /// another rate than 2000000, or `quanser[:CARD]`
     /// [default: the rig of --rig-file, else simulated]
     #[arg(long, value_name = "RIG")]
     pub rig: Option<RigChoice>,
-    /// Rig profile: address, calibration, limits and drive in one file [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    /// Rig profile: address, calibration, limits and drive in one file
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
     #[arg(long, value_name = "FILE")]
     pub rig_file: Option<PathBuf>,
     /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
@@ -54,8 +58,9 @@ pub struct LiveArgs {
     /// The observer's friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub model: ModelName,
-    /// Parameters of the observer's model and of the controller: a parameters.yaml of `run` or `identify`, a controller.yaml of `design`. May be given several
-    /// times; of a value that several files have the last counts [default: the thesis's test bed]
+    /// Parameters of the observer's model and of the controller: a parameters.yaml of `run` or
+    /// `identify`, a controller.yaml of `design`. May be given several times; of a value that
+    /// several files have the last counts [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
     pub parameters: Vec<PathBuf>,
     /// The simulated plant's own friction model
@@ -64,7 +69,8 @@ pub struct LiveArgs {
     /// Shape of the reference
     #[arg(long, value_enum, default_value_t)]
     pub reference: ReferenceArg,
-    /// Amplitude of the sine, or the constant velocity [rad/s or rad, by mode] [default: 0.3 rad/s or 1 rad]
+    /// Amplitude of the sine, or the constant velocity [rad/s or rad, by mode]
+    /// [default: 0.3 rad/s or 1 rad]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub amplitude: Option<f64>,
     /// Angular frequency of the sine [rad/s] [default: 0.107 for velocity, 0.546 for position]
@@ -82,7 +88,8 @@ pub struct LiveArgs {
     /// Where the results go.
     #[command(flatten)]
     pub to: ToFolder,
-    /// Meanwhile run experiments for whoever asks over ROS 2, as `frictionlab serve` does; their folders go to `runs`
+    /// Meanwhile run experiments for whoever asks over ROS 2, as `frictionlab serve` does; their
+    /// folders go to `runs`
     #[arg(long)]
     pub serve: bool,
     /// With --serve: rigs that requests may use, separated by commas; `nodes` are those of this run
@@ -97,16 +104,19 @@ pub struct LiveArgs {
     /// Seed of the sensors' noise
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
-    /// Write the exact percentiles of the periods' errors to FILE, as JSON; - is standard output, and nothing else is printed there
+    /// Write the exact percentiles of the periods' errors to FILE, as JSON; - is standard output,
+    /// and nothing else is printed there
     #[arg(long, value_name = "FILE")]
     pub timing: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
-    /// Print what the run came to as JSON for programs, and nothing else on standard output (docs/json.md)
+    /// Print what the run came to as JSON for programs, and nothing else on standard output
+    /// (docs/json.md)
     #[arg(long)]
     pub json: bool,
-    /// Arguments of ROS for the nodes, last on the line: -r __ns:=/axis_1, -p controller:fade:=0.2, --params-file FILE
+    /// Arguments of ROS for the nodes, last on the line: -r __ns:=/axis_1, -p controller:fade:=0.2,
+    /// --params-file FILE
     #[arg(long = "ros-args", value_name = "ROS ARGUMENTS", num_args = 0.., allow_hyphen_values = true)]
     pub ros_arguments: Vec<String>,
 }
@@ -139,7 +149,8 @@ pub enum ReferenceArg {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of `--duration`.
+/// [`BadInput`] for what the user can mend, [`Interrupted`] if ctrl-C came before the end of
+/// `--duration`.
 pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
     let options = options(args, &chosen)?;
@@ -154,7 +165,8 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     let stop = interruption::watch(ros_node::ENDS_WITHIN_WRITING)?;
     ros_node::terminal::tell_panics();
     // Standard output may be for the percentiles alone.
-    let quiet = args.quiet || args.json || options.timing.as_ref().is_some_and(OutputFile::is_stdout);
+    let quiet =
+        args.quiet || args.json || options.timing.as_ref().is_some_and(OutputFile::is_stdout);
     let say = |text: &str| {
         if !quiet {
             // A terminal that went away must not stop the loop.
@@ -166,16 +178,23 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     }
     let report = live::run(&options, &stop, |priority| {
         let rate = match (args.rate, &chosen.rig) {
-            (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => "the device's rate".to_owned(),
+            (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => {
+                "the device's rate".to_owned()
+            }
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
-        // The rig runs: a terminal that takes nothing must not keep its nodes from being looked after.
+        // The rig runs: a terminal that takes nothing must not keep its nodes from being looked
+        // after.
         if !quiet {
             ros_node::terminal::say(format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
         }
     })
     .map_err(|error: LiveError| {
-        if error.is_bad_input() { BadInput(error.to_string()).into() } else { anyhow::Error::new(error) }
+        if error.is_bad_input() {
+            BadInput(error.to_string()).into()
+        } else {
+            anyhow::Error::new(error)
+        }
     })?;
     ros_node::terminal::flush();
     if args.json {
@@ -250,7 +269,9 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
         means: (!args.no_compensation).then_some(args.means),
         seed: args.seed,
         duration: args.duration,
-        serve: args.serve.then(|| Serving { runs: PathBuf::from(RUNS), allow_rigs: args.allow_rigs.clone() }),
+        serve: args
+            .serve
+            .then(|| Serving { runs: PathBuf::from(RUNS), allow_rigs: args.allow_rigs.clone() }),
         ros_arguments: args
             .quiet
             .then_some(["--log-level", "error"].map(str::to_owned))
@@ -258,7 +279,11 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
             .flatten()
             .chain(args.ros_arguments.iter().cloned())
             .collect(),
-        timing: args.timing.as_deref().map(|file| OutputFile::new(file, args.to.force)).transpose()?,
+        timing: args
+            .timing
+            .as_deref()
+            .map(|file| OutputFile::new(file, args.to.force))
+            .transpose()?,
     })
 }
 

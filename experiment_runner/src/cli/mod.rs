@@ -38,18 +38,20 @@ pub mod truth_matrix;
 
 use crate::output::{OutputError, is_full};
 
-/// Something a person gave us that cannot be used: a file, a value, a folder. The text says what was expected and how to
-/// mend it; the program ends with exit code 2.
+/// Something a person gave us that cannot be used: a file, a value, a folder. The text says what
+/// was expected and how to mend it; the program ends with exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct BadInput(pub String);
 
-/// Stopped by the user; the text says what is left. The program ends with 128 plus the number of the signal: 130 after ctrl-C.
+/// Stopped by the user; the text says what is left. The program ends with 128 plus the number of
+/// the signal: 130 after ctrl-C.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Interrupted(pub String);
 
-/// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong input, 128 plus its number after a signal.
+/// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong
+/// input, 128 plus its number after a signal.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error) -> u8 {
     if error.is::<Interrupted>() {
@@ -63,7 +65,8 @@ pub fn exit_code(error: &anyhow::Error) -> u8 {
     }
 }
 
-/// What a person is told of an error: each cause once, and of a full disk nothing but that it is full.
+/// What a person is told of an error: each cause once, and of a full disk nothing but that it is
+/// full.
 #[must_use]
 pub fn told(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
@@ -131,7 +134,8 @@ mod tests {
             assert_eq!(exit_code(&error), 1, "{error}");
             assert_eq!(told(&error).matches("no space left").count(), 1, "{}", told(&error));
         }
-        let denied = OutputError::Write { path: "a.csv".into(), source: ErrorKind::PermissionDenied.into() };
+        let denied =
+            OutputError::Write { path: "a.csv".into(), source: ErrorKind::PermissionDenied.into() };
         for error in [anyhow::Error::new(denied), BadInput("no such model".to_owned()).into()] {
             assert_eq!(exit_code(&error), 2, "{error}");
         }

@@ -7,9 +7,9 @@ use crate::models::{Preset, file, sheet};
 
 /// List the friction models, or one model's parameters
 ///
-/// Without a name: every model. With one: its parameters with their units for a rotary and for a linear axis, their
-/// ranges, their values on the thesis's test bed and what they mean. With --yaml: a parameter file for `frictionlab
-/// simulate` with these values.
+/// Without a name: every model. With one: its parameters with their units for a rotary and for a
+/// linear axis, their ranges, their values on the thesis's test bed and what they mean. With
+/// --yaml: a parameter file for `frictionlab simulate` with these values.
 #[derive(Debug, clap::Args)]
 pub struct ModelsArgs {
     /// The model

@@ -19,16 +19,19 @@ use crate::report::{linked, render_page};
 
 /// Compensate with wrong parameters, a thousand times
 ///
-/// In every draw each parameter of the compensating models, and each drive constant that the compensation uses, is wrong by its own factor within
-/// +-20 %; the sensors have noise and converter steps, and the linear controller keeps its gains. Every technique over every model then
-/// follows the same references under the same errors and noise. The report says how many times smaller the mean square of the error becomes than with
-/// the linear controller alone (percentiles over the draws), how often compensation makes it worse, what it costs in volts, and how often each model is the best.
+/// In every draw each parameter of the compensating models, and each drive constant that the
+/// compensation uses, is wrong by its own factor within +-20 %; the sensors have noise and
+/// converter steps, and the linear controller keeps its gains. Every technique over every model
+/// then follows the same references under the same errors and noise. The report says how many times
+/// smaller the mean square of the error becomes than with the linear controller alone (percentiles
+/// over the draws), how often compensation makes it worse, what it costs in volts, and how often
+/// each model is the best.
 ///
 ///   frictionlab monte-carlo
-///   frictionlab monte-carlo --task position-tracking --model lugre,gms,xiong,proposed --means feedback,feedforward
-///   frictionlab monte-carlo --plant all --model lugre,gms,xiong,proposed --draws 100     # plant x observer
-///   frictionlab monte-carlo --error 0 --draws 10                                         # with exact parameters
-///   frictionlab monte-carlo --setting thesis --sharing own --means feedback --model lugre,gms,xiong,proposed
+///   frictionlab monte-carlo --task position-tracking --model lugre,gms,xiong,proposed --means
+///   feedback,feedforward frictionlab monte-carlo --plant all --model lugre,gms,xiong,proposed
+///   --draws 100     # plant x observer frictionlab monte-carlo --error 0 --draws 10               
+///                            # with exact parameters frictionlab monte-carlo --setting thesis --sharing own --means feedback --model lugre,gms,xiong,proposed
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct MonteCarloArgs {
@@ -44,7 +47,8 @@ pub struct MonteCarloArgs {
     #[arg(long, value_enum, value_delimiter = ',', value_name = "MEANS")]
     means: Vec<Means>,
 
-    /// Friction of the plant: names separated by commas, or `all` for each of the compensating models in turn
+    /// Friction of the plant: names separated by commas, or `all` for each of the compensating
+    /// models in turn
     #[arg(long, value_delimiter = ',', value_name = "NAMES", default_value = "proposed")]
     plant: Vec<String>,
 
@@ -153,7 +157,10 @@ fn options(args: &MonteCarloArgs) -> Result<StudyOptions, BadInput> {
     let plants = if args.plant.iter().any(|name| name == "all") {
         models.clone()
     } else {
-        args.plant.iter().map(|name| model_name(name).map_err(BadInput)).collect::<Result<Vec<_>, _>>()?
+        args.plant
+            .iter()
+            .map(|name| model_name(name).map_err(BadInput))
+            .collect::<Result<Vec<_>, _>>()?
     };
     Ok(StudyOptions {
         tasks: match args.task {
@@ -164,7 +171,11 @@ fn options(args: &MonteCarloArgs) -> Result<StudyOptions, BadInput> {
         plants: without_repeats(&plants),
         arms: Arm::all(&without_repeats(means), &models),
         draws: args.draws,
-        errors: BeliefErrors { fraction: args.error / 100.0, sharing: args.sharing, seed: args.seed },
+        errors: BeliefErrors {
+            fraction: args.error / 100.0,
+            sharing: args.sharing,
+            seed: args.seed,
+        },
         setting: args.setting,
         workers: args
             .jobs

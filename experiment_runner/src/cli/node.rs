@@ -6,7 +6,9 @@ use clap::{Args, Subcommand};
 
 /// Run one of the four ROS 2 nodes in this process
 ///
-/// rig_driver, friction_observer, controller or experiment_runner: the same programs as the executables of these names, for those who have installed `frictionlab` alone; `frictionlab launch` starts them so.
+/// rig_driver, friction_observer, controller or experiment_runner: the same programs as the
+/// executables of these names, for those who have installed `frictionlab` alone;
+/// `frictionlab launch` starts them so.
 ///
 ///   frictionlab node rig_driver --ros-args -p rig:=serial:/dev/ttyACM0
 ///   frictionlab node controller --help

@@ -6,9 +6,10 @@ use crate::protocol::Kind;
 
 /// List the experiments' protocols, or print one to edit
 ///
-/// A protocol is a YAML file that says what an experiment drives, in quantities with units. Print one, change it, drive it:
-/// `frictionlab protocols pre-sliding > mine.yaml`, then `frictionlab run --protocol mine.yaml`. What is printed is what runs
-/// without a file. `sequence` is an example of an experiment of your own.
+/// A protocol is a YAML file that says what an experiment drives, in quantities with units. Print
+/// one, change it, drive it: `frictionlab protocols pre-sliding > mine.yaml`, then
+/// `frictionlab run --protocol mine.yaml`. What is printed is what runs without a file. `sequence`
+/// is an example of an experiment of your own.
 #[derive(Debug, clap::Args)]
 pub struct ProtocolsArgs {
     /// The protocol to print
@@ -26,7 +27,8 @@ pub struct ProtocolsArgs {
 pub fn execute(args: &ProtocolsArgs) -> anyhow::Result<()> {
     let Some(name) = &args.name else {
         if args.json {
-            let one = |kind: Kind| serde_json::json!({"name": kind.name(), "what": kind.describe()});
+            let one =
+                |kind: Kind| serde_json::json!({"name": kind.name(), "what": kind.describe()});
             let protocols = Kind::ALL.map(one);
             let list = serde_json::json!({"format": "frictionlab-protocols", "format_version": 1, "protocols": protocols});
             return print(&format!("{list:#}\n"));
@@ -39,7 +41,8 @@ pub fn execute(args: &ProtocolsArgs) -> anyhow::Result<()> {
         None => {
             let names = Kind::ALL.map(Kind::name).join(", ");
             let meant = did_you_mean(name, Kind::ALL.map(Kind::name));
-            Err(BadInput(format!("there is no protocol `{name}`; expected one of {names}{meant}")).into())
+            Err(BadInput(format!("there is no protocol `{name}`; expected one of {names}{meant}"))
+                .into())
         }
     }
 }

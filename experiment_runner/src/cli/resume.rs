@@ -1,4 +1,5 @@
-//! `frictionlab run --resume FOLDER`: goes on with a run that was stopped, by the words it was begun with.
+//! `frictionlab run --resume FOLDER`: goes on with a run that was stopped, by the words it was
+//! begun with.
 
 use std::path::{Path, PathBuf};
 
@@ -46,18 +47,23 @@ struct Words {
     run: RunArgs,
 }
 
-/// The run that was stopped in `folder`: where it is, its arguments with what `args` says of how it is told, and its journal. The program is then in the folder
-/// that the run was begun in, because its words name files from there.
+/// The run that was stopped in `folder`: where it is, its arguments with what `args` says of how it
+/// is told, and its journal. The program is then in the folder that the run was begun in, because
+/// its words name files from there.
 ///
 /// # Errors
 /// [`BadInput`] says why it cannot go on.
 pub(super) fn open(args: &RunArgs, folder: &Path) -> anyhow::Result<(PathBuf, RunArgs, Journal)> {
-    let bad = |why: String| BadInput(format!("the run in {} cannot be resumed: {why}", folder.display()));
+    let bad =
+        |why: String| BadInput(format!("the run in {} cannot be resumed: {why}", folder.display()));
     let journal = Journal::open(folder).map_err(|error| BadInput(error.to_string()))?;
     let folder = std::path::absolute(folder).map_err(|error| bad(error.to_string()))?;
     let mut given = parsed(journal.words()).map_err(|error| bad(error.to_string()))?;
     std::env::set_current_dir(journal.directory()).map_err(|error| {
-        bad(format!("it was begun in {}, where its files are: {error}", journal.directory().display()))
+        bad(format!(
+            "it was begun in {}, where its files are: {error}",
+            journal.directory().display()
+        ))
     })?;
     given.jobs = args.jobs.or(given.jobs);
     (given.quiet, given.saying) = (args.quiet, args.saying);
@@ -101,9 +107,12 @@ mod tests {
             prepared(Words::command()).try_get_matches_from(["run"].iter().chain(words)).is_err()
         };
         assert!(!refused(&["--resume", "runs/all-1", "--jobs", "2", "--quiet", "--json"]));
-        for other in
-            [["--seed", "2"], ["--out", "x"], ["--rig", "simulated"], ["velocity-tracking", "--quick"]]
-        {
+        for other in [
+            ["--seed", "2"],
+            ["--out", "x"],
+            ["--rig", "simulated"],
+            ["velocity-tracking", "--quick"],
+        ] {
             assert!(refused(&["--resume", "runs/all-1", other[0], other[1]]), "{other:?}");
         }
     }

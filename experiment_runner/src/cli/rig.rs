@@ -18,15 +18,15 @@ use super::rig_profile::{Chosen, choose};
 use super::{BadInput, Interrupted, interruption, model_name, print};
 use crate::output::{OutputError, OutputFile};
 use crate::rig::{
-    Display, Findings, JogSummary, Procedure, RigChoice, RigDescription, RigLimits, RigProfile, RigSetup,
-    RigSetupError, SensorsPresent, Session, findings_table, read_calibration, render_calibration,
-    run_procedure, serial_ports,
+    Display, Findings, JogSummary, Procedure, RigChoice, RigDescription, RigLimits, RigProfile,
+    RigSetup, RigSetupError, SensorsPresent, Session, findings_table, read_calibration,
+    render_calibration, run_procedure, serial_ports,
 };
 
 /// Set a rig up: list, check, jog, calibrate
 ///
-/// A new rig goes through these in order. Every voltage goes through the driver's safety layer (docs/safety.md), and ctrl-C
-/// puts the motor at zero volts.
+/// A new rig goes through these in order. Every voltage goes through the driver's safety layer
+/// (docs/safety.md), and ctrl-C puts the motor at zero volts.
 ///
 ///   frictionlab rig list                        what is connected
 ///   frictionlab rig jog --volts 0.8 --seconds 1 a first small move, all channels shown
@@ -36,7 +36,8 @@ use crate::rig::{
 /// To practise, the simulated rig can be wired wrong:
 ///
 ///   frictionlab rig calibrate --miswired encoder,tachometer=0.9,torque-zero=0.05
-///   frictionlab rig check --miswired encoder,tachometer=0.9,torque-zero=0.05 --calibration calibration.yaml
+///   frictionlab rig check --miswired encoder,tachometer=0.9,torque-zero=0.05 --calibration
+///   calibration.yaml
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct RigArgs {
@@ -48,12 +49,14 @@ pub struct RigArgs {
 enum RigCommand {
     /// Show which rigs this machine has
     ///
-    /// The simulated one, devices on serial ports, emulators that run on this machine, and Quanser's library if it is installed. Nothing is opened.
+    /// The simulated one, devices on serial ports, emulators that run on this machine, and
+    /// Quanser's library if it is installed. Nothing is opened.
     List,
     /// Show the channels, then find out whether signs, gains and zeros are right
     ///
-    /// The shaft turns: a few slow ramps of voltage until it moves, then steady voltages up to --max-volts both ways in turn,
-    /// about half a minute in all. Ends with exit code 1 if something is wrong, and says how to mend it.
+    /// The shaft turns: a few slow ramps of voltage until it moves, then steady voltages up to
+    /// --max-volts both ways in turn, about half a minute in all. Ends with exit code 1 if
+    /// something is wrong, and says how to mend it.
     Check {
         #[command(flatten)]
         which: Which,
@@ -63,7 +66,8 @@ enum RigCommand {
     },
     /// Move the shaft by a small voltage or at a low velocity, and show the channels
     ///
-    /// It moves while the command lives: ctrl-C, or the end of --seconds, puts the motor at zero volts.
+    /// It moves while the command lives: ctrl-C, or the end of --seconds, puts the motor at zero
+    /// volts.
     Jog {
         #[command(flatten)]
         which: Which,
@@ -85,12 +89,14 @@ enum RigCommand {
     },
     /// Find signs, gains and zeros and write calibration.yaml
     ///
-    /// The same steps as `check`. The file is a ROS 2 parameter file for /rig_driver: encoder sign, tachometer gain and zero, torque sign and
-    /// zero, and the voltages that just move the shaft, with standard errors.
+    /// The same steps as `check`. The file is a ROS 2 parameter file for /rig_driver: encoder sign,
+    /// tachometer gain and zero, torque sign and zero, and the voltages that just move the shaft,
+    /// with standard errors.
     Calibrate {
         #[command(flatten)]
         which: Which,
-        /// Folder for calibration.yaml [default: this folder; with a rig profile none, the profile has the calibration]
+        /// Folder for calibration.yaml
+        /// [default: this folder; with a rig profile none, the profile has the calibration]
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
         #[command(flatten)]
@@ -101,14 +107,17 @@ enum RigCommand {
 /// Which rig, and how.
 #[derive(Debug, clap::Args)]
 struct Which {
-    /// `simulated`, `quanser[:CARD]` or `serial:PORT` [default: the rig of --rig-file, else simulated]
+    /// `simulated`, `quanser[:CARD]` or `serial:PORT`
+    /// [default: the rig of --rig-file, else simulated]
     #[arg(long, value_name = "RIG")]
     rig: Option<RigChoice>,
-    /// Rig profile: address, limits, calibration and drive in one file. `check` and `calibrate` write it, and make it if --rig names the rig
+    /// Rig profile: address, limits, calibration and drive in one file. `check` and `calibrate`
+    /// write it, and make it if --rig names the rig
     /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
     #[arg(long, value_name = "FILE")]
     rig_file: Option<PathBuf>,
-    /// Voltage limit of this rig [V], at most its own voltage range; `check` and `calibrate` put it into the profile [default: that of the profile, else 6]
+    /// Voltage limit of this rig [V], at most its own voltage range; `check` and `calibrate` put it
+    /// into the profile [default: that of the profile, else 6]
     #[arg(long, value_name = "V")]
     voltage_limit: Option<f64>,
     /// Highest voltage of all steps [V]
@@ -117,8 +126,9 @@ struct Which {
     /// Correct the readings by this calibration.yaml
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
-    /// Wire the simulated rig wrong: motor, encoder, torque, encoder-unplugged, tachometer-unplugged, tachometer=GAIN, tachometer-zero=RAD_S,
-    /// torque-zero=NM; parted by commas
+    /// Wire the simulated rig wrong: motor, encoder, torque, encoder-unplugged,
+    /// tachometer-unplugged, tachometer=GAIN, tachometer-zero=RAD_S, torque-zero=NM; parted by
+    /// commas
     #[arg(long, value_name = "MISTAKES")]
     miswired: Option<Miswiring>,
     /// Friction model of the simulated rig
@@ -134,7 +144,8 @@ struct Which {
 
 /// How often the steps are begun again where the line to a device failed.
 const REPEATS: u32 = 20;
-/// Steps that took longer, because the program or its machine was stopped meanwhile, are not: nobody knows who is at the rig by then.
+/// Steps that took longer, because the program or its machine was stopped meanwhile, are not:
+/// nobody knows who is at the rig by then.
 const LONGEST: Duration = Duration::from_secs(90);
 
 /// Fastest velocity of a jog [rad/s].
@@ -143,7 +154,8 @@ const JOG_VELOCITY: f64 = 2.0;
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for what the user can mend, [`Interrupted`] at ctrl-C; a plain error if the check found something wrong.
+/// [`BadInput`] for what the user can mend, [`Interrupted`] at ctrl-C; a plain error if the check
+/// found something wrong.
 pub fn execute(args: &RigArgs) -> anyhow::Result<()> {
     match &args.command {
         RigCommand::List => print(&list()),
@@ -198,7 +210,8 @@ struct Seen {
 impl Place {
     /// Of the options; a profile that `creates` may make need not be there.
     fn of(which: &Which, creates: bool) -> Result<Self, BadInput> {
-        let new = which.rig_file.as_deref().filter(|file| creates && file.symlink_metadata().is_err());
+        let new =
+            which.rig_file.as_deref().filter(|file| creates && file.symlink_metadata().is_err());
         let chosen = match (new, &which.rig) {
             (Some(_), Some(rig @ RigChoice::Nodes { .. })) => {
                 return Err(BadInput(format!("{rig} is driven by its nodes and has no profile")));
@@ -240,17 +253,24 @@ impl Place {
         Ok(RigSetup { calibration, limits: self.limits(which) })
     }
 
-    /// The profile's file, if there is to be one: its parts are written anew, and it can be written.
+    /// The profile's file, if there is to be one: its parts are written anew, and it can be
+    /// written.
     fn writable(&self) -> Result<Option<OutputFile>, BadInput> {
         let folder = self.file.as_deref().and_then(Path::parent);
-        if let Some(folder) = folder.filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-            return Err(BadInput(format!("there is no folder {} for the rig profile", folder.display())));
+        if let Some(folder) =
+            folder.filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())
+        {
+            return Err(BadInput(format!(
+                "there is no folder {} for the rig profile",
+                folder.display()
+            )));
         }
         let file = self.file.as_deref().map(|file| OutputFile::new(file, true));
         file.transpose().map_err(|error| BadInput(error.to_string()))
     }
 
-    /// Writes the profile, if there is to be one: what was `seen`, the limits, and the calibration that was `found`.
+    /// Writes the profile, if there is to be one: what was `seen`, the limits, and the calibration
+    /// that was `found`.
     fn write(
         &self,
         file: Option<OutputFile>,
@@ -259,7 +279,8 @@ impl Place {
         found: Option<Calibration>,
     ) -> anyhow::Result<()> {
         let Some(file) = file else { return Ok(()) };
-        let before = self.profile().cloned().unwrap_or_else(|| RigProfile::new(self.chosen.rig.clone()));
+        let before =
+            self.profile().cloned().unwrap_or_else(|| RigProfile::new(self.chosen.rig.clone()));
         let other = before.description.as_ref().zip(seen.description.as_ref());
         // The drive of another device is not this one's.
         let same = other.is_none_or(|(before, seen)| before.differs_from(seen).is_none());
@@ -306,7 +327,8 @@ fn list() -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "serial:{}  {product} ({})", name.display(), port.device.display());
     }
-    let emulated = emulated::folder().map(|folder| emulated::announced(&folder)).unwrap_or_default();
+    let emulated =
+        emulated::folder().map(|folder| emulated::announced(&folder)).unwrap_or_default();
     for port in &emulated {
         let _ = writeln!(
             text,
@@ -353,8 +375,10 @@ fn find(
             session.hold(0.0, seconds).map(drop)
         })?;
     }
-    // What a line that fails costs is the steps at hand: they are begun again, on a serial device whose travel is not limited.
-    let may_repeat = matches!(place.chosen.rig, RigChoice::Serial { .. }) && setup.limits.travel.is_none();
+    // What a line that fails costs is the steps at hand: they are begun again, on a serial device
+    // whose travel is not limited.
+    let may_repeat =
+        matches!(place.chosen.rig, RigChoice::Serial { .. }) && setup.limits.travel.is_none();
     let mut repeats = 0;
     loop {
         let begun = SystemTime::now();
@@ -369,7 +393,9 @@ fn find(
         match outcome {
             Err(error) if may_repeat && repeats < REPEATS && of_the_line(&error) && soon() => {
                 repeats += 1;
-                eprintln!("{error}: zero volts. The steps begin again; ctrl-C before you touch the rig");
+                eprintln!(
+                    "{error}: zero volts. The steps begin again; ctrl-C before you touch the rig"
+                );
                 // The device's old session ends.
                 thread::sleep(Duration::from_secs(1));
             }
@@ -378,7 +404,12 @@ fn find(
     }
 }
 
-fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -> anyhow::Result<()> {
+fn jog(
+    which: &Which,
+    volts: Option<f64>,
+    velocity: Option<f64>,
+    seconds: f64,
+) -> anyhow::Result<()> {
     if let Some(volts) = volts {
         within("--volts", volts.abs(), 0.0, which.max_volts)?;
     }
@@ -388,11 +419,12 @@ fn jog(which: &Which, volts: Option<f64>, velocity: Option<f64>, seconds: f64) -
     let place = Place::of(which, false)?;
     let stop = watch_ctrl_c()?;
     let mut summary = JogSummary::default();
-    let (outcome, _) = drive(which, &place, place.setup(which)?, (&stop, !which.quiet), |session| {
-        let outcome = jogged(session, (volts, velocity), seconds, &mut summary);
-        // What happened until then is told all the same.
-        Ok(outcome)
-    })?;
+    let (outcome, _) =
+        drive(which, &place, place.setup(which)?, (&stop, !which.quiet), |session| {
+            let outcome = jogged(session, (volts, velocity), seconds, &mut summary);
+            // What happened until then is told all the same.
+            Ok(outcome)
+        })?;
     print(&summary.text())?;
     outcome.map_err(told)
 }
@@ -445,13 +477,15 @@ fn drive<T>(
 ) -> anyhow::Result<(T, Seen)> {
     let rig = &place.chosen.rig;
     if which.miswired.is_some() && *rig != RigChoice::Simulated {
-        return Err(
-            BadInput("--miswired is for the simulated rig; a real one is wired as it is".to_owned()).into()
-        );
+        return Err(BadInput(
+            "--miswired is for the simulated rig; a real one is wired as it is".to_owned(),
+        )
+        .into());
     }
     let mut display = Display::default();
-    let outcome =
-        rig.open(AnyModel::test_bed(which.plant), which.seed, which.miswired, setup).and_then(|opened| {
+    let outcome = rig
+        .open(AnyModel::test_bed(which.plant), which.seed, which.miswired, setup)
+        .and_then(|opened| {
             let seen = Seen { description: opened.description.clone(), sensors: opened.sensors };
             let expected = place.profile().and_then(|profile| profile.description.as_ref());
             // A calibration is found anew; one that is used has to be of this device.
@@ -459,7 +493,8 @@ fn drive<T>(
                 expected.require(rig, seen.description.as_ref())?;
             }
             let session = Session::new(opened, which.max_volts, stop)?;
-            let mut session = if shown { session.shown(|seen| display.show(seen)) } else { session };
+            let mut session =
+                if shown { session.shown(|seen| display.show(seen)) } else { session };
             Ok((work(&mut session)?, seen))
         });
     display.end();
@@ -473,7 +508,9 @@ fn told(error: RigSetupError) -> anyhow::Error {
         RigSetupError::Rig(rig_driver::RigError::BeyondRange { limit, range }) => {
             BadInput(super::run::beyond_range(limit, range)).into()
         }
-        RigSetupError::Rig(rig_driver::RigError::OutOfRange { .. } | rig_driver::RigError::Quanser(_))
+        RigSetupError::Rig(
+            rig_driver::RigError::OutOfRange { .. } | rig_driver::RigError::Quanser(_),
+        )
         | RigSetupError::NotDriven(_)
         | RigSetupError::OtherDevice { .. } => BadInput(error.to_string()).into(),
         error => anyhow::Error::new(error),
@@ -484,7 +521,9 @@ fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), BadInput> {
     if (low..=high).contains(&value) {
         Ok(())
     } else {
-        Err(BadInput(format!("{name} must be a number of at most {high} in magnitude, but is {value}")))
+        Err(BadInput(format!(
+            "{name} must be a number of at most {high} in magnitude, but is {value}"
+        )))
     }
 }
 

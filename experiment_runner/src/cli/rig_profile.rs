@@ -1,6 +1,7 @@
 //! Which rig profile a command uses, and what of it.
 //!
-//! A profile never chooses a real rig by lying there: only `--rig-file` or `--rig` do. The one in the current folder is used where `--rig` names the rig that it is of.
+//! A profile never chooses a real rig by lying there: only `--rig-file` or `--rig` do. The one in
+//! the current folder is used where `--rig` names the rig that it is of.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,8 @@ pub struct Chosen {
     pub note: Option<String>,
 }
 
-/// The rig of `--rig` and `--rig-file`: what is given counts over the profile's own address, and without either the rig is the simulated one.
+/// The rig of `--rig` and `--rig-file`: what is given counts over the profile's own address, and
+/// without either the rig is the simulated one.
 ///
 /// # Errors
 /// [`BadInput`] for a profile that cannot be read; none of it counts then.
@@ -32,7 +34,11 @@ pub fn choose(rig: Option<&RigChoice>, file: Option<&Path>) -> Result<Chosen, Ba
 }
 
 /// The same, with the profile that is found by default.
-fn choose_beside(rig: Option<&RigChoice>, file: Option<&Path>, default: &Path) -> Result<Chosen, BadInput> {
+fn choose_beside(
+    rig: Option<&RigChoice>,
+    file: Option<&Path>,
+    default: &Path,
+) -> Result<Chosen, BadInput> {
     let here = || default.is_file().then(|| default.display());
     let Some(file) = file else {
         return match rig {
@@ -91,7 +97,10 @@ const fn is_opened(rig: &RigChoice) -> bool {
 /// [`BadInput`] with the file and what is wrong in it.
 pub fn read(file: &Path) -> Result<RigProfile, BadInput> {
     let say = |what: String| {
-        BadInput(format!("the rig profile {} cannot be used, and nothing of it is: {what}", file.display()))
+        BadInput(format!(
+            "the rig profile {} cannot be used, and nothing of it is: {what}",
+            file.display()
+        ))
     };
     let text = crate::input::text(file).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => {
@@ -109,7 +118,8 @@ impl Chosen {
         self.profile.as_ref().map(|(_, profile)| profile)
     }
 
-    /// The profile of a real rig that is opened here: calibration, limits and sensors count there only.
+    /// The profile of a real rig that is opened here: calibration, limits and sensors count there
+    /// only.
     pub fn of_real(&self) -> Option<&RigProfile> {
         self.profile().filter(|_| is_opened(&self.rig))
     }
@@ -164,7 +174,8 @@ mod tests {
     fn a_profile_that_lies_there_never_chooses_a_rig() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("rig.yaml");
-        let choose = |rig: Option<&RigChoice>, given: Option<&Path>| choose_beside(rig, given, &file);
+        let choose =
+            |rig: Option<&RigChoice>, given: Option<&Path>| choose_beside(rig, given, &file);
         assert_eq!(choose(None, None).unwrap().note, None);
         std::fs::write(&file, RigProfile::new(rig("serial:/dev/a")).text()).unwrap();
 
@@ -193,7 +204,8 @@ mod tests {
         assert!(said.contains("colour") && said.contains("rig.yaml"), "{said}");
         assert!(choose_beside(None, Some(&file), &file).is_err());
         assert!(choose_beside(None, None, &file).is_ok());
-        let said = choose_beside(None, Some(Path::new("nowhere.yaml")), &file).unwrap_err().to_string();
+        let said =
+            choose_beside(None, Some(Path::new("nowhere.yaml")), &file).unwrap_err().to_string();
         assert!(said.contains("rig check"), "{said}");
     }
 }

@@ -23,7 +23,8 @@ use crate::models::file;
 use crate::output::is_full;
 use crate::progress::{Progress, about};
 use crate::protocol::{
-    CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol, TrackingProtocol,
+    CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol,
+    TrackingProtocol,
 };
 use crate::rig::{RigChoice, RigSetupError, read_calibration};
 use crate::run::{
@@ -34,24 +35,27 @@ use crate::test_bed::{TestBed, TestBedError, nominal_drive};
 
 /// Run experiments on the simulated test bed or a real rig
 ///
-/// `frictionlab run` alone does the whole job: it drives the rig at 80 constant velocities (10 repetitions, two sets),
-/// identifies the Stribeck curve, compensates with what it found and compares none, LuGre and the proposed model in
-/// velocity and position tracking. The output folder gets the bag, parameters.yaml, report.html and run.json.
+/// `frictionlab run` alone does the whole job: it drives the rig at 80 constant velocities (10
+/// repetitions, two sets), identifies the Stribeck curve, compensates with what it found and
+/// compares none, LuGre and the proposed model in velocity and position tracking. The output folder
+/// gets the bag, parameters.yaml, report.html and run.json.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// Go on with the run in this folder that was stopped, whatever stopped it. Its own options count; what is measured is not measured again. A real rig is
-    /// opened as for a run that begins
+    /// Go on with the run in this folder that was stopped, whatever stopped it. Its own options
+    /// count; what is measured is not measured again. A real rig is opened as for a run that begins
     #[arg(long, value_name = "FOLDER", conflicts_with_all = super::resume::OTHERS)]
     pub resume: Option<PathBuf>,
     /// What to run [default: all, or the experiment of the protocol given]
     #[arg(value_enum)]
     pub experiment: Option<Experiment>,
-    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with
-    /// their observer and controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C puts the motor at zero volts at once
-    /// [default: the rig of --rig-file, else simulated]
+    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or
+    /// `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with their observer and
+    /// controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C
+    /// puts the motor at zero volts at once [default: the rig of --rig-file, else simulated]
     #[arg(long, value_name = "RIG")]
     pub rig: Option<RigChoice>,
-    /// Rig profile: address, calibration, limits and drive in one file [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    /// Rig profile: address, calibration, limits and drive in one file
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
     #[arg(long, value_name = "FILE")]
     pub rig_file: Option<PathBuf>,
     /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
@@ -60,15 +64,16 @@ pub struct RunArgs {
     /// The drive's constants: a drive.yaml of `frictionlab identify-drive` [default: the SRV-02's]
     #[arg(long, value_name = "FILE", conflicts_with = "time_constant")]
     pub drive: Option<PathBuf>,
-    /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several times
+    /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several
+    /// times
     #[arg(long, value_name = "FILE")]
     pub protocol: Vec<PathBuf>,
-    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has its voltage or current [default: sensor, or what the rig profile
-    /// says that there is]
+    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has
+    /// its voltage or current [default: sensor, or what the rig profile says that there is]
     #[arg(long, value_enum, value_name = "SOURCE")]
     pub torque_source: Option<TorqueSourceArg>,
-    /// Standard errors of the drive's constants in percent: torque constant, armature resistance, inertia; they make the
-    /// uncertainty of a torque from voltage or current
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance,
+    /// inertia; they make the uncertainty of a torque from voltage or current
     #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
     pub drive_errors: Vec<f64>,
     /// Where the results go.
@@ -81,17 +86,25 @@ pub struct RunArgs {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "lugre,proposed", value_parser = model_name)]
     pub model: Vec<ModelName>,
     /// By what means they compensate; `feedback` is the observer on the measured velocity
-    #[arg(long, value_enum, value_name = "MEANS", value_delimiter = ',', default_value = "feedback")]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "MEANS",
+        value_delimiter = ',',
+        default_value = "feedback"
+    )]
     pub means: Vec<Means>,
     /// The simulated plant's own friction model
     #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
     pub plant: ModelName,
-    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it. With tau = 0.0111 the proposed
-    /// model shows the lag of the thesis's figures, ten times that of the test bed's set
+    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it.
+    /// With tau = 0.0111 the proposed model shows the lag of the thesis's figures, ten times that
+    /// of the test bed's set
     #[arg(long, value_name = "FILE")]
     pub plant_parameters: Option<PathBuf>,
-    /// Parameters of the compensating models and of the controller: a parameters.yaml of `run` or `identify`, a controller.yaml of `design`. May be given several
-    /// times; of a value that several files have the last counts [default: the thesis's test bed]
+    /// Parameters of the compensating models and of the controller: a parameters.yaml of `run` or
+    /// `identify`, a controller.yaml of `design`. May be given several times; of a value that
+    /// several files have the last counts [default: the thesis's test bed]
     #[arg(long, value_name = "FILE")]
     pub parameters: Vec<PathBuf>,
     /// A short protocol to try things out: 20 velocities of 6 s, 2 repetitions
@@ -103,14 +116,15 @@ pub struct RunArgs {
     /// How much goes into the bag [default: thinned, and full on a real rig]
     #[arg(long, value_enum)]
     pub record: Option<RecordPolicy>,
-    /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree [default: thesis]
+    /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree
+    /// [default: thesis]
     #[arg(long, value_enum)]
     pub time_constant: Option<TimeConstantArg>,
     /// Friction as a torque, or taken off the volts as in the thesis's own simulations
     #[arg(long, value_enum, default_value_t)]
     pub friction: FrictionArg,
-    /// With `run compensation`: also Tables 5.1, 5.2 and 6.2 to 6.7 of the thesis, its figures beside ours, and every model as plant under every
-    /// model as observer
+    /// With `run compensation`: also Tables 5.1, 5.2 and 6.2 to 6.7 of the thesis, its figures
+    /// beside ours, and every model as plant under every model as observer
     #[arg(long)]
     pub thesis_tables: bool,
     /// The older name of `--friction as-volts`
@@ -119,10 +133,12 @@ pub struct RunArgs {
     /// Sensors without noise and steps, for studies of the models alone
     #[arg(long)]
     pub ideal_sensors: bool,
-    /// Motor voltage limit [V], at most the rig's own voltage range; 10 V for the simulated one [default: that of the rig profile, else 6]
+    /// Motor voltage limit [V], at most the rig's own voltage range; 10 V for the simulated one
+    /// [default: that of the rig profile, else 6]
     #[arg(long, value_name = "VOLTS")]
     pub voltage_limit: Option<f64>,
-    /// Drive the simulated rig at the pace of the clock, one run after the other; ctrl-C then stops it within a cycle
+    /// Drive the simulated rig at the pace of the clock, one run after the other; ctrl-C then stops
+    /// it within a cycle
     #[arg(long)]
     pub real_time: bool,
     /// Threads [default: all cores]; the results do not depend on it
@@ -187,13 +203,21 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     run_in(args, &options, folder.path(), beginning)
 }
 
-fn run_in(args: &RunArgs, options: &RunOptions, folder: &Path, beginning: Beginning) -> anyhow::Result<()> {
+fn run_in(
+    args: &RunArgs,
+    options: &RunOptions,
+    folder: &Path,
+    beginning: Beginning,
+) -> anyhow::Result<()> {
     let cancel = interruption::watch(interruption::WRITING)?;
     args.saying.begin();
     let paced = options.rig != RigChoice::Simulated || args.real_time;
     if paced && !args.quiet {
         let name = options.experiment.as_str();
-        eprintln!("{name}: {} of rig time; ctrl-C keeps what is there", about(options.rig_seconds()));
+        eprintln!(
+            "{name}: {} of rig time; ctrl-C keeps what is there",
+            about(options.rig_seconds())
+        );
     }
 
     if !args.quiet {
@@ -237,7 +261,9 @@ fn run_in(args: &RunArgs, options: &RunOptions, folder: &Path, beginning: Beginn
 /// A run's error, as what the user can mend where he can.
 fn bad_input(error: RunError) -> anyhow::Error {
     match error {
-        error @ (RunError::Describe { .. } | RunError::Identification(_)) => anyhow::Error::new(error),
+        error @ (RunError::Describe { .. } | RunError::Identification(_)) => {
+            anyhow::Error::new(error)
+        }
         RunError::Output(error) => anyhow::Error::new(error),
         RunError::TestBed(TestBedError::Rig(RigError::OutOfRange { name, value, expected })) => {
             BadInput(named_option(name, value, expected)).into()
@@ -247,7 +273,9 @@ fn bad_input(error: RunError) -> anyhow::Error {
             BadInput(beyond_range(limit, range)).into()
         }
         error @ RunError::Bag(_) if is_full(&error) => anyhow::Error::new(error),
-        error @ RunError::Bag(_) => BadInput(format!("{error}; --out DIR names another folder")).into(),
+        error @ RunError::Bag(_) => {
+            BadInput(format!("{error}; --out DIR names another folder")).into()
+        }
         error => BadInput(error.to_string()).into(),
     }
 }
@@ -264,7 +292,9 @@ fn named_option(name: &str, value: f64, expected: &str) -> String {
     if name == "voltage_limit" {
         format!("--voltage-limit must be {expected}, but is {value} V")
     } else {
-        format!("{name} must be {expected}, but is {value}; the drive's constants come from --drive")
+        format!(
+            "{name} must be {expected}, but is {value}; the drive's constants come from --drive"
+        )
     }
 }
 
@@ -315,9 +345,13 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         None => chosen.limit_origin(&mut origins),
     }
     controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
-    let estimator = EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
-    let mut constant_velocity =
-        if args.quick { ConstantVelocityProtocol::quick() } else { ConstantVelocityProtocol::default() };
+    let estimator =
+        EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
+    let mut constant_velocity = if args.quick {
+        ConstantVelocityProtocol::quick()
+    } else {
+        ConstantVelocityProtocol::default()
+    };
     let mut velocity_tracking = TrackingProtocol::velocity();
     let mut position_tracking = TrackingProtocol::position();
     if args.quick {
@@ -379,7 +413,8 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
         workers: if args.real_time {
             1
         } else {
-            args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
+            args.jobs
+                .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
         },
     };
     if args.quick {
@@ -404,23 +439,30 @@ pub(crate) fn options(args: &RunArgs) -> anyhow::Result<RunOptions> {
 fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Drive, BadInput> {
     let Some(file) = &args.drive else {
         if let Some(constants) = chosen.drive().filter(|_| args.time_constant.is_none()) {
-            return Drive::try_from(constants.parameters).map_err(|error| BadInput(error.to_string()));
+            return Drive::try_from(constants.parameters)
+                .map_err(|error| BadInput(error.to_string()));
         }
         return Ok(Drive::srv02(match args.time_constant.unwrap_or_default() {
             TimeConstantArg::Thesis => TimeConstant::Thesis,
             TimeConstantArg::Datasheet => TimeConstant::Datasheet,
         }));
     };
-    let say = |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
+    let say =
+        |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
     let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     let DriveConstants { parameters } = DriveConstants::read(&text).map_err(say)?;
     Drive::try_from(parameters).map_err(|e| say(e.to_string()))
 }
 
 /// The calibration of a real rig.
-pub(super) fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibration>, BadInput> {
+pub(super) fn calibration(
+    chosen: &Chosen,
+    file: Option<&Path>,
+) -> Result<Option<Calibration>, BadInput> {
     let rig = &chosen.rig;
-    let Some(file) = file else { return Ok(chosen.of_real().and_then(|profile| profile.calibration)) };
+    let Some(file) = file else {
+        return Ok(chosen.of_real().and_then(|profile| profile.calibration));
+    };
     if *rig == RigChoice::Simulated {
         let why = "--calibration corrects a real rig; the simulated one's readings are true";
         return Err(BadInput(why.to_owned()));
@@ -429,7 +471,9 @@ pub(super) fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option
         let why = "--calibration corrects a rig that is opened here; the node rig_driver has it as parameters, `calibration.*`";
         return Err(BadInput(why.to_owned()));
     }
-    let say = |what: String| BadInput(format!("the calibration {} cannot be used: {what}", file.display()));
+    let say = |what: String| {
+        BadInput(format!("the calibration {} cannot be used: {what}", file.display()))
+    };
     let text = crate::input::text(file).map_err(|e| say(e.to_string()))?;
     read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
 }
@@ -438,12 +482,16 @@ pub(super) fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option
 fn protocols(files: &[PathBuf]) -> Result<Vec<Protocol>, BadInput> {
     let mut protocols: Vec<Protocol> = Vec::with_capacity(files.len());
     for path in files {
-        let say =
-            |what: String| BadInput(format!("the protocol {} cannot be driven: {what}", path.display()));
+        let say = |what: String| {
+            BadInput(format!("the protocol {} cannot be driven: {what}", path.display()))
+        };
         let text = crate::input::text(path).map_err(|e| say(e.to_string()))?;
         let protocol = Protocol::read(&text).map_err(|e| say(e.to_string()))?;
         if protocols.iter().any(|other| other.kind() == protocol.kind()) {
-            return Err(say(format!("there is another for {}; give one of a kind", protocol.kind().name())));
+            return Err(say(format!(
+                "there is another for {}; give one of a kind",
+                protocol.kind().name()
+            )));
         }
         protocols.push(protocol);
     }
@@ -474,7 +522,9 @@ fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadI
     }
     if experiment == Experiment::Sequence && protocols.is_empty() {
         let mend = "`frictionlab protocols sequence > mine.yaml` prints one to start from";
-        return Err(BadInput(format!("`run sequence` needs its protocol, --protocol FILE; {mend}")));
+        return Err(BadInput(format!(
+            "`run sequence` needs its protocol, --protocol FILE; {mend}"
+        )));
     }
     Ok(experiment)
 }
@@ -482,8 +532,9 @@ fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadI
 /// The plant's friction.
 fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
     let Some(path) = &args.plant_parameters else { return Ok(AnyModel::test_bed(args.plant)) };
-    let say =
-        |what: String| BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()));
+    let say = |what: String| {
+        BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()))
+    };
     let text = crate::input::text(path).map_err(|e| say(e.to_string()))?;
     file::read(&text, Some(args.plant)).map_err(say)
 }

@@ -6,9 +6,11 @@ use super::{BadInput, print};
 
 /// Say who may join, command and read: keystores (SROS 2)
 ///
-/// `init` makes a keystore with an enclave for each node, for `live`, for an operator and for viewers; `check` looks at one and shows who
-/// may do what; `policy` prints the policy behind it, to change it for `init --policy` or `ros2 security`. Programs are secured with
-/// ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE=DIR; docs/security.md says what that holds.
+/// `init` makes a keystore with an enclave for each node, for `live`, for an operator and for
+/// viewers; `check` looks at one and shows who may do what; `policy` prints the policy behind it,
+/// to change it for `init --policy` or `ros2 security`. Programs are secured with
+/// ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE=DIR;
+/// docs/security.md says what that holds.
 #[derive(Debug, clap::Args)]
 pub struct SecurityArgs {
     #[command(subcommand)]
@@ -19,7 +21,8 @@ pub struct SecurityArgs {
 enum What {
     /// Make a keystore
     Init(InitArgs),
-    /// Look at a keystore: certificates, signatures, dates, rights. Ends with exit code 1 if something is broken
+    /// Look at a keystore: certificates, signatures, dates, rights. Ends with exit code 1 if
+    /// something is broken
     Check(CheckArgs),
     /// Print the policy for the laboratory's graph
     Policy(PolicyArgs),
@@ -35,7 +38,8 @@ struct InitArgs {
     /// Namespace of the nodes
     #[arg(long, value_name = "NAME", default_value = "/")]
     namespace: String,
-    /// ROS domain in which the keystore counts, 0 to 232; may be given several times. ROS_DOMAIN_ID, or 0, if left out
+    /// ROS domain in which the keystore counts, 0 to 232; may be given several times.
+    /// ROS_DOMAIN_ID, or 0, if left out
     #[arg(long, value_name = "ID", value_parser = clap::value_parser!(u16).range(0..=232))]
     domain: Vec<u16>,
     /// How long it counts [days]; then a new one is made, never the old one prolonged
@@ -64,7 +68,9 @@ pub fn execute(args: &SecurityArgs) -> anyhow::Result<()> {
     match &args.what {
         What::Init(args) => init(args),
         What::Check(args) => check(args),
-        What::Policy(args) => print(&ros_node::security::policy::policy(&namespace(&args.namespace)?)),
+        What::Policy(args) => {
+            print(&ros_node::security::policy::policy(&namespace(&args.namespace)?))
+        }
     }
 }
 
@@ -110,19 +116,26 @@ fn init(args: &InitArgs) -> anyhow::Result<()> {
     use ros_node::security::{keystore, permissions, policy};
 
     let text = match &args.policy {
-        Some(file) => std::fs::read_to_string(file)
-            .map_err(|error| BadInput(format!("the policy {} cannot be read: {error}", file.display())))?,
+        Some(file) => std::fs::read_to_string(file).map_err(|error| {
+            BadInput(format!("the policy {} cannot be read: {error}", file.display()))
+        })?,
         None => policy::policy(&namespace(&args.namespace)?),
     };
     let policy = permissions::read_policy(&text).map_err(BadInput)?;
     let domains = match args.domain.as_slice() {
         [] => {
-            vec![ros_node::Discovery::from_environment().map_err(|error| BadInput(error.to_string()))?.domain]
+            vec![
+                ros_node::Discovery::from_environment()
+                    .map_err(|error| BadInput(error.to_string()))?
+                    .domain,
+            ]
         }
         given => given.to_vec(),
     };
     let now = std::time::SystemTime::now();
-    let since = now.duration_since(std::time::SystemTime::UNIX_EPOCH).context("the clock is before 1970")?;
+    let since = now
+        .duration_since(std::time::SystemTime::UNIX_EPOCH)
+        .context("the clock is before 1970")?;
     let order = keystore::Order {
         folder: &args.dir,
         policy: &policy,
@@ -136,8 +149,10 @@ fn init(args: &InitArgs) -> anyhow::Result<()> {
         }
         other => anyhow::Error::new(other),
     })?;
-    let shown =
-        crate::security::table(&crate::security::look(&args.dir, now).map_err(anyhow::Error::msg)?, now);
+    let shown = crate::security::table(
+        &crate::security::look(&args.dir, now).map_err(anyhow::Error::msg)?,
+        now,
+    );
     let folder = std::path::absolute(&args.dir).unwrap_or_else(|_| args.dir.clone());
     print(&format!(
         "{shown}\nFor every program: export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE={}\n\
@@ -148,8 +163,9 @@ fn init(args: &InitArgs) -> anyhow::Result<()> {
 
 #[cfg(feature = "security")]
 fn check(args: &CheckArgs) -> anyhow::Result<()> {
-    let from_environment =
-        || std::env::var_os("ROS_SECURITY_KEYSTORE").filter(|dir| !dir.is_empty()).map(PathBuf::from);
+    let from_environment = || {
+        std::env::var_os("ROS_SECURITY_KEYSTORE").filter(|dir| !dir.is_empty()).map(PathBuf::from)
+    };
     let dir = args.dir.clone().or_else(from_environment).ok_or_else(|| {
         BadInput("no keystore is named: give its folder, or set ROS_SECURITY_KEYSTORE".to_owned())
     })?;

@@ -16,11 +16,13 @@ use crate::server::permissions::Permissions;
 
 /// Run experiments for whoever asks over ROS 2
 ///
-/// Offers the action /experiment_runner/run_experiment and the services start_experiment, list_experiments, identify and abort
-/// beside it, and says on /experiment_status what goes on. Experiments are those of `frictionlab run`, with its options, and leave
-/// the same folder. One runs at a time. Requests use no other rigs than those given here, read files only in the folder of runs and in
-/// --inputs, and write only in the folder of runs. ROS_DOMAIN_ID is honoured; only this machine sees it unless
-/// ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps its bag, and leaves.
+/// Offers the action /experiment_runner/run_experiment and the services start_experiment,
+/// list_experiments, identify and abort beside it, and says on /experiment_status what goes on.
+/// Experiments are those of `frictionlab run`, with its options, and leave the same folder. One
+/// runs at a time. Requests use no other rigs than those given here, read files only in the folder
+/// of runs and in --inputs, and write only in the folder of runs. ROS_DOMAIN_ID is honoured; only
+/// this machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps
+/// its bag, and leaves.
 ///
 /// The executable `experiment_runner` is the same with the arguments of ROS.
 #[derive(Debug, clap::Args)]
@@ -28,18 +30,22 @@ pub struct ServeArgs {
     /// Folder in which each run gets a folder of its own, unless its request names one
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub runs: PathBuf,
-    /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
+    /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever
+    /// the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
     /// [default: the rig of --rig-file, else simulated]
     #[arg(long, value_name = "RIG")]
     pub rig: Option<RigChoice>,
-    /// Rig profile: address, calibration, limits and drive in one file; it counts for every experiment on its rig [default: rig.yaml of this folder, where --rig names
-    /// the rig that it is of]
+    /// Rig profile: address, calibration, limits and drive in one file; it counts for every
+    /// experiment on its rig
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
     #[arg(long, value_name = "FILE")]
     pub rig_file: Option<PathBuf>,
-    /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those of this axis
+    /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those
+    /// of this axis
     #[arg(long, value_name = "RIGS", value_delimiter = ',', default_value = "simulated,nodes")]
     pub allow_rigs: Vec<RigChoice>,
-    /// One more folder whose files requests may name: protocols, parameters, recordings. Those in the folder of runs they may name always
+    /// One more folder whose files requests may name: protocols, parameters, recordings. Those in
+    /// the folder of runs they may name always
     #[arg(long, value_name = "DIR")]
     pub inputs: Option<PathBuf>,
     /// Print nothing but errors
@@ -50,7 +56,8 @@ pub struct ServeArgs {
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for and cannot be had; an error if the network cannot be joined.
+/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for
+/// and cannot be had; an error if the network cannot be joined.
 pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     ros_node::terminal::tell_panics();
@@ -78,10 +85,13 @@ fn serve(
     stop: &Stop,
 ) -> anyhow::Result<Option<Lost>> {
     let arguments = Arguments::default().or_enclave("/experiment_runner");
-    let participant = Participant::join_with(discovery, arguments).map_err(|error| match error {
-        mendable if mendable.is_bad_input() => anyhow::Error::new(BadInput(mendable.to_string())),
-        other => anyhow::Error::new(other),
-    })?;
+    let participant =
+        Participant::join_with(discovery, arguments).map_err(|error| match error {
+            mendable if mendable.is_bad_input() => {
+                anyhow::Error::new(BadInput(mendable.to_string()))
+            }
+            other => anyhow::Error::new(other),
+        })?;
     let node = participant.node("experiment_runner")?;
     Parameters::usual(&node)?;
     let usual = UsualRig::default();
@@ -90,7 +100,8 @@ fn serve(
     let axis = &node.identity().namespace;
     let permissions = Permissions::new(axis, rigs, args.runs.clone(), args.inputs.clone());
     let profile = chosen.profile.as_ref().filter(|_| chosen.of_real().is_some());
-    let permissions = permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
+    let permissions =
+        permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
     let runner = Runner::new(&node, permissions, usual)?;
     let middleware = Watch::start(stop).context("no thread can be started")?;
     if !args.quiet {
@@ -103,7 +114,8 @@ fn serve(
     }
     while !middleware.stop().wait(Duration::from_secs(1)) {}
     let lost = middleware.end().filter(|_| !stop.is_set());
-    // In this order: the experiment ends and its result is sent, then the node leaves, then the participant.
+    // In this order: the experiment ends and its result is sent, then the node leaves, then the
+    // participant.
     drop(runner);
     drop(node);
     drop(participant);

@@ -42,8 +42,9 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "NAME", value_parser = model_name, required_unless_present = "params")]
     model: Option<ModelName>,
 
-    /// Its parameters in YAML, as `frictionlab models NAME --yaml` prints them; the bare parameters, a contact with
-    /// `asymmetric`, and the parameters.yaml of a run are accepted too [default: the thesis's test bed].
+    /// Its parameters in YAML, as `frictionlab models NAME --yaml` prints them; the bare
+    /// parameters, a contact with `asymmetric`, and the parameters.yaml of a run are accepted too
+    /// [default: the thesis's test bed].
     #[arg(long, value_name = "FILE.yaml")]
     params: Option<PathBuf>,
 
@@ -66,8 +67,8 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "SECONDS", default_value = "1e-5", allow_negative_numbers = true)]
     dt: f64,
 
-    /// Let every level of the contact grow by C of itself for each N m (or N) in the column load_Nm (or load_N) of the
-    /// motion; the viscous part does not depend on the load.
+    /// Let every level of the contact grow by C of itself for each N m (or N) in the column load_Nm
+    /// (or load_N) of the motion; the viscous part does not depend on the load.
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     load_gain: Option<f64>,
 
@@ -98,7 +99,10 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
         return Ok(());
     }
     let (title, rows, path) = (model.name().title(), motion.time.len(), out.name());
-    print(&format!("{title} along {:.6} s of motion: {rows} rows written to {path}\n", motion.duration()))
+    print(&format!(
+        "{title} along {:.6} s of motion: {rows} rows written to {path}\n",
+        motion.duration()
+    ))
 }
 
 fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {

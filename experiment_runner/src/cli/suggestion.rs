@@ -3,13 +3,19 @@
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// The name that is nearest to a word: at most a third of its letters wrong, missing, too many or swapped with the next.
+/// The name that is nearest to a word: at most a third of its letters wrong, missing, too many or
+/// swapped with the next.
 #[must_use]
 pub(crate) fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let distance = |name: &'a str| (strsim::damerau_levenshtein(&word, name), name);
     let allowed = (word.chars().count() / 3).max(1);
-    names.into_iter().map(distance).filter(|(wrong, _)| *wrong <= allowed).min().map(|(_, name)| name)
+    names
+        .into_iter()
+        .map(distance)
+        .filter(|(wrong, _)| *wrong <= allowed)
+        .min()
+        .map(|(_, name)| name)
 }
 
 /// The same as the end of a sentence, with what is before it; nothing where no name is near.
@@ -39,7 +45,9 @@ pub fn with_suggestion(mut error: clap::Error, command: &Command) -> clap::Error
         Some(_) => return error,
         None => command.get_subcommands().map(|command| command.get_name().to_owned()).collect(),
     };
-    let Some(name) = nearest(word, names.iter().map(String::as_str)).map(str::to_owned) else { return error };
+    let Some(name) = nearest(word, names.iter().map(String::as_str)).map(str::to_owned) else {
+        return error;
+    };
     let value = match suggested {
         ContextKind::SuggestedValue => ContextValue::String(name),
         _ => ContextValue::Strings(vec![name]),

@@ -15,9 +15,10 @@ use crate::truth_matrix::{MatrixOptions, compute, page, summary};
 
 /// See how far a ranking of models can be trusted
 ///
-/// Identifies every model from the friction of every other. The model that made the data wins. Before you trust a ranking of models on your own recordings, see here how far the
-/// second best is behind when the truth is known: friction of each model is simulated through the experiments,
-/// all models are identified from it, and the held-out errors make a matrix.
+/// Identifies every model from the friction of every other. The model that made the data wins.
+/// Before you trust a ranking of models on your own recordings, see here how far the second best is
+/// behind when the truth is known: friction of each model is simulated through the experiments, all
+/// models are identified from it, and the held-out errors make a matrix.
 ///
 ///   frictionlab truth-matrix
 ///   frictionlab truth-matrix --model lugre,gms,proposed --noise 0.0029 --seeds 10
@@ -53,7 +54,8 @@ pub struct TruthMatrixArgs {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] for a model that has no identification, an impossible noise, or a folder that cannot be written; [`Interrupted`] after ctrl-C.
+/// [`BadInput`] for a model that has no identification, an impossible noise, or a folder that
+/// cannot be written; [`Interrupted`] after ctrl-C.
 pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     let models = if args.model.is_empty() { MODELS.to_vec() } else { args.model.clone() };
     if let Some(other) = models.iter().find(|name| !MODELS.contains(name)) {
@@ -71,8 +73,9 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
         ))
         .into());
     }
-    let workers =
-        args.jobs.map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
+    let workers = args
+        .jobs
+        .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from);
     let folder = args.to.reserve("truth-matrix")?;
     let cancel = interruption::watch(interruption::WRITING)?;
 
@@ -91,9 +94,10 @@ pub fn execute(args: &TruthMatrixArgs) -> anyhow::Result<()> {
     let text = format!("{}\nReport  {}\n", summary(&matrix), folder.join("report.html").display());
     args.saying.result(args.quiet, &json, &text)?;
     if matrix.stopped {
-        return Err(
-            Interrupted("stopped before the end; what was done by then is in the report".to_owned()).into()
-        );
+        return Err(Interrupted(
+            "stopped before the end; what was done by then is in the report".to_owned(),
+        )
+        .into());
     }
     Ok(())
 }

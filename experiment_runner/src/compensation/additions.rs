@@ -1,20 +1,25 @@
 //! Techniques that need no friction model: their defaults, found by trying on the simulated rig.
 //!
-//! Mean square errors of the two tracking tasks there, alone 1.7e-4 (rad/s)^2 and 2.1e-3 rad^2: dither 3.9e-4 and 1.9e-3, knocker 2.4e-4 and 1.7e-3, acceleration
-//! feedback 5.6e-5 and 5.7e-4, retuned 9.8e-6 and 5.9e-6. Dither and knocker help against stiction, of which this friction has little, and disturb a velocity loop.
+//! Mean square errors of the two tracking tasks there, alone 1.7e-4 (rad/s)^2 and 2.1e-3 rad^2:
+//! dither 3.9e-4 and 1.9e-3, knocker 2.4e-4 and 1.7e-3, acceleration feedback 5.6e-5 and 5.7e-4,
+//! retuned 9.8e-6 and 5.9e-6. Dither and knocker help against stiction, of which this friction has
+//! little, and disturb a velocity loop.
 
 use controller::design::{
     LinearDrive, PiSpecification, PositionPoles, pi_from_specification, pid_from_poles,
 };
 use controller::{
-    AccelerationFeedback, ControlMode, ControllerOptions, Dither, DitherShape, Impulse, LagGains, PiGains,
-    PidGains, VelocityLaw,
+    AccelerationFeedback, ControlMode, ControllerOptions, Dither, DitherShape, Impulse, LagGains,
+    PiGains, PidGains, VelocityLaw,
 };
 
-/// Retuned PI: crossover [rad/s] and phase margin [degrees]. More crossover lets the tachometer's noise grow faster than friction's share falls.
-pub const RETUNED_VELOCITY: PiSpecification = PiSpecification { crossover: 150.0, phase_margin: 70.0 };
+/// Retuned PI: crossover [rad/s] and phase margin [degrees]. More crossover lets the tachometer's
+/// noise grow faster than friction's share falls.
+pub const RETUNED_VELOCITY: PiSpecification =
+    PiSpecification { crossover: 150.0, phase_margin: 70.0 };
 
-/// Retuned PID: its poles. Sampled at 1 kHz its sensitivity peak is 1.23 and its phase margin 59 degrees.
+/// Retuned PID: its poles. Sampled at 1 kHz its sensitivity peak is 1.23 and its phase margin 59
+/// degrees.
 pub const RETUNED_POSITION: PositionPoles =
     PositionPoles { damping: 0.7, natural_frequency: 30.0, real_pole: 40.0 };
 
@@ -62,7 +67,8 @@ pub fn accelerate(drive: &LinearDrive, options: &mut ControllerOptions) {
     };
 }
 
-/// More gain: as much as margins and noise allow. A drive on which the specification cannot be met keeps its gains.
+/// More gain: as much as margins and noise allow. A drive on which the specification cannot be met
+/// keeps its gains.
 pub fn retune(drive: &LinearDrive, options: &mut ControllerOptions) {
     if let Ok(gains) = pi_from_specification(drive, &RETUNED_VELOCITY) {
         options.velocity = VelocityLaw::Pi(gains);
@@ -94,7 +100,8 @@ mod tests {
             [(LoopLaw::Velocity(options.velocity), 65.7, 1.07), (position, 59.5, 1.23)]
         {
             let linear = LinearLoop { drive, law };
-            let found = margins(|w| linear.open_sampled(w, options.period), 0.1, 3.1 / options.period);
+            let found =
+                margins(|w| linear.open_sampled(w, options.period), 0.1, 3.1 / options.period);
             assert!((found.phase_margin.unwrap() - phase_margin).abs() < 0.2, "{found:?}");
             assert!((found.sensitivity_peak - peak).abs() < 0.02, "{found:?}");
         }
@@ -108,7 +115,8 @@ mod tests {
         accelerate(&drive, &mut options);
         let heavy = options.acceleration.unwrap().apparent(&drive);
         let characteristic = |drive: LinearDrive, gains| {
-            let law = LoopLaw::Position { gains, derivative_on: options.derivative_on, filter: 0.0 };
+            let law =
+                LoopLaw::Position { gains, derivative_on: options.derivative_on, filter: 0.0 };
             LinearLoop { drive, law }.characteristic()
         };
         let (light, heavy) = (characteristic(drive, before), characteristic(heavy, options.pid));

@@ -56,7 +56,8 @@ impl Arm {
     }
 }
 
-/// The name in tables: `none`, `lugre` for the observer on the measured velocity, `lugre feedforward`, `rbf`.
+/// The name in tables: `none`, `lugre` for the observer on the measured velocity,
+/// `lugre feedforward`, `rbf`.
 impl fmt::Display for Arm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -77,6 +78,9 @@ mod tests {
         let models = [ModelName::LuGre, ModelName::Proposed];
         let arms = Arm::all(&[Means::Feedback, Means::Feedforward], &models);
         let names: Vec<_> = arms.iter().map(ToString::to_string).collect();
-        assert_eq!(names, ["none", "lugre", "proposed", "lugre feedforward", "proposed feedforward"]);
+        assert_eq!(
+            names,
+            ["none", "lugre", "proposed", "lugre feedforward", "proposed feedforward"]
+        );
     }
 }

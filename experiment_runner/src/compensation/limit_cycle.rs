@@ -17,11 +17,12 @@ impl LimitCycle {
     /// Part of a record that belongs to the transient.
     const TRANSIENT: f64 = 0.4;
 
-    /// The limit cycle in samples `dt` [s] apart: of the last three fifths of the record, if it crosses its middle three times in the same
-    /// direction or more, with an amplitude of at least `least` [rad] that the second half of them keeps to three fifths.
+    /// The limit cycle in samples `dt` [s] apart: of the last three fifths of the record, if it
+    /// crosses its middle three times in the same direction or more, with an amplitude of at least
+    /// `least` [rad] that the second half of them keeps to three fifths.
     ///
-    /// A crossing counts once the signal has gone by three tenths of the amplitude beyond the middle on the other side, so that noise and steps of a
-    /// sensor do not make periods.
+    /// A crossing counts once the signal has gone by three tenths of the amplitude beyond the
+    /// middle on the other side, so that noise and steps of a sensor do not make periods.
     #[must_use]
     pub fn find(samples: &[f64], dt: f64, least: f64) -> Option<Self> {
         let settled = samples.get((Self::TRANSIENT * samples.len() as f64) as usize..)?;
@@ -76,7 +77,10 @@ mod tests {
     #[test]
     fn a_sustained_oscillation_has_its_amplitude_and_period() {
         let found = LimitCycle::find(&sine(0.2, 0.0, 1.0), 0.01, 1e-3).unwrap();
-        assert!((found.amplitude - 0.2).abs() < 1e-5 && (found.period - 7.0).abs() < 0.01, "{found:?}");
+        assert!(
+            (found.amplitude - 0.2).abs() < 1e-5 && (found.period - 7.0).abs() < 0.01,
+            "{found:?}"
+        );
         assert!((7..=8).contains(&found.periods));
     }
 
@@ -91,8 +95,10 @@ mod tests {
 
     #[test]
     fn steps_of_a_sensor_make_no_periods() {
-        let rounded: Vec<f64> =
-            sine(0.01, 0.0, 0.0).iter().map(|value| (value / 1.534e-3).floor() * 1.534e-3).collect();
+        let rounded: Vec<f64> = sine(0.01, 0.0, 0.0)
+            .iter()
+            .map(|value| (value / 1.534e-3).floor() * 1.534e-3)
+            .collect();
         let found = LimitCycle::find(&rounded, 0.01, 3e-3).unwrap();
         assert!((found.period - 7.0).abs() < 0.05, "{found:?}");
     }

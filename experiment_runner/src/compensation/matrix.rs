@@ -11,7 +11,8 @@ use crate::run::RunError;
 use crate::sequencer::run_in_order;
 
 /// The models that the thesis compares, in its order.
-pub const MODELS: [ModelName; 4] = [ModelName::Proposed, ModelName::LuGre, ModelName::Gms, ModelName::Xiong];
+pub const MODELS: [ModelName; 4] =
+    [ModelName::Proposed, ModelName::LuGre, ModelName::Gms, ModelName::Xiong];
 
 /// One plant of one task.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,8 +61,9 @@ pub fn rig_seconds(tasks: &[ThesisTask]) -> f64 {
     each * (MODELS.len() * (1 + MODELS.len())) as f64
 }
 
-/// Every model as plant under every model as observer, each with the parameters of the thesis's test bed, in the thesis's units without
-/// noise. Rows that were not reached before `cancel` are missing.
+/// Every model as plant under every model as observer, each with the parameters of the thesis's
+/// test bed, in the thesis's units without noise. Rows that were not reached before `cancel` are
+/// missing.
 ///
 /// # Errors
 /// [`RunError`] if a loop cannot be put together.
@@ -105,16 +107,20 @@ pub fn compute(
 mod tests {
     use super::*;
 
-    /// In tracking the plant's own model is the best observer or within 3 % of it, and every observer more than halves the error of every plant;
-    /// in regulation the best observer is the same for every plant, so that the task says nothing about models.
+    /// In tracking the plant's own model is the best observer or within 3 % of it, and every
+    /// observer more than halves the error of every plant; in regulation the best observer is the
+    /// same for every plant, so that the task says nothing about models.
     #[test]
     fn the_winner_is_the_model_that_the_plant_was_made_of() {
-        let rows = compute(&ThesisTask::ALL, 2, &Progress::new(1.0, true), &AtomicBool::new(false)).unwrap();
+        let rows = compute(&ThesisTask::ALL, 2, &Progress::new(1.0, true), &AtomicBool::new(false))
+            .unwrap();
         assert_eq!(rows.len(), 12);
         for row in &rows {
             let best = row.best().and_then(|name| row.relative(name)).unwrap();
             match row.task {
-                ThesisTask::VelocityRegulation => assert_eq!(row.best(), Some(ModelName::Gms), "{row:?}"),
+                ThesisTask::VelocityRegulation => {
+                    assert_eq!(row.best(), Some(ModelName::Gms), "{row:?}")
+                }
                 _ => {
                     assert!(row.relative.iter().all(|relative| *relative < 0.5), "{row:?}");
                     assert!(row.relative(row.plant).unwrap() < 1.03 * best, "{row:?}");
@@ -122,23 +128,27 @@ mod tests {
             }
         }
         // With the proposed model as plant the thesis's order comes out in both tracking tasks.
-        for row in rows
-            .iter()
-            .filter(|row| row.plant == ModelName::Proposed && row.task != ThesisTask::VelocityRegulation)
-        {
+        for row in rows.iter().filter(|row| {
+            row.plant == ModelName::Proposed && row.task != ThesisTask::VelocityRegulation
+        }) {
             assert!(row.relative.is_sorted(), "{row:?}");
         }
         // Table 6.5: 165e-4 and 36e-4 rad/s at most, within 15 %.
         let row = &rows[0];
         assert!((row.none_max / 165e-4 - 1.0).abs() < 0.15, "{row:?}");
-        assert!((row.max_error(ModelName::Proposed).unwrap() / 36e-4 - 1.0).abs() < 0.15, "{row:?}");
+        assert!(
+            (row.max_error(ModelName::Proposed).unwrap() / 36e-4 - 1.0).abs() < 0.15,
+            "{row:?}"
+        );
         // Table 6.6 by the trapezoidal rule: 0.983e-4 and 0.874e-4.
         let row = &rows[4];
         assert!((row.none / 0.983e-4 - 1.0).abs() < 0.02, "{row:?}");
         assert!((row.none * row.relative[0] / 0.874e-4 - 1.0).abs() < 0.02, "{row:?}");
         // Table 6.7: 2.9779e-4 and 567e-4 rad, 1.4854e-4 and 432e-4 rad, within 15 %.
         let row = &rows[8];
-        assert!((row.none / 2.9779e-4 - 1.0).abs() < 0.15 && (row.none_max / 567e-4 - 1.0).abs() < 0.15);
+        assert!(
+            (row.none / 2.9779e-4 - 1.0).abs() < 0.15 && (row.none_max / 567e-4 - 1.0).abs() < 0.15
+        );
         let max_error = row.max_error(ModelName::Proposed).unwrap();
         assert!((row.none * row.relative[0] / 1.4854e-4 - 1.0).abs() < 0.15, "{row:?}");
         assert!((max_error / 432e-4 - 1.0).abs() < 0.15, "{row:?}");

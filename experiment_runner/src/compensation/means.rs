@@ -10,7 +10,18 @@ use super::additions;
 
 /// By what means friction is compensated.
 #[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize, clap::ValueEnum,
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    clap::ValueEnum,
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Means {
@@ -62,9 +73,11 @@ impl Means {
     #[must_use]
     pub const fn needs_model(self) -> bool {
         match self {
-            Self::Feedback | Self::Feedforward | Self::Both | Self::Adaptive | Self::AdaptiveParameters => {
-                true
-            }
+            Self::Feedback
+            | Self::Feedforward
+            | Self::Both
+            | Self::Adaptive
+            | Self::AdaptiveParameters => true,
             Self::DisturbanceObserver
             | Self::Rbf
             | Self::Dither
@@ -74,15 +87,21 @@ impl Means {
         }
     }
 
-    /// Sets the estimator and the controller up for it; the controller's mode must be what it will be.
+    /// Sets the estimator and the controller up for it; the controller's mode must be what it will
+    /// be.
     pub fn configure(self, estimator: &mut EstimatorOptions, controller: &mut ControllerOptions) {
-        let drive = LinearDrive { gain: estimator.drive.gain, time_constant: estimator.drive.time_constant };
+        let drive = LinearDrive {
+            gain: estimator.drive.gain,
+            time_constant: estimator.drive.time_constant,
+        };
         let technique = match self {
             Self::Feedback => Some(Technique::Feedback),
             Self::Feedforward => Some(Technique::Feedforward),
             Self::Both => Some(Technique::Both { share: 0.5 }),
             Self::Adaptive => Some(Technique::Adaptive(LevelOptions::SRV02)),
-            Self::AdaptiveParameters => Some(Technique::AdaptiveParameters(ParameterOptions::SRV02)),
+            Self::AdaptiveParameters => {
+                Some(Technique::AdaptiveParameters(ParameterOptions::SRV02))
+            }
             Self::DisturbanceObserver => {
                 Some(Technique::DisturbanceObserver(DisturbanceObserverOptions::SRV02))
             }

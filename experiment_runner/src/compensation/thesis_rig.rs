@@ -1,8 +1,10 @@
-//! The simulations of the thesis's section 6.5: its test bed in its own units, with the inputs that its printed figures imply.
+//! The simulations of the thesis's section 6.5: its test bed in its own units, with the inputs that
+//! its printed figures imply.
 //!
-//! Friction in N m is taken off the volts (K = 1.863 rad/s per V, T = 0.02388 s), sensors are ideal. The thesis does not print the references:
-//! r = 0.30 sin(0.107 t) rad/s and r = 1.0 sin(0.546 t) rad are those with which its rows come out, the inverse B(s) off in
-//! tracking and its gain on in regulation, the opposite of what its text says.
+//! Friction in N m is taken off the volts (K = 1.863 rad/s per V, T = 0.02388 s), sensors are
+//! ideal. The thesis does not print the references: r = 0.30 sin(0.107 t) rad/s and r = 1.0
+//! sin(0.546 t) rad are those with which its rows come out, the inverse B(s) off in tracking and
+//! its gain on in regulation, the opposite of what its text says.
 
 use controller::{ControllerOptions, DerivativeOn};
 use friction_model::AnyModel;
@@ -30,7 +32,8 @@ pub enum ThesisTask {
 
 impl ThesisTask {
     /// All three.
-    pub const ALL: [Self; 3] = [Self::VelocityTracking, Self::VelocityRegulation, Self::PositionTracking];
+    pub const ALL: [Self; 3] =
+        [Self::VelocityTracking, Self::VelocityRegulation, Self::PositionTracking];
 
     /// In words.
     #[must_use]
@@ -62,10 +65,15 @@ impl ThesisTask {
     ///
     /// # Errors
     /// [`RunError`] if the loop cannot be put together.
-    pub fn run(self, plant: &AnyModel, observer: Option<&AnyModel>) -> Result<TrackingRun, RunError> {
+    pub fn run(
+        self,
+        plant: &AnyModel,
+        observer: Option<&AnyModel>,
+    ) -> Result<TrackingRun, RunError> {
         let coupling = FrictionCoupling::NewtonMetreAsVolt;
-        // The loop's own transient is all there is to the step of velocity: a controller that holds its voltage for 1 ms makes it 5 % shorter
-        // than the continuous one that the thesis simulated.
+        // The loop's own transient is all there is to the step of velocity: a controller that holds
+        // its voltage for 1 ms makes it 5 % shorter than the continuous one that the thesis
+        // simulated.
         let (period, substeps) = match self {
             Self::VelocityRegulation => (2e-4, 1),
             Self::VelocityTracking | Self::PositionTracking => (1e-3, 2),
@@ -84,7 +92,8 @@ impl ThesisTask {
             ..Default::default()
         };
         controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
-        let bed = TestBed { simulation, friction: *plant, controller, estimator: Default::default() };
+        let bed =
+            TestBed { simulation, friction: *plant, controller, estimator: Default::default() };
         let protocol = self.protocol();
         let arm = observer.map_or(Arm::None, |model| Arm::observer(model.name()));
         let control = bed.with_inverse(protocol.inverse).control_loop(

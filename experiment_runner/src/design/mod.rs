@@ -1,6 +1,7 @@
 //! A linear loop assessed: step response, margins, what theory says of it under friction.
 //!
-//! [`assess`] computes, [`page()`] and [`summary`] show, [`parameters`] is the file that `run` and `live` read, [`document`] the one for programs.
+//! [`assess`] computes, [`page()`] and [`summary`] show, [`parameters`] is the file that `run` and
+//! `live` read, [`document`] the one for programs.
 
 mod document;
 mod page;
@@ -52,7 +53,8 @@ pub struct Assessment {
     pub bode: Bode,
     /// Whether velocity under a braking torque is (strictly) positive real.
     pub realness: PositiveRealness,
-    /// Of a position loop: from where on the real part of `G(jw)` of the thesis's theorem 5.2 is negative [rad/s].
+    /// Of a position loop: from where on the real part of `G(jw)` of the thesis's theorem 5.2 is
+    /// negative [rad/s].
     pub theorem_fails_from: Option<f64>,
     /// Friction that is proven harmless.
     pub sector: SectorMargin,
@@ -102,7 +104,10 @@ pub fn assess(options: DesignOptions) -> Result<Assessment, ControllerError> {
         }
     };
     Ok(Assessment {
-        figures: definitions.iter().map(|definition| (*definition, response.figures(definition))).collect(),
+        figures: definitions
+            .iter()
+            .map(|definition| (*definition, response.figures(definition)))
+            .collect(),
         response,
         continuous: margins(open, lowest, 1e3 / period),
         sampled: margins_sampled(&linear, period, lowest),
@@ -115,7 +120,8 @@ pub fn assess(options: DesignOptions) -> Result<Assessment, ControllerError> {
     })
 }
 
-/// Long enough for the slowest pole of the closed loop, or a second where it does not settle; at most a minute.
+/// Long enough for the slowest pole of the closed loop, or a second where it does not settle; at
+/// most a minute.
 fn seconds(linear: &LinearLoop, period: f64) -> f64 {
     let slowest = linear
         .characteristic()
@@ -168,8 +174,13 @@ mod tests {
 
     fn assessed(law: LoopLaw) -> Assessment {
         let linear = LinearLoop { drive: LinearDrive::SRV02, law };
-        assess(DesignOptions { linear, period: 1e-3, volts_per_newton_metre: 4.8426, asked: String::new() })
-            .unwrap()
+        assess(DesignOptions {
+            linear,
+            period: 1e-3,
+            volts_per_newton_metre: 4.8426,
+            asked: String::new(),
+        })
+        .unwrap()
     }
 
     #[test]
@@ -179,7 +190,8 @@ mod tests {
         assert_eq!(found.sector.upper_from_zero, Some(UpperSlope::Any));
         assert!((found.continuous.crossover.unwrap() - 111.03).abs() < 0.1);
         // Half a period of delay at 111 rad/s is 3.2 degrees.
-        let delay = (found.continuous.phase_margin.unwrap() - found.sampled.phase_margin.unwrap()) / 111.03;
+        let delay =
+            (found.continuous.phase_margin.unwrap() - found.sampled.phase_margin.unwrap()) / 111.03;
         assert!((delay.to_radians() - 5e-4).abs() < 5e-5, "{delay}");
         let settling = found.figures[0].1.settling_time.unwrap();
         assert!((settling - 0.280).abs() < 3e-3, "{settling}");

@@ -27,14 +27,20 @@ pub fn parameters(options: &DesignOptions) -> String {
         LoopLaw::Velocity(VelocityLaw::Lag(gains)) => {
             map("lag", &[("k_p", gains.k_p), ("t_i", gains.t_i), ("gamma", gains.gamma)]);
         }
-        LoopLaw::Velocity(VelocityLaw::Pi(gains)) => map("pi", &[("k_p", gains.k_p), ("k_i", gains.k_i)]),
+        LoopLaw::Velocity(VelocityLaw::Pi(gains)) => {
+            map("pi", &[("k_p", gains.k_p), ("k_i", gains.k_i)])
+        }
         LoopLaw::Position { gains, derivative_on, filter } => {
             map("pid", &[("k_p", gains.k_p), ("k_i", gains.k_i), ("k_d", gains.k_d)]);
             let on = match derivative_on {
                 controller::DerivativeOn::Error => "error",
                 controller::DerivativeOn::Measurement => "measurement",
             };
-            let _ = write!(text, "    derivative_on: {on}\n    derivative_filter: {}\n", number(filter));
+            let _ = write!(
+                text,
+                "    derivative_on: {on}\n    derivative_filter: {}\n",
+                number(filter)
+            );
         }
     }
     text

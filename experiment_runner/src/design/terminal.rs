@@ -14,7 +14,11 @@ pub(super) fn gains(law: &LoopLaw) -> Vec<[String; 2]> {
     let row = |name: &str, value: f64, unit: &str| [name.to_owned(), format!("{value:.5} {unit}")];
     match law {
         LoopLaw::Velocity(VelocityLaw::Lag(gains)) => {
-            vec![row("K_p", gains.k_p, "V s/rad"), row("T_i", gains.t_i, "s"), row("gamma", gains.gamma, "")]
+            vec![
+                row("K_p", gains.k_p, "V s/rad"),
+                row("T_i", gains.t_i, "s"),
+                row("gamma", gains.gamma, ""),
+            ]
         }
         LoopLaw::Velocity(VelocityLaw::Pi(gains)) => {
             vec![row("K_p", gains.k_p, "V s/rad"), row("K_i", gains.k_i, "V/rad")]
@@ -48,7 +52,9 @@ pub(super) fn margin_rows(found: &Assessment) -> Vec<[String; 3]> {
     vec![
         row("crossover", &|m| or_none(m.crossover, 2, " rad/s")),
         row("phase margin", &|m| or_none(m.phase_margin, 1, " degrees")),
-        row("gain may grow by", &|m| m.gain_margin.map_or("any factor".to_owned(), |f| format!("{f:.2}"))),
+        row("gain may grow by", &|m| {
+            m.gain_margin.map_or("any factor".to_owned(), |f| format!("{f:.2}"))
+        }),
         row("gain may fall to", &|m| {
             m.gain_reduction.map_or("any fraction".to_owned(), |f| format!("{f:.3}"))
         }),
@@ -62,12 +68,21 @@ pub(super) fn step_rows(found: &Assessment) -> Vec<[String; 2]> {
     let mut rows = Vec::new();
     if let Some((_, figures)) = found.figures.first() {
         rows.push(["overshoot".to_owned(), format!("{:.2} %", 100.0 * figures.overshoot)]);
-        rows.push(["steady-state error".to_owned(), format!("{:.4} %", 100.0 * figures.steady_state_error)]);
-        rows.push(["largest voltage for a step of 1".to_owned(), format!("{:.2} V", figures.peak_voltage)]);
+        rows.push([
+            "steady-state error".to_owned(),
+            format!("{:.4} %", 100.0 * figures.steady_state_error),
+        ]);
+        rows.push([
+            "largest voltage for a step of 1".to_owned(),
+            format!("{:.2} V", figures.peak_voltage),
+        ]);
     }
     for (definition, figures) in &found.figures {
         let (from, band) = (100.0 * definition.rise_from, 100.0 * definition.band);
-        rows.push([format!("rise, {from:.0} to {:.0} %", 100.0 - from), or_none(figures.rise_time, 4, " s")]);
+        rows.push([
+            format!("rise, {from:.0} to {:.0} %", 100.0 - from),
+            or_none(figures.rise_time, 4, " s"),
+        ]);
         rows.push([format!("settling, {band:.0} % band"), or_none(figures.settling_time, 4, " s")]);
     }
     rows
@@ -88,7 +103,8 @@ pub(super) fn worth_rows(worth: &Worth) -> Vec<[String; 3]> {
 /// What theory says, one sentence each.
 pub(super) fn verdicts(found: &Assessment) -> Vec<String> {
     let sector = &found.sector;
-    let mut said = vec![format!("From a braking torque to velocity the closed loop is {}.", found.realness)];
+    let mut said =
+        vec![format!("From a braking torque to velocity the closed loop is {}.", found.realness)];
     if let Some(w) = found.theorem_fails_from {
         said.push(format!(
             "The hypothesis of the thesis's theorem 5.2 (position error under a braking torque positive real) is false, as for every PID: the real part is negative above {w:.1} rad/s."
@@ -136,7 +152,10 @@ pub fn summary(found: &Assessment) -> String {
         text += &format!("  {name:<32} {continuous:<18} {sampled}\n");
     }
     if let Some(worth) = &found.worth {
-        text += &format!("  {:<32} {:<18} default gains\n", "a sine followed under friction", "this design");
+        text += &format!(
+            "  {:<32} {:<18} default gains\n",
+            "a sine followed under friction", "this design"
+        );
         for [name, designed, default] in worth_rows(worth) {
             text += &format!("  {name:<32} {designed:<18} {default}\n");
         }

@@ -1,4 +1,5 @@
-//! What a design is worth on a rig: the linear figures know neither friction, nor noise, nor the end of the voltage.
+//! What a design is worth on a rig: the linear figures know neither friction, nor noise, nor the
+//! end of the voltage.
 
 use controller::ControllerOptions;
 use controller::design::{LinearDrive, LoopLaw};
@@ -12,7 +13,8 @@ use crate::protocol::TrackingProtocol;
 use crate::test_bed::{TestBed, TestBedError};
 use crate::tracking::TrackingJob;
 
-/// A design beside the default gains, on the simulated rig with this drive, its friction and the noise of its sensors, without compensation.
+/// A design beside the default gains, on the simulated rig with this drive, its friction and the
+/// noise of its sensors, without compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Worth {
     /// Largest magnitude of the voltage that the rig gives [V].
@@ -23,14 +25,16 @@ pub struct Worth {
     pub default: Tracked,
 }
 
-/// The laboratory's sine of the regulated quantity, followed once: 0.3 rad/s at 0.107 rad/s, or 1 rad at 0.546 rad/s.
+/// The laboratory's sine of the regulated quantity, followed once: 0.3 rad/s at 0.107 rad/s, or 1
+/// rad at 0.546 rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tracked {
     /// Mean square of the error [(rad/s)^2 or rad^2].
     pub mse: f64,
     /// Largest magnitude of the voltage [V].
     pub peak_voltage: f64,
-    /// Noise of the voltage [V]: standard deviation of its change from one period to the next, over the root of two.
+    /// Noise of the voltage [V]: standard deviation of its change from one period to the next, over
+    /// the root of two.
     pub voltage_noise: f64,
 }
 
@@ -93,7 +97,8 @@ fn tracked(bed: &TestBed, protocol: &TrackingProtocol) -> Result<Tracked, TestBe
     Ok(Tracked { mse: run.mse, peak_voltage: peak, voltage_noise })
 }
 
-/// A drive with this gain, time constant and friction's weight; its gear is in its motor's constant.
+/// A drive with this gain, time constant and friction's weight; its gear is in its motor's
+/// constant.
 fn drive(linear: &LinearDrive, volts_per_newton_metre: f64) -> Result<Drive, RigError> {
     let motor_constant = 1.0 / linear.gain;
     Drive::try_from(DriveParameters {
@@ -156,7 +161,9 @@ pub(super) fn sentences(found: &Assessment) -> Vec<String> {
             100.0 * noise / voltage_limit
         ));
     } else {
-        said.push(format!("The sensors' noise puts {noise:.3} V (standard deviation) on the voltage."));
+        said.push(format!(
+            "The sensors' noise puts {noise:.3} V (standard deviation) on the voltage."
+        ));
     }
     said
 }

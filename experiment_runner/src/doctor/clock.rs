@@ -1,4 +1,5 @@
-//! The clocks: resolution, jumps of the system clock, who keeps it right, and what sets the processor's pace.
+//! The clocks: resolution, jumps of the system clock, who keeps it right, and what sets the
+//! processor's pace.
 
 use std::{
     fs,
@@ -74,7 +75,8 @@ fn nanoseconds(time: Timespec) -> i128 {
     i128::from(time.tv_sec) * 1_000_000_000 + i128::from(time.tv_nsec)
 }
 
-/// The monotonic clock and how far the system clock is ahead of it [ns], read within [`BRACKET`] if that can be had.
+/// The monotonic clock and how far the system clock is ahead of it [ns], read within [`BRACKET`] if
+/// that can be had.
 fn compare() -> (i128, i128) {
     let mut best = (i128::MAX, 0, 0);
     for _ in 0..10 {
@@ -113,7 +115,8 @@ fn watch(over: impl Fn() -> bool) -> Seen {
 
 fn resolution() -> Finding {
     let nanoseconds = nanoseconds(clock_getres(ClockId::Monotonic));
-    let source = fs::read_to_string("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+    let source =
+        fs::read_to_string("/sys/devices/system/clocksource/clocksource0/current_clocksource");
     let source = source.map_or_else(|_| String::new(), |name| format!(", kept by {}", name.trim()));
     let finding = if nanoseconds <= RESOLUTION {
         Finding::fine("monotonic clock", format!("fine enough for a loop of 1 kHz{source}"))
@@ -260,7 +263,8 @@ mod tests {
         let watch = ClockWatch::start();
         thread::sleep(Duration::from_millis(100));
         let findings = watch.findings(false);
-        let jumps = findings.iter().find(|finding| finding.subject == "system clock").expect("a finding");
+        let jumps =
+            findings.iter().find(|finding| finding.subject == "system clock").expect("a finding");
         assert!(jumps.figures[0].value > 0.0, "{jumps:?}");
         let resolution = &findings[0].figures[0];
         assert!(resolution.value >= 1.0 && resolution.unit == "ns", "{resolution:?}");

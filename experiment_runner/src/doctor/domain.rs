@@ -1,4 +1,5 @@
-//! Joins the domain for some seconds and writes down who is there and what they say of their health.
+//! Joins the domain for some seconds and writes down who is there and what they say of their
+//! health.
 
 use std::{
     collections::BTreeMap,
@@ -38,8 +39,11 @@ pub(super) struct Heard {
 impl Heard {
     /// The laboratory's nodes of which nothing was heard.
     fn silent(&self) -> Vec<String> {
-        let ours =
-            self.nodes.iter().map(|node| node.name.clone()).filter(|name| super::participants::is_ours(name));
+        let ours = self
+            .nodes
+            .iter()
+            .map(|node| node.name.clone())
+            .filter(|name| super::participants::is_ours(name));
         let mut silent: Vec<String> = ours.filter(|name| self.said_by(name).is_none()).collect();
         silent.dedup();
         silent
@@ -49,7 +53,9 @@ impl Heard {
     pub(super) fn said_by(&self, name: &str) -> Option<&DiagnosticStatus> {
         self.health
             .iter()
-            .filter(|(component, _)| super::participants::node_of(component) == name.trim_start_matches('/'))
+            .filter(|(component, _)| {
+                super::participants::node_of(component) == name.trim_start_matches('/')
+            })
             .filter_map(|(_, statuses)| statuses.last())
             .max_by_key(|status| status.level)
     }
@@ -60,12 +66,17 @@ impl Heard {
 /// # Errors
 /// [`RosNodeError`] if the network cannot be joined.
 pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNodeError> {
-    let participant =
-        Participant::join_with(discovery, Arguments::default().or_enclave(super::security::ENCLAVE))?;
+    let participant = Participant::join_with(
+        discovery,
+        Arguments::default().or_enclave(super::security::ENCLAVE),
+    )?;
     // In the clear everybody is seen, also those that a secured participant is not told of.
     let secured = participant.enclave().is_some();
     let scout = if secured {
-        Some(Participant::join_with(discovery, Arguments { in_the_clear: true, ..Arguments::default() })?)
+        Some(Participant::join_with(
+            discovery,
+            Arguments { in_the_clear: true, ..Arguments::default() },
+        )?)
     } else {
         None
     };
@@ -83,7 +94,8 @@ pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNod
     let others = || graph.nodes().into_iter().filter(|seen| seen.name != own).collect::<Vec<_>>();
     let mut interrupted = stop.wait(DISCOVERY);
     // Only the laboratory's nodes tell their health.
-    let reporting = |nodes: &[SeenNode]| nodes.iter().any(|node| super::participants::is_ours(&node.name));
+    let reporting =
+        |nodes: &[SeenNode]| nodes.iter().any(|node| super::participants::is_ours(&node.name));
     if !interrupted && reporting(&others()) {
         let began = Instant::now();
         while !interrupted && began.elapsed() < HEALTH {
@@ -102,7 +114,8 @@ pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNod
     let mut heard = Heard { nodes, health, states: BTreeMap::new(), secured, participants };
     for name in heard.silent().into_iter().filter(|_| !interrupted) {
         // Whoever does not answer has no state that could be told.
-        let state = RemoteLifecycle::new(&node, &name).and_then(|lifecycle| lifecycle.phase(ANSWER));
+        let state =
+            RemoteLifecycle::new(&node, &name).and_then(|lifecycle| lifecycle.phase(ANSWER));
         if let Ok(state) = state {
             heard.states.insert(name, state.label());
         }

@@ -67,13 +67,21 @@ impl Finding {
 
     /// Somebody should look.
     #[must_use]
-    pub fn look(subject: impl Into<String>, found: impl Into<String>, mend: impl Into<String>) -> Self {
+    pub fn look(
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        mend: impl Into<String>,
+    ) -> Self {
         Self { verdict: Verdict::LookAtThis, mend: Some(mend.into()), ..Self::fine(subject, found) }
     }
 
     /// It does not work.
     #[must_use]
-    pub fn broken(subject: impl Into<String>, found: impl Into<String>, mend: impl Into<String>) -> Self {
+    pub fn broken(
+        subject: impl Into<String>,
+        found: impl Into<String>,
+        mend: impl Into<String>,
+    ) -> Self {
         Self { verdict: Verdict::Broken, mend: Some(mend.into()), ..Self::fine(subject, found) }
     }
 
@@ -107,7 +115,8 @@ impl Report {
     /// Of these sections.
     #[must_use]
     pub fn new(sections: Vec<Section>) -> Self {
-        let verdicts = sections.iter().flat_map(|section| &section.findings).map(|finding| finding.verdict);
+        let verdicts =
+            sections.iter().flat_map(|section| &section.findings).map(|finding| finding.verdict);
         Self { verdict: verdicts.max().unwrap_or(Verdict::Fine), sections }
     }
 

@@ -1,4 +1,5 @@
-//! How regular a running loop is, and how old the measurement behind each applied voltage, from what its rig driver reports.
+//! How regular a running loop is, and how old the measurement behind each applied voltage, from
+//! what its rig driver reports.
 
 use msgs::diagnostic_msgs::DiagnosticStatus;
 
@@ -8,7 +9,8 @@ use super::{
     participants::{node_of, value},
 };
 
-/// Age of a command at the 99th percentile that is worth a look [us]: a quarter of what counts by default.
+/// Age of a command at the 99th percentile that is worth a look [us]: a quarter of what counts by
+/// default.
 const OLD: f64 = 5000.0;
 /// Error of the period at the 99th percentile that is worth a look [us], for a period of 1 ms.
 const IRREGULAR: f64 = 500.0;
@@ -18,7 +20,9 @@ pub(super) fn check(heard: &Heard) -> Vec<Finding> {
     let loops: Vec<Finding> = heard
         .health
         .iter()
-        .filter(|(_, reports)| reports.iter().any(|report| value(report, "period p50 [us]").is_some()))
+        .filter(|(_, reports)| {
+            reports.iter().any(|report| value(report, "period p50 [us]").is_some())
+        })
         .map(|(component, reports)| timing(&format!("/{}", node_of(component)), reports))
         .collect();
     if loops.is_empty() {
@@ -31,7 +35,8 @@ pub(super) fn check(heard: &Heard) -> Vec<Finding> {
     }
 }
 
-/// The values of one key in all reports that have it, those that are zero left out: nothing was measured in that second.
+/// The values of one key in all reports that have it, those that are zero left out: nothing was
+/// measured in that second.
 fn values(reports: &[DiagnosticStatus], key: &str) -> Vec<f64> {
     let mut found: Vec<f64> = reports
         .iter()
@@ -73,16 +78,18 @@ fn timing(node: &str, reports: &[DiagnosticStatus]) -> Finding {
         None => Finding::fine(node, "its loop is in time; no voltage came over /motor_voltage"),
     };
     let finding = match age {
-        Some((p50, p99)) => finding.with("command age p50", p50, "us").with("command age p99", p99, "us"),
+        Some((p50, p99)) => {
+            finding.with("command age p50", p50, "us").with("command age p99", p99, "us")
+        }
         None => finding,
     };
-    let last = |key: &str| reports.last().and_then(|report| value(report, key)?.parse::<f64>().ok());
+    let last =
+        |key: &str| reports.last().and_then(|report| value(report, key)?.parse::<f64>().ok());
     let counts = [("overruns", last("overruns")), ("stale commands", last("stale commands"))];
-    let finding = finding.with("period p50", period_p50, "us").with("period p99", period_p99, "us").with(
-        "reports heard",
-        reports.len() as f64,
-        "",
-    );
+    let finding = finding
+        .with("period p50", period_p50, "us")
+        .with("period p99", period_p99, "us")
+        .with("reports heard", reports.len() as f64, "");
     counts.into_iter().fold(finding, |finding, (name, count)| match count {
         Some(count) => finding.with(format!("{name} since its start"), count, ""),
         None => finding,
@@ -118,15 +125,20 @@ mod tests {
                 ("overruns", 3.0),
             ])
         };
-        let reports = [second(0.0, 0.0), second(900.0, 2000.0), second(950.0, 1900.0), second(800.0, 1800.0)];
+        let reports =
+            [second(0.0, 0.0), second(900.0, 2000.0), second(950.0, 1900.0), second(800.0, 1800.0)];
         let mut heard = Heard::default();
         heard.health.insert(reports[0].name.clone(), reports.to_vec());
         let finding = check(&heard).remove(0);
-        let of =
-            |name: &str| finding.figures.iter().find(|figure| figure.name == name).map(|figure| figure.value);
+        let of = |name: &str| {
+            finding.figures.iter().find(|figure| figure.name == name).map(|figure| figure.value)
+        };
         assert_eq!((of("command age p50"), of("command age p99")), (Some(900.0), Some(2000.0)));
         assert_eq!(of("overruns since its start"), Some(3.0));
-        assert_eq!((finding.subject.as_str(), finding.verdict), ("/axis_1/rig_driver", Verdict::Fine));
+        assert_eq!(
+            (finding.subject.as_str(), finding.verdict),
+            ("/axis_1/rig_driver", Verdict::Fine)
+        );
         assert_eq!(timing("/n", &[second(900.0, 6000.0)]).verdict, Verdict::LookAtThis);
     }
 

@@ -1,9 +1,11 @@
-//! What `frictionlab doctor` looks at: one file a check, each with a verdict, figures, and how to mend what is not right.
+//! What `frictionlab doctor` looks at: one file a check, each with a verdict, figures, and how to
+//! mend what is not right.
 //!
 //! - [`scheduling`]: real-time priority, and how late a bare loop is;
 //! - [`clock`]: resolution, jumps, synchronisation, the processor's frequency;
 //! - [`network`]: environment variables of ROS, loopback, multicast;
-//! - [`domain`]: listens to the domain, from which [`participants`] and [`loop_timing`] judge who is there and how old the commands are;
+//! - [`domain`]: listens to the domain, from which [`participants`] and [`loop_timing`] judge who
+//!   is there and how old the commands are;
 //! - [`security`]: whether nodes are secured, and who on the domain is authenticated;
 //! - [`rigs`]: rigs, ports and disk.
 //!
@@ -32,7 +34,8 @@ use crate::progress::Progress;
 /// Stages of the examination.
 pub const STAGES: u64 = 7;
 
-/// Looks at everything, about nine seconds; ends early, with what there is, when `stop` is set. Runs would go to the folder `runs`.
+/// Looks at everything, about nine seconds; ends early, with what there is, when `stop` is set.
+/// Runs would go to the folder `runs`.
 #[must_use]
 pub fn examine(runs: &Path, progress: &Progress, stop: &Stop) -> Report {
     let clocks = clock::ClockWatch::start();
@@ -63,7 +66,10 @@ pub fn examine(runs: &Path, progress: &Progress, stop: &Stop) -> Report {
     Report::new(sections)
 }
 
-fn others(discovery: Option<&Discovery>, stop: &Stop) -> (Vec<Finding>, Vec<Finding>, Vec<Finding>) {
+fn others(
+    discovery: Option<&Discovery>,
+    stop: &Stop,
+) -> (Vec<Finding>, Vec<Finding>, Vec<Finding>) {
     let Some(discovery) = discovery else {
         let said = "not looked at, since the environment names no domain (see network)";
         return (
@@ -73,7 +79,9 @@ fn others(discovery: Option<&Discovery>, stop: &Stop) -> (Vec<Finding>, Vec<Find
         );
     };
     match domain::listen(discovery, stop) {
-        Ok(heard) => (participants::check(&heard), security::others(&heard), loop_timing::check(&heard)),
+        Ok(heard) => {
+            (participants::check(&heard), security::others(&heard), loop_timing::check(&heard))
+        }
         Err(error) => {
             let broken = Finding::broken(
                 "other nodes",

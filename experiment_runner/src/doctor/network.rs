@@ -70,7 +70,11 @@ fn domain(id: u16, ephemeral: Option<(u32, u32)>) -> Finding {
         ),
         _ => Finding::fine("ROS_DOMAIN_ID", format!("domain {id}")),
     };
-    finding.with("first port", f64::from(first), "").with("last port of 50 participants", f64::from(last), "")
+    finding.with("first port", f64::from(first), "").with(
+        "last port of 50 participants",
+        f64::from(last),
+        "",
+    )
 }
 
 fn range(range: Range) -> Finding {
@@ -81,7 +85,9 @@ fn range(range: Range) -> Finding {
         match range {
             Range::Localhost => format!("{set}: only this machine sees the nodes"),
             Range::Subnet => {
-                format!("{set}: every machine that multicast reaches sees the nodes, and may command them")
+                format!(
+                    "{set}: every machine that multicast reaches sees the nodes, and may command them"
+                )
             }
         },
     )
@@ -100,7 +106,9 @@ fn peers(value: Option<&str>) -> Finding {
 
 fn middleware(value: Option<&str>) -> Finding {
     match value.and_then(rmw::of) {
-        None => Finding::fine(rmw::VARIABLE, "not set: other nodes speak DDS, as the laboratory's do"),
+        None => {
+            Finding::fine(rmw::VARIABLE, "not set: other nodes speak DDS, as the laboratory's do")
+        }
         Some(rmw::Said::Fine(said)) => Finding::fine(rmw::VARIABLE, said),
         Some(rmw::Said::Warning(said)) => Finding::look(
             rmw::VARIABLE,
@@ -134,7 +142,9 @@ fn interface() -> std::io::Result<Ipv4Addr> {
     socket.connect((GROUP, 7400))?;
     match socket.local_addr()?.ip() {
         IpAddr::V4(address) => Ok(address),
-        IpAddr::V6(address) => Err(std::io::Error::other(format!("the way goes over IPv6, {address}"))),
+        IpAddr::V6(address) => {
+            Err(std::io::Error::other(format!("the way goes over IPv6, {address}")))
+        }
     }
 }
 
@@ -179,11 +189,14 @@ fn multicast(address: Ipv4Addr, range: Range) -> Finding {
             format!("a datagram to {GROUP} does not come back; nodes do not find each other"),
             mend,
         ),
-        Err(error) => Finding::broken(subject, format!("no datagram can be sent to {GROUP}: {error}"), mend),
+        Err(error) => {
+            Finding::broken(subject, format!("no datagram can be sent to {GROUP}: {error}"), mend)
+        }
     }
 }
 
-/// Sends a datagram from `address`, to itself or to a group, and waits until it comes back. `None` if it does not.
+/// Sends a datagram from `address`, to itself or to a group, and waits until it comes back. `None`
+/// if it does not.
 fn echo(address: Ipv4Addr, group: Option<Ipv4Addr>) -> std::io::Result<Option<Duration>> {
     let bound = if group.is_some() { Ipv4Addr::UNSPECIFIED } else { address };
     let receiver = UdpSocket::bind((bound, 0))?;
@@ -206,7 +219,10 @@ fn echo(address: Ipv4Addr, group: Option<Ipv4Addr>) -> std::io::Result<Option<Du
             // Somebody else's.
             Ok(_) => {}
             Err(error)
-                if matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) =>
+                if matches!(
+                    error.kind(),
+                    std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut
+                ) =>
             {
                 break;
             }

@@ -68,7 +68,8 @@ fn state(name: &str, heard: &Heard) -> Finding {
         };
     };
     let label = value(status, "node");
-    let lifecycle = label.map_or_else(|| "runs".to_owned(), |state| format!("lifecycle state {state}"));
+    let lifecycle =
+        label.map_or_else(|| "runs".to_owned(), |state| format!("lifecycle state {state}"));
     let found = format!("{lifecycle}; it says: {}", status.message);
     match status.level {
         DiagnosticStatus::OK => Finding::fine(name, found),
@@ -118,7 +119,8 @@ mod tests {
             nodes: seen(&["/a", "/a", "/axis_1/controller", "/axis_2/controller"]),
             ..Heard::default()
         };
-        let states = ["/axis_1/controller", "/axis_2/controller"].map(|name| (name.to_owned(), "active"));
+        let states =
+            ["/axis_1/controller", "/axis_2/controller"].map(|name| (name.to_owned(), "active"));
         let heard = Heard { states: states.into(), ..heard };
         let findings = check(&heard);
         assert_eq!(findings[0].figures[0].value, 4.0);
@@ -138,9 +140,14 @@ mod tests {
             hardware_id: String::new(),
             values: vec![KeyValue { key: "node".into(), value: "inactive".into() }],
         };
-        let mut heard = Heard { nodes: seen(&["/axis_1/rig_driver", "/rig_driver"]), ..Heard::default() };
+        let mut heard =
+            Heard { nodes: seen(&["/axis_1/rig_driver", "/rig_driver"]), ..Heard::default() };
         for name in ["axis_1/rig_driver: control loop", "rig_driver: control loop"] {
-            let level = if name.starts_with("axis") { DiagnosticStatus::ERROR } else { DiagnosticStatus::OK };
+            let level = if name.starts_with("axis") {
+                DiagnosticStatus::ERROR
+            } else {
+                DiagnosticStatus::OK
+            };
             heard.health.insert(name.into(), vec![status(name, level)]);
         }
         let findings = check(&heard);

@@ -1,4 +1,5 @@
-//! Which rigs this machine has, whether their ports may be opened, and room for runs. Nothing is opened.
+//! Which rigs this machine has, whether their ports may be opened, and room for runs. Nothing is
+//! opened.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +16,9 @@ const GIGABYTES_AN_HOUR: f64 = 0.9;
 pub(super) fn check() -> Vec<Finding> {
     let mut findings = vec![Finding::fine("simulated", "the test bed is always there")];
     findings.push(match find_library() {
-        Ok(library) => Finding::fine("quanser", format!("the HIL library {} is there", library.display())),
+        Ok(library) => {
+            Finding::fine("quanser", format!("the HIL library {} is there", library.display()))
+        }
         Err(_) => Finding::fine("quanser", "no HIL library; only Quanser's own cards need it"),
     });
     let ports = serial_ports();
@@ -78,7 +81,10 @@ fn room(free: f64) -> Finding {
 
 /// The folder itself, or the nearest one above it that exists.
 fn nearest(folder: &Path) -> PathBuf {
-    folder.ancestors().find(|above| above.is_dir()).map_or_else(|| PathBuf::from("."), Path::to_owned)
+    folder
+        .ancestors()
+        .find(|above| above.is_dir())
+        .map_or_else(|| PathBuf::from("."), Path::to_owned)
 }
 
 #[cfg(test)]

@@ -16,7 +16,8 @@ const PERIOD: u64 = 1_000_000;
 const CYCLES: u64 = 2000;
 /// Lateness of the 99th percentile beyond which the loop suffers [us]: half a period.
 const LATE: f64 = 500.0;
-/// Lateness beyond which voltages no longer count, by the driver's default of `safety.command_age` [us].
+/// Lateness beyond which voltages no longer count, by the driver's default of `safety.command_age`
+/// [us].
 const HOPELESS: f64 = 20_000.0;
 
 /// All of it. Takes two seconds.
@@ -48,7 +49,9 @@ fn priority(granted: Result<(), String>) -> Finding {
         Ok(()) => Finding::fine("real-time priority", "SCHED_FIFO is granted to the control loop"),
         Err(error) => Finding::look(
             "real-time priority",
-            format!("SCHED_FIFO is refused ({error}); the loop runs, but is late when the machine is busy"),
+            format!(
+                "SCHED_FIFO is refused ({error}); the loop runs, but is late when the machine is busy"
+            ),
             format!(
                 "as root, write `YOUR_USER - rtprio {PRIORITY}` into /etc/security/limits.d/rt.conf and log in again; in a container, start it with \
                  --cap-add=SYS_NICE --ulimit rtprio={PRIORITY}"
@@ -119,9 +122,9 @@ fn memory_lock() -> Finding {
 
 fn load() -> Finding {
     let cores = thread::available_parallelism().map_or(1, |cores| cores.get()) as f64;
-    let load = fs::read_to_string("/proc/loadavg")
-        .ok()
-        .and_then(|text| text.split_whitespace().next().and_then(|first| first.parse::<f64>().ok()));
+    let load = fs::read_to_string("/proc/loadavg").ok().and_then(|text| {
+        text.split_whitespace().next().and_then(|first| first.parse::<f64>().ok())
+    });
     match load {
         None => Finding::fine("load", "this system does not tell it").with("cores", cores, ""),
         Some(load) => {
@@ -146,7 +149,8 @@ mod tests {
 
     #[test]
     fn half_a_period_is_late_and_the_age_limit_of_voltages_is_broken() {
-        let of = |p99| loop_lateness(&Percentiles { p50: 50.0, p99, p999: p99, max: p99 }, true).verdict;
+        let of =
+            |p99| loop_lateness(&Percentiles { p50: 50.0, p99, p999: p99, max: p99 }, true).verdict;
         assert_eq!(
             [of(499.0), of(501.0), of(20_001.0)],
             [Verdict::Fine, Verdict::LookAtThis, Verdict::Broken]

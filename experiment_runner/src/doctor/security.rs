@@ -55,7 +55,8 @@ fn secured(
     strategy: Strategy,
     discovery: Option<&Discovery>,
 ) -> Finding {
-    let found = ros_node::security::credentials::examine(&enclave.folder, std::time::SystemTime::now());
+    let found =
+        ros_node::security::credentials::examine(&enclave.folder, std::time::SystemTime::now());
     let domain = discovery.map_or(0, |discovery| discovery.domain);
     match found.and_then(|found| found.for_domain(domain)) {
         Err(error) => Finding::broken(
@@ -76,7 +77,9 @@ fn secured(
             format!("{}: {}", enclave.name, found.notes.join("; ")),
             "see docs/security.md",
         ),
-        Ok(found) => Finding::fine("ROS_SECURITY_KEYSTORE", format!("secured as {}", found.subject)),
+        Ok(found) => {
+            Finding::fine("ROS_SECURITY_KEYSTORE", format!("secured as {}", found.subject))
+        }
     }
 }
 
@@ -86,7 +89,8 @@ fn secured(enclave: &ros_node::security::Enclave, _: Strategy, _: Option<&Discov
     Finding::fine("ROS_SECURITY_KEYSTORE", enclave.name.clone())
 }
 
-/// The other participants: who is authenticated, who is not. Nothing where the doctor itself is in the clear.
+/// The other participants: who is authenticated, who is not. Nothing where the doctor itself is in
+/// the clear.
 pub(super) fn others(heard: &Heard) -> Vec<Finding> {
     if !heard.secured {
         return Vec::new();
@@ -130,8 +134,11 @@ pub(super) fn others(heard: &Heard) -> Vec<Finding> {
             ),
         });
     }
-    let authenticated =
-        heard.participants.values().filter(|other| other.standing == Some(Standing::Authenticated)).count();
+    let authenticated = heard
+        .participants
+        .values()
+        .filter(|other| other.standing == Some(Standing::Authenticated))
+        .count();
     findings.insert(
         0,
         Finding::fine(
@@ -153,7 +160,8 @@ mod tests {
 
     #[test]
     fn each_participant_is_told_by_how_it_stands() {
-        let other = |standing, offers_security| Other { standing, offers_security, ..Other::default() };
+        let other =
+            |standing, offers_security| Other { standing, offers_security, ..Other::default() };
         let mut participant = [1; 16];
         participant[12..].copy_from_slice(&[0, 0, 1, 0xc1]);
         let heard = Heard {
@@ -169,7 +177,10 @@ mod tests {
         };
         let found = others(&heard);
         let verdicts: Vec<Verdict> = found.iter().map(|finding| finding.verdict).collect();
-        assert_eq!(verdicts, [Verdict::Fine, Verdict::Fine, Verdict::LookAtThis, Verdict::LookAtThis]);
+        assert_eq!(
+            verdicts,
+            [Verdict::Fine, Verdict::Fine, Verdict::LookAtThis, Verdict::LookAtThis]
+        );
         assert_eq!(found[0].found, "1 of 3");
         assert!(found[1].subject.starts_with("/rig_driver"));
         assert!(found[3].found.starts_with("in the clear"));

@@ -17,17 +17,28 @@ pub fn render(report: &Report) -> String {
         section.findings.iter().for_each(|finding| write_finding(&mut text, finding));
         text.push('\n');
     }
-    let (look, broken) = (report.of(Verdict::LookAtThis).count(), report.of(Verdict::Broken).count());
+    let (look, broken) =
+        (report.of(Verdict::LookAtThis).count(), report.of(Verdict::Broken).count());
     let all = report.sections.iter().map(|section| section.findings.len()).sum::<usize>();
     let _ = match (look, broken) {
         (0, 0) => writeln!(text, "All {all} are fine."),
-        _ => writeln!(text, "{} of {all} are fine, {look} to look at, {broken} broken.", all - look - broken),
+        _ => writeln!(
+            text,
+            "{} of {all} are fine, {look} to look at, {broken} broken.",
+            all - look - broken
+        ),
     };
     text
 }
 
 fn write_finding(text: &mut String, finding: &Finding) {
-    let _ = writeln!(text, "  {:<VERDICT$}  {}: {}", finding.verdict.label(), finding.subject, finding.found);
+    let _ = writeln!(
+        text,
+        "  {:<VERDICT$}  {}: {}",
+        finding.verdict.label(),
+        finding.subject,
+        finding.found
+    );
     let indent = " ".repeat(VERDICT + 4);
     for figure in &finding.figures {
         let unit = if figure.unit.is_empty() { String::new() } else { format!(" {}", figure.unit) };
@@ -60,7 +71,11 @@ mod tests {
     fn every_finding_has_its_verdict_its_figures_with_units_and_how_to_mend_it() {
         let findings = vec![
             Finding::fine("clock", "is good").with("resolution", 1.0, "ns"),
-            Finding::broken("domain", "is none", "choose another").with("lateness p99", 12.345, "us"),
+            Finding::broken("domain", "is none", "choose another").with(
+                "lateness p99",
+                12.345,
+                "us",
+            ),
         ];
         let report = Report::new(vec![Section { name: "All", findings }]);
         let text = render(&report);

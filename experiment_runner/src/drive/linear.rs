@@ -16,8 +16,9 @@ pub struct KnownDrive {
 }
 
 impl KnownDrive {
-    /// Reads a file with the motor's constants (`/rig_driver: ros__parameters: drive:`) or with `gain` and `time_constant`, as
-    /// `frictionlab identify-drive` writes them, under any node, under `drive:` or alone.
+    /// Reads a file with the motor's constants (`/rig_driver: ros__parameters: drive:`) or with
+    /// `gain` and `time_constant`, as `frictionlab identify-drive` writes them, under any node,
+    /// under `drive:` or alone.
     ///
     /// # Errors
     /// A sentence about what is wrong in the text.
@@ -37,25 +38,32 @@ impl KnownDrive {
         }
         let nodes = tree.as_object().into_iter().flat_map(serde_json::Map::values);
         let parameters = nodes.filter_map(|node| node.get("ros__parameters"));
-        let places = parameters.chain([&tree]).flat_map(|place| [Some(place), place.get("drive")]).flatten();
+        let places =
+            parameters.chain([&tree]).flat_map(|place| [Some(place), place.get("drive")]).flatten();
         let number = |place: &Value, name: &str| place.get(name).and_then(Value::as_f64);
         let mut found = places.filter_map(|place| {
-            let linear =
-                LinearDrive { gain: number(place, "gain")?, time_constant: number(place, "time_constant")? };
-            let volts = number(place, "volts_per_newton_metre").or_else(|| number(place, "volts_per_torque"));
+            let linear = LinearDrive {
+                gain: number(place, "gain")?,
+                time_constant: number(place, "time_constant")?,
+            };
+            let volts = number(place, "volts_per_newton_metre")
+                .or_else(|| number(place, "volts_per_torque"));
             Some(Self { linear, volts_per_newton_metre: volts })
         });
         let found = found.next().ok_or(
             "expected the motor's constants (/rig_driver: ros__parameters: drive:) or `gain` [rad/s per V] and `time_constant` [s], \
              as `frictionlab identify-drive` writes them",
         )?;
-        let values =
-            [Some(found.linear.gain), Some(found.linear.time_constant), found.volts_per_newton_metre];
+        let values = [
+            Some(found.linear.gain),
+            Some(found.linear.time_constant),
+            found.volts_per_newton_metre,
+        ];
         match values.into_iter().flatten().find(|value| !(*value > 0.0 && value.is_finite())) {
             None => Ok(found),
-            Some(wrong) => {
-                Err(format!("the drive's numbers must be finite and above zero, but one is {wrong}"))
-            }
+            Some(wrong) => Err(format!(
+                "the drive's numbers must be finite and above zero, but one is {wrong}"
+            )),
         }
     }
 }
@@ -90,6 +98,8 @@ mod tests {
         let text = "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: 0.00767\n      gear_ratio: 70.0\n      \
                     armature_resistance: 2.6\n      inertia: 0.0026476\n/drive_identification:\n  ros__parameters:\n    gain: 9.0\n    time_constant: 9.0\n";
         let known = KnownDrive::read(text).unwrap();
-        assert!((known.linear.gain - 1.8625).abs() < 1e-3 && known.volts_per_newton_metre.is_some());
+        assert!(
+            (known.linear.gain - 1.8625).abs() < 1e-3 && known.volts_per_newton_metre.is_some()
+        );
     }
 }

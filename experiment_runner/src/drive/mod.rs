@@ -1,4 +1,5 @@
-//! `frictionlab identify-drive` between reading and printing: [`page`] is the HTML, [`parameters`] the ROS parameter file, both from [`Identified`].
+//! `frictionlab identify-drive` between reading and printing: [`page`] is the HTML, [`parameters`]
+//! the ROS parameter file, both from [`Identified`].
 
 pub mod linear;
 pub mod page;
@@ -147,10 +148,13 @@ pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
     estimates
         .iter()
         .map(|estimate| {
-            let error = estimate.standard_error.filter(|error| error.is_finite()).unwrap_or(f64::NAN);
+            let error =
+                estimate.standard_error.filter(|error| error.is_finite()).unwrap_or(f64::NAN);
             let (value, _) = with_error(estimate.value, error);
             let value = if estimate.value.is_nan() { "unknown".to_owned() } else { value };
-            let end = |end: f64| if end.is_finite() { with_error(end, error).0 } else { "open".to_owned() };
+            let end = |end: f64| {
+                if end.is_finite() { with_error(end, error).0 } else { "open".to_owned() }
+            };
             let interval = match estimate.interval {
                 Some(interval) => format!("[{}, {}]", end(interval.low), end(interval.high)),
                 None => "no interval".to_owned(),

@@ -20,21 +20,24 @@ pub struct DriveConstants {
 }
 
 impl DriveConstants {
-    /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are all known.
+    /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are
+    /// all known.
     ///
-    /// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the given ones.
+    /// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the
+    /// given ones.
     pub fn of(found: &Identified) -> Option<Self> {
         let gear_ratio = found.gear_ratio?;
         let inertia = found.value("inertia")?;
-        let (back_emf, volts_per_torque) = match (found.value("back_emf"), found.value("volts_per_torque")) {
-            (Some(back_emf), Some(volts)) => (back_emf, volts),
-            _ => match found.calibration? {
-                Calibration::Motor { torque_constant, resistance } => {
-                    (torque_constant.value, resistance.value / torque_constant.value)
-                }
-                Calibration::ForcePerVolt(_) => return None,
-            },
-        };
+        let (back_emf, volts_per_torque) =
+            match (found.value("back_emf"), found.value("volts_per_torque")) {
+                (Some(back_emf), Some(volts)) => (back_emf, volts),
+                _ => match found.calibration? {
+                    Calibration::Motor { torque_constant, resistance } => {
+                        (torque_constant.value, resistance.value / torque_constant.value)
+                    }
+                    Calibration::ForcePerVolt(_) => return None,
+                },
+            };
         let parameters = DriveParameters {
             motor_constant: back_emf / gear_ratio,
             gear_ratio,
@@ -44,7 +47,8 @@ impl DriveConstants {
         Some(Self { parameters })
     }
 
-    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a drive.
+    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a
+    /// drive.
     ///
     /// # Errors
     /// A sentence about what is wrong in the text.
@@ -78,7 +82,11 @@ fn is_profile(text: &str) -> bool {
 ///
 /// # Errors
 /// A sentence about what is wrong in the text.
-pub(crate) fn of_rig_driver<T: DeserializeOwned>(text: &str, section: &str, who: &str) -> Result<T, String> {
+pub(crate) fn of_rig_driver<T: DeserializeOwned>(
+    text: &str,
+    section: &str,
+    who: &str,
+) -> Result<T, String> {
     #[derive(Deserialize)]
     struct Node {
         #[serde(rename = "ros__parameters")]
@@ -91,7 +99,8 @@ pub(crate) fn of_rig_driver<T: DeserializeOwned>(text: &str, section: &str, who:
         .find(|(name, _)| name.trim_start_matches('/') == "rig_driver")
         .map(|(_, node)| &node.parameters)
         .ok_or_else(|| format!("there is no node `rig_driver` in it; {who}"))?;
-    let found = node.get(section).ok_or_else(|| format!("`rig_driver` has no `{section}` in it"))?;
+    let found =
+        node.get(section).ok_or_else(|| format!("`rig_driver` has no `{section}` in it"))?;
     serde_json::from_value(found.clone()).map_err(|e| format!("in `{section}`: {e}"))
 }
 

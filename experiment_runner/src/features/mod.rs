@@ -1,4 +1,5 @@
-//! `frictionlab features`: what tells friction models apart, computed for each model and drawn in one report.
+//! `frictionlab features`: what tells friction models apart, computed for each model and drawn in
+//! one report.
 
 mod compute;
 mod describing;

@@ -126,13 +126,18 @@ pub(super) fn breakaway_rates(models: &[ModelFeatures]) -> Figure {
         traces: models
             .iter()
             .filter(|model| {
-                model.settled(&model.features.breakaway.iter().map(|b| b.evidence).collect::<Vec<_>>())
+                model.settled(
+                    &model.features.breakaway.iter().map(|b| b.evidence).collect::<Vec<_>>(),
+                )
             })
             .map(|model| {
                 let found = &model.features.breakaway;
                 let x = found.iter().map(|b| b.rate).collect();
                 let lowest = found.first().and_then(of).unwrap_or(f64::NAN);
-                let y = found.iter().map(|b| 100.0 * (of(b).unwrap_or(f64::NAN) / lowest - 1.0)).collect();
+                let y = found
+                    .iter()
+                    .map(|b| 100.0 * (of(b).unwrap_or(f64::NAN) / lowest - 1.0))
+                    .collect();
                 of_model(model, x, y)
             })
             .collect(),
@@ -165,8 +170,10 @@ pub(super) fn lag(models: &[ModelFeatures]) -> Figure {
             // There and back again, as one closed line.
             let there = course.velocity.iter().copied();
             let x = there.clone().chain(there.rev()).collect();
-            let y =
-                above(&course.growing).into_iter().chain(above(&course.falling).into_iter().rev()).collect();
+            let y = above(&course.growing)
+                .into_iter()
+                .chain(above(&course.falling).into_iter().rev())
+                .collect();
             Some(loop_of(model, x, y))
         })
         .collect();
@@ -282,7 +289,8 @@ pub(super) fn nyquist(study: &LimitCycleStudy) -> Figure {
         .cycles
         .iter()
         .filter_map(|cycle| {
-            let nearest = study.nyquist.parameter.iter().position(|&w| w >= cycle.angular_frequency)?;
+            let nearest =
+                study.nyquist.parameter.iter().position(|&w| w >= cycle.angular_frequency)?;
             Some((study.nyquist.re[nearest], study.nyquist.im[nearest]))
         })
         .unzip();

@@ -50,7 +50,8 @@ impl ModelFeatures {
         self.features.non_local_memory.as_ref().map(|memory| memory.closure_gap.abs() < CLOSED)
     }
 
-    /// The area of its loop of lag at the highest frequency [W]; `None` if it has no lag, or one that scatters.
+    /// The area of its loop of lag at the highest frequency [W]; `None` if it has no lag, or one
+    /// that scatters.
     pub(super) fn lag(&self) -> Option<f64> {
         let lags = &self.features.test_bed_lag;
         let settled = self.settled(&lags.iter().map(|lag| lag.evidence).collect::<Vec<_>>());
@@ -70,8 +71,8 @@ pub(super) fn overview(models: &[ModelFeatures]) -> Table {
                 (_, Some(memory)) => format!("gap {:.1} %", 100.0 * memory.closure_gap),
                 (_, None) => "no pre-sliding".to_owned(),
             };
-            let random =
-                !model.settled(&features.test_bed_lag.iter().map(|lag| lag.evidence).collect::<Vec<_>>());
+            let random = !model
+                .settled(&features.test_bed_lag.iter().map(|lag| lag.evidence).collect::<Vec<_>>());
             let lag = match model.lag() {
                 None if random => "scatters",
                 None => "no",
@@ -203,9 +204,14 @@ pub(super) fn breakaway(models: &[ModelFeatures]) -> Table {
         caption: format!(
             "At {rates} N/s. The displacement is that of the largest friction at the middle rate."
         ),
-        columns: ["model", "largest friction [N]", "applied force at 1 mm/s [N]", "displacement [m]"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: [
+            "model",
+            "largest friction [N]",
+            "applied force at 1 mm/s [N]",
+            "displacement [m]",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows,
         highlight: None,
     }
@@ -213,7 +219,12 @@ pub(super) fn breakaway(models: &[ModelFeatures]) -> Table {
 
 pub(super) fn lag(models: &[ModelFeatures]) -> Table {
     let frequencies: Vec<String> = models.first().map_or_else(Vec::new, |model| {
-        model.features.test_bed_lag.iter().map(|lag| format!("{} rad/s [W]", lag.frequency)).collect()
+        model
+            .features
+            .test_bed_lag
+            .iter()
+            .map(|lag| format!("{} rad/s [W]", lag.frequency))
+            .collect()
     });
     let rows = models
         .iter()
@@ -257,7 +268,9 @@ pub(super) fn reversal(models: &[ModelFeatures]) -> Table {
                 model.features.name.title().to_owned(),
                 each(found, |z| micrometres(z.displacement_to_zero)),
                 each(found, |z| micrometres(z.displacement_to_sliding)),
-                each(found, |z| z.steepest.map_or_else(|| "jump".to_owned(), |rate| format!("{rate:.1}"))),
+                each(found, |z| {
+                    z.steepest.map_or_else(|| "jump".to_owned(), |rate| format!("{rate:.1}"))
+                }),
                 scientific(Some(steady.error)),
                 scientific(Some(steady.fixed_step_error)),
             ]
@@ -289,8 +302,11 @@ pub(super) fn sensitivity(models: &[ModelFeatures]) -> Table {
     for model in models {
         for parameter in &model.features.sensitivity.parameters {
             let Some(found) = parameter.elasticities else { continue };
-            let lag =
-                if parameter.lag_reverses { "changes sense".to_owned() } else { number(found.lag_area, 3) };
+            let lag = if parameter.lag_reverses {
+                "changes sense".to_owned()
+            } else {
+                number(found.lag_area, 3)
+            };
             rows.push(vec![
                 model.features.name.title().to_owned(),
                 parameter.parameter.clone(),
@@ -330,7 +346,12 @@ pub(super) fn limit_cycle(study: &LimitCycleStudy) -> Table {
     };
     let simulated = study.simulated.cycle.map_or_else(
         || "rests".to_owned(),
-        |c| format!("A {:.5} m, w {:.5} rad/s, period {:.3} s", c.amplitude, c.angular_frequency, c.period),
+        |c| {
+            format!(
+                "A {:.5} m, w {:.5} rad/s, period {:.3} s",
+                c.amplitude, c.angular_frequency, c.period
+            )
+        },
     );
     let row = |a: &str, b: String| vec![a.to_owned(), b];
     Table {

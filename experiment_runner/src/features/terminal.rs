@@ -6,14 +6,20 @@ use crate::report::figure::Table;
 /// The overview and the limit cycle as text.
 #[must_use]
 pub fn summary(results: &FeaturesResults) -> String {
-    aligned(&tables::overview(&results.models)) + "\n" + &aligned(&tables::limit_cycle(&results.limit_cycle))
+    aligned(&tables::overview(&results.models))
+        + "\n"
+        + &aligned(&tables::limit_cycle(&results.limit_cycle))
 }
 
 /// A table with its columns aligned by spaces.
 fn aligned(table: &Table) -> String {
     let lines = || std::iter::once(&table.columns).chain(&table.rows);
     let width = |column: usize| {
-        lines().filter_map(|line| line.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        lines()
+            .filter_map(|line| line.get(column))
+            .map(|cell| cell.chars().count())
+            .max()
+            .unwrap_or(0)
     };
     let widths: Vec<usize> = (0..table.columns.len()).map(width).collect();
     let mut text = String::new();

@@ -21,7 +21,11 @@ use super::{Identification, ModelResult, unit};
 use crate::recording::{AxisKind, Recording};
 
 /// The document as text.
-pub fn render(found: &Identification, recording: &Recording, validation: Option<&Recording>) -> String {
+pub fn render(
+    found: &Identification,
+    recording: &Recording,
+    validation: Option<&Recording>,
+) -> String {
     let conditioning = found.settings.conditioning;
     let axis = found.settings.axis;
     let document = json!({

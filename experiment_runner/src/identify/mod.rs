@@ -1,7 +1,9 @@
-//! Identification of a recorded axis: what `frictionlab identify` does between reading and printing.
+//! Identification of a recorded axis: what `frictionlab identify` does between reading and
+//! printing.
 //!
-//! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`] the ROS
-//! parameter file, [`terminal`] the text, [`friction`] friction models from recordings of friction, and [`output`] puts files on the disk all at once or not at all.
+//! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`]
+//! the ROS parameter file, [`terminal`] the text, [`friction`] friction models from recordings of
+//! friction, and [`output`] puts files on the disk all at once or not at all.
 
 pub mod document;
 pub mod friction;
@@ -75,8 +77,12 @@ fn hint(error: &IdentError) -> &'static str {
         IdentError::Decimation(_) => " (--decimate N)",
         IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
         IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
-        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => " (--without-inertia)",
-        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => " (--without-offset)",
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
+            " (--without-inertia)"
+        }
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => {
+            " (--without-offset)"
+        }
         _ => "",
     }
 }
@@ -84,8 +90,8 @@ fn hint(error: &IdentError) -> &'static str {
 /// Fits both models to `recording` and tries them on `validation`.
 ///
 /// # Errors
-/// [`IdentifyError`] with the recording's path. A recording that shows only one direction is no error: the
-/// asymmetric model, and if need be the offset, is then left out and a note says so.
+/// [`IdentifyError`] with the recording's path. A recording that shows only one direction is no
+/// error: the asymmetric model, and if need be the offset, is then left out and a note says so.
 pub fn identify(
     recording: &Recording,
     validation: Option<&Recording>,
@@ -114,7 +120,8 @@ pub fn identify(
         Ok(ModelResult { fit, estimation: here, validation: there })
     };
 
-    let wanted = AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
+    let wanted =
+        AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
     let symmetric = match fit_axis(&estimation, wanted) {
         Err(IdentError::NotExcited { terms }) if terms == [AxisTerm::Coulomb, AxisTerm::Offset] => {
             notes.push(
@@ -131,7 +138,9 @@ pub fn identify(
     let asymmetric = match fit_axis(&estimation, wanted) {
         Ok(fit) => Some(result(fit)?),
         Err(error) => {
-            notes.push(format!("The model with separate friction for each direction was left out: {error}."));
+            notes.push(format!(
+                "The model with separate friction for each direction was left out: {error}."
+            ));
             None
         }
     };
@@ -145,7 +154,10 @@ pub fn identify(
 ///
 /// # Errors
 /// [`IdentifyError`] with the recording's path.
-pub fn conditioned(recording: &Recording, settings: &Settings) -> Result<Conditioned, IdentifyError> {
+pub fn conditioned(
+    recording: &Recording,
+    settings: &Settings,
+) -> Result<Conditioned, IdentifyError> {
     let stretch = |stretch: &RecordedStretch| {
         let signals = Signals {
             time_step: recording.time_step,
@@ -204,7 +216,9 @@ fn doubts(fit: &AxisFit) -> Vec<String> {
 pub fn unit(term: AxisTerm, axis: AxisKind) -> &'static str {
     match term {
         AxisTerm::Inertia => axis.inertia_unit(),
-        AxisTerm::Viscous | AxisTerm::ViscousPositive | AxisTerm::ViscousNegative => axis.viscous_unit(),
+        AxisTerm::Viscous | AxisTerm::ViscousPositive | AxisTerm::ViscousNegative => {
+            axis.viscous_unit()
+        }
         _ => axis.force_unit(),
     }
 }

@@ -15,20 +15,30 @@ const CLOUD: usize = 1500;
 pub fn page(found: &Identification, recording: &Recording, validation: Option<&Recording>) -> Page {
     // The folder says nothing to whoever the page is sent to; the document has the whole path.
     let name = |recording: &Recording| {
-        recording.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        recording
+            .path
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     };
     let how = found.settings.conditioning;
     let mut blocks = vec![Block::Heading("What was found".to_owned())];
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
-    blocks.push(Block::Table(parameters(found, &found.symmetric, "One friction for both directions")));
+    blocks.push(Block::Table(parameters(
+        found,
+        &found.symmetric,
+        "One friction for both directions",
+    )));
     if let Some(asymmetric) = &found.asymmetric {
         blocks.push(Block::Table(parameters(found, asymmetric, "Friction of each direction")));
     }
     blocks.push(Block::Table(errors(found, validation)));
     blocks.push(Block::Heading(format!("On the recording it was fitted to: {}", name(recording))));
     let predictions = |of: fn(&ModelResult) -> Option<&Prediction>| {
-        let asymmetric =
-            found.asymmetric.as_ref().and_then(of).map(|prediction| ("asymmetric model", prediction));
+        let asymmetric = found
+            .asymmetric
+            .as_ref()
+            .and_then(of)
+            .map(|prediction| ("asymmetric model", prediction));
         let symmetric = of(&found.symmetric).map(|prediction| ("symmetric model", prediction));
         symmetric.into_iter().chain(asymmetric).collect::<Vec<_>>()
     };
@@ -40,7 +50,10 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
         blocks.push(Block::Text(
             "The models are those fitted above; nothing was adjusted to this recording.".to_owned(),
         ));
-        blocks.push(Block::Figure(over_time(found, &predictions(|result| result.validation.as_ref()))));
+        blocks.push(Block::Figure(over_time(
+            found,
+            &predictions(|result| result.validation.as_ref()),
+        )));
     }
     blocks.push(Block::Heading("How it was done".to_owned()));
     blocks.push(Block::Text(format!(
@@ -117,11 +130,17 @@ fn errors(found: &Identification, validation: Option<&Recording>) -> Table {
 fn over_time(found: &Identification, predictions: &[(&str, &Prediction)]) -> Figure {
     let axis = found.settings.axis;
     let (word, unit) = (axis.force_word(), axis.force_unit());
-    let line = |name: String, x: &[f64], y: Vec<f64>, style| Trace::Line { name, x: x.to_vec(), y, style };
+    let line =
+        |name: String, x: &[f64], y: Vec<f64>, style| Trace::Line { name, x: x.to_vec(), y, style };
     let mut force = Vec::new();
     let mut residual = Vec::new();
     if let Some((_, first)) = predictions.first() {
-        force.push(line("measured".to_owned(), &first.time, first.measured.clone(), LineStyle::Solid));
+        force.push(line(
+            "measured".to_owned(),
+            &first.time,
+            first.measured.clone(),
+            LineStyle::Solid,
+        ));
     }
     for (name, prediction) in predictions {
         force.push(line(
@@ -130,7 +149,12 @@ fn over_time(found: &Identification, predictions: &[(&str, &Prediction)]) -> Fig
             prediction.predicted.clone(),
             LineStyle::Dashed,
         ));
-        residual.push(line((*name).to_owned(), &prediction.time, prediction.residual(), LineStyle::Solid));
+        residual.push(line(
+            (*name).to_owned(),
+            &prediction.time,
+            prediction.residual(),
+            LineStyle::Solid,
+        ));
     }
     Figure {
         title: format!("Measured and predicted {word}"),
@@ -164,11 +188,18 @@ fn over_velocity(found: &Identification) -> Figure {
     // The break at rest keeps the two branches apart.
     let speeds = [slowest, -0.0, f64::NAN, 0.0, fastest];
     let sides = [-1.0, -1.0, 0.0, 1.0, 1.0];
-    let models =
-        [("symmetric model", Some(&found.symmetric)), ("asymmetric model", found.asymmetric.as_ref())];
+    let models = [
+        ("symmetric model", Some(&found.symmetric)),
+        ("asymmetric model", found.asymmetric.as_ref()),
+    ];
     for (name, result) in models.into_iter().filter_map(|(name, result)| Some((name, result?))) {
         let y = speeds.iter().zip(sides).map(|(&v, side)| friction(result, v, side)).collect();
-        traces.push(Trace::Line { name: name.to_owned(), x: speeds.to_vec(), y, style: LineStyle::Solid });
+        traces.push(Trace::Line {
+            name: name.to_owned(),
+            x: speeds.to_vec(),
+            y,
+            style: LineStyle::Solid,
+        });
     }
     Figure {
         title: format!("Friction {word} against velocity"),
@@ -186,7 +217,9 @@ fn over_velocity(found: &Identification) -> Figure {
 fn friction(result: &ModelResult, velocity: f64, side: f64) -> f64 {
     let value = |term| result.fit.value(term);
     if !result.fit.model.asymmetric {
-        value(AxisTerm::Viscous) * velocity + value(AxisTerm::Coulomb) * side + value(AxisTerm::Offset)
+        value(AxisTerm::Viscous) * velocity
+            + value(AxisTerm::Coulomb) * side
+            + value(AxisTerm::Offset)
     } else if side > 0.0 {
         value(AxisTerm::ViscousPositive) * velocity + value(AxisTerm::CoulombPositive)
     } else {

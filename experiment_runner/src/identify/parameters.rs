@@ -1,7 +1,8 @@
 //! `parameters.yaml`: what was found, as a ROS 2 parameter file for the friction observer.
 //!
-//! Coulomb and viscous friction are a Stribeck curve without a dip, `f_s = f_c`; the symmetric model's are taken,
-//! because the observer's friction is odd in the velocity. The inertia stands in a comment: it belongs to no node.
+//! Coulomb and viscous friction are a Stribeck curve without a dip, `f_s = f_c`; the symmetric
+//! model's are taken, because the observer's friction is odd in the velocity. The inertia stands in
+//! a comment: it belongs to no node.
 
 use std::fmt::Write;
 
@@ -18,8 +19,11 @@ pub fn render(found: &Identification, name: &str) -> String {
     let fit = &found.symmetric.fit;
     let coulomb = fit.value(AxisTerm::Coulomb);
     let viscous = fit.value(AxisTerm::Viscous).max(0.0);
-    let mut text =
-        format!("# An axis fitted by frictionlab {} to {}.\n", env!("CARGO_PKG_VERSION"), one_line(name));
+    let mut text = format!(
+        "# An axis fitted by frictionlab {} to {}.\n",
+        env!("CARGO_PKG_VERSION"),
+        one_line(name)
+    );
     for estimate in &fit.terms {
         let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
         let (value, error) = (number(estimate.value), number(estimate.standard_error));
@@ -27,7 +31,9 @@ pub fn render(found: &Identification, name: &str) -> String {
         let _ = writeln!(text, "# {term}: {value} {unit}, standard error {error}");
     }
     let origin = |term: AxisTerm| match fit.term(term) {
-        Some(estimate) if estimate.value <= 0.0 => "not identified: it came out below zero".to_owned(),
+        Some(estimate) if estimate.value <= 0.0 => {
+            "not identified: it came out below zero".to_owned()
+        }
         Some(estimate) if estimate.is_identifiable() => {
             format!("identified, +- {}", number(estimate.standard_error))
         }

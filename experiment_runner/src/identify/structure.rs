@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use friction_ident::axis_structure::{
-    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, choose, cross_validate, fit_structure,
+    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, choose, cross_validate,
+    fit_structure,
 };
 use friction_ident::{Conditioned, IdentError, Prediction};
 
@@ -32,7 +33,9 @@ impl std::str::FromStr for StructureChoice {
             return Ok(Self::Auto);
         }
         let names = text.split(',').map(|name| name.trim().parse::<AxisStructure>());
-        Ok(Self::Named(names.collect::<Result<_, _>>().map_err(|error| format!("{error}; or `auto`"))?))
+        Ok(Self::Named(
+            names.collect::<Result<_, _>>().map_err(|error| format!("{error}; or `auto`"))?,
+        ))
     }
 }
 
@@ -66,11 +69,13 @@ pub fn units(axis: AxisKind) -> &'static AxisUnits {
     }
 }
 
-/// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`. None where `cancel` ended it before the first result;
-/// a comparison that was cut short chooses among what there is.
+/// Compares the structures on all cores, chooses one, fits it, and tries it on `validation`. None
+/// where `cancel` ended it before the first result; a comparison that was cut short chooses among
+/// what there is.
 ///
 /// # Errors
-/// The first [`IdentError`] in the order of the candidates. Candidates that need a position where there is none are left out.
+/// The first [`IdentError`] in the order of the candidates. Candidates that need a position where
+/// there is none are left out.
 pub fn structured(
     estimation: &Conditioned,
     validation: Option<&Conditioned>,
@@ -82,8 +87,9 @@ pub fn structured(
     let candidates = match wanted {
         StructureChoice::Named(named) => named.clone(),
         StructureChoice::Auto => {
-            let possible =
-                |structure: &AxisStructure| estimation.position.is_some() || !structure.needs_position();
+            let possible = |structure: &AxisStructure| {
+                estimation.position.is_some() || !structure.needs_position()
+            };
             AxisStructure::candidates().into_iter().filter(possible).collect()
         }
     };
@@ -99,7 +105,10 @@ pub fn structured(
     if let Completion::Cancelled { delivered } = completion {
         // From here on the work is short; it is done, so that there is a result.
         cancel.store(false, Ordering::Relaxed);
-        progress.line(&format!("stopped: {delivered} of {} structures were compared", candidates.len()));
+        progress.line(&format!(
+            "stopped: {delivered} of {} structures were compared",
+            candidates.len()
+        ));
     }
     let Some(choice) = choose(&scores) else { return Ok(None) };
     let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };

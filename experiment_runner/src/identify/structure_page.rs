@@ -46,7 +46,9 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
 /// What to say of the two parts of a harmonic force; empty where the structure has none.
 fn harmonic(found: &Structured) -> String {
     let part = |name| found.fit.estimates.get(name);
-    let (Some(cos), Some(sin)) = (part("harmonic_cos"), part("harmonic_sin")) else { return String::new() };
+    let (Some(cos), Some(sin)) = (part("harmonic_cos"), part("harmonic_sin")) else {
+        return String::new();
+    };
     format!(
         " harmonic_cos and harmonic_sin are one wave of amplitude {:.2} {} and are judged by it: either of them may be near zero.",
         cos.value.hypot(sin.value),
@@ -76,7 +78,11 @@ fn ranking(found: &Structured) -> Table {
 
 fn bars(found: &Structured) -> Figure {
     let score = |chosen: bool| {
-        let of = found.scores.iter().enumerate().filter(move |(i, _)| (*i == found.choice.chosen) == chosen);
+        let of = found
+            .scores
+            .iter()
+            .enumerate()
+            .filter(move |(i, _)| (*i == found.choice.chosen) == chosen);
         let (x, (y, error)) = of
             .map(|(_, score)| {
                 (score.structure.parameters() as f64, (score.relative_error, score.standard_error))
@@ -112,7 +118,8 @@ fn over_velocity(found: &Structured, axis: AxisKind) -> Figure {
     };
     let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     let branch = |side: f64| {
-        let x: Vec<f64> = (0..=200).map(|i| side * fastest * (f64::from(i) / 200.0).powi(2)).collect();
+        let x: Vec<f64> =
+            (0..=200).map(|i| side * fastest * (f64::from(i) / 200.0).powi(2)).collect();
         let y = x.iter().map(|&v| found.fit.steady_friction(v)).collect();
         Trace::Line { name: "fitted".to_owned(), x, y, style: LineStyle::Solid }
     };
@@ -153,8 +160,10 @@ fn residual(title: &str, prediction: &Prediction, axis: AxisKind) -> Figure {
 
 /// What the terminal gets.
 pub fn terminal(found: &Structured) -> String {
-    let mut text = String::from("\nstructures, by cross-validation inside the estimation recording:\n");
-    let width = found.scores.iter().map(|score| score.structure.to_string().len()).max().unwrap_or(0);
+    let mut text =
+        String::from("\nstructures, by cross-validation inside the estimation recording:\n");
+    let width =
+        found.scores.iter().map(|score| score.structure.to_string().len()).max().unwrap_or(0);
     for ranked in &found.choice.ranking {
         let Some(score) = found.scores.get(ranked.index) else { continue };
         let mark = if ranked.index == found.choice.chosen { ">" } else { " " };

@@ -7,7 +7,11 @@ use crate::numbers::value_and_error as with_error;
 use crate::recording::Recording;
 
 /// A summary for people: parameters with standard errors, errors, notes.
-pub fn render(found: &Identification, recording: &Recording, validation: Option<&Recording>) -> String {
+pub fn render(
+    found: &Identification,
+    recording: &Recording,
+    validation: Option<&Recording>,
+) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail, hence the ignored results.
     let _ = writeln!(
@@ -56,7 +60,8 @@ fn model(
             (estimate.term.name(), value, error, unit(estimate.term, axis))
         })
         .collect();
-    let width = |of: fn(&(&str, String, String, &str)) -> usize| rows.iter().map(of).max().unwrap_or(0);
+    let width =
+        |of: fn(&(&str, String, String, &str)) -> usize| rows.iter().map(of).max().unwrap_or(0);
     let (first, second, third) = (width(|r| r.0.len()), width(|r| r.1.len()), width(|r| r.2.len()));
     for (term, value, error, unit) in &rows {
         let _ = writeln!(text, "  {term:first$}  {value:>second$} ± {error:third$}  {unit}");

@@ -60,10 +60,16 @@ pub const AXIS_ARGUMENTS: [(&str, &str); 8] = [
     ("model", "friction model that estimates; `frictionlab models` lists them"),
     ("mode", "what is regulated: velocity or position"),
     ("namespace", "namespace of the axis, as in axis_1"),
-    ("params_file", "one more parameter file for all nodes, such as parameters.yaml of an identification"),
+    (
+        "params_file",
+        "one more parameter file for all nodes, such as parameters.yaml of an identification",
+    ),
     ("record", "folder of a bag that must not exist yet, or true for the first free runs/launch-N"),
     ("log_level", "debug, info, warn, error or fatal"),
-    ("files", "folder with the nodes' own parameter files, made if it is not there, for you to edit"),
+    (
+        "files",
+        "folder with the nodes' own parameter files, made if it is not there, for you to edit",
+    ),
 ];
 
 /// Arguments of `two-axes` that each axis has for itself, with `_1` or `_2` behind the name.
@@ -107,11 +113,15 @@ impl LaunchArguments {
                 continue;
             }
             let (axis, field) = target(file, name)?;
-            for axis in axes.iter_mut().enumerate().filter(|(index, _)| axis.is_none_or(|of| of == *index)) {
+            for axis in
+                axes.iter_mut().enumerate().filter(|(index, _)| axis.is_none_or(|of| of == *index))
+            {
                 axis.1.set(field, value)?;
             }
         }
-        if let Some(first) = axes.iter().find(|axis| axis.record.is_some()).filter(|_| axes.len() > 1) {
+        if let Some(first) =
+            axes.iter().find(|axis| axis.record.is_some()).filter(|_| axes.len() > 1)
+        {
             let folder = first.record.clone().unwrap_or_default();
             for axis in &mut axes {
                 axis.record = axis.namespace.as_ref().map(|namespace| folder.join(namespace));
@@ -128,7 +138,9 @@ fn target(file: LaunchFile, name: &str) -> Result<(Option<usize>, &str), LaunchE
         LaunchFile::Friction if known(name) => return Ok((None, name)),
         LaunchFile::TwoAxes => {
             for (index, suffix) in ["_1", "_2"].into_iter().enumerate() {
-                if let Some(field) = name.strip_suffix(suffix).filter(|field| PER_AXIS.contains(field)) {
+                if let Some(field) =
+                    name.strip_suffix(suffix).filter(|field| PER_AXIS.contains(field))
+                {
                     return Ok((Some(index), field));
                 }
             }
@@ -142,10 +154,17 @@ fn target(file: LaunchFile, name: &str) -> Result<(Option<usize>, &str), LaunchE
         LaunchFile::Friction => AXIS_ARGUMENTS.iter().map(|(name, _)| (*name).to_owned()).collect(),
         LaunchFile::TwoAxes => {
             let both = ["mode", "record", "log_level", "files"].map(str::to_owned);
-            PER_AXIS.iter().flat_map(|name| [format!("{name}_1"), format!("{name}_2")]).chain(both).collect()
+            PER_AXIS
+                .iter()
+                .flat_map(|name| [format!("{name}_1"), format!("{name}_2")])
+                .chain(both)
+                .collect()
         }
     };
-    Err(LaunchError::Argument(format!("there is no argument `{name}`; expected one of {}", names.join(", "))))
+    Err(LaunchError::Argument(format!(
+        "there is no argument `{name}`; expected one of {}",
+        names.join(", ")
+    )))
 }
 
 impl AxisArguments {
@@ -173,7 +192,9 @@ impl AxisArguments {
                 self.model = owned;
             }
             ("model", None) => self.model = None,
-            ("mode", Some(mode)) if !MODES.contains(&mode) => return wrong(mode, &MODES.join(" or ")),
+            ("mode", Some(mode)) if !MODES.contains(&mode) => {
+                return wrong(mode, &MODES.join(" or "));
+            }
             ("mode", _) => self.mode = owned,
             ("namespace", Some(text)) => {
                 let namespace = text.trim_matches('/');
@@ -230,15 +251,21 @@ mod tests {
         let read = read(LaunchFile::Friction, &given).unwrap();
         let axis = &read.axes[0];
         assert_eq!(axis.rig.as_deref(), Some("serial:/dev/ttyACM0@115200"));
-        assert_eq!((axis.model.as_deref(), axis.mode.as_deref()), (Some("lugre"), Some("position")));
+        assert_eq!(
+            (axis.model.as_deref(), axis.mode.as_deref()),
+            (Some("lugre"), Some("position"))
+        );
         assert_eq!((axis.namespace.as_deref(), axis.log_level.as_str()), (Some("axis_1"), "debug"));
         assert_eq!(read.axes.len(), 1);
     }
 
     #[test]
     fn two_axes_have_arguments_of_their_own() {
-        let read = read(LaunchFile::TwoAxes, &["rig_2:=quanser", "mode:=position", "record:=/nowhere/bags"])
-            .unwrap();
+        let read = read(
+            LaunchFile::TwoAxes,
+            &["rig_2:=quanser", "mode:=position", "record:=/nowhere/bags"],
+        )
+        .unwrap();
         assert_eq!(read.axes[0].rig.as_deref(), Some("simulated"));
         assert_eq!(read.axes[1].rig.as_deref(), Some("quanser"));
         assert_eq!(read.axes[1].params_file, Some(AxisFile::SecondAxis));

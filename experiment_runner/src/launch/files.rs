@@ -10,9 +10,15 @@ use super::LaunchError;
 /// Name and content of every file, those of the ROS 2 package `friction_bringup`.
 pub const FILES: [(&str, &str); 5] = [
     ("rig_driver.yaml", include_str!("../../../launch_configs/config/rig_driver.yaml")),
-    ("friction_observer.yaml", include_str!("../../../launch_configs/config/friction_observer.yaml")),
+    (
+        "friction_observer.yaml",
+        include_str!("../../../launch_configs/config/friction_observer.yaml"),
+    ),
     ("controller.yaml", include_str!("../../../launch_configs/config/controller.yaml")),
-    ("experiment_runner.yaml", include_str!("../../../launch_configs/config/experiment_runner.yaml")),
+    (
+        "experiment_runner.yaml",
+        include_str!("../../../launch_configs/config/experiment_runner.yaml"),
+    ),
     ("axis_2.yaml", include_str!("../../../launch_configs/config/axis_2.yaml")),
 ];
 
@@ -24,7 +30,8 @@ pub struct ConfigFolder {
 }
 
 impl ConfigFolder {
-    /// The folder `named`, with what is missing in it written and what is there kept; or a temporary one.
+    /// The folder `named`, with what is missing in it written and what is there kept; or a
+    /// temporary one.
     ///
     /// # Errors
     /// [`LaunchError::Files`] if it cannot be written.
@@ -83,7 +90,10 @@ mod tests {
         fs::write(folder.join("controller.yaml"), "mine").expect("a file");
         drop(ConfigFolder::make(Some(&folder)).expect("a folder"));
         assert_eq!(fs::read_to_string(folder.join("controller.yaml")).expect("it is kept"), "mine");
-        assert_eq!(fs::read_to_string(folder.join("axis_2.yaml")).expect("it is written"), FILES[4].1);
+        assert_eq!(
+            fs::read_to_string(folder.join("axis_2.yaml")).expect("it is written"),
+            FILES[4].1
+        );
     }
 
     #[test]

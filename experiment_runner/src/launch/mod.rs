@@ -2,7 +2,8 @@
 //!
 //! - [`arguments`]: what the launch files of `friction_bringup` take;
 //! - [`files`]: the parameter files of that package, carried along;
-//! - [`plan`]: which processes with which arguments, the same that the launch files start (a test compares them);
+//! - [`plan`]: which processes with which arguments, the same that the launch files start (a test
+//!   compares them);
 //! - [`supervise`]: starts them, passes on what they say, ends them together.
 
 pub mod arguments;

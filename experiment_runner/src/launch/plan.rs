@@ -32,7 +32,8 @@ pub enum Part {
 /// What a process runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Program {
-    /// `frictionlab` itself, which has the nodes in it: what is launched is as old as what launches.
+    /// `frictionlab` itself, which has the nodes in it: what is launched is as old as what
+    /// launches.
     Own,
     /// A program of this name.
     Named(&'static str),
@@ -58,11 +59,14 @@ impl Program {
             (Self::Own, Ok(own)) => return Ok(own.clone()),
             _ => self.name(),
         };
-        let beside =
-            own.ok().and_then(|own| own.parent().map(Path::to_owned)).unwrap_or_else(|| PathBuf::from("."));
+        let beside = own
+            .ok()
+            .and_then(|own| own.parent().map(Path::to_owned))
+            .unwrap_or_else(|| PathBuf::from("."));
         let path = std::env::var_os("PATH").unwrap_or_default();
-        let is_program =
-            |file: &PathBuf| file.is_file() && rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok();
+        let is_program = |file: &PathBuf| {
+            file.is_file() && rustix::fs::access(file, rustix::fs::Access::EXEC_OK).is_ok()
+        };
         std::iter::once(beside.clone())
             .chain(std::env::split_paths(&path))
             .map(|folder| folder.join(name))
@@ -88,7 +92,8 @@ impl Process {
     /// The command as one would type it.
     #[must_use]
     pub fn command_line(&self) -> String {
-        let plain = |text: &str| text.chars().all(|c| c.is_ascii_alphanumeric() || "_-./:=@,+".contains(c));
+        let plain =
+            |text: &str| text.chars().all(|c| c.is_ascii_alphanumeric() || "_-./:=@,+".contains(c));
         let quoted = |text: &String| {
             if plain(text) && !text.is_empty() {
                 text.clone()
@@ -107,8 +112,11 @@ impl Process {
 #[must_use]
 pub fn without_ros(mut processes: Vec<Process>, arguments: &LaunchArguments) -> Vec<Process> {
     let axes = arguments.axes.iter().filter_map(|axis| Some((axis, axis.record.as_deref()?)));
-    for (process, (axis, folder)) in processes.iter_mut().filter(|of| of.program != Program::Own).zip(axes) {
-        let namespace = axis.namespace.iter().flat_map(|name| ["--namespace".to_owned(), name.clone()]);
+    for (process, (axis, folder)) in
+        processes.iter_mut().filter(|of| of.program != Program::Own).zip(axes)
+    {
+        let namespace =
+            axis.namespace.iter().flat_map(|name| ["--namespace".to_owned(), name.clone()]);
         process.program = Program::Own;
         process.arguments = ["bag".to_owned(), "record".to_owned(), folder.display().to_string()]
             .into_iter()
@@ -131,7 +139,9 @@ fn axis_processes(axis: &AxisArguments, config: &Path) -> Vec<Process> {
 }
 
 fn label(axis: &AxisArguments, name: &str) -> String {
-    axis.namespace.as_ref().map_or_else(|| name.to_owned(), |namespace| format!("{namespace}/{name}"))
+    axis.namespace
+        .as_ref()
+        .map_or_else(|| name.to_owned(), |namespace| format!("{namespace}/{name}"))
 }
 
 fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
@@ -149,7 +159,8 @@ fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
         add("--params-file", file.display().to_string());
     }
     // On a real rig its experiments run too. A simulated one of their own needs no real time.
-    let experiments = axis.rig.as_ref().filter(|rig| *rig != "simulated").map(|_| "nodes".to_owned());
+    let experiments =
+        axis.rig.as_ref().filter(|rig| *rig != "simulated").map(|_| "nodes".to_owned());
     let sets: &[(&str, &Option<String>)] = match name {
         "rig_driver" => &[("rig", &axis.rig)],
         "friction_observer" => &[("model", &axis.model), ("mode", &axis.mode)],
@@ -167,7 +178,8 @@ fn node(name: &'static str, axis: &AxisArguments, config: &Path) -> Process {
 
 /// `ros2 bag record` of the axis's topics, and of `/diagnostics`, which all axes share.
 fn recorder(axis: &AxisArguments, folder: &Path) -> Process {
-    let prefix = axis.namespace.as_ref().map_or_else(String::new, |namespace| format!("/{namespace}"));
+    let prefix =
+        axis.namespace.as_ref().map_or_else(String::new, |namespace| format!("/{namespace}"));
     let arguments = ["bag", "record", "--storage", "mcap", "--output"]
         .map(str::to_owned)
         .into_iter()
@@ -175,7 +187,12 @@ fn recorder(axis: &AxisArguments, folder: &Path) -> Process {
         .chain(TOPICS.map(|topic| format!("{prefix}/{topic}")))
         .chain(["/diagnostics".to_owned()])
         .collect();
-    Process { label: label(axis, "recorder"), program: Program::Named("ros2"), arguments, part: Part::Writer }
+    Process {
+        label: label(axis, "recorder"),
+        program: Program::Named("ros2"),
+        arguments,
+        part: Part::Writer,
+    }
 }
 
 #[cfg(test)]
@@ -190,7 +207,8 @@ mod tests {
 
     #[test]
     fn files_come_before_what_the_arguments_set() {
-        let plan = plan(LaunchFile::Friction, &["model:=lugre", "mode:=position", "namespace:=axis_1"]);
+        let plan =
+            plan(LaunchFile::Friction, &["model:=lugre", "mode:=position", "namespace:=axis_1"]);
         assert_eq!(
             plan[1].command_line(),
             "frictionlab node friction_observer --ros-args --log-level info -r __ns:=/axis_1 --params-file config/friction_observer.yaml -p model:=lugre -p mode:=position"
@@ -209,7 +227,8 @@ mod tests {
 
     #[test]
     fn experiments_run_on_a_real_rig_that_is_launched() {
-        let runner = |given: &[&str]| plan(LaunchFile::Friction, given).pop().unwrap().command_line();
+        let runner =
+            |given: &[&str]| plan(LaunchFile::Friction, given).pop().unwrap().command_line();
         assert!(runner(&["rig:=serial:/dev/ttyACM0"]).ends_with("-p rig:=nodes"));
         assert!(runner(&["rig:=simulated"]).ends_with("experiment_runner.yaml"));
         assert!(runner(&[]).ends_with("experiment_runner.yaml"));
@@ -227,7 +246,10 @@ mod tests {
         let given = ["record:=/nowhere/bags".to_owned()];
         let both = LaunchArguments::read(LaunchFile::TwoAxes, &given).unwrap();
         let own = without_ros(processes(&both, Path::new("config")), &both);
-        assert_eq!(own[5].command_line(), "frictionlab bag record /nowhere/bags/axis_2 --namespace axis_2");
+        assert_eq!(
+            own[5].command_line(),
+            "frictionlab bag record /nowhere/bags/axis_2 --namespace axis_2"
+        );
     }
 
     #[test]
@@ -244,7 +266,10 @@ mod tests {
     #[test]
     fn a_program_that_is_nowhere_is_named() {
         let message = Program::Named("no_such_program_anywhere").find().unwrap_err().to_string();
-        assert!(message.contains("there is no program no_such_program_anywhere beside"), "{message}");
+        assert!(
+            message.contains("there is no program no_such_program_anywhere beside"),
+            "{message}"
+        );
         assert!(Program::Named("sh").find().is_ok());
         assert_eq!(Program::Own.find().ok(), std::env::current_exe().ok());
     }

@@ -44,14 +44,22 @@ struct Running {
 /// Processes that run. Dropped, they are ended.
 pub struct Processes(Vec<Running>);
 
-/// Runs all processes until `stop`, or until one without which there is no loop ends, and then ends the others.
+/// Runs all processes until `stop`, or until one without which there is no loop ends, and then ends
+/// the others.
 ///
-/// Each line of theirs is passed on with the process's label before it. `say` gets what this function itself has to say.
+/// Each line of theirs is passed on with the process's label before it. `say` gets what this
+/// function itself has to say.
 ///
 /// # Errors
-/// [`LaunchError::NoProgram`] or [`LaunchError::Start`] before anything, or with everything ended again; [`LaunchError::Died`].
-pub fn supervise(processes: &[Process], stop: &Stop, mut say: impl FnMut(&str)) -> Result<(), LaunchError> {
-    let programs = processes.iter().map(|process| process.program.find()).collect::<Result<Vec<_>, _>>()?;
+/// [`LaunchError::NoProgram`] or [`LaunchError::Start`] before anything, or with everything ended
+/// again; [`LaunchError::Died`].
+pub fn supervise(
+    processes: &[Process],
+    stop: &Stop,
+    mut say: impl FnMut(&str),
+) -> Result<(), LaunchError> {
+    let programs =
+        processes.iter().map(|process| process.program.find()).collect::<Result<Vec<_>, _>>()?;
     let width = processes.iter().map(|process| process.label.len()).max().unwrap_or(0);
     let mut running = Processes(Vec::with_capacity(processes.len()));
     for (process, program) in processes.iter().zip(&programs) {
@@ -76,7 +84,11 @@ pub fn supervise(processes: &[Process], stop: &Stop, mut say: impl FnMut(&str)) 
     died.map_or(Ok(()), Err)
 }
 
-fn start(process: &Process, program: &std::path::Path, width: usize) -> Result<Running, LaunchError> {
+fn start(
+    process: &Process,
+    program: &std::path::Path,
+    width: usize,
+) -> Result<Running, LaunchError> {
     let mut child = Command::new(program)
         .args(&process.arguments)
         // This program keeps the other end: when it is gone, whatever way it went, they end.
@@ -84,7 +96,8 @@ fn start(process: &Process, program: &std::path::Path, width: usize) -> Result<R
         .env(LAUNCHED, WITH_INPUT)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
-        // Out of the terminal's group: ctrl-C comes to this program, which ends the others in order.
+        // Out of the terminal's group: ctrl-C comes to this program, which ends the others in
+        // order.
         .process_group(0)
         .spawn()
         .map_err(|source| LaunchError::Start { program: program.to_owned(), source })?;
@@ -96,7 +109,14 @@ fn start(process: &Process, program: &std::path::Path, width: usize) -> Result<R
     if let Some(err) = child.stderr.take() {
         voices.extend(pass_on(err, std::io::stderr(), label));
     }
-    Ok(Running { label: process.label.clone(), part: process.part, child, ended: None, voices, told: 0 })
+    Ok(Running {
+        label: process.label.clone(),
+        part: process.part,
+        child,
+        ended: None,
+        voices,
+        told: 0,
+    })
 }
 
 /// Passes lines on until the process closes its end.
@@ -110,7 +130,8 @@ fn pass_on(
         let mut line = Vec::new();
         while lines.read_until(b'\n', &mut line).is_ok_and(|length| length > 0) {
             let text = format!("{label} {}\n", String::from_utf8_lossy(&line).trim_end());
-            // One write a line, so that lines stay whole. A terminal that is gone must not block the nodes: go on reading.
+            // One write a line, so that lines stay whole. A terminal that is gone must not block
+            // the nodes: go on reading.
             let _ = to.write_all(text.as_bytes());
             line.clear();
         }
@@ -137,7 +158,10 @@ impl Processes {
             let how = how(status);
             match process.part {
                 Part::Loop if died.is_none() => {
-                    say(&format!("{} has ended by itself ({how}); ending the others", process.label));
+                    say(&format!(
+                        "{} has ended by itself ({how}); ending the others",
+                        process.label
+                    ));
                     died = Some(LaunchError::Died { name: process.label.clone(), how });
                 }
                 Part::Loop => say(&format!("{} has ended by itself ({how})", process.label)),
@@ -167,8 +191,14 @@ impl Processes {
                     Part::Loop => (TERMINATE, KILL),
                     Part::Writer => (TERMINATE_WRITER, KILL_WRITER),
                 };
-                let steps = [(Duration::ZERO, Signal::INT), (terminate, Signal::TERM), (kill, Signal::KILL)];
-                if let Some((_, signal)) = steps.get(process.told).filter(|(after, _)| elapsed >= *after) {
+                let steps = [
+                    (Duration::ZERO, Signal::INT),
+                    (terminate, Signal::TERM),
+                    (kill, Signal::KILL),
+                ];
+                if let Some((_, signal)) =
+                    steps.get(process.told).filter(|(after, _)| elapsed >= *after)
+                {
                     if *signal == Signal::KILL {
                         say(&format!("{} does not end; killing it", process.label));
                     }

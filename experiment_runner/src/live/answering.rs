@@ -1,4 +1,5 @@
-//! Observer and controller on the control thread: they answer each measurement within its own cycle.
+//! Observer and controller on the control thread: they answer each measurement within its own
+//! cycle.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -113,7 +114,9 @@ impl InCycle for InProcess {
         }
         let position = measurement.encoder_position;
         let reference = match &self.waveform {
-            Some(waveform) => waveform.at(memory.origin.map_or(0.0, |origin| measurement.time - origin)),
+            Some(waveform) => {
+                waveform.at(memory.origin.map_or(0.0, |origin| measurement.time - origin))
+            }
             None if self.control.runs() => self.control.next_reference(position),
             None => Reference { position, ..Reference::default() },
         };
@@ -166,7 +169,9 @@ impl InCycle for InProcess {
 
     fn end(&mut self, ended: EndedCycle) -> ControlFlow<()> {
         let memory = &mut self.memory;
-        let Some((cycle, faulted)) = memory.under_way.take() else { return ControlFlow::Continue(()) };
+        let Some((cycle, faulted)) = memory.under_way.take() else {
+            return ControlFlow::Continue(());
+        };
         let EndedCycle { fault, period_ns, execution_ns, refused, .. } = ended;
         if self.to_recorder.push(LiveCycle { period_ns, execution_ns, ..cycle }).is_err() {
             self.ending.not_recorded.fetch_add(1, Ordering::Relaxed);
@@ -180,7 +185,8 @@ impl InCycle for InProcess {
         // A cycle with the flags of the fault goes out before the end.
         let failed = failed_before || faulted && memory.failed.is_some();
         if failed {
-            *self.ending.error.lock().unwrap_or_else(PoisonError::into_inner) = memory.failed.take();
+            *self.ending.error.lock().unwrap_or_else(PoisonError::into_inner) =
+                memory.failed.take();
         }
         if failed || self.cycles.is_some_and(|cycles| memory.done >= cycles) {
             self.ending.over.store(true, Ordering::Release);
@@ -196,8 +202,8 @@ impl Drop for InProcess {
     }
 }
 
-/// Faults that only somebody else's commands can cause, as the loop's own come in every cycle: they hold the motor until they are cleared, and end
-/// nothing.
+/// Faults that only somebody else's commands can cause, as the loop's own come in every cycle: they
+/// hold the motor until they are cleared, and end nothing.
 const fn comes_from_outside(fault: Fault) -> bool {
     matches!(fault, Fault::CommandLost | Fault::CommandNotFinite)
 }

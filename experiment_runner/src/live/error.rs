@@ -76,7 +76,9 @@ pub enum LiveError {
         source: io::Error,
     },
     /// A thread ended by a panic: a mistake of this program.
-    #[error("the {thread} thread panicked: a mistake of this program, please report it with the text above")]
+    #[error(
+        "the {thread} thread panicked: a mistake of this program, please report it with the text above"
+    )]
     Panicked {
         /// Which.
         thread: &'static str,
@@ -98,9 +100,9 @@ impl LiveError {
         ) || match self {
             Self::Ros(error) => error.is_bad_input(),
             Self::Output(error) => error.is_bad_input(),
-            Self::Bag(BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. }) => {
-                !is_full(self)
-            }
+            Self::Bag(
+                BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. },
+            ) => !is_full(self),
             _ => false,
         }
     }

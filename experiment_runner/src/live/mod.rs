@@ -1,10 +1,12 @@
-//! The loop in real time, on ROS 2: the nodes `rig_driver`, `friction_observer`, `controller` and `experiment_runner` in one process, recorded.
+//! The loop in real time, on ROS 2: the nodes `rig_driver`, `friction_observer`, `controller` and
+//! `experiment_runner` in one process, recorded.
 //!
-//! The nodes are those of the executables, with their parameters, services and states. What is different is the way between them:
-//! observer and controller answer on the rig's control thread ([`answering`]), which runs at absolute deadlines and does nothing else: no lock,
-//! no allocation, no message. Its cycles leave through bounded queues, to the threads that publish and to the one that records
-//! ([`recording`]). A full queue costs a cycle, which is counted and told, never a wait. The command's options become
-//! the nodes' parameters ([`settings`]).
+//! The nodes are those of the executables, with their parameters, services and states. What is
+//! different is the way between them: observer and controller answer on the rig's control thread
+//! ([`answering`]), which runs at absolute deadlines and does nothing else: no lock, no allocation,
+//! no message. Its cycles leave through bounded queues, to the threads that publish and to the one
+//! that records ([`recording`]). A full queue costs a cycle, which is counted and told, never a
+//! wait. The command's options become the nodes' parameters ([`settings`]).
 
 mod answering;
 mod diagnostics;
@@ -55,7 +57,8 @@ use crate::{
     waveform::Waveform,
 };
 
-/// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that long.
+/// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that
+/// long.
 const RECORDER_QUEUE: usize = 8192;
 /// How often faults and the end are looked for.
 const WATCH: Duration = Duration::from_millis(20);
@@ -82,7 +85,8 @@ pub struct LiveOptions {
     pub limits: RigLimits,
     /// What the real rig said of itself when its profile was written: another one is refused.
     pub description: Option<RigDescription>,
-    /// The bench: the simulated rig and its friction, and what estimator and controller are made of.
+    /// The bench: the simulated rig and its friction, and what estimator and controller are made
+    /// of.
     pub test_bed: TestBed,
     /// What the controller regulates.
     pub mode: ControlMode,
@@ -104,7 +108,8 @@ pub struct LiveOptions {
     pub duration: Option<f64>,
     /// What others may ask for meanwhile; none for taking no requests.
     pub serve: Option<Serving>,
-    /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above the other options.
+    /// Arguments of ROS for the nodes: names, namespaces, parameters, log levels. They count above
+    /// the other options.
     pub ros_arguments: Vec<String>,
     /// File for the exact percentiles of the periods' errors.
     #[serde(skip)]
@@ -116,18 +121,20 @@ pub struct LiveOptions {
 /// `started` is called once everything runs, with a line about the control thread's priority.
 ///
 /// # Errors
-/// [`LiveError`] names the environment variable, folder or option at fault. What was recorded before a failure stays
-/// readable.
+/// [`LiveError`] names the environment variable, folder or option at fault. What was recorded
+/// before a failure stays readable.
 pub fn run(
     options: &LiveOptions,
     stop: &Arc<AtomicBool>,
     started: impl FnOnce(&str),
 ) -> Result<LiveReport, LiveError> {
     let discovery = Discovery::from_environment()?;
-    // Put together once for nothing, so that a wrong option leaves neither a folder nor a node behind.
+    // Put together once for nothing, so that a wrong option leaves neither a folder nor a node
+    // behind.
     options.check()?;
     let real = options.open_rig()?;
-    let period = real.as_ref().map_or(options.test_bed.simulation.period, |opened| opened.rig.period());
+    let period =
+        real.as_ref().map_or(options.test_bed.simulation.period, |opened| opened.rig.period());
     let about_line = real.as_ref().and_then(|opened| opened.about.clone());
     let arguments = settings::arguments(options, period)?;
 
@@ -157,7 +164,8 @@ pub fn run(
         memory: Memory::default(),
     };
     let opened = real.map(|Opened { rig, limits, .. }| Supervised::new(rig, limits)).transpose();
-    let rig = RigDriver::new(&participant, Some(Box::new(in_process)), opened.map_err(LiveError::Rig)?)?;
+    let rig =
+        RigDriver::new(&participant, Some(Box::new(in_process)), opened.map_err(LiveError::Rig)?)?;
     let mut nodes = Nodes { rig, observer, controller, runner };
 
     let recorded = Arc::new(Recorded::new());
@@ -165,21 +173,29 @@ pub fn run(
         let (stop, recorded) = (Arc::clone(stop), Arc::clone(&recorded));
         let errors = options.timing.is_some().then(|| PeriodErrors::new(period));
         let (bag, topics) = bag;
-        let record = move || recording::record(bag, topics, for_recorder, (&recorded, errors), &stop);
+        let record =
+            move || recording::record(bag, topics, for_recorder, (&recorded, errors), &stop);
         let spawned = thread::Builder::new().name("recorder".into()).spawn(record);
         spawned.map_err(|source| LiveError::Thread { source })?
     };
 
-    let middleware = Watch::start(&Stop::default()).map_err(|source| LiveError::Thread { source })?;
+    let middleware =
+        Watch::start(&Stop::default()).map_err(|source| LiveError::Thread { source })?;
     nodes.observer.start();
     nodes.controller.start();
     let begun = nodes.rig.start();
     let mut elder = None;
     let priority = nodes.rig.priority();
     if begun.is_ok() {
-        started(&about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")));
+        started(
+            &about_line.map_or_else(|| priority.clone(), |about| format!("{about}\n{priority}")),
+        );
         let over = || ending.over.load(Ordering::Acquire) || ending.gone.load(Ordering::Acquire);
-        while elder.is_none() && !over() && !stop.load(Ordering::Relaxed) && !middleware.stop().is_set() {
+        while elder.is_none()
+            && !over()
+            && !stop.load(Ordering::Relaxed)
+            && !middleware.stop().is_set()
+        {
             nodes.tend(&recorded, ending.not_recorded.load(Ordering::Relaxed));
             elder = nodes.rig.elder();
             thread::sleep(WATCH);
@@ -233,7 +249,9 @@ impl LiveOptions {
 
     /// Puts the loop together once.
     fn check(&self) -> Result<(), LiveError> {
-        if let Some(duration) = self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7)) {
+        if let Some(duration) =
+            self.duration.filter(|duration| !(*duration > 0.0 && *duration <= 1e7))
+        {
             return Err(LiveError::Duration(duration));
         }
         let Self { test_bed, mode, means, seed, .. } = self;

@@ -9,7 +9,8 @@ pub(super) struct PeriodErrors {
     errors_ns: Vec<u64>,
 }
 
-/// Percentiles of |period - nominal| [us], each the error of one cycle: at least that share of the cycles has no larger one.
+/// Percentiles of |period - nominal| [us], each the error of one cycle: at least that share of the
+/// cycles has no larger one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct PeriodErrorSummary {
     pub(super) cycles: usize,
@@ -65,11 +66,16 @@ mod tests {
         errors.note(0);
         // 1 us to 100 us, early and late in turns.
         for error in (1..=100u64).rev() {
-            errors.note(if error % 2 == 0 { 1_000_000 + error * 1000 } else { 1_000_000 - error * 1000 });
+            errors.note(if error % 2 == 0 {
+                1_000_000 + error * 1000
+            } else {
+                1_000_000 - error * 1000
+            });
         }
         let summary = errors.summary(String::new());
         assert_eq!((summary.cycles, summary.period_us), (100, 1000.0));
-        let found = [summary.p50_us, summary.p90_us, summary.p99_us, summary.p999_us, summary.max_us];
+        let found =
+            [summary.p50_us, summary.p90_us, summary.p99_us, summary.p999_us, summary.max_us];
         assert_eq!(found, [50.0, 90.0, 99.0, 100.0, 100.0]);
         assert_eq!(PeriodErrors::new(1e-3).summary(String::new()).p99_us, 0.0);
     }

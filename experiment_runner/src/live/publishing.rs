@@ -1,4 +1,5 @@
-//! The nodes of a live run beside the loop: who is on the network, and the thread that publishes the reference.
+//! The nodes of a live run beside the loop: who is on the network, and the thread that publishes
+//! the reference.
 
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -23,7 +24,8 @@ const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Time for the last samples to be acknowledged before the writers go.
 const LINGER: Duration = Duration::from_millis(200);
 
-/// The node `/experiment_runner`: it says the reference, if it is its own, how the loop goes, and takes requests.
+/// The node `/experiment_runner`: it says the reference, if it is its own, how the loop goes, and
+/// takes requests.
 pub(super) struct RunnerSide {
     diagnostics: Publisher<DiagnosticArray>,
     next: Instant,
@@ -32,7 +34,8 @@ pub(super) struct RunnerSide {
     _node: RosNode,
 }
 
-/// The way of a waveform's references to their publisher, each with its stamp [ns since the Unix epoch].
+/// The way of a waveform's references to their publisher, each with its stamp
+/// [ns since the Unix epoch].
 pub(super) type OwnReferences = Sender<(u64, Reference)>;
 
 impl RunnerSide {
@@ -78,8 +81,12 @@ impl RunnerSide {
         let timing = recorded.last_second(overruns);
         let stamp_ns = self._node.clock().now_ns();
         // The next one comes in a second.
-        let _ =
-            self.diagnostics.publish(diagnostics::message(stamp_ns, &timing, not_recorded, not_published));
+        let _ = self.diagnostics.publish(diagnostics::message(
+            stamp_ns,
+            &timing,
+            not_recorded,
+            not_published,
+        ));
     }
 }
 
@@ -116,12 +123,14 @@ impl Nodes {
         self.rig.published().1 + self.observer.not_published() + self.controller.not_published()
     }
 
-    /// The motor is at zero volts already: lets the last messages out, then takes the nodes off the graph.
+    /// The motor is at zero volts already: lets the last messages out, then takes the nodes off the
+    /// graph.
     pub(super) fn leave(self) -> Result<Published, LiveError> {
         thread::sleep(LINGER);
         let (cycles, lost) = (self.rig.published().0, self.not_published());
         let Self { rig, observer, controller, mut runner } = self;
-        // With the rig go observer and controller, which the control thread had, and with them the publishers' queues.
+        // With the rig go observer and controller, which the control thread had, and with them the
+        // publishers' queues.
         drop(rig);
         observer.leave();
         controller.leave();
@@ -132,7 +141,8 @@ impl Nodes {
     }
 }
 
-/// Publishes references until the queue's other end is gone. Returns how many were refused, and why the first.
+/// Publishes references until the queue's other end is gone. Returns how many were refused, and why
+/// the first.
 fn publish(
     publisher: &Publisher<friction_msgs::Reference>,
     mut queue: Receiver<(u64, Reference)>,

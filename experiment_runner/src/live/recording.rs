@@ -54,8 +54,8 @@ impl Recorded {
     }
 }
 
-/// Writes cycles until the queue's other end is gone and it is empty, then closes the bag. If the disk refuses, it stops
-/// the run.
+/// Writes cycles until the queue's other end is gone and it is empty, then closes the bag. If the
+/// disk refuses, it stops the run.
 pub(super) fn record(
     mut bag: BagWriter,
     topics: CycleTopics,

@@ -54,8 +54,7 @@ impl LiveReport {
     /// The same for programs; docs/json.md explains its keys.
     #[must_use]
     pub fn document(&self) -> serde_json::Value {
-        let percentiles =
-            |p: &Percentiles| serde_json::json!({"p50": p.p50, "p99": p.p99, "p99_9": p.p999, "max": p.max});
+        let percentiles = |p: &Percentiles| serde_json::json!({"p50": p.p50, "p99": p.p99, "p99_9": p.p999, "max": p.max});
         serde_json::json!({
             "format": "frictionlab-live",
             "format_version": 1,
@@ -86,7 +85,11 @@ impl fmt::Display for LiveReport {
         };
         row("period", &self.timing.period)?;
         row("execution", &self.timing.execution)?;
-        writeln!(f, "  {} cycles, {} started a whole period late", self.timing.cycles, self.timing.overruns)?;
+        writeln!(
+            f,
+            "  {} cycles, {} started a whole period late",
+            self.timing.cycles, self.timing.overruns
+        )?;
         writeln!(
             f,
             "  published {} cycles ({} lost), recorded {} ({} lost)",

@@ -1,4 +1,5 @@
-//! The options of a live run as the parameters that its nodes are given, so that the nodes tell what is true.
+//! The options of a live run as the parameters that its nodes are given, so that the nodes tell
+//! what is true.
 
 use std::collections::BTreeMap;
 
@@ -18,11 +19,15 @@ type Given = BTreeMap<String, ParameterValue>;
 /// The command line that gives the nodes these options; what the user's own says counts above it.
 ///
 /// # Errors
-/// [`LiveError::Parameters`] if no parameters say it; [`LiveError::Arguments`] if the user's arguments are wrong.
+/// [`LiveError::Parameters`] if no parameters say it; [`LiveError::Arguments`] if the user's
+/// arguments are wrong.
 pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments, LiveError> {
-    let behind = std::iter::once("--ros-args".to_owned()).chain(options.ros_arguments.iter().cloned());
-    let mut arguments = Arguments::parse(behind).map_err(|error| LiveError::Arguments(error.to_string()))?;
-    arguments.namespace = std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
+    let behind =
+        std::iter::once("--ros-args".to_owned()).chain(options.ros_arguments.iter().cloned());
+    let mut arguments =
+        Arguments::parse(behind).map_err(|error| LiveError::Arguments(error.to_string()))?;
+    arguments.namespace =
+        std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
     let (controller, estimator) = options.test_bed.settings(options.mode, options.means, period);
     let mut nodes = vec![
         ("rig_driver", rig(options)),
@@ -39,7 +44,10 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
             ("rig", text(rig.to_owned())),
             ("allow_rigs", text(allowed.join(","))),
         ];
-        nodes.push(("experiment_runner", given.map(|(name, value)| (name.to_owned(), value)).into()));
+        nodes.push((
+            "experiment_runner",
+            given.map(|(name, value)| (name.to_owned(), value)).into(),
+        ));
     }
     let own = nodes
         .into_iter()
@@ -50,7 +58,8 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
 }
 
 fn rig(options: &LiveOptions) -> Given {
-    let SimulationOptions { drive, voltage_limit, period, substeps, .. } = options.test_bed.simulation;
+    let SimulationOptions { drive, voltage_limit, period, substeps, .. } =
+        options.test_bed.simulation;
     let mut given = Given::new();
     let mut give = |name: &str, value| _ = given.insert(name.to_owned(), value);
     give("rig", ParameterValue::String(options.rig.to_string()));
@@ -88,13 +97,20 @@ fn rig(options: &LiveOptions) -> Given {
         give("calibration.torque_sign", sign(calibration.torque_sign));
         give("calibration.torque_zero", ParameterValue::Double(calibration.torque_zero));
         give("calibration.deadband_forward", ParameterValue::Double(calibration.deadband_forward));
-        give("calibration.deadband_backward", ParameterValue::Double(calibration.deadband_backward));
+        give(
+            "calibration.deadband_backward",
+            ParameterValue::Double(calibration.deadband_backward),
+        );
     }
     given
 }
 
 /// All models with their parameters, so that the model can be changed while the loop runs.
-fn observer(options: &LiveOptions, estimator: &EstimatorOptions, period: f64) -> Result<Given, LiveError> {
+fn observer(
+    options: &LiveOptions,
+    estimator: &EstimatorOptions,
+    period: f64,
+) -> Result<Given, LiveError> {
     let position = options.mode == ControlMode::Position;
     let mut given = Given::new();
     // The one that runs comes last, so that it is the one named.

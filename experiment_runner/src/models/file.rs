@@ -1,4 +1,5 @@
-//! Parameter files of one model: an example to start from, and the reader that accepts every form in use.
+//! Parameter files of one model: an example to start from, and the reader that accepts every form
+//! in use.
 
 use std::fmt::Write;
 
@@ -40,8 +41,12 @@ pub fn example(name: ModelName, preset: Preset) -> String {
         .collect();
     // A long list has its comment above it; the others stand beside each other.
     let is_short = |line: &str| line.chars().count() <= 40;
-    let width =
-        rows.iter().map(|(line, _)| line.chars().count()).filter(|&width| width <= 40).max().unwrap_or(0);
+    let width = rows
+        .iter()
+        .map(|(line, _)| line.chars().count())
+        .filter(|&width| width <= 40)
+        .max()
+        .unwrap_or(0);
     for (line, comment) in rows {
         // Writing to a string cannot fail.
         let _ = if is_short(&line) {
@@ -53,7 +58,8 @@ pub fn example(name: ModelName, preset: Preset) -> String {
     text
 }
 
-/// A value as YAML: whole numbers without, others with a point, so that ROS takes neither for the other.
+/// A value as YAML: whole numbers without, others with a point, so that ROS takes neither for the
+/// other.
 fn yaml(value: &Value) -> String {
     match value {
         Value::Array(list) => format!("[{}]", list.iter().map(yaml).collect::<Vec<_>>().join(", ")),
@@ -64,17 +70,20 @@ fn yaml(value: &Value) -> String {
 
 /// The model in a parameter file, in any of these forms:
 ///
-/// * the parameters under the model's name, `lugre: {...}`, of one model or of several; `model: NAME` beside them chooses;
+/// * the parameters under the model's name, `lugre: {...}`, of one model or of several;
+///   `model: NAME` beside them chooses;
 /// * `asymmetric: {lugre: {forward: {...}, backward: {...}}}`;
 /// * the bare parameters, or bare `forward: {...}` and `backward: {...}`, of the model `wanted`;
-/// * a ROS 2 parameter file with one of the former for the node `friction_observer`, as `frictionlab run` writes it.
+/// * a ROS 2 parameter file with one of the former for the node `friction_observer`, as
+///   `frictionlab run` writes it.
 ///
 /// `wanted` chooses the model, and comes before what the file chooses.
 ///
 /// # Errors
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
-    let tree: Value = serde_saphyr::from_str(text).map_err(|error| first_line(&error.to_string()))?;
+    let tree: Value =
+        serde_saphyr::from_str(text).map_err(|error| first_line(&error.to_string()))?;
     let tree = tree.as_object().filter(|tree| !tree.is_empty());
     let tree = tree.ok_or("expected parameters under a model's name, as in `lugre: {f_s: ...}`")?;
     let Entries { chosen, models, others } = Entries::of(observer(tree)?)?;
@@ -89,7 +98,10 @@ pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
         return model(name, if both { json!({ "asymmetric": tree }) } else { tree });
     }
     if let Some(key) = others.keys().next() {
-        return Err(format!("`{key}` is no model; expected one of: {}, asymmetric", ModelName::list()));
+        return Err(format!(
+            "`{key}` is no model; expected one of: {}, asymmetric",
+            ModelName::list()
+        ));
     }
     let names = || models.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
     let of = |wanted: ModelName| models.iter().filter(move |(name, _)| *name == wanted);
@@ -97,7 +109,10 @@ pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
         (Some(name), _) => name,
         (None, [(name, _), others @ ..]) if others.iter().all(|(other, _)| other == name) => *name,
         (None, _) => {
-            return Err(format!("it has several models ({}); choose one with --model NAME", names()));
+            return Err(format!(
+                "it has several models ({}); choose one with --model NAME",
+                names()
+            ));
         }
     };
     match of(name).collect::<Vec<_>>()[..] {
@@ -144,7 +159,8 @@ impl Entries {
         for (key, value) in tree {
             if key == "model" {
                 let name = value.as_str().ok_or("`model` must be the name of a model")?;
-                found.chosen = Some(name.parse().map_err(|e: friction_model::ModelError| e.to_string())?);
+                found.chosen =
+                    Some(name.parse().map_err(|e: friction_model::ModelError| e.to_string())?);
             } else if key == "asymmetric" {
                 let sides = value.as_object().ok_or(
                     "`asymmetric` must be a map, as in `asymmetric: {lugre: {forward: {...}, backward: {...}}}`",
@@ -182,7 +198,11 @@ mod tests {
                 let expected = AnyModel::try_from(preset.parameters(name)).unwrap();
                 assert_eq!(read(&text, None), Ok(expected), "{text}");
                 // The bare parameters, for those who know which model.
-                let bare = text.lines().filter(|line| line.starts_with("  ")).collect::<Vec<_>>().join("\n");
+                let bare = text
+                    .lines()
+                    .filter(|line| line.starts_with("  "))
+                    .collect::<Vec<_>>()
+                    .join("\n");
                 assert_eq!(read(&bare, Some(name)), Ok(expected), "{bare}");
             }
         }
@@ -191,13 +211,17 @@ mod tests {
     #[test]
     fn an_example_explains_itself() {
         let text = example(ModelName::LuGre, Preset::TestBed);
-        let line = |start: &str| text.lines().find(|line| line.trim_start().starts_with(start)).unwrap();
+        let line =
+            |start: &str| text.lines().find(|line| line.trim_start().starts_with(start)).unwrap();
         assert_eq!(
             line("f_s:").trim_start(),
             "f_s: 0.0994     # Static friction F_s [N m; > 0, at least f_c]"
         );
         assert!(line("# v_d:").contains("left out"), "optional parameters wait in comments");
-        assert!(example(ModelName::LuGre, Preset::Chapter3).contains("Bristle stiffness sigma_0 [N/m; > 0]"));
+        assert!(
+            example(ModelName::LuGre, Preset::Chapter3)
+                .contains("Bristle stiffness sigma_0 [N/m; > 0]")
+        );
         let lists = example(ModelName::Gms, Preset::Chapter3);
         assert!(lists.contains("; they sum to 1 [> 0]\n  alpha: [0.0955, "), "{lists}");
         let whole = example(ModelName::Bristle, Preset::TestBed);

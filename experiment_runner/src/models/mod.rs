@@ -1,4 +1,5 @@
-//! The friction models for people: what there is, what the parameters mean, and parameter files of one model.
+//! The friction models for people: what there is, what the parameters mean, and parameter files of
+//! one model.
 
 pub mod file;
 pub mod sheet;
@@ -43,7 +44,8 @@ impl Preset {
     }
 }
 
-/// The parameters by name, as files carry them: numbers, whole numbers, lists, and null for what is left out.
+/// The parameters by name, as files carry them: numbers, whole numbers, lists, and null for what is
+/// left out.
 fn values(parameters: &AnyParameters) -> Map<String, Value> {
     let under_the_name = serde_json::to_value(parameters).ok();
     let inner = under_the_name.and_then(|tree| tree.get(parameters.name().as_str()).cloned());

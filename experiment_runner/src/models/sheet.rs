@@ -14,7 +14,8 @@ const WIDTH: usize = 110;
 #[must_use]
 pub fn list() -> String {
     let rows = ModelName::ALL.map(|name| {
-        let names: Vec<_> = Preset::TestBed.parameters(name).table().iter().map(|row| row.name).collect();
+        let names: Vec<_> =
+            Preset::TestBed.parameters(name).table().iter().map(|row| row.name).collect();
         [name.as_str().to_owned(), name.title().to_owned(), names.join(", ")]
     });
     let mut text = columns(["NAME", "MODEL", "PARAMETERS"], &rows);
@@ -95,7 +96,9 @@ fn columns<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
         for (cell, width) in row[..N - 1].iter().zip(widths) {
             let _ = write!(line, "{cell:<width$}  ");
         }
-        for (i, part) in wrapped(&row[N - 1], WIDTH.saturating_sub(indent).max(24)).iter().enumerate() {
+        for (i, part) in
+            wrapped(&row[N - 1], WIDTH.saturating_sub(indent).max(24)).iter().enumerate()
+        {
             let start = if i == 0 { line.as_str() } else { &" ".repeat(indent) };
             text += format!("{start}{part}").trim_end();
             text.push('\n');
@@ -122,8 +125,8 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The meaning of a parameter without its unit and its range, and what of the range the table cannot say: other parameters, and
-/// ends that are not allowed.
+/// The meaning of a parameter without its unit and its range, and what of the range the table
+/// cannot say: other parameters, and ends that are not allowed.
 pub(super) fn explained(meaning: &str) -> (String, Vec<String>) {
     let meaning = meaning.trim().trim_end_matches('.');
     let without_unit = match (meaning.find(" ["), meaning.find(']')) {
@@ -138,7 +141,8 @@ pub(super) fn explained(meaning: &str) -> (String, Vec<String>) {
         if kept.is_empty() || !is_range(said) {
             kept.extend(separator.into_iter().flat_map(|separator| [separator, ' ']));
             kept.push_str(said);
-        } else if said.contains('`') || said.starts_with("between ") || said.starts_with("neither ") {
+        } else if said.contains('`') || said.starts_with("between ") || said.starts_with("neither ")
+        {
             conditions.push(said.trim_start_matches("above zero and ").replace('`', ""));
         }
         separator = clause.chars().last();
@@ -148,8 +152,17 @@ pub(super) fn explained(meaning: &str) -> (String, Vec<String>) {
 
 /// Whether a clause says which values are allowed.
 fn is_range(clause: &str) -> bool {
-    let starts =
-        ["above ", "below ", "at least ", "at most ", "zero or ", "between ", "from ", "neither ", "of any "];
+    let starts = [
+        "above ",
+        "below ",
+        "at least ",
+        "at most ",
+        "zero or ",
+        "between ",
+        "from ",
+        "neither ",
+        "of any ",
+    ];
     starts.iter().any(|start| clause.starts_with(start))
 }
 
@@ -220,8 +233,14 @@ mod tests {
                 assert!(text.starts_with(&format!("{} ({name})\n", name.title())));
                 assert!(text.lines().all(|line| line.chars().count() <= WIDTH + 20), "{text}");
                 for row in preset.parameters(name).table() {
-                    let line = text.lines().find(|line| line.starts_with(&format!("{} ", row.name))).unwrap();
-                    assert!(row.unit.rotary().is_empty() || line.contains(row.unit.rotary()), "{line}");
+                    let line = text
+                        .lines()
+                        .find(|line| line.starts_with(&format!("{} ", row.name)))
+                        .unwrap();
+                    assert!(
+                        row.unit.rotary().is_empty() || line.contains(row.unit.rotary()),
+                        "{line}"
+                    );
                     assert!(!line.contains('['), "{line}");
                 }
             }
@@ -236,13 +255,19 @@ mod tests {
             line.split_whitespace().collect::<Vec<_>>().join(" ")
         };
         assert_eq!(words("f_s "), "f_s N m N > 0, at least f_c 0.0994 Static friction F_s");
-        assert!(words("v_d ").starts_with("v_d rad/s m/s > 0 - Speed v_d at which"), "left out: a dash");
+        assert!(
+            words("v_d ").starts_with("v_d rad/s m/s > 0 - Speed v_d at which"),
+            "left out: a dash"
+        );
         assert_eq!(
             words("delta "),
             "delta - - > 0 and <= 10 2 Shape exponent of the Stribeck curve; 2 if left out"
         );
         let eta = model(ModelName::BlimanSorine, Preset::TestBed);
-        assert!(eta.contains(" between 0 and 1, neither allowed ") && !eta.contains("<= 1"), "{eta}");
+        assert!(
+            eta.contains(" between 0 and 1, neither allowed ") && !eta.contains("<= 1"),
+            "{eta}"
+        );
         assert!(words("PARAMETER ").contains("TEST BED"));
         assert!(model(ModelName::Proposed, Preset::Chapter3).contains(" 316.228 "));
     }
@@ -261,12 +286,19 @@ mod tests {
                 "Ratio eta",
                 &["between 0 and 1", "neither allowed"],
             ),
-            ("Deflection [m], above zero and below `f_c / sigma0`.", "Deflection", &["below f_c / sigma0"]),
+            (
+                "Deflection [m], above zero and below `f_c / sigma0`.",
+                "Deflection",
+                &["below f_c / sigma0"],
+            ),
             ("Level [N], at most `f_s`, from rest.", "Level", &["at most f_s"]),
             ("First, and second [m]", "First, and second", &[]),
         ] {
             let (text, found) = explained(meaning);
-            assert_eq!((text.as_str(), found), (kept, conditions.iter().map(|&c| c.to_owned()).collect()));
+            assert_eq!(
+                (text.as_str(), found),
+                (kept, conditions.iter().map(|&c| c.to_owned()).collect())
+            );
         }
     }
 

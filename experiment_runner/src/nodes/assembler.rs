@@ -93,7 +93,8 @@ impl Assembler {
         *self = Self { controlled, last: self.last, ..Self::default() };
     }
 
-    /// Takes in what was said of the cycle stamped `stamp_ns`; the cycle, if that made it whole. Whole cycles come in the order of their stamps; those that others overtook are lost.
+    /// Takes in what was said of the cycle stamped `stamp_ns`; the cycle, if that made it whole.
+    /// Whole cycles come in the order of their stamps; those that others overtook are lost.
     pub fn hear(&mut self, stamp_ns: u64, heard: Heard) -> Option<Whole> {
         if stamp_ns <= self.last {
             return None;
@@ -172,8 +173,16 @@ impl Heard {
     /// An estimate as the observer tells it; none if nobody knows what made it.
     #[must_use]
     pub fn estimate(message: &FrictionEstimate) -> Option<Self> {
-        let FrictionEstimate { header: _, model, torque, deflection, gamma, regime, velocity, residual } =
-            message;
+        let FrictionEstimate {
+            header: _,
+            model,
+            torque,
+            deflection,
+            gamma,
+            regime,
+            velocity,
+            residual,
+        } = message;
         Some(Self::Estimate(Estimate {
             source: EstimateSource::named(model)?,
             torque: *torque,
@@ -217,8 +226,12 @@ mod tests {
     }
 
     fn estimate() -> Heard {
-        Heard::estimate(&FrictionEstimate { model: "lugre".into(), torque: 0.1, ..Default::default() })
-            .unwrap()
+        Heard::estimate(&FrictionEstimate {
+            model: "lugre".into(),
+            torque: 0.1,
+            ..Default::default()
+        })
+        .unwrap()
     }
 
     #[test]
@@ -272,7 +285,8 @@ mod tests {
             Measurement { cycle: 7, time: 0.5, torque: 0.2, fault: true, ..Measurement::default() };
         let message = rig_driver::messages::rig_measurement(9, &measured);
         assert_eq!(Heard::from(&message), Heard::Measurement(measured));
-        let command = Command { mode: ControlMode::Position, error: 0.3, total: 2.0, ..Command::default() };
+        let command =
+            Command { mode: ControlMode::Position, error: 0.3, total: 2.0, ..Command::default() };
         let message = controller::messages::controller_state(9, &command);
         assert_eq!(Heard::from(&message), Heard::Command(command));
         let Heard::Estimate(thought) = estimate() else { panic!("an estimate was expected") };

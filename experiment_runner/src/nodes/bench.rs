@@ -22,7 +22,8 @@ const LISTEN: Duration = Duration::from_millis(500);
 /// Largest relative difference between two periods that are the same.
 const SAME: f64 = 1e-3;
 
-/// The nodes of one axis, prepared for experiments. Dropped, the motor is at zero volts, `/rig_driver` is inactive, and observer and controller have their own parameters again.
+/// The nodes of one axis, prepared for experiments. Dropped, the motor is at zero volts,
+/// `/rig_driver` is inactive, and observer and controller have their own parameters again.
 #[derive(Debug)]
 pub struct NodesBench {
     link: Arc<Link>,
@@ -57,18 +58,21 @@ pub struct Wanted<'a> {
 }
 
 impl NodesBench {
-    /// Finds the nodes of an axis by its `namespace` (else `ROS_NAMESPACE`, else the root) on the network that the environment names, and brings the motor to zero volts. Once
-    /// `stop` is set every run ends with [`RigError::Stopped`].
+    /// Finds the nodes of an axis by its `namespace` (else `ROS_NAMESPACE`, else the root) on the
+    /// network that the environment names, and brings the motor to zero volts. Once `stop` is set
+    /// every run ends with [`RigError::Stopped`].
     ///
     /// # Errors
     /// [`RigSetupError`] names the node that is missing or does not fit, and how to mend it.
     pub fn open(namespace: Option<String>, stop: Arc<AtomicBool>) -> Result<Self, RigSetupError> {
         let discovery = Discovery::from_environment().map_err(said)?;
-        let given = || std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
+        let given =
+            || std::env::var("ROS_NAMESPACE").ok().filter(|namespace| !namespace.is_empty());
         let namespace = namespace.or_else(given);
         let axis = namespace.as_deref().unwrap_or("").trim_matches('/');
         let axis = if axis.is_empty() { String::new() } else { format!("/{axis}") };
-        let arguments = Arguments { namespace, ..Arguments::default() }.or_enclave("/experiment_runner");
+        let arguments =
+            Arguments { namespace, ..Arguments::default() }.or_enclave("/experiment_runner");
         let participant = Participant::join_with(&discovery, arguments).map_err(said)?;
         let link = Link::new(participant).map_err(said)?;
         let missing = |name: &str, error: RosNodeError| {
@@ -86,7 +90,8 @@ impl NodesBench {
         };
         led(&link.rig, "rig_driver", Phase::Inactive)?;
         led(&link.observer, "friction_observer", Phase::Active)?;
-        let controller_was_active = led(&link.controller, "controller", Phase::Inactive)? == Phase::Active;
+        let controller_was_active =
+            led(&link.controller, "controller", Phase::Inactive)? == Phase::Active;
         let period = measured_period(&link)?;
         let number = |of: &Led, name: &str| match of.parameters.get(&[name.to_owned()], FINDING) {
             Ok(values) => match values.get(name) {
@@ -95,7 +100,8 @@ impl NodesBench {
             },
             Err(error) => Err(said(error)),
         };
-        for (of, name) in [(&link.observer, "friction_observer"), (&link.controller, "controller")] {
+        for (of, name) in [(&link.observer, "friction_observer"), (&link.controller, "controller")]
+        {
             let its = number(of, "period")?;
             if (its / period - 1.0).abs() > SAME {
                 return Err(RigSetupError::Nodes(format!(
@@ -104,7 +110,8 @@ impl NodesBench {
             }
         }
         let voltage_limit = number(&link.rig, "voltage_limit")?;
-        let source = link.rig.parameters.get(&["torque_source".to_owned()], FINDING).map_err(said)?;
+        let source =
+            link.rig.parameters.get(&["torque_source".to_owned()], FINDING).map_err(said)?;
         let sensor = ParameterValue::String("sensor".to_owned());
         Ok(Self {
             link: Arc::new(link),
@@ -153,7 +160,8 @@ impl NodesBench {
         ))
     }
 
-    /// The loop for one run: the nodes do what is `wanted`, the shaft has come to rest, the motor may move; its time and position are counted from here.
+    /// The loop for one run: the nodes do what is `wanted`, the shaft has come to rest, the motor
+    /// may move; its time and position are counted from here.
     ///
     /// # Errors
     /// [`RigError::Elsewhere`] says which node refused or does not answer.
@@ -188,7 +196,9 @@ impl Drop for NodesBench {
         let own = self.own.get_mut().unwrap_or_else(PoisonError::into_inner);
         // A node that is gone cannot be left as it was.
         let _ = self.link.rig.lifecycle.lead_to(Phase::Inactive, STOPPING);
-        for (of, values) in [(&self.link.observer, &own.observer), (&self.link.controller, &own.controller)] {
+        for (of, values) in
+            [(&self.link.observer, &own.observer), (&self.link.controller, &own.controller)]
+        {
             if !values.is_empty() {
                 let _ = of.parameters.set(values, STOPPING);
             }
@@ -215,7 +225,8 @@ fn measured_period(link: &Link) -> Result<f64, RigSetupError> {
     let until = Instant::now() + PATIENCE;
     let mut first: Option<(Instant, rig_driver::Measurement)> = None;
     while Instant::now() < until {
-        let Some(Event::Measured { measurement, .. }) = link.next(Duration::from_millis(100)) else {
+        let Some(Event::Measured { measurement, .. }) = link.next(Duration::from_millis(100))
+        else {
             continue;
         };
         let (began, origin) = *first.get_or_insert_with(|| (Instant::now(), measurement));

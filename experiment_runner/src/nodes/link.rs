@@ -20,7 +20,8 @@ use super::{Assembler, Heard, Source, Whole};
 
 /// What waits for the one who drives: eight seconds at 1 kHz.
 const WAITING: usize = 16_384;
-/// How long it may take to find a node: on a busy machine the first answer to a new client can take seven seconds.
+/// How long it may take to find a node: on a busy machine the first answer to a new client can take
+/// seven seconds.
 pub(super) const FINDING: Duration = Duration::from_secs(25);
 /// How long a node may take to answer.
 pub(super) const PATIENCE: Duration = Duration::from_secs(8);
@@ -56,7 +57,8 @@ impl Led {
     }
 }
 
-/// The experiment on the network. The fields are dropped in this order: what belongs to the node, the node, the participant.
+/// The experiment on the network. The fields are dropped in this order: what belongs to the node,
+/// the node, the participant.
 pub struct Link {
     events: Mutex<Receiver<Event>>,
     ear: Arc<Ear>,
@@ -108,8 +110,9 @@ impl Ear {
 
     /// `rig` is the name under which the rig's driver speaks of its loop.
     fn diagnosed(&self, rig: &str, message: &DiagnosticArray) {
-        let of_rig =
-            |status: &&DiagnosticStatus| status.name == rig && status.level >= DiagnosticStatus::ERROR;
+        let of_rig = |status: &&DiagnosticStatus| {
+            status.name == rig && status.level >= DiagnosticStatus::ERROR
+        };
         if let Some(status) = message.status.iter().find(of_rig) {
             *locked(&self.fault) = Some(status.message.clone());
         }
@@ -164,7 +167,8 @@ impl Link {
         })?;
         let of_all = Arc::clone(&ear);
         let namespace = node.identity().namespace.trim_matches('/');
-        let rig = format!("{namespace}/rig_driver: control loop").trim_start_matches('/').to_owned();
+        let rig =
+            format!("{namespace}/rig_driver: control loop").trim_start_matches('/').to_owned();
         node.subscribe(&topics::DIAGNOSTICS, move |message| of_all.diagnosed(&rig, &message))?;
         Ok(Self {
             events: Mutex::new(receiver),
@@ -198,7 +202,8 @@ impl Link {
         self.ear.left.load(Ordering::Relaxed)
     }
 
-    /// Cycles of which something was not heard since [`begin`](Self::begin), or for which there was no time.
+    /// Cycles of which something was not heard since [`begin`](Self::begin), or for which there was
+    /// no time.
     pub(super) fn lost(&self) -> u64 {
         locked(&self.ear.assembler).lost() + self.ear.overrun.swap(0, Ordering::Relaxed)
     }
@@ -208,7 +213,8 @@ impl Link {
         locked(&self.ear.heard)[source as usize].map(|heard| heard.elapsed())
     }
 
-    /// What the rig's driver says of the fault it stopped the motor for, as long as it may take to be told.
+    /// What the rig's driver says of the fault it stopped the motor for, as long as it may take to
+    /// be told.
     pub(super) fn fault(&self, patience: Duration) -> Option<String> {
         let until = Instant::now() + patience;
         loop {

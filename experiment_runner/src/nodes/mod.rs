@@ -1,9 +1,11 @@
 //! The loop as it runs in the nodes: experiments driven over ROS 2.
 //!
-//! The executables `rig_driver`, `friction_observer` and `controller`, or `frictionlab live`, close the loop; an experiment says what they are to do
-//! (parameters, lifecycle), publishes `/reference`, or `/motor_voltage` where there is no controller, and listens. [`Assembler`] puts together again what the
-//! nodes say of one cycle, [`Link`] is the place on the network, [`NodesBench`] prepares the nodes for each run and leaves them as they were, and
-//! [`NodesLoop`] is one run.
+//! The executables `rig_driver`, `friction_observer` and `controller`, or `frictionlab live`, close
+//! the loop; an experiment says what they are to do (parameters, lifecycle), publishes
+//! `/reference`, or `/motor_voltage` where there is no controller, and listens. [`Assembler`] puts
+//! together again what the nodes say of one cycle, [`Link`] is the place on the network,
+//! [`NodesBench`] prepares the nodes for each run and leaves them as they were, and [`NodesLoop`]
+//! is one run.
 
 mod assembler;
 mod bench;

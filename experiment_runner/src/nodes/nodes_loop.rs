@@ -31,7 +31,8 @@ const TELLING: Duration = Duration::from_millis(1500);
 pub enum Task {
     /// The controller follows a reference.
     Follow(Waveform),
-    /// The controller follows a profile, or the profile's voltage goes to the motor and the controller rests.
+    /// The controller follows a profile, or the profile's voltage goes to the motor and the
+    /// controller rests.
     Excite(Excitation),
 }
 
@@ -120,7 +121,8 @@ impl NodesLoop {
         self.moving = true;
         link.rig.lifecycle.lead_to(Phase::Active, PATIENCE).map_err(elsewhere)?;
         link.begin(!open);
-        self.start_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
+        self.start_ns =
+            SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
         self.last = Instant::now();
         Ok(())
     }
@@ -138,7 +140,8 @@ impl NodesLoop {
         }
         // It takes effect with the next measurement.
         let reference = self.task.reference(time + self.period);
-        let absolute = Reference { position: reference.position + origin.encoder_position, ..reference };
+        let absolute =
+            Reference { position: reference.position + origin.encoder_position, ..reference };
         let next_ns = stamp_ns + (self.period * 1e9).round() as u64;
         self.link.refer(next_ns, &absolute).map_err(elsewhere)
     }
@@ -158,7 +161,8 @@ impl NodesLoop {
                 self.sent.front().map_or_else(Command::default, |(_, command)| *command)
             }
         };
-        let shift = if command.mode == ControlMode::Position { origin.encoder_position } else { 0.0 };
+        let shift =
+            if command.mode == ControlMode::Position { origin.encoder_position } else { 0.0 };
         let seen = &whole.measurement;
         let measurement = Measurement {
             cycle: seen.cycle.saturating_sub(origin.cycle),
@@ -233,10 +237,15 @@ impl RunningLoop for NodesLoop {
             }
             match self.link.next(LOOK) {
                 Some(Event::Measured { measurement, .. }) if measurement.fault => {
-                    let said = self.link.fault(TELLING).unwrap_or_else(|| "its log says why".to_owned());
-                    return Err(RigError::Elsewhere(format!("/rig_driver stopped the motor: {said}")));
+                    let said =
+                        self.link.fault(TELLING).unwrap_or_else(|| "its log says why".to_owned());
+                    return Err(RigError::Elsewhere(format!(
+                        "/rig_driver stopped the motor: {said}"
+                    )));
                 }
-                Some(Event::Measured { stamp_ns, measurement }) => self.answer(stamp_ns, &measurement)?,
+                Some(Event::Measured { stamp_ns, measurement }) => {
+                    self.answer(stamp_ns, &measurement)?
+                }
                 Some(Event::Whole(whole)) => {
                     self.last = Instant::now();
                     if let Some(sample) = self.sample(&whole) {

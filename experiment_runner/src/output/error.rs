@@ -35,7 +35,8 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether whoever started the program can mend it by naming another place. A full disk is a failure of the work itself.
+    /// Whether whoever started the program can mend it by naming another place. A full disk is a
+    /// failure of the work itself.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
         !is_full(self)
@@ -54,13 +55,16 @@ impl OutputError {
 /// Whether no space on a disk, or a used up quota, is behind an error.
 #[must_use]
 pub fn is_full(error: &(dyn Error + 'static)) -> bool {
-    let full = |error: &io::Error| matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded);
+    let full = |error: &io::Error| {
+        matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+    };
     let mut next = Some(error);
     while let Some(error) = next {
         if error.downcast_ref::<io::Error>().is_some_and(full) {
             return true;
         }
-        // What an `io::Error` wraps is left out by its `source`, which goes to the wrapped one's source at once.
+        // What an `io::Error` wraps is left out by its `source`, which goes to the wrapped one's
+        // source at once.
         let wrapped = error.downcast_ref::<io::Error>().and_then(io::Error::get_ref);
         next = match wrapped {
             Some(wrapped) => Some(wrapped),
@@ -97,9 +101,11 @@ mod tests {
         );
         assert!(is_full(&direct) && !direct.is_bad_input());
         assert!(is_full(&io::Error::other(full())));
-        let quota = OutputError::Write { path: "x".into(), source: ErrorKind::QuotaExceeded.into() };
+        let quota =
+            OutputError::Write { path: "x".into(), source: ErrorKind::QuotaExceeded.into() };
         assert!(is_full(&quota));
-        let denied = OutputError::Write { path: "x".into(), source: ErrorKind::PermissionDenied.into() };
+        let denied =
+            OutputError::Write { path: "x".into(), source: ErrorKind::PermissionDenied.into() };
         assert!(!is_full(&denied) && denied.is_bad_input() && denied.to_string().contains("--out"));
     }
 }

@@ -23,8 +23,9 @@ enum To {
 }
 
 impl OutputFile {
-    /// The file of that path, which must not be there unless `force`; `-` is standard output. What is no regular file is written through. Nothing is
-    /// written yet, but a place that cannot be written is told.
+    /// The file of that path, which must not be there unless `force`; `-` is standard output. What
+    /// is no regular file is written through. Nothing is written yet, but a place that cannot be
+    /// written is told.
     ///
     /// # Errors
     /// [`OutputError`].
@@ -150,7 +151,10 @@ mod tests {
         let path = root.path().join("deep/friction.csv");
         OutputFile::new(&path, false).unwrap().write(b"one").unwrap();
         let error = OutputFile::new(&path, false).unwrap_err();
-        assert!(matches!(error, OutputError::Exists(_)) && error.to_string().contains("--force"), "{error}");
+        assert!(
+            matches!(error, OutputError::Exists(_)) && error.to_string().contains("--force"),
+            "{error}"
+        );
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         OutputFile::new(&path, true).unwrap().write(b"two").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use super::{OutputError, first_missing, remove_empty, write_all};
 use crate::durable;
 
-/// A folder for the results of one command. It is there from the start, so that a folder that cannot be written is told before the work and not after it,
-/// and is removed when nothing was written.
+/// A folder for the results of one command. It is there from the start, so that a folder that
+/// cannot be written is told before the work and not after it, and is removed when nothing was
+/// written.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -17,17 +18,24 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The folder `given`, which must be new or empty unless `force`; without one a new folder `NAME-N` in `runs` with the first free N. Programs that
-    /// start at once get one each.
+    /// The folder `given`, which must be new or empty unless `force`; without one a new folder
+    /// `NAME-N` in `runs` with the first free N. Programs that start at once get one each.
     ///
     /// # Errors
     /// [`OutputError`] if it holds something or cannot be written. Nothing is made then.
-    pub fn reserve(given: Option<&Path>, runs: &Path, name: &str, force: bool) -> Result<Self, OutputError> {
+    pub fn reserve(
+        given: Option<&Path>,
+        runs: &Path,
+        name: &str,
+        force: bool,
+    ) -> Result<Self, OutputError> {
         let folder = match given {
             Some(path) => Self::given(path, force)?,
             None => Self::numbered(runs, name)?,
         };
-        folder.probe().map_err(|source| OutputError::Write { path: folder.path.clone(), source })?;
+        folder
+            .probe()
+            .map_err(|source| OutputError::Write { path: folder.path.clone(), source })?;
         Ok(folder)
     }
 
@@ -51,7 +59,8 @@ impl Folder {
     fn numbered(runs: &Path, name: &str) -> Result<Self, OutputError> {
         let fail = |source| OutputError::Write { path: runs.to_owned(), source };
         let mut number: u64 = 1;
-        // Another program may remove the folder of runs, which it made in vain, between the two steps.
+        // Another program may remove the folder of runs, which it made in vain, between the two
+        // steps.
         let mut vanished = 0;
         loop {
             let top = first_missing(runs);
@@ -63,7 +72,9 @@ impl Folder {
                     return Ok(Self { path, made });
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
-                Err(error) if error.kind() == ErrorKind::NotFound && vanished < 1000 => vanished += 1,
+                Err(error) if error.kind() == ErrorKind::NotFound && vanished < 1000 => {
+                    vanished += 1
+                }
                 Err(source) => return Err(OutputError::Write { path, source }),
             }
         }
@@ -179,7 +190,8 @@ mod tests {
     #[test]
     fn a_folder_that_was_named_is_new_or_empty_unless_forced() {
         let root = tempfile::tempdir().unwrap();
-        let reserve = |path: &Path, force| Folder::reserve(Some(path), Path::new("unused"), "unused", force);
+        let reserve =
+            |path: &Path, force| Folder::reserve(Some(path), Path::new("unused"), "unused", force);
         let out = root.path().join("deep/out");
         drop(reserve(&out, false).unwrap());
         assert!(!root.path().join("deep").exists(), "nothing was written into it");

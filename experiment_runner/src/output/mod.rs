@@ -1,8 +1,9 @@
 //! Where results go: one rule for every command.
 //!
-//! A command that writes several files gets a [`Folder`] of its own, numbered under `runs/` unless one is named. A command that writes one file has an
-//! [`OutputFile`]. What exists is refused unless it may be replaced, and what is no regular file is never replaced. Files appear whole or not at all,
-//! and outlive a power cut.
+//! A command that writes several files gets a [`Folder`] of its own, numbered under `runs/` unless
+//! one is named. A command that writes one file has an [`OutputFile`]. What exists is refused
+//! unless it may be replaced, and what is no regular file is never replaced. Files appear whole or
+//! not at all, and outlive a power cut.
 
 mod error;
 mod file;
@@ -19,9 +20,10 @@ use crate::durable::{self, Draft, System, sync_made};
 
 /// Writes the files (name, content) into `folder`, which is made if need be.
 ///
-/// Each goes to a temporary name first; only when all are on the disk are they renamed, and when this returns the names are on the disk too.
-/// On an error nothing of it stays behind, and files of an earlier run are as they were; a kill or a power cut leaves each file as it was or
-/// as it was to be. A file that is replaced keeps its mode; what is no regular file is written through.
+/// Each goes to a temporary name first; only when all are on the disk are they renamed, and when
+/// this returns the names are on the disk too. On an error nothing of it stays behind, and files of
+/// an earlier run are as they were; a kill or a power cut leaves each file as it was or as it was
+/// to be. A file that is replaced keeps its mode; what is no regular file is written through.
 ///
 /// # Errors
 /// [`OutputError`] with the path that failed.
@@ -118,8 +120,12 @@ mod tests {
         let folder = root.path().join("out");
         // The second target is a folder: the first file must not appear either.
         fs::create_dir_all(folder.join("y.html")).unwrap();
-        let error = write_all(&folder, &[("x.json", String::new()), ("y.html", String::new())]).unwrap_err();
-        assert!(error.to_string().contains("y.html") && error.to_string().contains("--out"), "{error}");
+        let error = write_all(&folder, &[("x.json", String::new()), ("y.html", String::new())])
+            .unwrap_err();
+        assert!(
+            error.to_string().contains("y.html") && error.to_string().contains("--out"),
+            "{error}"
+        );
         assert_eq!(names(&folder), ["y.html"]);
 
         fs::write(root.path().join("file"), "").unwrap();

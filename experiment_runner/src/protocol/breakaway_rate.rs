@@ -37,8 +37,14 @@ impl BreakawayRateProtocol {
     #[must_use]
     pub fn sine(&self, w: f64) -> Profile {
         let duration = std::f64::consts::PI / w;
-        let wave =
-            Segment::Wave { level: 0.0, amplitude: self.amplitude, phase: 0.0, from: w, to: w, duration };
+        let wave = Segment::Wave {
+            level: 0.0,
+            amplitude: self.amplitude,
+            phase: 0.0,
+            from: w,
+            to: w,
+            duration,
+        };
         Profile::new(vec![Segment::REST, wave])
     }
 
@@ -98,13 +104,20 @@ impl TryFrom<Sheet> for BreakawayRateProtocol {
 
     fn try_from(sheet: Sheet) -> Result<Self, ProtocolError> {
         let list = |list: &[Quantity], key: &str, dimension, least, most| {
-            let each = |(i, &quantity)| within(quantity, &format!("{key}[{i}]"), dimension, least, most);
+            let each =
+                |(i, &quantity)| within(quantity, &format!("{key}[{i}]"), dimension, least, most);
             list.iter().enumerate().map(each).collect::<Result<Vec<f64>, _>>()
         };
         Ok(Self {
             rates: list(&sheet.ramps.rates, "ramps.rates", Dimension::TorqueRate, 1e-4, 100.0)?,
             up_to: within(sheet.ramps.up_to, "ramps.up_to", Dimension::Torque, 1e-4, 10.0)?,
-            amplitude: within(sheet.sines.amplitude, "sines.amplitude", Dimension::Torque, 1e-4, 10.0)?,
+            amplitude: within(
+                sheet.sines.amplitude,
+                "sines.amplitude",
+                Dimension::Torque,
+                1e-4,
+                10.0,
+            )?,
             frequencies: list(
                 &sheet.sines.frequencies,
                 "sines.frequencies",

@@ -85,7 +85,8 @@ impl TryFrom<Sheet> for CompensationProtocol {
         for (index, task) in sheet.tasks.into_iter().enumerate() {
             let key = |field: &str| format!("tasks[{index}].{field}");
             let plain = |c: char| c.is_ascii_alphanumeric() || " -_.".contains(c);
-            if task.name.trim().is_empty() || task.name.len() > 60 || !task.name.chars().all(plain) {
+            if task.name.trim().is_empty() || task.name.len() > 60 || !task.name.chars().all(plain)
+            {
                 let expected = "a name of up to 60 letters, digits, blanks, -, _ and .";
                 return Err(ProtocolError::new(key("name"), format!("`{}`", task.name), expected));
             }
@@ -121,8 +122,9 @@ fn reference(
         ControlMode::Velocity => (Dimension::AngularVelocity, 50.0),
         ControlMode::Position => (Dimension::Angle, 1000.0),
     };
-    let level =
-        |quantity, field: &str| within(quantity, &key(&format!("reference.{field}")), dimension, -most, most);
+    let level = |quantity, field: &str| {
+        within(quantity, &key(&format!("reference.{field}")), dimension, -most, most)
+    };
     let step = |to, at| match mode {
         ControlMode::Velocity => Waveform::StepVelocity { velocity: to, at },
         ControlMode::Position => Waveform::StepPosition { position: to, at },
@@ -131,7 +133,8 @@ fn reference(
         ReferenceSheet::Sine { amplitude, frequency } => {
             let amplitude = level(amplitude, "sine.amplitude")?;
             let field = key("reference.sine.frequency");
-            let angular_frequency = within(frequency, &field, Dimension::AngularVelocity, 1e-3, 500.0)?;
+            let angular_frequency =
+                within(frequency, &field, Dimension::AngularVelocity, 1e-3, 500.0)?;
             match mode {
                 ControlMode::Velocity => Waveform::SineVelocity { amplitude, angular_frequency },
                 ControlMode::Position => Waveform::SinePosition { amplitude, angular_frequency },
@@ -156,12 +159,20 @@ mod tests {
         let names: Vec<_> = shipped.tasks.iter().map(|task| task.name.as_str()).collect();
         assert_eq!(
             names,
-            ["velocity tracking", "velocity regulation", "position tracking", "position regulation"]
+            [
+                "velocity tracking",
+                "velocity regulation",
+                "position tracking",
+                "position regulation"
+            ]
         );
         assert_eq!(shipped.tasks[0].protocol, TrackingProtocol::velocity());
         assert_eq!(shipped.tasks[2].protocol, TrackingProtocol::position());
         assert_eq!(shipped.tasks[1].protocol.inverse, InverseUse::Gain);
-        assert_eq!(shipped.tasks[1].protocol.reference, Waveform::StepVelocity { velocity: 1.0, at: 0.0 });
+        assert_eq!(
+            shipped.tasks[1].protocol.reference,
+            Waveform::StepVelocity { velocity: 1.0, at: 0.0 }
+        );
     }
 
     #[test]
@@ -183,7 +194,11 @@ mod tests {
             ),
             ("regulate: position", "regulate: happiness", "happiness"),
             ("duration: 58.7 s", "duration: 0 s", "`tasks[0].duration` must be a time"),
-            ("repetitions: 5", "repetitions: 0", "`repetitions` must be a whole number from 1 to 1000"),
+            (
+                "repetitions: 5",
+                "repetitions: 0",
+                "`repetitions` must be a whole number from 1 to 1000",
+            ),
         ] {
             let text = Kind::Compensation.text();
             assert!(text.contains(from), "{from} is not in the shipped file");

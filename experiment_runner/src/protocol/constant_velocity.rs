@@ -24,12 +24,19 @@ pub struct ConstantVelocityProtocol {
 }
 
 impl Default for ConstantVelocityProtocol {
-    /// The full protocol: 80 velocities (30 in 0.03 to 0.5, 50 in 0.55 to 4 rad/s), 15 s each of which 10.5 s count, 10
-    /// repetitions, two sets.
+    /// The full protocol: 80 velocities (30 in 0.03 to 0.5, 50 in 0.55 to 4 rad/s), 15 s each of
+    /// which 10.5 s count, 10 repetitions, two sets.
     fn default() -> Self {
         let mut velocities = spaced(0.03, 0.5, 30);
         velocities.extend(spaced(0.55, 4.0, 50));
-        Self { velocities, duration: 15.0, drop_first: 3.0, drop_last: 1.5, repetitions: 10, sets: 2 }
+        Self {
+            velocities,
+            duration: 15.0,
+            drop_first: 3.0,
+            drop_last: 1.5,
+            repetitions: 10,
+            sets: 2,
+        }
     }
 }
 
@@ -45,7 +52,10 @@ impl ConstantVelocityProtocol {
     /// Time that the whole experiment takes on a rig [s].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
-        self.duration * self.velocities.len() as f64 * f64::from(self.repetitions) * f64::from(self.sets)
+        self.duration
+            * self.velocities.len() as f64
+            * f64::from(self.repetitions)
+            * f64::from(self.sets)
     }
 }
 
@@ -128,6 +138,8 @@ mod tests {
         assert!(protocol.velocities.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!((protocol.velocities[0], protocol.velocities[79]), (0.03, 4.0));
         assert_eq!(protocol.rig_seconds(), 24_000.0);
-        assert!((protocol.duration - protocol.drop_first - protocol.drop_last - 10.5).abs() < 1e-12);
+        assert!(
+            (protocol.duration - protocol.drop_first - protocol.drop_last - 10.5).abs() < 1e-12
+        );
     }
 }

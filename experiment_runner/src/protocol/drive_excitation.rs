@@ -91,9 +91,11 @@ impl TryFrom<Sheet> for DriveExcitationProtocol {
     type Error = ProtocolError;
 
     fn try_from(sheet: Sheet) -> Result<Self, ProtocolError> {
-        let volts = |quantity, key: &str| within(quantity, key, Dimension::Voltage, 1e-3, HIGHEST_VOLTAGE);
+        let volts =
+            |quantity, key: &str| within(quantity, key, Dimension::Voltage, 1e-3, HIGHEST_VOLTAGE);
         let time = |quantity, key: &str| within(quantity, key, Dimension::Time, 1e-3, 3600.0);
-        let frequency = |quantity, key: &str| within(quantity, key, Dimension::AngularVelocity, 0.01, 500.0);
+        let frequency =
+            |quantity, key: &str| within(quantity, key, Dimension::AngularVelocity, 0.01, 500.0);
         let mut highest: f64 = 0.0;
         let mut segments = Vec::new();
         if let Some(Steps { levels, duration }) = &sheet.steps {
@@ -111,7 +113,8 @@ impl TryFrom<Sheet> for DriveExcitationProtocol {
             let (bit, duration) = (time(*bit, "prbs.bit")?, time(*duration, "prbs.duration")?);
             highest = highest.max(amplitude);
             let bits = (duration / bit).round().clamp(1.0, 1e6) as usize;
-            segments.extend(bits_of(bits).map(|up| hold(if up { amplitude } else { -amplitude }, bit)));
+            segments
+                .extend(bits_of(bits).map(|up| hold(if up { amplitude } else { -amplitude }, bit)));
             segments.push(Segment::REST);
         }
         if let Some(Chirp { amplitude, from, to, duration }) = &sheet.chirp {
@@ -139,7 +142,10 @@ impl TryFrom<Sheet> for DriveExcitationProtocol {
         segments.insert(0, Segment::REST);
         segments.push(Segment::REST);
         Ok(Self {
-            excitation: Excitation { quantity: DrivenQuantity::Voltage, profile: Profile::new(segments) },
+            excitation: Excitation {
+                quantity: DrivenQuantity::Voltage,
+                profile: Profile::new(segments),
+            },
             highest,
             travel: within(sheet.travel, "travel", Dimension::Angle, 1e-3, 1e4)?,
             repetitions: count(sheet.repetitions, "repetitions", 1, 1000)?,
@@ -147,7 +153,8 @@ impl TryFrom<Sheet> for DriveExcitationProtocol {
     }
 }
 
-/// Bits of the maximum-length sequence of x^9 + x^5 + 1, period 511: almost as many ones as zeros, whatever comes before.
+/// Bits of the maximum-length sequence of x^9 + x^5 + 1, period 511: almost as many ones as zeros,
+/// whatever comes before.
 fn bits_of(number: usize) -> impl Iterator<Item = bool> {
     let mut register: u16 = 0x1ff;
     (0..number).map(move |_| {
@@ -166,8 +173,9 @@ mod tests {
     fn the_shipped_protocol_stays_within_its_voltage_and_drives_both_ways() {
         let protocol = DriveExcitationProtocol::shipped().unwrap();
         let profile = &protocol.excitation.profile;
-        let values: Vec<f64> =
-            (0..=(profile.duration() * 1e3) as u32).map(|ms| profile.at(f64::from(ms) * 1e-3).0).collect();
+        let values: Vec<f64> = (0..=(profile.duration() * 1e3) as u32)
+            .map(|ms| profile.at(f64::from(ms) * 1e-3).0)
+            .collect();
         let highest = values.iter().fold(0.0f64, |most, volts| most.max(volts.abs()));
         assert!((highest - protocol.highest).abs() < 1e-9, "{highest}");
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -187,7 +195,9 @@ mod tests {
     #[test]
     fn a_part_may_be_left_out_but_not_all() {
         let text = "experiment: drive-excitation\nsteps: {levels: [2 V], duration: 1 s}\ntravel: 3 rad\nrepetitions: 2\n";
-        let Protocol::DriveExcitation(protocol) = Protocol::read(text).unwrap() else { panic!("{text}") };
+        let Protocol::DriveExcitation(protocol) = Protocol::read(text).unwrap() else {
+            panic!("{text}")
+        };
         assert_eq!((protocol.highest, protocol.travel, protocol.repetitions), (2.0, 3.0, 2));
         let empty = "experiment: drive-excitation\ntravel: 3 rad\nrepetitions: 2\n";
         assert!(Protocol::read(empty).unwrap_err().to_string().contains("prbs"));

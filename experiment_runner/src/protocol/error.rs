@@ -28,7 +28,11 @@ pub enum ProtocolError {
 
 impl ProtocolError {
     /// A value that cannot be.
-    pub(super) fn new(key: impl Into<String>, found: impl Display, expected: impl Into<String>) -> Self {
+    pub(super) fn new(
+        key: impl Into<String>,
+        found: impl Display,
+        expected: impl Into<String>,
+    ) -> Self {
         Self::Value { key: key.into(), found: found.to_string(), expected: expected.into() }
     }
 }

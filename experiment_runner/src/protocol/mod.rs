@@ -1,8 +1,8 @@
 //! Experiments as data: what is driven, for how long, how often.
 //!
-//! A protocol is a YAML file in which every number carries its unit (`15 s`, `0.03 rad/s`). The files of the thesis's four
-//! experiments are part of the program ([`Kind::shipped`]): what `frictionlab protocols` prints is what runs. Inside the
-//! program everything is in SI units.
+//! A protocol is a YAML file in which every number carries its unit (`15 s`, `0.03 rad/s`). The
+//! files of the thesis's four experiments are part of the program ([`Kind::shipped`]): what
+//! `frictionlab protocols` prints is what runs. Inside the program everything is in SI units.
 
 mod breakaway_rate;
 mod compensation;
@@ -145,11 +145,15 @@ impl Protocol {
             Kind::VaryingVelocity => {
                 Self::VaryingVelocity(sheet::<varying_velocity::Sheet>(text, name)?.try_into()?)
             }
-            Kind::PreSliding => Self::PreSliding(sheet::<pre_sliding::Sheet>(text, name)?.try_into()?),
+            Kind::PreSliding => {
+                Self::PreSliding(sheet::<pre_sliding::Sheet>(text, name)?.try_into()?)
+            }
             Kind::BreakawayRate => {
                 Self::BreakawayRate(sheet::<breakaway_rate::Sheet>(text, name)?.try_into()?)
             }
-            Kind::Compensation => Self::Compensation(sheet::<compensation::Sheet>(text, name)?.try_into()?),
+            Kind::Compensation => {
+                Self::Compensation(sheet::<compensation::Sheet>(text, name)?.try_into()?)
+            }
             Kind::DriveExcitation => {
                 Self::DriveExcitation(sheet::<drive_excitation::Sheet>(text, name)?.try_into()?)
             }
@@ -175,7 +179,8 @@ impl Protocol {
 fn sheet<T: for<'de> Deserialize<'de>>(text: &str, name: &'static str) -> Result<T, ProtocolError> {
     serde_saphyr::from_str(text).map_err(|error| {
         let said = error.to_string();
-        let detail = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+        let detail =
+            said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
         ProtocolError::Form { detail, name }
     })
 }

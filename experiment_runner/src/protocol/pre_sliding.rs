@@ -1,4 +1,5 @@
-//! Experiment 3: breakaway by slow ramps of torque (stage 1), and a nested path below breakaway (stage 2).
+//! Experiment 3: breakaway by slow ramps of torque (stage 1), and a nested path below breakaway
+//! (stage 2).
 
 use serde::{Deserialize, Serialize};
 
@@ -10,18 +11,21 @@ use crate::profile::{Profile, Segment};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Displacement {
-    /// The encoder: exact, but coarse (1.5 mrad on the test bed, a quarter of the breakaway displacement).
+    /// The encoder: exact, but coarse (1.5 mrad on the test bed, a quarter of the breakaway
+    /// displacement).
     Encoder,
     /// The potentiometer: its noise hides its steps, so that the mean has no bias.
     Potentiometer,
 }
 
-/// When sliding begins: with the last stretch before gross motion in which the speed is above both limits.
+/// When sliding begins: with the last stretch before gross motion in which the speed is above both
+/// limits.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OnsetRule {
     /// Smallest speed that counts [rad/s], clear of the sensor's noise.
     pub speed: f64,
-    /// Multiple of the mean speed since the torque began to rise: more than this, pre-sliding does not explain.
+    /// Multiple of the mean speed since the torque began to rise: more than this, pre-sliding does
+    /// not explain.
     pub ratio: f64,
     /// Displacement that no pre-sliding reaches [rad]: gross motion.
     pub gross_motion: f64,
@@ -144,7 +148,13 @@ impl TryFrom<OnsetSheet> for OnsetRule {
         Ok(Self {
             speed: within(sheet.speed, "onset.speed", Dimension::AngularVelocity, 1e-5, 10.0)?,
             ratio: sheet.ratio,
-            gross_motion: within(sheet.gross_motion, "onset.gross_motion", Dimension::Angle, 1e-5, 6.0)?,
+            gross_motion: within(
+                sheet.gross_motion,
+                "onset.gross_motion",
+                Dimension::Angle,
+                1e-5,
+                6.0,
+            )?,
         })
     }
 }

@@ -81,16 +81,21 @@ impl TryFrom<String> for Quantity {
             .find(|&(i, c)| !(c.is_ascii_digit() || "+-.".contains(c) || is_exponent(text, i)))
             .map_or(text.len(), |(i, _)| i);
         let (number, unit) = text.split_at(end);
-        let wrong =
-            || format!("`{text}` is not a number with its unit; write it as in `15 s` (units: {})", units());
+        let wrong = || {
+            format!(
+                "`{text}` is not a number with its unit; write it as in `15 s` (units: {})",
+                units()
+            )
+        };
         let number: f64 = number.trim().parse().map_err(|_| wrong())?;
         let unit = unit.split_whitespace().collect::<Vec<_>>().join(" ").replace("Nm", "N m");
         if unit.is_empty() || !number.is_finite() {
             return Err(wrong());
         }
         let found = UNITS.iter().find(|candidate| candidate.0 == unit);
-        let &(_, dimension, size) = found
-            .ok_or_else(|| format!("`{text}`: the unit `{unit}` is not known; use one of {}", units()))?;
+        let &(_, dimension, size) = found.ok_or_else(|| {
+            format!("`{text}`: the unit `{unit}` is not known; use one of {}", units())
+        })?;
         Ok(Self { value: number * size, dimension })
     }
 }
@@ -98,7 +103,8 @@ impl TryFrom<String> for Quantity {
 /// Whether the character at `i` is the e of an exponent, as in `1e-3`.
 fn is_exponent(text: &str, i: usize) -> bool {
     let next = text[i..].chars().nth(1);
-    text[i..].starts_with(['e', 'E']) && next.is_some_and(|c| c.is_ascii_digit() || c == '-' || c == '+')
+    text[i..].starts_with(['e', 'E'])
+        && next.is_some_and(|c| c.is_ascii_digit() || c == '-' || c == '+')
 }
 
 impl fmt::Display for Quantity {
@@ -126,7 +132,10 @@ mod tests {
             ("180 deg", std::f64::consts::PI, Dimension::Angle),
         ] {
             let found = read(text).unwrap();
-            assert!((found.value - value).abs() < 1e-12 && found.dimension == dimension, "{text}: {found:?}");
+            assert!(
+                (found.value - value).abs() < 1e-12 && found.dimension == dimension,
+                "{text}: {found:?}"
+            );
         }
     }
 

@@ -72,10 +72,12 @@ impl TryFrom<Sheet> for SequenceProtocol {
         let mut level = 0.0;
         for (index, segment) in sheet.segments.iter().enumerate() {
             let key = |field: &str| format!("segments[{index}].{field}");
-            let driven = |quantity, field: &str| within(quantity, &key(field), dimension, -most, most);
+            let driven =
+                |quantity, field: &str| within(quantity, &key(field), dimension, -most, most);
             let time = |quantity| within(quantity, &key("duration"), Dimension::Time, 1e-3, 3600.0);
-            let frequency =
-                |quantity, field: &str| within(quantity, &key(field), Dimension::AngularVelocity, 0.0, 500.0);
+            let frequency = |quantity, field: &str| {
+                within(quantity, &key(field), Dimension::AngularVelocity, 0.0, 500.0)
+            };
             let wave = |amplitude, from, to, duration| Segment::Wave {
                 level,
                 amplitude,
@@ -87,7 +89,11 @@ impl TryFrom<Sheet> for SequenceProtocol {
             match segment {
                 SegmentSheet::Hold { level, duration } => {
                     let level = driven(*level, "level")?;
-                    segments.push(Segment::Line { from: level, to: level, duration: time(*duration)? });
+                    segments.push(Segment::Line {
+                        from: level,
+                        to: level,
+                        duration: time(*duration)?,
+                    });
                 }
                 SegmentSheet::Ramp { to, duration } => {
                     let to = driven(*to, "to")?;
@@ -99,12 +105,19 @@ impl TryFrom<Sheet> for SequenceProtocol {
                 }
                 SegmentSheet::Chirp { amplitude, from, to, duration } => {
                     let (from, to) = (frequency(*from, "from")?, frequency(*to, "to")?);
-                    segments.push(wave(driven(*amplitude, "amplitude")?, from, to, time(*duration)?));
+                    segments.push(wave(
+                        driven(*amplitude, "amplitude")?,
+                        from,
+                        to,
+                        time(*duration)?,
+                    ));
                 }
                 SegmentSheet::Path { turns, duration } => {
-                    let each =
-                        |(i, &turn)| within(turn, &key(&format!("turns[{i}]")), dimension, -most, most);
-                    let turns: Vec<f64> = turns.iter().enumerate().map(each).collect::<Result<_, _>>()?;
+                    let each = |(i, &turn)| {
+                        within(turn, &key(&format!("turns[{i}]")), dimension, -most, most)
+                    };
+                    let turns: Vec<f64> =
+                        turns.iter().enumerate().map(each).collect::<Result<_, _>>()?;
                     if level == 0.0 {
                         check_turns(&turns, &key("turns"))?;
                     }

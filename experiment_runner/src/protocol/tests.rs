@@ -16,19 +16,24 @@ fn the_shipped_constant_velocities_are_the_thesis_protocol() {
 
 #[test]
 fn the_shipped_chirp_has_9425_samples_and_reaches_10_rad_per_second() {
-    let Ok(Protocol::VaryingVelocity(protocol)) = Protocol::read(Kind::VaryingVelocity.text()) else {
+    let Ok(Protocol::VaryingVelocity(protocol)) = Protocol::read(Kind::VaryingVelocity.text())
+    else {
         panic!()
     };
     assert_eq!((protocol.chirp_duration * 1e3).round() as u32 + 1, 9425);
-    // At the end the rate is at most amplitude times 10 rad/s; the velocity never falls below bias - amplitude.
+    // At the end the rate is at most amplitude times 10 rad/s; the velocity never falls below bias
+    // - amplitude.
     let chirp = protocol.chirp();
-    let slowest = (0..12_424).map(|i| chirp.at(f64::from(i) * 1e-3).0).fold(f64::INFINITY, f64::min);
+    let slowest =
+        (0..12_424).map(|i| chirp.at(f64::from(i) * 1e-3).0).fold(f64::INFINITY, f64::min);
     assert!((slowest - 0.05).abs() < 1e-9, "{slowest}");
 }
 
 #[test]
 fn the_shipped_path_has_15_turns_and_4000_samples() {
-    let Ok(Protocol::PreSliding(protocol)) = Protocol::read(Kind::PreSliding.text()) else { panic!() };
+    let Ok(Protocol::PreSliding(protocol)) = Protocol::read(Kind::PreSliding.text()) else {
+        panic!()
+    };
     assert_eq!((protocol.turns.len(), protocol.samples), (15, 4000));
 }
 
@@ -62,7 +67,12 @@ fn every_mistake_gets_its_sentence() {
             "points: 0",
             "`velocities[0].points` must be a whole number from 2 to 1000, but is 0",
         ),
-        (Kind::ConstantVelocity, "repetitions: 10", "repetitions: 0", "`repetitions` must be a whole number"),
+        (
+            Kind::ConstantVelocity,
+            "repetitions: 10",
+            "repetitions: 0",
+            "`repetitions` must be a whole number",
+        ),
         (Kind::ConstantVelocity, "sets: 2", "sets: two", "line"),
         (Kind::ConstantVelocity, "sets: 2", "", "sets"),
         (Kind::VaryingVelocity, "amplitude: 0.95", "amplitude: 1.05", "below the bias 1 rad/s"),
@@ -75,9 +85,24 @@ fn every_mistake_gets_its_sentence() {
             "`chirp.up_to` must be an angular velocity",
         ),
         (Kind::VaryingVelocity, "feed_forward: true", "feedforward: true", "feedforward"),
-        (Kind::PreSliding, "rate: 0.02 N m/s", "rate: 0 N m/s", "`ramps.rate` must be a rate of torque"),
-        (Kind::PreSliding, "turns: [0.085 N m,", "turns: [0 N m,", "`path.turns[0]` must be another level"),
-        (Kind::PreSliding, "ratio: 2.5", "ratio: 0.5", "`onset.ratio` must be a number from 1 to 100"),
+        (
+            Kind::PreSliding,
+            "rate: 0.02 N m/s",
+            "rate: 0 N m/s",
+            "`ramps.rate` must be a rate of torque",
+        ),
+        (
+            Kind::PreSliding,
+            "turns: [0.085 N m,",
+            "turns: [0 N m,",
+            "`path.turns[0]` must be another level",
+        ),
+        (
+            Kind::PreSliding,
+            "ratio: 2.5",
+            "ratio: 0.5",
+            "`onset.ratio` must be a number from 1 to 100",
+        ),
         (Kind::PreSliding, "displacement: potentiometer", "displacement: ruler", "ruler"),
         (
             Kind::BreakawayRate,

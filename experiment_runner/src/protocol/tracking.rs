@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::waveform::Waveform;
 
-/// How much of the reference is fed forward through the inverse of the frictionless drive, `B(s) = (T s + 1) / K` (thesis section 6.3).
+/// How much of the reference is fed forward through the inverse of the frictionless drive,
+/// `B(s) = (T s + 1) / K` (thesis section 6.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InverseUse {
@@ -36,7 +37,8 @@ pub struct TrackingProtocol {
 }
 
 impl TrackingProtocol {
-    /// Velocity tracking of the thesis's Table 6.5: one period of r = 0.30 sin(0.107 t) rad/s, 5 repetitions.
+    /// Velocity tracking of the thesis's Table 6.5: one period of r = 0.30 sin(0.107 t) rad/s, 5
+    /// repetitions.
     #[must_use]
     pub fn velocity() -> Self {
         Self {
@@ -48,7 +50,8 @@ impl TrackingProtocol {
         }
     }
 
-    /// Position tracking of the thesis's Table 6.7: 20 s of r = 1.0 sin(0.546 t) rad, 5 repetitions.
+    /// Position tracking of the thesis's Table 6.7: 20 s of r = 1.0 sin(0.546 t) rad, 5
+    /// repetitions.
     #[must_use]
     pub fn position() -> Self {
         Self {

@@ -1,4 +1,5 @@
-//! Experiment 2: a velocity that varies without a reversal, v = bias - amplitude cos(w t) (thesis eq. 4.14).
+//! Experiment 2: a velocity that varies without a reversal, v = bias - amplitude cos(w t) (thesis
+//! eq. 4.14).
 
 use serde::{Deserialize, Serialize};
 
@@ -111,9 +112,11 @@ impl TryFrom<Sheet> for VaryingVelocityProtocol {
 
     fn try_from(sheet: Sheet) -> Result<Self, ProtocolError> {
         let bias = within(sheet.bias, "bias", Dimension::AngularVelocity, 1e-3, 50.0)?;
-        let amplitude = within(sheet.amplitude, "amplitude", Dimension::AngularVelocity, 1e-4, 50.0)?;
+        let amplitude =
+            within(sheet.amplitude, "amplitude", Dimension::AngularVelocity, 1e-4, 50.0)?;
         if amplitude >= bias {
-            let expected = format!("below the bias {}, so that the velocity keeps its sign", sheet.bias);
+            let expected =
+                format!("below the bias {}, so that the velocity keeps its sign", sheet.bias);
             return Err(ProtocolError::new("amplitude", sheet.amplitude, expected));
         }
         let duration = within(sheet.duration, "duration", Dimension::Time, 0.1, 3600.0)?;
@@ -139,8 +142,20 @@ impl TryFrom<Sheet> for VaryingVelocityProtocol {
             run_in: within(sheet.run_in, "run_in", Dimension::Time, 0.0, 600.0)?,
             duration,
             drop_first,
-            chirp_up_to: within(sheet.chirp.up_to, "chirp.up_to", Dimension::AngularVelocity, 0.01, 200.0)?,
-            chirp_duration: within(sheet.chirp.duration, "chirp.duration", Dimension::Time, 0.1, 3600.0)?,
+            chirp_up_to: within(
+                sheet.chirp.up_to,
+                "chirp.up_to",
+                Dimension::AngularVelocity,
+                0.01,
+                200.0,
+            )?,
+            chirp_duration: within(
+                sheet.chirp.duration,
+                "chirp.duration",
+                Dimension::Time,
+                0.1,
+                3600.0,
+            )?,
             feed_forward: sheet.feed_forward,
             repetitions: count(sheet.repetitions, "repetitions", 1, 1000)?,
         })

@@ -23,7 +23,9 @@ impl FromStr for Column {
             Some((name, scale)) => match scale.trim().parse::<f64>() {
                 Ok(scale) if scale.is_finite() && scale != 0.0 => (name, Some(scale)),
                 Ok(scale) => {
-                    return Err(format!("the scale must be a finite number other than zero, but is {scale}"));
+                    return Err(format!(
+                        "the scale must be a finite number other than zero, but is {scale}"
+                    ));
                 }
                 Err(_) => (text, None),
             },
@@ -93,7 +95,9 @@ impl Channel {
     /// Names that are recognised, in order of preference, compared without regard to case.
     fn known(self) -> &'static [&'static str] {
         match self {
-            Self::Time => &["t_s", "time_s", "timestamp_s", "t_ms", "time_ms", "t", "time", "timestamp"],
+            Self::Time => {
+                &["t_s", "time_s", "timestamp_s", "t_ms", "time_ms", "t", "time", "timestamp"]
+            }
             Self::Position => &[
                 "position_m",
                 "position_rad",
@@ -106,7 +110,9 @@ impl Channel {
                 "theta_rad",
                 "position",
             ],
-            Self::Velocity => &["velocity_m_s", "velocity_rad_s", "speed_m_s", "speed_rad_s", "velocity"],
+            Self::Velocity => {
+                &["velocity_m_s", "velocity_rad_s", "speed_m_s", "speed_rad_s", "velocity"]
+            }
             Self::Force => &[
                 "force_N",
                 "torque_Nm",
@@ -118,10 +124,17 @@ impl Channel {
                 "force",
                 "torque",
             ],
-            Self::Voltage => {
-                &["voltage_V", "voltage_applied_V", "control_V", "u_V", "motor_voltage_V", "voltage"]
+            Self::Voltage => &[
+                "voltage_V",
+                "voltage_applied_V",
+                "control_V",
+                "u_V",
+                "motor_voltage_V",
+                "voltage",
+            ],
+            Self::Friction => {
+                &["friction_Nm", "friction_torque_Nm", "friction_N", "friction_force_N"]
             }
-            Self::Friction => &["friction_Nm", "friction_torque_Nm", "friction_N", "friction_force_N"],
         }
     }
 
@@ -134,7 +147,8 @@ impl Channel {
     }
 }
 
-/// Factor from the unit at the end of a column's name to SI; one where there is none or it is SI already.
+/// Factor from the unit at the end of a column's name to SI; one where there is none or it is SI
+/// already.
 pub fn unit_factor(name: &str) -> f64 {
     let name = name.to_ascii_lowercase();
     let factors = [
@@ -170,7 +184,10 @@ mod tests {
     fn reads_names_and_scales() {
         let parse = |text: &str| text.parse::<Column>();
         assert_eq!(parse("force_N"), Ok(Column { name: "force_N".into(), scale: None }));
-        assert_eq!(parse("control_V:35.15"), Ok(Column { name: "control_V".into(), scale: Some(35.15) }));
+        assert_eq!(
+            parse("control_V:35.15"),
+            Ok(Column { name: "control_V".into(), scale: Some(35.15) })
+        );
         assert_eq!(parse("a:b:-2"), Ok(Column { name: "a:b".into(), scale: Some(-2.0) }));
         assert_eq!(parse("a:b"), Ok(Column { name: "a:b".into(), scale: None }));
         assert!(parse("").is_err() && parse(":3").is_err());
@@ -179,7 +196,8 @@ mod tests {
 
     #[test]
     fn recognises_the_usual_names() {
-        let header = ["Time_s", "position_reference_m", "position_m", "control_V"].map(str::to_owned);
+        let header =
+            ["Time_s", "position_reference_m", "position_m", "control_V"].map(str::to_owned);
         assert_eq!(Channel::Time.recognise(&header), Some("Time_s"));
         assert_eq!(Channel::Position.recognise(&header), Some("position_m"));
         assert_eq!(Channel::Force.recognise(&header), None);

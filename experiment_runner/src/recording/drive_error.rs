@@ -1,7 +1,8 @@
 //! What the errors of a drive's constants do to the friction of a recording.
 //!
-//! An error of a constant is the same throughout a recording and does not average out. It is kept as the friction error that one standard error
-//! of the constant makes at each steady point and each sample, with its sign.
+//! An error of a constant is the same throughout a recording and does not average out. It is kept
+//! as the friction error that one standard error of the constant makes at each steady point and
+//! each sample, with its sign.
 
 use friction_ident::{DriveConstant, SteadyPoint, Stretch};
 use serde::Serialize;
@@ -25,14 +26,22 @@ impl DriveError {
 
     /// `points` and `stretches` as they were if the constant were higher by one standard error.
     #[must_use]
-    pub fn moved(&self, points: &[SteadyPoint], stretches: &[Stretch]) -> (Vec<SteadyPoint>, Vec<Stretch>) {
+    pub fn moved(
+        &self,
+        points: &[SteadyPoint],
+        stretches: &[Stretch],
+    ) -> (Vec<SteadyPoint>, Vec<Stretch>) {
         let mut points = points.to_vec();
         for (point, error) in points.iter_mut().zip(&self.points) {
             point.torque += error;
         }
         let mut stretches = stretches.to_vec();
         for (stretch, errors) in stretches.iter_mut().zip(&self.stretches) {
-            stretch.friction.iter_mut().zip(errors).for_each(|(friction, error)| *friction += error);
+            stretch
+                .friction
+                .iter_mut()
+                .zip(errors)
+                .for_each(|(friction, error)| *friction += error);
         }
         (points, stretches)
     }
@@ -81,10 +90,15 @@ mod tests {
             points: vec![point],
             stretches: vec![vec![0.0, sample]],
         };
-        let both =
-            [error(DriveConstant::Inertia, 3.0, -1.0), error(DriveConstant::TorqueConstant, -4.0, 0.0)];
+        let both = [
+            error(DriveConstant::Inertia, 3.0, -1.0),
+            error(DriveConstant::TorqueConstant, -4.0, 0.0),
+        ];
         let added = AddedUncertainty::of(&both).unwrap();
-        assert!((added.largest - 5.0).abs() < 1e-12 && (added.rms - (26.0f64 / 3.0).sqrt()).abs() < 1e-12);
+        assert!(
+            (added.largest - 5.0).abs() < 1e-12
+                && (added.rms - (26.0f64 / 3.0).sqrt()).abs() < 1e-12
+        );
         assert_eq!(AddedUncertainty::of(&[]), None);
         let stretch = Stretch::new(1e-3, vec![1.0; 2], None, vec![0.5; 2]).unwrap();
         let (points, stretches) = both[0].moved(&[SteadyPoint::new(1.0, 0.5)], &[stretch]);

@@ -1,4 +1,5 @@
-//! A recording of a drive: voltage, motion and, where there is one, the friction torque; from a CSV file or a bag.
+//! A recording of a drive: voltage, motion and, where there is one, the friction torque; from a CSV
+//! file or a bag.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +13,8 @@ use super::timing::Timing;
 use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
 use crate::bag::BagReader;
 
-/// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a sample stands at its beginning.
+/// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a
+/// sample stands at its beginning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivenRecording {
     /// The file or folder.
@@ -52,16 +54,21 @@ pub struct DrivenColumns {
     pub friction: Option<Column>,
 }
 
-/// Reads a CSV file, an MCAP file or a bag folder. Time steps may deviate by `tolerance`, a fraction, from the usual one.
+/// Reads a CSV file, an MCAP file or a bag folder. Time steps may deviate by `tolerance`, a
+/// fraction, from the usual one.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line, column or message.
-pub fn read(path: &Path, columns: &DrivenColumns, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
+pub fn read(
+    path: &Path,
+    columns: &DrivenColumns,
+    tolerance: f64,
+) -> Result<DrivenRecording, RecordingError> {
     if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
         return from_bag(path, tolerance);
     }
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     from_table(path, &bytes, columns, tolerance)
 }
 
@@ -84,15 +91,19 @@ fn from_table(
         (Some(_), Some(_)) => position = None,
         _ => {}
     }
-    let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| axis_of(&found.source.name));
+    let axis =
+        position.as_ref().or(velocity.as_ref()).and_then(|found| axis_of(&found.source.name));
     let wanted = [Some(time), Some(voltage), position, velocity, friction];
-    let mut values: [Option<Vec<f64>>; 5] = wanted.each_ref().map(|found| found.as_ref().map(|_| Vec::new()));
+    let mut values: [Option<Vec<f64>>; 5] =
+        wanted.each_ref().map(|found| found.as_ref().map(|_| Vec::new()));
     let mut lines = Vec::new();
     let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
         let line = record.position().map_or(0, csv::Position::line);
-        let pairs =
-            wanted.iter().zip(&mut values).filter_map(|(found, to)| Some((found.as_ref()?, to.as_mut()?)));
+        let pairs = wanted
+            .iter()
+            .zip(&mut values)
+            .filter_map(|(found, to)| Some((found.as_ref()?, to.as_mut()?)));
         for (found, to) in pairs {
             let found: &Found = found;
             to.push(table.number(&record, line, found)?);
@@ -104,7 +115,8 @@ fn from_table(
     }
     let [time, voltage, position, velocity, friction] = values;
     let time = time.unwrap_or_default();
-    let timing = Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
+    let timing =
+        Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
     let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
     Ok(DrivenRecording {
         path: path.into(),
@@ -120,16 +132,19 @@ fn from_table(
     })
 }
 
-/// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the cycle over which it was applied: a message carries that
-/// of the cycle before.
+/// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the
+/// cycle over which it was applied: a message carries that of the cycle before.
 fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
     let bag = BagReader::open(path)?;
     let mut messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
     for (index, (_, rig)) in messages.iter().enumerate() {
-        let finite = [rig.tachometer_velocity, rig.voltage_applied, rig.torque].iter().all(|v| v.is_finite());
+        let finite = [rig.tachometer_velocity, rig.voltage_applied, rig.torque]
+            .iter()
+            .all(|v| v.is_finite());
         if !finite {
             let detail =
-                "velocity, voltage and torque are expected to be finite; cut the bag there".to_owned();
+                "velocity, voltage and torque are expected to be finite; cut the bag there"
+                    .to_owned();
             let (path, topic) = (path.into(), RIG_MEASUREMENT);
             return Err(RecordingError::Message { path, topic, index: index + 1, detail });
         }
@@ -137,11 +152,12 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
     // A bag is in the order of its log; what counts is when the sample was taken.
     messages.sort_by_key(|(_, rig)| rig.header.stamp.to_nanos());
     let start = messages.first().map_or(0, |(_, rig)| rig.header.stamp.to_nanos());
-    let since = |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
+    let since =
+        |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
     let cycles: Vec<(u64, f64)> =
         messages.iter().map(|(_, rig)| (rig.header.stamp.to_nanos(), rig.rig_time)).collect();
-    let time =
-        rig_clock::times(&cycles).unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
+    let time = rig_clock::times(&cycles)
+        .unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
     let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
     let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
     // The voltage of a sample stands in the next one of its own stretch; the last one has none.
@@ -167,7 +183,8 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
     })
 }
 
-/// How many control cycles lie between two samples of the rate that is used, by the number of the cycle.
+/// How many control cycles lie between two samples of the rate that is used, by the number of the
+/// cycle.
 fn one_cycle_in(messages: &[(u64, RigMeasurement)], timing: &Timing) -> u64 {
     let mut steps: Vec<u64> = timing
         .stretches

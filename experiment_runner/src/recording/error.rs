@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-/// Why a file cannot be used as a recording. Each message names the file, the line or column, and the way out.
+/// Why a file cannot be used as a recording. Each message names the file, the line or column, and
+/// the way out.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {

@@ -42,7 +42,8 @@ impl Irregularities {
         self.too_short_samples += samples;
     }
 
-    /// In words, as in `3 gaps, 12 samples missing; split into 4 stretches`; none where nothing is to be said: pauses between runs are as they should be.
+    /// In words, as in `3 gaps, 12 samples missing; split into 4 stretches`; none where nothing is
+    /// to be said: pauses between runs are as they should be.
     #[must_use]
     pub fn describe(&self) -> Option<String> {
         let mut parts: Vec<String> = Vec::new();
@@ -51,7 +52,10 @@ impl Irregularities {
         }
         if self.moved > 0 {
             let came = count(self.moved, "sample");
-            parts.push(format!("{came} came late or early and {} between the neighbours", read(self.moved)));
+            parts.push(format!(
+                "{came} came late or early and {} between the neighbours",
+                read(self.moved)
+            ));
         }
         if self.filled > 0 {
             let were = if self.filled == 1 { "was" } else { "were" };
@@ -66,11 +70,17 @@ impl Irregularities {
         let mut cuts = String::new();
         if self.gaps > 0 {
             // Writing to a string cannot fail.
-            let _ = write!(cuts, "{}, {} missing", count(self.gaps, "gap"), count(self.missing, "sample"));
+            let _ = write!(
+                cuts,
+                "{}, {} missing",
+                count(self.gaps, "gap"),
+                count(self.missing, "sample")
+            );
         }
         if self.rate_changes > 0 {
             let comma = if cuts.is_empty() { "" } else { "; " };
-            let _ = write!(cuts, "{comma}{}", count(self.rate_changes, "change of the sampling rate"));
+            let _ =
+                write!(cuts, "{comma}{}", count(self.rate_changes, "change of the sampling rate"));
         }
         if !cuts.is_empty() {
             let _ = write!(cuts, "; split into {}", count(self.split_into(), "stretch"));
@@ -84,7 +94,9 @@ impl Irregularities {
         if self.other_rate > 0 {
             let what = count(self.other_rate, "stretch");
             let samples = count(self.other_rate_samples, "sample");
-            parts.push(format!("{what} at another rate than most samples have, with {samples}, left out"));
+            parts.push(format!(
+                "{what} at another rate than most samples have, with {samples}, left out"
+            ));
         }
         (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
     }

@@ -1,10 +1,14 @@
-//! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear refusal.
+//! Recordings as inputs: a table of numbers or a bag becomes evenly sampled channels, or a clear
+//! refusal.
 //!
-//! [`stretches`] reads recordings of friction, one or many runs in a file, from a torque sensor or worked out of what drives the axis;
-//! [`drive_error`] is what the drive's constants then leave uncertain.
-//! [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion from either, [`trajectory`] reads motions at any spacing, [`servo_log`]
-//! the JSON logs of a position-controlled servo; [`column`] is how a person names a column, [`timing`] makes
-//! evenly sampled stretches of what was recorded, and [`irregularities`] says what was uneven. The cycles of a bag stand at the times of the rig's own clock. Whatever is returned has finite values, one length and SI units.
+//! [`stretches`] reads recordings of friction, one or many runs in a file, from a torque sensor or
+//! worked out of what drives the axis; [`drive_error`] is what the drive's constants then leave
+//! uncertain. [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion
+//! from either, [`trajectory`] reads motions at any spacing, [`servo_log`] the JSON logs of a
+//! position-controlled servo; [`column`] is how a person names a column, [`timing`] makes evenly
+//! sampled stretches of what was recorded, and [`irregularities`] says what was uneven. The cycles
+//! of a bag stand at the times of the rig's own clock. Whatever is returned has finite values, one
+//! length and SI units.
 
 pub mod column;
 pub mod drive_error;
@@ -173,7 +177,8 @@ impl Recording {
     }
 }
 
-/// The samples of all stretches of a channel, one stretch behind the other; `step` is that of a quantiser.
+/// The samples of all stretches of a channel, one stretch behind the other; `step` is that of a
+/// quantiser.
 fn all_stretches(timing: &Timing, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
     timing.stretches.iter().flat_map(|stretch| stretch.channel(recorded, step)).collect()
 }

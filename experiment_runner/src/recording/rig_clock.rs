@@ -1,7 +1,7 @@
 //! The time of a bag's cycles by the rig's own clock.
 //!
-//! A message is stamped when the machine took it, late by whatever else it had to do; the rig says when it measured. So the rig's time counts within a run, and the stamp
-//! says when the run was.
+//! A message is stamped when the machine took it, late by whatever else it had to do; the rig says
+//! when it measured. So the rig's time counts within a run, and the stamp says when the run was.
 
 use std::collections::HashMap;
 
@@ -17,9 +17,11 @@ pub(super) const RIG_MEASUREMENT: &str = "/rig_measurement";
 /// Time between two runs at least \[s\]: the second is told from the first by it.
 const BETWEEN_RUNS: f64 = 1.0;
 
-/// Time of each cycle \[s\] by the rig's clock, from its stamp \[ns\] and the rig's time \[s\], both in the order of the stamps. A rig's time that falls back begins another run.
+/// Time of each cycle \[s\] by the rig's clock, from its stamp \[ns\] and the rig's time \[s\],
+/// both in the order of the stamps. A rig's time that falls back begins another run.
 ///
-/// None where the rig's time says nothing: it is no number, stands still, or runs at another pace than the stamps.
+/// None where the rig's time says nothing: it is no number, stands still, or runs at another pace
+/// than the stamps.
 pub(super) fn times(cycles: &[(u64, f64)]) -> Option<Vec<f64>> {
     let &(origin, _) = cycles.first()?;
     let since = |stamp: u64| stamp.saturating_sub(origin) as f64 * 1e-9;
@@ -58,10 +60,13 @@ pub(super) fn times(cycles: &[(u64, f64)]) -> Option<Vec<f64>> {
     (by_stamps == 0.0 || (0.5..2.0).contains(&pace)).then_some(times)
 }
 
-/// The time of every stamp of the rig's measurements \[s\]; none where the bag has none of these, or the rig's time says nothing.
+/// The time of every stamp of the rig's measurements \[s\]; none where the bag has none of these,
+/// or the rig's time says nothing.
 pub(super) fn of_bag(bag: &BagReader) -> Result<Option<HashMap<u64, f64>>, RecordingError> {
     let known = |name: &str| {
-        bag.topics().iter().any(|info| info.name == name && info.type_name == RigMeasurement::type_name())
+        bag.topics()
+            .iter()
+            .any(|info| info.name == name && info.type_name == RigMeasurement::type_name())
     };
     if !known(RIG_MEASUREMENT) {
         return Ok(None);

@@ -1,8 +1,8 @@
 //! A recording from a bag of the laboratory's topics.
 //!
-//! The velocity is the tachometer's. The force is the friction torque of `/joint_states` (then there is no
-//! inertia in it to be found), or the driving torque worked out from the voltage of `/rig_measurement`:
-//! `(A Km / Ra) (u - A Km w)`, which drives inertia and friction together.
+//! The velocity is the tachometer's. The force is the friction torque of `/joint_states` (then
+//! there is no inertia in it to be found), or the driving torque worked out from the voltage of
+//! `/rig_measurement`: `(A Km / Ra) (u - A Km w)`, which drives inertia and friction together.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -43,13 +43,17 @@ impl Motor {
     }
 }
 
-/// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the measured friction.
-/// Time steps may deviate by `tolerance`, a fraction, from the usual one.
+/// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the
+/// measured friction. Time steps may deviate by `tolerance`, a fraction, from the usual one.
 ///
 /// # Errors
-/// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages without the fields
-/// needed, and those of [`Timing::of`].
-pub fn read(path: &Path, motor: Option<&Motor>, tolerance: f64) -> Result<Recording, RecordingError> {
+/// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages
+/// without the fields needed, and those of [`Timing::of`].
+pub fn read(
+    path: &Path,
+    motor: Option<&Motor>,
+    tolerance: f64,
+) -> Result<Recording, RecordingError> {
     let channel = motor.map_or(BagChannel::Friction, |motor| BagChannel::Driving(*motor));
     let Track { topic, time, velocity, force } = track(path, channel)?;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
@@ -106,9 +110,10 @@ pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, Recording
     let (topic, mut samples) = match channel {
         BagChannel::Friction => (JOINT_STATES, measured(path, &bag)?),
         BagChannel::Voltage => (RIG_MEASUREMENT, driven(path, &bag, |voltage, _| voltage)?),
-        BagChannel::Driving(motor) => {
-            (RIG_MEASUREMENT, driven(path, &bag, |voltage, velocity| motor.torque(voltage, velocity))?)
-        }
+        BagChannel::Driving(motor) => (
+            RIG_MEASUREMENT,
+            driven(path, &bag, |voltage, velocity| motor.torque(voltage, velocity))?,
+        ),
     };
     // A bag is in the order of its log; what counts is when the sample was taken.
     samples.sort_by_key(|sample| sample.stamp);
@@ -155,9 +160,8 @@ impl Sample {
 
 fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError> {
     let messages = bag.messages::<JointState>(JOINT_STATES)?;
-    let sample =
-        |(index, (_, state)): (usize, (u64, JointState))| {
-            match (
+    let sample = |(index, (_, state)): (usize, (u64, JointState))| {
+        match (
         state.velocity.first(),
         state.effort.first(),
     ) {
@@ -174,7 +178,7 @@ fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError>
                     .to_owned(),
         }),
     }
-        };
+    };
     messages.into_iter().enumerate().map(sample).collect()
 }
 

@@ -1,4 +1,5 @@
-//! A log of a position-controlled servo with a pendulum: one JSON object, as the servo-identification tool bam records it.
+//! A log of a position-controlled servo with a pendulum: one JSON object, as the
+//! servo-identification tool bam records it.
 //!
 //! ```text
 //! mass [kg], length [m], kp (device units), vin [V], trajectory     the header
@@ -27,7 +28,9 @@ impl NamedServoLog {
     /// `sin_sin, kp 400`, or the file's name where the header names no motion.
     pub fn title(&self) -> String {
         let name = if self.trajectory.is_empty() {
-            self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+            self.path
+                .file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
         } else {
             self.trajectory.clone()
         };
@@ -65,8 +68,8 @@ fn driven() -> bool {
 /// # Errors
 /// [`RecordingError`] with the file, and the line and column where its text is no such log.
 pub fn read(path: &Path) -> Result<NamedServoLog, RecordingError> {
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes)
 }
 

@@ -1,4 +1,5 @@
-//! A recording of a stiction limit cycle from a CSV file: time, angle and motor voltage, and a pendulum's angle where there is one.
+//! A recording of a stiction limit cycle from a CSV file: time, angle and motor voltage, and a
+//! pendulum's angle where there is one.
 
 use std::path::{Path, PathBuf};
 
@@ -45,23 +46,31 @@ const TOLERANCE: f64 = 0.05;
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path, columns: &StictionColumns) -> Result<StictionTable, RecordingError> {
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns)
 }
 
-fn parse(path: &Path, bytes: &[u8], columns: &StictionColumns) -> Result<StictionTable, RecordingError> {
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    columns: &StictionColumns,
+) -> Result<StictionTable, RecordingError> {
     let (mut reader, names) = open(path, bytes, "t,theta,plant_input")?;
     let find = |column: &Column, option: &'static str| {
-        let index =
-            names.iter().position(|name| *name == column.name).ok_or_else(|| RecordingError::NoColumn {
+        let index = names.iter().position(|name| *name == column.name).ok_or_else(|| {
+            RecordingError::NoColumn {
                 path: path.into(),
                 name: column.name.clone(),
                 present: names.join(", "),
                 option,
-            })?;
+            }
+        })?;
         let scale = column.scale.unwrap_or_else(|| unit_factor(&column.name));
-        Ok::<_, RecordingError>(Found { index, source: ChannelSource { name: column.name.clone(), scale } })
+        Ok::<_, RecordingError>(Found {
+            index,
+            source: ChannelSource { name: column.name.clone(), scale },
+        })
     };
     let mut wanted = vec![
         find(&columns.time, "--time")?,
@@ -118,10 +127,13 @@ mod tests {
     #[test]
     fn a_missing_column_is_named_with_its_option() {
         let text = "t, theta, u\n0, 1, 5\n";
-        let error =
-            parse(Path::new("a.csv"), text.as_bytes(), &columns(Some("alpha"))).unwrap_err().to_string();
+        let error = parse(Path::new("a.csv"), text.as_bytes(), &columns(Some("alpha")))
+            .unwrap_err()
+            .to_string();
         assert!(
-            error.contains("alpha") && error.contains("--pendulum") && error.contains("t, theta, u"),
+            error.contains("alpha")
+                && error.contains("--pendulum")
+                && error.contains("t, theta, u"),
             "{error}"
         );
     }

@@ -1,8 +1,9 @@
 //! A recording of friction: stretches and steady points, from a CSV file or a bag.
 //!
-//! A file may hold many runs: it is cut at pauses, gaps and changes of the rate ([`timing`](super::timing)). Runs at a constant
-//! velocity become steady points, without their first fifth and last tenth, as in the thesis's experiment 1. A CSV file without a time column
-//! is read as steady points.
+//! A file may hold many runs: it is cut at pauses, gaps and changes of the rate
+//! ([`timing`](super::timing)). Runs at a constant velocity become steady points, without their
+//! first fifth and last tenth, as in the thesis's experiment 1. A CSV file without a time column is
+//! read as steady points.
 
 use std::path::{Path, PathBuf};
 
@@ -11,8 +12,8 @@ use friction_ident::quantiser::{Turn, between_counts, step_of};
 use friction_ident::stretch::Before;
 use friction_ident::zero_phase::{LowPass, decimate};
 use friction_ident::{
-    ChannelDeviations, ConstantError, DriveConstants, DriveSignals, Hampel, IdentError, SavitzkyGolay,
-    SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
+    ChannelDeviations, ConstantError, DriveConstants, DriveSignals, Hampel, IdentError,
+    SavitzkyGolay, SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
 };
 use serde::Serialize;
 
@@ -46,7 +47,8 @@ pub enum Smoothing {
 pub struct Preparation {
     /// How the motion is smoothed.
     pub smoothing: Smoothing,
-    /// Cutoff of the Butterworth low-pass \[Hz\]; a tenth of the sampling rate, at most 100, where it is not given.
+    /// Cutoff of the Butterworth low-pass \[Hz\]; a tenth of the sampling rate, at most 100, where
+    /// it is not given.
     pub cutoff: Option<f64>,
     /// Its order.
     pub order: usize,
@@ -58,7 +60,8 @@ pub struct Preparation {
     pub torque: TorqueSource,
     /// The drive, for every source but a sensor.
     pub drive: Option<DriveConstants>,
-    /// How far a time step may be from the usual one for its sample to be taken as it is, as a fraction.
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a
+    /// fraction.
     pub tolerance: f64,
 }
 
@@ -117,7 +120,8 @@ pub struct FrictionRecording {
     pub axis: Option<AxisKind>,
     /// Samples that were replaced.
     pub outliers: Vec<Outlier>,
-    /// What the errors of the drive's constants do to the friction, constant by constant; empty with a torque sensor.
+    /// What the errors of the drive's constants do to the friction, constant by constant; empty
+    /// with a torque sensor.
     pub drive_errors: Vec<DriveError>,
     /// What was uneven about the times.
     pub irregularities: Irregularities,
@@ -137,7 +141,11 @@ struct Samples {
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
-pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<FrictionRecording, RecordingError> {
+pub fn read(
+    path: &Path,
+    columns: &Columns,
+    how: &Preparation,
+) -> Result<FrictionRecording, RecordingError> {
     let is_bag = path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap");
     if is_bag {
         let channel = match how.torque {
@@ -155,8 +163,8 @@ pub fn read(path: &Path, columns: &Columns, how: &Preparation) -> Result<Frictio
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
         return cut(path, &samples, Some(AxisKind::Rotary), how, place);
     }
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns, how)
 }
 
@@ -195,7 +203,8 @@ fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {
 
 const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
 /// Names of the standard deviation of a point's friction.
-const DEVIATIONS: [&str; 4] = ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
+const DEVIATIONS: [&str; 4] =
+    ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
 
 /// Steady points: nothing is accelerated, and where there is no sensor friction is what drives.
 fn points(
@@ -259,7 +268,8 @@ fn cut(
     how: &Preparation,
     place: impl Fn(usize) -> String,
 ) -> Result<FrictionRecording, RecordingError> {
-    let timing = Timing::of(path, &samples.time, how.tolerance, place)?.longer_than(path, SHORTEST)?;
+    let timing =
+        Timing::of(path, &samples.time, how.tolerance, place)?.longer_than(path, SHORTEST)?;
     let mut found = FrictionRecording {
         path: path.into(),
         points: Vec::new(),
@@ -314,7 +324,8 @@ fn prepare(
     let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
     let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
     let position = position.map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: beside a measured velocity such a position says little, alone its path between the counts is used.
+    // An encoder's steps are no motion: beside a measured velocity such a position says little,
+    // alone its path between the counts is used.
     let step = position.as_deref().and_then(step_of);
     let position = match (position, step, &velocity) {
         (Some(_), Some(_), Some(_)) => None,
@@ -349,7 +360,8 @@ fn prepare(
         current: &column,
     };
     // What the scatter of the samples is, the residuals of the fit say.
-    let friction = friction_torque(how.torque, &signals, &how.constants(), &ChannelDeviations::default())?;
+    let friction =
+        friction_torque(how.torque, &signals, &how.constants(), &ChannelDeviations::default())?;
     let velocity = if from_position { measured } else { smooth(&measured)? };
     let thin = |values: Vec<f64>| decimate(&values, how.decimate);
     let mut stretch = Stretch::new(
@@ -371,7 +383,8 @@ fn prepare(
     Ok((stretch, errors))
 }
 
-/// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path between its counts and stays as it is.
+/// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path
+/// between its counts and stays as it is.
 fn between_steps(position: Vec<f64>, step: f64) -> Result<Vec<f64>, IdentError> {
     let first = position.first().copied().unwrap_or(0.0);
     match between_counts(&position, step, Turn::Sharp) {

@@ -1,7 +1,8 @@
 //! A recording from a CSV file: a header with column names, then one line a sample.
 //!
-//! Commas, semicolons and tabs separate, whichever the header has most of. Columns are named on the command
-//! line or recognised by their names; a unit at the end of a name (`_mm`, `_deg`, `_ms`) is converted.
+//! Commas, semicolons and tabs separate, whichever the header has most of. Columns are named on the
+//! command line or recognised by their names; a unit at the end of a name (`_mm`, `_deg`, `_ms`) is
+//! converted.
 
 use std::path::Path;
 
@@ -24,17 +25,19 @@ pub struct Columns {
     pub force: Option<Column>,
 }
 
-/// Reads a CSV file. Time steps may deviate by `tolerance`, a fraction, from the usual one; [`timing`](super::timing) says what becomes of others.
+/// Reads a CSV file. Time steps may deviate by `tolerance`, a fraction, from the usual one;
+/// [`timing`](super::timing) says what becomes of others.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path, columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes, columns, tolerance)
 }
 
-/// Starts reading a table: the reader stands below the header, whose names are returned. `example` is a header that would do.
+/// Starts reading a table: the reader stands below the header, whose names are returned. `example`
+/// is a header that would do.
 pub(super) fn open<'a>(
     path: &Path,
     bytes: &'a [u8],
@@ -45,10 +48,17 @@ pub(super) fn open<'a>(
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(RecordingError::Empty { path: path.into() });
     }
-    let mut reader =
-        ReaderBuilder::new().delimiter(delimiter(bytes)).trim(Trim::All).flexible(true).from_reader(bytes);
-    let header: Vec<String> =
-        reader.headers().map_err(|error| damaged(path, &error))?.iter().map(str::to_owned).collect();
+    let mut reader = ReaderBuilder::new()
+        .delimiter(delimiter(bytes))
+        .trim(Trim::All)
+        .flexible(true)
+        .from_reader(bytes);
+    let header: Vec<String> = reader
+        .headers()
+        .map_err(|error| damaged(path, &error))?
+        .iter()
+        .map(str::to_owned)
+        .collect();
     if header.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err(RecordingError::NoHeader { path: path.into(), example });
     }
@@ -63,7 +73,12 @@ pub(super) struct Found {
 }
 
 /// The part of [`read`] that does not touch the disk.
-fn parse(path: &Path, bytes: &[u8], columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    columns: &Columns,
+    tolerance: f64,
+) -> Result<Recording, RecordingError> {
     let rows = rows(path, bytes, columns, Motion::One)?;
     let timing = Timing::of(path, &rows.time, tolerance, |index| rows.place(index))?.of_one_rate();
     Ok(Recording {
@@ -151,7 +166,9 @@ pub(super) fn rows(
         return Err(RecordingError::HeaderOnly { path: path.into() });
     }
     let moving = velocity.as_ref().or(position.as_ref());
-    let axis = moving.and_then(|found| axis_of(&found.source.name)).or_else(|| axis_of(&force.source.name));
+    let axis = moving
+        .and_then(|found| axis_of(&found.source.name))
+        .or_else(|| axis_of(&force.source.name));
     Ok(Rows {
         time: times,
         position: positions,
@@ -192,7 +209,11 @@ pub(super) struct Header<'a> {
 }
 
 impl Header<'_> {
-    pub(super) fn require(&self, channel: Channel, named: Option<&Column>) -> Result<Found, RecordingError> {
+    pub(super) fn require(
+        &self,
+        channel: Channel,
+        named: Option<&Column>,
+    ) -> Result<Found, RecordingError> {
         self.optional(channel, named)?.ok_or_else(|| self.unrecognised(channel))
     }
 
@@ -211,15 +232,20 @@ impl Header<'_> {
         };
         let count = self.names.iter().filter(|other| *other == name).count();
         if count > 1 {
-            return Err(RecordingError::Ambiguous { path: self.path.into(), name: name.to_owned(), count });
+            return Err(RecordingError::Ambiguous {
+                path: self.path.into(),
+                name: name.to_owned(),
+                count,
+            });
         }
-        let index =
-            self.names.iter().position(|other| other == name).ok_or_else(|| RecordingError::NoColumn {
+        let index = self.names.iter().position(|other| other == name).ok_or_else(|| {
+            RecordingError::NoColumn {
                 path: self.path.into(),
                 name: name.to_owned(),
                 present: self.names.join(", "),
                 option: channel.option(),
-            })?;
+            }
+        })?;
         let scale = scale.unwrap_or_else(|| unit_factor(name));
         Ok(Some(Found { index, source: ChannelSource { name: name.to_owned(), scale } }))
     }
@@ -241,7 +267,8 @@ impl Header<'_> {
         found: &Found,
     ) -> Result<f64, RecordingError> {
         let Some(cell) = record.get(found.index) else {
-            let detail = format!("it has {} fields where the header has {}", record.len(), self.names.len());
+            let detail =
+                format!("it has {} fields where the header has {}", record.len(), self.names.len());
             return Err(RecordingError::Line { path: self.path.into(), line, detail });
         };
         match cell.parse::<f64>().map(|value| value * found.source.scale) {
@@ -282,7 +309,8 @@ mod tests {
 
     #[test]
     fn blanks_semicolons_marks_and_units_are_understood() {
-        let text = "\u{feff}time_ms ; Position_deg ;torque_Nm\r\n0; 180;1\r\n 10;90 ;2\r\n20;0;3\r\n";
+        let text =
+            "\u{feff}time_ms ; Position_deg ;torque_Nm\r\n0; 180;1\r\n 10;90 ;2\r\n20;0;3\r\n";
         let recording = parsed(text).unwrap();
         assert!((recording.time_step - 0.01).abs() < 1e-15);
         assert!((recording.position.unwrap()[0] - std::f64::consts::PI).abs() < 1e-15);
@@ -293,7 +321,8 @@ mod tests {
     fn a_velocity_is_used_when_named_or_alone() {
         let both = "t_s,position_m,velocity_m_s,force_N\n0,1,5,2\n1,1,6,2\n2,1,7,2\n";
         assert_eq!(parsed(both).unwrap().velocity, None);
-        let named = Columns { velocity: Some("velocity_m_s".parse().unwrap()), ..Columns::default() };
+        let named =
+            Columns { velocity: Some("velocity_m_s".parse().unwrap()), ..Columns::default() };
         let recording = parse(Path::new("x.csv"), both.as_bytes(), &named, 0.05).unwrap();
         assert_eq!(recording.velocity, Some(vec![5.0, 6.0, 7.0]));
         let alone = "t_s,velocity_m_s,force_N\n0,5,2\n1,6,2\n2,7,2\n";
@@ -325,10 +354,15 @@ mod tests {
             }
         }
         let named = Columns { force: Some("farce".parse().unwrap()), ..Columns::default() };
-        let error = parse(Path::new("x.csv"), b"t_s,position_m,force_N\n0,1,2\n", &named, 0.05).unwrap_err();
+        let error = parse(Path::new("x.csv"), b"t_s,position_m,force_N\n0,1,2\n", &named, 0.05)
+            .unwrap_err();
         assert!(error.to_string().contains("no column `farce`"));
-        let latin =
-            parse(Path::new("x.csv"), b"t_s,position_m,force_N\n0,1,\xff\n", &Columns::default(), 0.05);
+        let latin = parse(
+            Path::new("x.csv"),
+            b"t_s,position_m,force_N\n0,1,\xff\n",
+            &Columns::default(),
+            0.05,
+        );
         assert!(latin.unwrap_err().to_string().contains("line 2"));
     }
 

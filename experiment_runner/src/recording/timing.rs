@@ -1,8 +1,12 @@
-//! When the samples were taken: the evenly sampled stretches of a recording, and what was uneven about it.
+//! When the samples were taken: the evenly sampled stretches of a recording, and what was uneven
+//! about it.
 //!
-//! The usual step is the median. A sample whose step is within the tolerance of it stays as it is. Where one came late, or up to two are missing, the recording is
-//! bridged: what lies off the even grid is read between its neighbours. A longer step cuts the recording in two, and so does a lasting change of the rate; a
-//! sample with the time of the one before is dropped. Filters, derivatives and initial states never reach across a cut. Everything is counted ([`Irregularities`]).
+//! The usual step is the median. A sample whose step is within the tolerance of it stays as it is.
+//! Where one came late, or up to two are missing, the recording is bridged: what lies off the even
+//! grid is read between its neighbours. A longer step cuts the recording in two, and so does a
+//! lasting change of the rate; a sample with the time of the one before is dropped. Filters,
+//! derivatives and initial states never reach across a cut. Everything is counted
+//! ([`Irregularities`]).
 
 use std::ops::Range;
 use std::path::Path;
@@ -67,9 +71,11 @@ impl EvenStretch {
         self.places.is_empty()
     }
 
-    /// A channel of the recording on the even grid. What was recorded on the grid comes out bit by bit.
+    /// A channel of the recording on the even grid. What was recorded on the grid comes out bit by
+    /// bit.
     ///
-    /// `step` is that of a quantiser, if the channel comes from one: what is read between two samples keeps to its steps.
+    /// `step` is that of a quantiser, if the channel comes from one: what is read between two
+    /// samples keeps to its steps.
     #[must_use]
     pub fn channel(&self, recorded: &[f64], step: Option<f64>) -> Vec<f64> {
         let value = |index: usize| recorded.get(index).copied().unwrap_or_default();
@@ -95,8 +101,9 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Tells the stretches of a recording apart. `time` is in the order of time; steps within `tolerance` (a fraction) of the usual one are even. `place` says where sample `i`
-    /// stands, as in `line 17`.
+    /// Tells the stretches of a recording apart. `time` is in the order of time; steps within
+    /// `tolerance` (a fraction) of the usual one are even. `place` says where sample `i` stands, as
+    /// in `line 17`.
     ///
     /// # Errors
     /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`].
@@ -111,7 +118,12 @@ impl Timing {
             match kept.last().map(|&last| time[last]) {
                 Some(before) if now < before => {
                     let place = place(index);
-                    return Err(RecordingError::TimeOrder { path: path.into(), place, before, time: now });
+                    return Err(RecordingError::TimeOrder {
+                        path: path.into(),
+                        place,
+                        before,
+                        time: now,
+                    });
                 }
                 Some(before) if now == before => {}
                 _ => kept.push(index),
@@ -130,7 +142,11 @@ impl Timing {
             stretches.push(even(&kept, &times, samples, tolerance, after_gap, &mut irregularities));
         }
         if stretches.is_empty() {
-            return Err(RecordingError::TooShort { path: path.into(), found: times.len(), needed: NEEDED });
+            return Err(RecordingError::TooShort {
+                path: path.into(),
+                found: times.len(),
+                needed: NEEDED,
+            });
         }
         irregularities.stretches = stretches.len();
         Ok(Self { stretches, irregularities })
@@ -143,7 +159,11 @@ impl Timing {
     pub fn longer_than(mut self, path: &Path, shortest: usize) -> Result<Self, RecordingError> {
         let longest = self.stretches.iter().map(EvenStretch::len).max().unwrap_or(0);
         if longest < shortest {
-            return Err(RecordingError::TooShort { path: path.into(), found: longest, needed: shortest });
+            return Err(RecordingError::TooShort {
+                path: path.into(),
+                found: longest,
+                needed: shortest,
+            });
         }
         self.stretches.retain(|stretch| {
             let long = stretch.len() >= shortest;
@@ -156,7 +176,8 @@ impl Timing {
         Ok(self)
     }
 
-    /// Only the stretches with the rate that most samples have, all with their mean sampling period; the others are counted.
+    /// Only the stretches with the rate that most samples have, all with their mean sampling
+    /// period; the others are counted.
     #[must_use]
     pub fn of_one_rate(mut self) -> Self {
         let samples_like = |one: &EvenStretch| -> usize {
@@ -206,7 +227,8 @@ fn cut(steps: &[f64], tolerance: f64, found: &mut Irregularities) -> Vec<(Range<
             continue;
         }
         let gap = step > (BRIDGED + tolerance) * usual;
-        let other_rate = || steps.len() - k >= LASTING && (ahead(k) - usual).abs() > OTHER_RATE * usual;
+        let other_rate =
+            || steps.len() - k >= LASTING && (ahead(k) - usual).abs() > OTHER_RATE * usual;
         if !(gap || other_rate()) {
             continue;
         }
@@ -283,7 +305,8 @@ fn even(
     EvenStretch { start: times[first], time_step, after_gap, places }
 }
 
-/// The sampling period of `time` \[s\], if every step is within `tolerance` (a fraction) of the median step.
+/// The sampling period of `time` \[s\], if every step is within `tolerance` (a fraction) of the
+/// median step.
 ///
 /// `place` says where sample `i` stands, as in `line 17`.
 ///

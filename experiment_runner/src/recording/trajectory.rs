@@ -8,9 +8,16 @@ use super::column::{Channel, axis_of, unit_factor};
 use super::table::{Found, Header, damaged, open};
 use super::{AxisKind, ChannelSource, RecordingError};
 
-/// Names of the velocity column. Each says whether the axis turns, which decides the units of the results.
-const VELOCITIES: [&str; 6] =
-    ["velocity_rad_s", "velocity_m_s", "velocity_deg_s", "velocity_mm_s", "speed_rad_s", "speed_m_s"];
+/// Names of the velocity column. Each says whether the axis turns, which decides the units of the
+/// results.
+const VELOCITIES: [&str; 6] = [
+    "velocity_rad_s",
+    "velocity_m_s",
+    "velocity_deg_s",
+    "velocity_mm_s",
+    "speed_rad_s",
+    "speed_m_s",
+];
 /// Names of the column with the transmitted load.
 const LOADS: [&str; 3] = ["load_Nm", "load_N_m", "load_N"];
 
@@ -38,14 +45,14 @@ impl Trajectory {
     }
 }
 
-/// Reads a CSV file with the columns `t_s`, `velocity_rad_s` or `velocity_m_s`, and if there is one `load_Nm` or `load_N`; other
-/// columns are left alone. The rows may be unevenly spaced.
+/// Reads a CSV file with the columns `t_s`, `velocity_rad_s` or `velocity_m_s`, and if there is one
+/// `load_Nm` or `load_N`; other columns are left alone. The rows may be unevenly spaced.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path) -> Result<Trajectory, RecordingError> {
-    let bytes =
-        crate::input::table(path).map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    let bytes = crate::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
     parse(path, &bytes)
 }
 
@@ -91,7 +98,11 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     /// The only column whose name is one of `known`; none if there is none.
-    fn one_of(&self, channel: &'static str, known: &[&str]) -> Result<Option<&'a str>, RecordingError> {
+    fn one_of(
+        &self,
+        channel: &'static str,
+        known: &[&str],
+    ) -> Result<Option<&'a str>, RecordingError> {
         let is_known = |name: &&String| known.iter().any(|known| known.eq_ignore_ascii_case(name));
         let found: Vec<&str> = self.names.iter().filter(is_known).map(String::as_str).collect();
         match found[..] {
@@ -123,9 +134,10 @@ impl<'a> Columns<'a> {
         let mut places = self.names.iter().enumerate().filter(|(_, other)| *other == name);
         let index = places.next().map_or(0, |(index, _)| index);
         match places.count() {
-            0 => {
-                Ok(Found { index, source: ChannelSource { name: name.to_owned(), scale: unit_factor(name) } })
-            }
+            0 => Ok(Found {
+                index,
+                source: ChannelSource { name: name.to_owned(), scale: unit_factor(name) },
+            }),
             others => Err(RecordingError::Ambiguous {
                 path: self.path.into(),
                 name: name.to_owned(),

@@ -52,7 +52,8 @@ pub enum Trace {
         /// Half length of each error bar.
         error: Option<Vec<f64>>,
     },
-    /// A path that is gone through once in its order, a loop above all: a thin line with arrows in its direction.
+    /// A path that is gone through once in its order, a loop above all: a thin line with arrows in
+    /// its direction.
     Loop {
         /// Legend.
         name: String,
@@ -61,8 +62,8 @@ pub enum Trace {
         /// Vertical values; a value that is not finite breaks the path.
         y: Vec<f64>,
     },
-    /// Values of categories, side by side with those of the panel's other series. The figure's horizontal axis has the names of
-    /// all categories, in the order in which they come first.
+    /// Values of categories, side by side with those of the panel's other series. The figure's
+    /// horizontal axis has the names of all categories, in the order in which they come first.
     Categories {
         /// Legend.
         name: String,
@@ -166,8 +167,8 @@ pub struct Page {
 }
 
 impl Trace {
-    /// The legend entry. Series of one name have one look on the whole page and, within a figure, one
-    /// entry that shows and hides them together.
+    /// The legend entry. Series of one name have one look on the whole page and, within a figure,
+    /// one entry that shows and hides them together.
     pub fn name(&self) -> &str {
         match self {
             Trace::Line { name, .. }

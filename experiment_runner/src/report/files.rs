@@ -5,7 +5,8 @@ use super::figure::{Block, FileLink, Page};
 /// A bag's folder.
 const BAG: &str = "bag";
 
-/// The page with links to those of `names` that are results: files that stand beside it, or `bag`, once all is written.
+/// The page with links to those of `names` that are results: files that stand beside it, or `bag`,
+/// once all is written.
 #[must_use]
 pub fn linked<'a>(mut page: Page, names: impl IntoIterator<Item = &'a str>) -> Page {
     let links: Vec<FileLink> = names

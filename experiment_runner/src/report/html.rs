@@ -42,8 +42,8 @@ pub(super) fn prose(text: &str) -> String {
 
 /// JSON as it may stand inside a `<script>` element.
 ///
-/// In JSON these characters can only occur within strings, where the escape means the same; without it a
-/// `</script>` or `<!--` in somebody's label would end or swallow the element.
+/// In JSON these characters can only occur within strings, where the escape means the same; without
+/// it a `</script>` or `<!--` in somebody's label would end or swallow the element.
 pub(super) fn escape_json(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -64,7 +64,10 @@ mod tests {
 
     #[test]
     fn markup_becomes_text() {
-        assert_eq!(escape(r#"<b a='1' c="2">&amp;"#), "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;amp;");
+        assert_eq!(
+            escape(r#"<b a='1' c="2">&amp;"#),
+            "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;amp;"
+        );
     }
 
     #[test]

@@ -1,7 +1,9 @@
-//! The report: pictures and tables as data ([`figure`]) and the page that shows them ([`render_page`]).
+//! The report: pictures and tables as data ([`figure`]) and the page that shows them
+//! ([`render_page`]).
 //!
-//! Whoever makes results describes them with the types of [`figure`]; nothing there says how they are
-//! drawn. [`render_page`] turns them into one HTML file that needs no network and no other file.
+//! Whoever makes results describes them with the types of [`figure`]; nothing there says how they
+//! are drawn. [`render_page`] turns them into one HTML file that needs no network and no other
+//! file.
 
 pub mod figure;
 pub mod files;

@@ -14,8 +14,8 @@ const CSV: &str = include_str!("../../assets/csv.js");
 const PLOTLY: &str = include_str!("../../assets/plotly-basic.min.js");
 const PLOTLY_LICENSE: &str = include_str!("../../assets/plotly-LICENSE.txt");
 
-/// Nothing may be fetched and nothing sent: the browser itself keeps the page offline. Pictures may come
-/// from memory only, which saving a figure needs.
+/// Nothing may be fetched and nothing sent: the browser itself keeps the page offline. Pictures may
+/// come from memory only, which saving a figure needs.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                       img-src data: blob:; base-uri 'none'; form-action 'none'";
 
@@ -30,9 +30,10 @@ const HEADINGS_FOR_CONTENTS: usize = 3;
 
 /// The page as one HTML file that opens from disk in any current browser, without a network.
 ///
-/// The same page gives the same bytes. Text is escaped wherever it comes from. Mistakes in the data do not
-/// fail, they show: values that are not finite are gaps, a trace whose columns differ in length is drawn
-/// as far as the shortest goes and its figure says so, a ragged table is shown ragged.
+/// The same page gives the same bytes. Text is escaped wherever it comes from. Mistakes in the data
+/// do not fail, they show: values that are not finite are gaps, a trace whose columns differ in
+/// length is drawn as far as the shortest goes and its figure says so, a ragged table is shown
+/// ragged.
 pub fn render_page(page: &Page) -> String {
     let palette = Palette::of(page);
     let mut body = Body::default();
@@ -92,8 +93,12 @@ impl Body {
         match block {
             Block::Heading(text) => {
                 self.headings.push(prose(text));
-                let _ =
-                    writeln!(self.html, "<h2 id=\"section-{}\">{}</h2>", self.headings.len(), prose(text));
+                let _ = writeln!(
+                    self.html,
+                    "<h2 id=\"section-{}\">{}</h2>",
+                    self.headings.len(),
+                    prose(text)
+                );
             }
             Block::Text(text) => {
                 let _ = writeln!(self.html, "<p class=\"text\">{}</p>", prose(text));
@@ -131,8 +136,11 @@ impl Body {
             self.html.push_str(HINT);
         }
         let plot = Plot::of(figure, palette);
-        let remarks: String =
-            plot.remarks.iter().map(|r| format!(" <span class=\"remark\">{}</span>", escape(r))).collect();
+        let remarks: String = plot
+            .remarks
+            .iter()
+            .map(|r| format!(" <span class=\"remark\">{}</span>", escape(r)))
+            .collect();
         let _ = write!(
             self.html,
             "<figure id=\"figure-{number}\" aria-labelledby=\"caption-{number}\">\n\
@@ -195,8 +203,12 @@ mod tests {
     /// A page whose every text is an attack.
     fn nasty_page() -> Page {
         let text = || NASTY.to_owned();
-        let line =
-            Trace::Line { name: text(), x: vec![0.0, 1.0], y: vec![f64::NAN, 1.0], style: LineStyle::Solid };
+        let line = Trace::Line {
+            name: text(),
+            x: vec![0.0, 1.0],
+            y: vec![f64::NAN, 1.0],
+            style: LineStyle::Solid,
+        };
         let figure = Figure {
             title: text(),
             caption: text(),
@@ -254,7 +266,8 @@ mod tests {
 
     #[test]
     fn a_page_without_figures_carries_no_library() {
-        let page = Page { title: "t".into(), blocks: vec![Block::Text("x".into())], ..Page::default() };
+        let page =
+            Page { title: "t".into(), blocks: vec![Block::Text("x".into())], ..Page::default() };
         let html = render_page(&page);
         assert!(!html.contains("<script"));
         assert!(html.len() < 20_000);
@@ -281,7 +294,9 @@ mod tests {
         };
         assert!(!render_page(&page(2)).contains("<nav"));
         let html = render_page(&page(3));
-        assert!(html.contains("<a href=\"#section-3\">part 2</a>") && html.contains("id=\"section-3\""));
+        assert!(
+            html.contains("<a href=\"#section-3\">part 2</a>") && html.contains("id=\"section-3\"")
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! One look a series name, the same in every figure of a page; one look a friction model, the same on every page.
+//! One look a series name, the same in every figure of a page; one look a friction model, the same
+//! on every page.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,8 +7,8 @@ use friction_model::ModelName;
 
 use super::figure::{Block, Page, Panel, Trace};
 
-/// Colours of the palette: Okabe and Ito's, which colour-blind readers tell apart, less black and yellow, with a brown and a
-/// violet (`--c0` .. in `report.css`).
+/// Colours of the palette: Okabe and Ito's, which colour-blind readers tell apart, less black and
+/// yellow, with a brown and a violet (`--c0` .. in `report.css`).
 const COLOURS: usize = 8;
 
 /// Strokes in which each colour comes (`DASHES` in `report.js`).
@@ -21,7 +22,8 @@ const MODEL_STROKES: usize = 3;
 pub(super) enum Look {
     /// The colour of the text: references, targets and limits, against which the rest is seen.
     Ink,
-    /// The n-th of the looks; every one has its own pair of colour and stroke, and of colour and marker.
+    /// The n-th of the looks; every one has its own pair of colour and stroke, and of colour and
+    /// marker.
     Number(usize),
 }
 
@@ -50,8 +52,8 @@ impl Look {
         }
     }
 
-    /// The look of a friction model, by its place in the catalogue. The bristle models, which are compared most, have the
-    /// unbroken line.
+    /// The look of a friction model, by its place in the catalogue. The bristle models, which are
+    /// compared most, have the unbroken line.
     fn of_model(place: usize) -> Self {
         Look::Number((place / COLOURS + 1) % MODEL_STROKES * COLOURS + place % COLOURS)
     }
@@ -62,8 +64,8 @@ impl Look {
 pub(super) struct Palette(BTreeMap<String, Look>);
 
 impl Palette {
-    /// Gives every name of `page` a look: a model its own, any other name, in order of appearance, the first one that no model
-    /// of the page and no series of a shared figure has.
+    /// Gives every name of `page` a look: a model its own, any other name, in order of appearance,
+    /// the first one that no model of the page and no series of a shared figure has.
     pub(super) fn of(page: &Page) -> Self {
         let figures: Vec<Vec<&str>> = page
             .blocks
@@ -83,8 +85,11 @@ impl Palette {
             if given.contains_key(name) {
                 continue;
             }
-            let look =
-                if is_reference(name) { Look::Ink } else { first_free(name, &figures, &given, &of_models) };
+            let look = if is_reference(name) {
+                Look::Ink
+            } else {
+                first_free(name, &figures, &given, &of_models)
+            };
             given.insert(name.to_owned(), look);
         }
         Palette(given)
@@ -101,8 +106,8 @@ fn place_of_model(name: &str) -> Option<usize> {
     ModelName::ALL.iter().position(|model| model.as_str() == name || model.title() == name)
 }
 
-/// The name under which each trace of a panel has its look. A band is that of the curve drawn over it: it has the colour of
-/// the next line, if there is one.
+/// The name under which each trace of a panel has its look. A band is that of the curve drawn over
+/// it: it has the colour of the next line, if there is one.
 pub(super) fn series(panel: &Panel) -> impl Iterator<Item = &str> {
     panel.traces.iter().enumerate().map(|(i, trace)| match trace {
         Trace::Band { name, .. } => panel.traces[i..]
@@ -136,7 +141,8 @@ fn first_free(
         .collect();
     let colours: BTreeSet<i32> = taken.iter().map(|look| look.colour()).collect();
     let looks = || (0..COLOURS * STROKES).map(Look::Number);
-    // An unbroken line in a colour of its own; else a stroke that models do not have; else any that is left.
+    // An unbroken line in a colour of its own; else a stroke that models do not have; else any that
+    // is left.
     looks()
         .take(COLOURS)
         .find(|look| !colours.contains(&look.colour()))
@@ -166,10 +172,19 @@ mod tests {
     }
 
     fn all_differ(looks: &[Look]) {
-        let different =
-            |of: &dyn Fn(&Look) -> (i32, usize)| looks.iter().map(of).collect::<BTreeSet<_>>().len();
-        assert_eq!(different(&|look| (look.colour(), look.stroke())), looks.len(), "colour and stroke");
-        assert_eq!(different(&|look| (look.colour(), look.marker())), looks.len(), "colour and marker");
+        let different = |of: &dyn Fn(&Look) -> (i32, usize)| {
+            looks.iter().map(of).collect::<BTreeSet<_>>().len()
+        };
+        assert_eq!(
+            different(&|look| (look.colour(), look.stroke())),
+            looks.len(),
+            "colour and stroke"
+        );
+        assert_eq!(
+            different(&|look| (look.colour(), look.marker())),
+            looks.len(),
+            "colour and marker"
+        );
     }
 
     #[test]
@@ -198,12 +213,20 @@ mod tests {
 
     #[test]
     fn a_band_has_the_look_of_its_curve() {
-        let band = |name: &str| Trace::Band { name: name.into(), x: vec![], lower: vec![], upper: vec![] };
-        let line =
-            |name: &str| Trace::Line { name: name.into(), x: vec![], y: vec![], style: LineStyle::Solid };
+        let band =
+            |name: &str| Trace::Band { name: name.into(), x: vec![], lower: vec![], upper: vec![] };
+        let line = |name: &str| Trace::Line {
+            name: name.into(),
+            x: vec![],
+            y: vec![],
+            style: LineStyle::Solid,
+        };
         let traces = vec![band("95 %"), line("fit a"), band("95 %"), line("fit b"), band("alone")];
         let panel = Panel { y_label: String::new(), traces };
-        assert_eq!(series(&panel).collect::<Vec<_>>(), ["fit a", "fit a", "fit b", "fit b", "alone"]);
+        assert_eq!(
+            series(&panel).collect::<Vec<_>>(),
+            ["fit a", "fit a", "fit b", "fit b", "alone"]
+        );
     }
 
     #[test]

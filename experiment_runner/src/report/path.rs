@@ -3,18 +3,20 @@
 /// Arrows of a path.
 const ARROWS: usize = 5;
 
-/// How far an arrow looks back for its direction, as a share of the path: further than noise reaches.
+/// How far an arrow looks back for its direction, as a share of the path: further than noise
+/// reaches.
 const BACK: f64 = 0.01;
 
-/// For each arrow the index of the point before and of the point at its tip. Lengths are measured with both axes' extents as
-/// units, since that is how the path is seen.
+/// For each arrow the index of the point before and of the point at its tip. Lengths are measured
+/// with both axes' extents as units, since that is how the path is seen.
 pub(super) fn arrows(x: &[f64], y: &[f64]) -> Vec<(usize, usize)> {
     let finite: Vec<usize> =
         (0..x.len().min(y.len())).filter(|&i| x[i].is_finite() && y[i].is_finite()).collect();
     let extent = |values: &[f64]| {
-        let (low, high) = finite.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &i| {
-            (low.min(values[i]), high.max(values[i]))
-        });
+        let (low, high) =
+            finite.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &i| {
+                (low.min(values[i]), high.max(values[i]))
+            });
         if high > low { high - low } else { 1.0 }
     };
     let (width, height) = (extent(x), extent(y));

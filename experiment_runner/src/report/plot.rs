@@ -6,8 +6,8 @@ use super::figure::{Figure, LineStyle, Mark, Trace};
 use super::palette::{self, Palette};
 use super::{path, thin};
 
-/// Most points drawn of one trace: several for each pixel column of a wide figure, so that some zooming
-/// shows more, while a page of many figures stays quick.
+/// Most points drawn of one trace: several for each pixel column of a wide figure, so that some
+/// zooming shows more, while a page of many figures stays quick.
 const MOST_POINTS: usize = 4000;
 
 /// A figure in the form that `report.js` reads.
@@ -15,7 +15,8 @@ const MOST_POINTS: usize = 4000;
 pub(super) struct Plot<'a> {
     x_label: &'a str,
     log_x: bool,
-    /// The curve runs back and forth in x (a closed loop): one vertical readout would make no sense.
+    /// The curve runs back and forth in x (a closed loop): one vertical readout would make no
+    /// sense.
     back_and_forth: bool,
     y_labels: Vec<&'a str>,
     /// Names on the horizontal axis, where it has categories; their values are at 0, 1, ...
@@ -117,7 +118,8 @@ impl<'a> Plot<'a> {
             // Horizontal values are often a small stretch far from zero, so they keep more digits.
             let (x, y) = (pick(columns[0], 10), pick(columns[1], 7));
             let arrows = if kind == "loop" { path::arrows(&x, &y) } else { Vec::new() };
-            let arrows = arrows.into_iter().map(|(from, to)| [[x[from], y[from]], [x[to], y[to]]]).collect();
+            let arrows =
+                arrows.into_iter().map(|(from, to)| [[x[from], y[from]], [x[to], y[to]]]).collect();
             let drawn = Drawn::of(panel, trace, (colour, stroke, marker));
             plot.traces.push(Drawn { kind, style, x, y, error, upper, arrows, ..drawn });
         }
@@ -129,7 +131,8 @@ impl<'a> Plot<'a> {
         plot
     }
 
-    /// Horizontal places of the values of a categorical trace, beside those of the other series, and their width.
+    /// Horizontal places of the values of a categorical trace, beside those of the other series,
+    /// and their width.
     fn side_by_side(&self, figure: &Figure, trace: &Trace, names: &[String]) -> (Vec<f64>, f64) {
         let mut series: Vec<&str> = Vec::new();
         for other in figure.panels.iter().flat_map(|panel| &panel.traces) {
@@ -259,8 +262,10 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_becomes_a_gap() {
-        let (json, remarks) =
-            plot(&figure(vec![line(vec![0.0, 1.0, 2.0, 3.0], vec![1.0, f64::NAN, f64::INFINITY, 2.5])]));
+        let (json, remarks) = plot(&figure(vec![line(
+            vec![0.0, 1.0, 2.0, 3.0],
+            vec![1.0, f64::NAN, f64::INFINITY, 2.5],
+        )]));
         assert_eq!(json["traces"][0]["y"], serde_json::json!([1.0, null, null, 2.5]));
         assert!(remarks.is_empty());
     }
@@ -288,7 +293,8 @@ mod tests {
             lower: vec![-1.0, -2.0],
             upper: vec![1.0, 2.0],
         };
-        let points = Trace::Points { name: "p".into(), x: vec![0.0], y: vec![3.0], error: Some(vec![0.25]) };
+        let points =
+            Trace::Points { name: "p".into(), x: vec![0.0], y: vec![3.0], error: Some(vec![0.25]) };
         let (json, _) = plot(&figure(vec![band, points]));
         assert_eq!(json["traces"][0]["upper"], serde_json::json!([1.0, 2.0]));
         assert_eq!(json["traces"][0]["y"], serde_json::json!([-1.0, -2.0]));

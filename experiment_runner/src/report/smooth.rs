@@ -24,8 +24,8 @@ pub fn moving_mean(values: &[f64], half: usize) -> Vec<f64> {
     (0..values.len()).map(mean).collect()
 }
 
-/// One whole cycle of a signal that goes up and down: the last of those with the largest swing within a twentieth. Everything if it
-/// has no whole cycle.
+/// One whole cycle of a signal that goes up and down: the last of those with the largest swing
+/// within a twentieth. Everything if it has no whole cycle.
 #[must_use]
 pub fn one_cycle(values: &[f64]) -> Range<usize> {
     let extent = |values: &[f64]| {
@@ -37,8 +37,9 @@ pub fn one_cycle(values: &[f64]) -> Range<usize> {
     // What happens seldom, a transient say, does not tell where the middle is.
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    let quantile =
-        |share: f64| sorted.get((share * (sorted.len() as f64 - 1.0)) as usize).copied().unwrap_or(0.0);
+    let quantile = |share: f64| {
+        sorted.get((share * (sorted.len() as f64 - 1.0)) as usize).copied().unwrap_or(0.0)
+    };
     let (low, high) = (quantile(SELDOM), quantile(1.0 - SELDOM));
     let (middle, band) = (0.5 * (low + high), BAND * (high - low));
     let mut risings = Vec::new();
@@ -66,7 +67,8 @@ mod tests {
 
     #[test]
     fn a_mean_keeps_a_slope_and_takes_noise_off() {
-        let noisy: Vec<f64> = (0..1000).map(|i| f64::from(i) + if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        let noisy: Vec<f64> =
+            (0..1000).map(|i| f64::from(i) + if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let smooth = moving_mean(&noisy, 10);
         assert_eq!(smooth.len(), 1000);
         for (i, value) in smooth.iter().enumerate().take(990).skip(10) {
@@ -84,7 +86,9 @@ mod tests {
         assert!((90..115).contains(&cycle.len()), "{cycle:?}");
         // A transient far from the cycles does not hide them.
         let late: Vec<f64> = (0..1000)
-            .map(|i| if i < 80 { -30.0 + 0.3 * f64::from(i) } else { (f64::from(i) * 0.0628).sin() })
+            .map(
+                |i| if i < 80 { -30.0 + 0.3 * f64::from(i) } else { (f64::from(i) * 0.0628).sin() },
+            )
             .collect();
         let cycle = one_cycle(&late);
         assert!((90..115).contains(&cycle.len()), "{cycle:?}");

@@ -5,19 +5,22 @@ use std::fmt::Write;
 use super::figure::Table;
 use super::html::{escape, prose};
 
-/// A table with its caption; columns of numbers are set so that decimal points stand below each other.
+/// A table with its caption; columns of numbers are set so that decimal points stand below each
+/// other.
 ///
 /// A row shorter than the head is filled with empty cells, a longer one widens the table: showing a
 /// mistake is better than hiding it.
 pub(super) fn render(table: &Table, number: usize) -> String {
     let width = table.rows.iter().map(Vec::len).max().unwrap_or(0).max(table.columns.len());
-    let cell =
-        |row: &'_ [String], column: usize| row.get(column).map_or("", String::as_str).trim().to_owned();
+    let cell = |row: &'_ [String], column: usize| {
+        row.get(column).map_or("", String::as_str).trim().to_owned()
+    };
     let columns: Vec<Column> =
         (0..width).map(|c| Column::of(table.rows.iter().map(|row| cell(row, c)))).collect();
 
     let head = |c: usize| table.columns.get(c).map_or("", String::as_str);
-    let widths: Vec<usize> = columns.iter().enumerate().map(|(c, column)| column.width(head(c))).collect();
+    let widths: Vec<usize> =
+        columns.iter().enumerate().map(|(c, column)| column.width(head(c))).collect();
     let dense = widths.iter().sum::<usize>() > ROOMY;
 
     let mut out = String::new();
@@ -48,9 +51,15 @@ pub(super) fn render(table: &Table, number: usize) -> String {
             for &c in &part {
                 let column = &columns[c];
                 let text = cell(row, c);
-                let mark = if best && c == 0 { "<span class=\"hidden\"> (set apart)</span>" } else { "" };
-                let _ =
-                    write!(out, "<td{}>{}{}{mark}</td>", column.class(), prose(&text), column.padding(&text));
+                let mark =
+                    if best && c == 0 { "<span class=\"hidden\"> (set apart)</span>" } else { "" };
+                let _ = write!(
+                    out,
+                    "<td{}>{}{}{mark}</td>",
+                    column.class(),
+                    prose(&text),
+                    column.padding(&text)
+                );
             }
             out.push_str("</tr>\n");
         }
@@ -60,14 +69,16 @@ pub(super) fn render(table: &Table, number: usize) -> String {
     out
 }
 
-/// Widths, in characters, up to which a table is set in the usual size, and in the small one, so that it fits A4.
+/// Widths, in characters, up to which a table is set in the usual size, and in the small one, so
+/// that it fits A4.
 const ROOMY: usize = 84;
 const NARROW: usize = 108;
 
 /// Rows from which on a table may run over the end of a page.
 const LONG: usize = 12;
 
-/// The columns of each part of a table that is wider than the page: the first column stands in each of them.
+/// The columns of each part of a table that is wider than the page: the first column stands in each
+/// of them.
 fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let first = widths.first().copied().unwrap_or(0);
@@ -89,7 +100,9 @@ fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
 /// A column's head; its unit stays together.
 fn headed(head: &str) -> String {
     match head.split_once('[').filter(|(before, _)| !before.is_empty()) {
-        Some((before, unit)) => format!("{}<span class=\"unit\">[{}</span>", prose(before), escape(unit)),
+        Some((before, unit)) => {
+            format!("{}<span class=\"unit\">[{}</span>", prose(before), escape(unit))
+        }
         None => prose(head),
     }
 }
@@ -124,8 +137,11 @@ impl Column {
     fn of(cells: impl Iterator<Item = String>) -> Self {
         let cells: Vec<String> = cells.filter(|c| !c.is_empty() && !is_dash(c)).collect();
         let longest = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
-        let word =
-            cells.iter().flat_map(|cell| cell.split_whitespace()).map(|word| word.chars().count()).max();
+        let word = cells
+            .iter()
+            .flat_map(|cell| cell.split_whitespace())
+            .map(|word| word.chars().count())
+            .max();
         let longest = (longest, word.unwrap_or(0));
         let mut column = Column { numeric: false, short: false, decimals: 0, longest };
         for cell in &cells {
@@ -145,11 +161,15 @@ impl Column {
     /// How wide it is at least, in characters, the space behind it included.
     fn width(&self, head: &str) -> usize {
         let (longest, word) = self.longest;
-        let cells =
-            if self.numeric || self.short { longest } else { longest.min(SENTENCE).max(word.min(BROKEN)) };
+        let cells = if self.numeric || self.short {
+            longest
+        } else {
+            longest.min(SENTENCE).max(word.min(BROKEN))
+        };
         let (text, unit) = head.split_once('[').unwrap_or((head, ""));
         let words = text.split_whitespace().map(|word| word.chars().count()).max().unwrap_or(0);
-        let head = head.chars().count().div_ceil(HEAD_LINES).max(words).max(unit.chars().count() + 1);
+        let head =
+            head.chars().count().div_ceil(HEAD_LINES).max(words).max(unit.chars().count() + 1);
         cells.max(head) + BETWEEN
     }
 
@@ -180,9 +200,11 @@ fn is_number(cell: &str) -> bool {
     parts.into_iter().all(|part| part.trim().replace('\u{2212}', "-").parse::<f64>().is_ok())
 }
 
-/// Digits behind the point of a plain number; `None` for anything with an exponent or a second part.
+/// Digits behind the point of a plain number; `None` for anything with an exponent or a second
+/// part.
 fn decimals(cell: &str) -> Option<usize> {
-    let plain = cell.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | '\u{2212}'));
+    let plain =
+        cell.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | '\u{2212}'));
     (plain && !cell.is_empty() && !is_dash(cell))
         .then(|| cell.split_once('.').map_or(0, |(_, behind)| behind.len()))
 }
@@ -203,7 +225,8 @@ mod tests {
     #[test]
     fn intervals_and_units_stay_on_one_line_and_sentences_do_not() {
         let sentence = "a sentence that goes on for more than one line would";
-        let html = render(&table(&[&["[1.0, 2.0]", sentence], &["[-1.25e-3, 1.25e-3]", "short one"]]), 1);
+        let html =
+            render(&table(&[&["[1.0, 2.0]", sentence], &["[-1.25e-3, 1.25e-3]", "short one"]]), 1);
         assert!(html.contains("<td class=\"short\">[1.0, 2.0]</td>"), "{html}");
         assert!(html.contains("<td>short one</td>"), "{html}");
     }
@@ -225,7 +248,11 @@ mod tests {
         assert!(html.contains("class=\"table dense\""), "{html}");
         let tables = html.matches("<table").count();
         assert!(tables > 2, "{tables}");
-        assert_eq!(html.matches("<th ").count(), 30 + tables - 1, "the first column stands in each part");
+        assert_eq!(
+            html.matches("<th ").count(),
+            30 + tables - 1,
+            "the first column stands in each part"
+        );
         assert_eq!(html.matches("Save as CSV").count(), 1);
         // A short one is one.
         assert_eq!(render(&table(&[&["a", "1"]]), 1).matches("<table").count(), 1);

@@ -1,15 +1,16 @@
 //! Which points of a long line are worth drawing.
 //!
-//! A screen is a thousand or two pixels wide, a recording a hundred thousand samples long. Taking every
-//! n-th sample would lose the spikes that an engineer looks for, so the samples are cut into stretches and
-//! each stretch keeps the least and the greatest of every coordinate. Drawn through those points a line
-//! covers the same pixels as the whole one. Because the stretches are counted in samples, closed loops are
-//! served as well as signals over time.
+//! A screen is a thousand or two pixels wide, a recording a hundred thousand samples long. Taking
+//! every n-th sample would lose the spikes that an engineer looks for, so the samples are cut into
+//! stretches and each stretch keeps the least and the greatest of every coordinate. Drawn through
+//! those points a line covers the same pixels as the whole one. Because the stretches are counted
+//! in samples, closed loops are served as well as signals over time.
 
 /// Indices to keep so that at most `limit` remain, in rising order; `None` when all may stay.
 ///
 /// `coordinates` are the series of one trace (x and y; x, lower and upper edge), all of one length.
-/// A stretch in which a value is not finite also keeps the first such place, so that gaps stay gaps.
+/// A stretch in which a value is not finite also keeps the first such place, so that gaps stay
+/// gaps.
 pub(super) fn keep(coordinates: &[&[f64]], limit: usize) -> Option<Vec<usize>> {
     let n = coordinates.iter().map(|c| c.len()).min().unwrap_or(0);
     if n <= limit {
@@ -71,7 +72,8 @@ mod tests {
     }
 
     proptest! {
-        /// Every stretch keeps its extremes: within any of them, drawn and full data span the same range.
+        /// Every stretch keeps its extremes: within any of them, drawn and full data span the same
+        /// range.
         #[test]
         fn extremes_of_every_stretch_survive(
             y in prop::collection::vec(prop_oneof![9 => -1e3..1e3, 1 => Just(f64::NAN)], 1..3000),

@@ -1,6 +1,7 @@
 //! A real rig that the runs of an experiment take in turns.
 //!
-//! Between two turns a keeper goes on reading it at zero volts, so that no watchdog expires and a fault is noticed when it happens.
+//! Between two turns a keeper goes on reading it at zero volts, so that no watchdog expires and a
+//! fault is noticed when it happens.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -83,7 +84,8 @@ impl std::fmt::Debug for Paced {
 }
 
 impl Paced {
-    /// The rig under its limits, inactive; its winding `rise` above ambient [K], where that is known.
+    /// The rig under its limits, inactive; its winding `rise` above ambient [K], where that is
+    /// known.
     fn configured(
         rig: Box<dyn Rig + Send>,
         limits: SafetyLimits,
@@ -105,11 +107,15 @@ impl Paced {
             Pace::Device => self.rig.wait()?,
             Pace::Clock => {
                 self.cycles += 1;
-                let due = self.started + Duration::from_secs_f64(self.rig.period() * self.cycles as f64);
+                let due =
+                    self.started + Duration::from_secs_f64(self.rig.period() * self.cycles as f64);
                 match due.checked_duration_since(Instant::now()) {
                     Some(left) => thread::sleep(left),
                     // Cycles that were missed are not caught up.
-                    None => self.cycles = (self.started.elapsed().as_secs_f64() / self.rig.period()) as u64,
+                    None => {
+                        self.cycles =
+                            (self.started.elapsed().as_secs_f64() / self.rig.period()) as u64
+                    }
                 }
                 self.rig.tell_time(self.started.elapsed().as_secs_f64());
             }
@@ -137,11 +143,19 @@ impl BenchRig {
     ///
     /// # Errors
     /// As for [`new`](Self::new).
-    pub fn reopening(opened: Opened, stop: Arc<AtomicBool>, reopen: Reopen) -> Result<Self, RigError> {
+    pub fn reopening(
+        opened: Opened,
+        stop: Arc<AtomicBool>,
+        reopen: Reopen,
+    ) -> Result<Self, RigError> {
         Self::opened(opened, stop, Some(Again(reopen)))
     }
 
-    fn opened(opened: Opened, stop: Arc<AtomicBool>, reopen: Option<Again>) -> Result<Self, RigError> {
+    fn opened(
+        opened: Opened,
+        stop: Arc<AtomicBool>,
+        reopen: Option<Again>,
+    ) -> Result<Self, RigError> {
         let Opened { rig, limits, pace, sensors, description, .. } = opened;
         let paced = Paced::configured(rig, limits, pace, None)?;
         let (period, voltage_range) = (paced.rig.period(), paced.rig.voltage_range());
@@ -195,13 +209,17 @@ impl BenchRig {
         self.reopen.is_some()
     }
 
-    /// Opens the rig anew after its line failed, up to [`PATIENCE`] after it was heard last: inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a fault
-    /// that is latched in the device is not cleared. The time that it took [s].
+    /// Opens the rig anew after its line failed, up to [`PATIENCE`] after it was heard last:
+    /// inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a
+    /// fault that is latched in the device is not cleared. The time that it took [s].
     ///
     /// # Errors
-    /// Why not, in words: it did not come back, another device came back, the travel is limited, or there is no way to open it.
+    /// Why not, in words: it did not come back, another device came back, the travel is limited, or
+    /// there is no way to open it.
     pub fn reconnect(&self) -> Result<f64, String> {
-        let Some(Again(reopen)) = &self.reopen else { return Err("this rig is not opened again".to_owned()) };
+        let Some(Again(reopen)) = &self.reopen else {
+            return Err("this rig is not opened again".to_owned());
+        };
         if self.limits.travel.is_some() {
             return Err("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
         }
@@ -213,7 +231,8 @@ impl BenchRig {
         let old = locked(&self.home.rig).take();
         let rise = old.as_ref().and_then(|old| old.rig.supervisor().rise());
         let heard = old.as_ref().map_or(SystemTime::UNIX_EPOCH, |old| old.heard);
-        // A program that was stopped, or slept with its machine, must not surprise who stands at the rig by now.
+        // A program that was stopped, or slept with its machine, must not surprise who stands at
+        // the rig by now.
         let too_late = || Paced::silence(heard) > PATIENCE;
         // Zero volts, and the end of the session.
         drop(old);
@@ -245,8 +264,8 @@ impl BenchRig {
             return Err("another device came back: its cycle is another".to_owned());
         }
         let pace = opened.pace;
-        let paced =
-            Paced::configured(opened.rig, self.limits, pace, rise).map_err(|error| error.to_string())?;
+        let paced = Paced::configured(opened.rig, self.limits, pace, rise)
+            .map_err(|error| error.to_string())?;
         *locked(&self.home.rig) = Some(paced);
         locked(&self.home.failed).take();
         self.home.over.store(false, Ordering::Relaxed);
@@ -286,7 +305,8 @@ impl Drop for BenchRig {
 }
 
 impl Home {
-    /// A thread that reads the rig between two turns; none in lock-step, where nothing happens then.
+    /// A thread that reads the rig between two turns; none in lock-step, where nothing happens
+    /// then.
     fn kept(home: &Arc<Self>, pace: Pace) -> Option<JoinHandle<()>> {
         let home = Arc::clone(home);
         (pace != Pace::LockStep).then(|| thread::spawn(move || home.keep()))
@@ -365,8 +385,9 @@ impl Rig for Turn {
         self.paced.as_ref().map_or(0.0, |paced| paced.rig.voltage_range())
     }
 
-    /// Waits for the next cycle: whoever drives an experiment need not know that time is real. If no cycle comes the reading is the last one, marked as a fault, and
-    /// [`apply`](Rig::apply) says why.
+    /// Waits for the next cycle: whoever drives an experiment need not know that time is real. If
+    /// no cycle comes the reading is the last one, marked as a fault, and [`apply`](Rig::apply)
+    /// says why.
     fn measure(&mut self) -> Measurement {
         let seen = match self.paced.as_mut().map(Paced::cycle) {
             Some(Ok(seen)) => seen,
@@ -404,7 +425,8 @@ impl Rig for Turn {
 impl Drop for Turn {
     fn drop(&mut self) {
         let Some(mut paced) = self.paced.take() else { return };
-        // Out of active, by whatever way the run ended. Where a fault took it out already the request is refused, and the motor is at zero volts.
+        // Out of active, by whatever way the run ended. Where a fault took it out already the
+        // request is refused, and the motor is at zero volts.
         let deactivated = paced.rig.request(Request::Deactivate).map(drop);
         let failed = self.failed.take().or(match deactivated {
             Err(RigError::Refused(_)) => None,

@@ -45,7 +45,8 @@ impl FromStr for RigChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (kind, which) = text.split_once(':').map_or((text, None), |(kind, which)| (kind, Some(which)));
+        let (kind, which) =
+            text.split_once(':').map_or((text, None), |(kind, which)| (kind, Some(which)));
         match (kind, which) {
             ("simulated", None) => Ok(Self::Simulated),
             ("nodes", None) => Ok(Self::Nodes { namespace: None }),
@@ -128,8 +129,8 @@ pub struct SensorsPresent {
 }
 
 impl RigChoice {
-    /// Opens the rig with the motor at zero volts. The simulated one has friction `friction`, noise of `seed`, and is wired as `wiring`
-    /// says. A calibration in `setup` corrects its readings.
+    /// Opens the rig with the motor at zero volts. The simulated one has friction `friction`, noise
+    /// of `seed`, and is wired as `wiring` says. A calibration in `setup` corrects its readings.
     ///
     /// # Errors
     /// [`RigSetupError`] says what is missing or refused.
@@ -219,7 +220,10 @@ fn about(rig: &SerialRig) -> String {
     )
 }
 
-fn calibrated(rig: Box<dyn Rig + Send>, calibration: Calibration) -> Result<Box<dyn Rig + Send>, RigError> {
+fn calibrated(
+    rig: Box<dyn Rig + Send>,
+    calibration: Calibration,
+) -> Result<Box<dyn Rig + Send>, RigError> {
     Ok(Box::new(Calibrated::new(rig, calibration)?))
 }
 

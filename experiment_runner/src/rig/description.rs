@@ -61,7 +61,8 @@ impl RigDescription {
         }
     }
 
-    /// Refuses a device that is not the described one: calibration and limits would be those of another.
+    /// Refuses a device that is not the described one: calibration and limits would be those of
+    /// another.
     ///
     /// # Errors
     /// [`RigSetupError::OtherDevice`] says in what it differs.
@@ -72,7 +73,8 @@ impl RigDescription {
         }
     }
 
-    /// In what `other` differs so that calibration and limits of this one do not fit it: everything but firmware and period.
+    /// In what `other` differs so that calibration and limits of this one do not fit it: everything
+    /// but firmware and period.
     #[must_use]
     pub fn differs_from(&self, other: &Self) -> Option<String> {
         if self.name != other.name {

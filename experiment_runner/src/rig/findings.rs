@@ -61,10 +61,12 @@ impl Findings {
     /// Whether everything is reversed: then it is the motor's leads, most likely.
     #[must_use]
     pub fn motor_reversed(&self) -> bool {
-        self.encoder_sign == Sign::Reversed && self.tachometer_gain.is_some_and(|gain| gain.value < 0.0)
+        self.encoder_sign == Sign::Reversed
+            && self.tachometer_gain.is_some_and(|gain| gain.value < 0.0)
     }
 
-    /// The calibration that puts the readings right. A sensor that shows nothing of the motion is left as it is.
+    /// The calibration that puts the readings right. A sensor that shows nothing of the motion is
+    /// left as it is.
     #[must_use]
     pub fn calibration(&self) -> Calibration {
         Calibration {
@@ -94,15 +96,18 @@ impl Findings {
             None => verdict(
                 "tachometer gain",
                 "none".to_owned(),
-                Some("the tachometer does not show the motion: look at its plug and its channel".to_owned()),
+                Some(
+                    "the tachometer does not show the motion: look at its plug and its channel"
+                        .to_owned(),
+                ),
             ),
             Some(gain) => verdict(
                 "tachometer gain",
                 plus_minus(gain, ""),
                 if gain.value < 0.0 {
-                    leads
-                        .clone()
-                        .or_else(|| Some(format!("its leads are swapped; swap them, or {calibrate}")))
+                    leads.clone().or_else(|| {
+                        Some(format!("its leads are swapped; swap them, or {calibrate}"))
+                    })
                 } else {
                     off(gain, 1.0, GAIN_TOLERANCE).then(|| {
                         let reads = 100.0 / gain.value;
@@ -129,9 +134,9 @@ impl Findings {
                 "encoder sign",
                 forward(self.encoder_sign),
                 (self.encoder_sign == Sign::Reversed).then(|| {
-                    leads
-                        .clone()
-                        .unwrap_or_else(|| format!("its lines are swapped; swap them, or {calibrate}"))
+                    leads.clone().unwrap_or_else(|| {
+                        format!("its lines are swapped; swap them, or {calibrate}")
+                    })
                 }),
             ),
             gain,

@@ -5,9 +5,11 @@ use std::fmt::Write;
 
 use rig_driver::Measurement;
 
-/// Time over which the encoder's speed is taken [s]: one count of 4096 a turn is 0.03 rad/s over it.
+/// Time over which the encoder's speed is taken [s]: one count of 4096 a turn is 0.03 rad/s over
+/// it.
 const WINDOW: f64 = 0.05;
-/// Counts by which a shaft gives that friction holds, elastically; `rig check` takes half of its eight for that too.
+/// Counts by which a shaft gives that friction holds, elastically; `rig check` takes half of its
+/// eight for that too.
 const STANDS: i64 = 4;
 
 /// What was seen while the shaft was to move.
@@ -69,7 +71,8 @@ impl JogSummary {
     /// The summary, in lines.
     #[must_use]
     pub fn text(&self) -> String {
-        let (Some(first), Some(last), Some((least, most))) = (self.first, self.last, self.volts) else {
+        let (Some(first), Some(last), Some((least, most))) = (self.first, self.last, self.volts)
+        else {
             return "the jog was over before the motor had a voltage\n".to_owned();
         };
         let seconds = last.time - first.time;
@@ -86,7 +89,10 @@ impl JogSummary {
         if self.moved() {
             let counts = last.encoder_counts - first.encoder_counts;
             let travel = last.encoder_position - first.encoder_position;
-            let _ = writeln!(text, "travel         {travel:+.3} rad ({counts:+} counts) by the encoder");
+            let _ = writeln!(
+                text,
+                "travel         {travel:+.3} rad ({counts:+} counts) by the encoder"
+            );
             let _ = writeln!(
                 text,
                 "peak velocity  {:+.3} rad/s by the encoder, {:+.3} rad/s by the tachometer",
@@ -140,7 +146,11 @@ mod tests {
     #[test]
     fn it_says_that_nothing_moved_where_nothing_did() {
         let still = jog(0.3, 0.0);
-        assert!(!still.moved() && still.text().contains("none: the encoder stayed"), "{}", still.text());
+        assert!(
+            !still.moved() && still.text().contains("none: the encoder stayed"),
+            "{}",
+            still.text()
+        );
         assert!(JogSummary::default().text().contains("before"));
     }
 }

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigLimits {
-    /// Largest magnitude of the motor voltage [V], at most the range that the rig tells of itself [usual: 6 V].
+    /// Largest magnitude of the motor voltage [V], at most the range that the rig tells of itself
+    /// [usual: 6 V].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub voltage: Option<f64>,
     /// Largest speed of the shaft [rad/s].

@@ -1,6 +1,8 @@
-//! Setting a rig up: which there are, whether their signs and gains are right, and the calibration that makes them so.
+//! Setting a rig up: which there are, whether their signs and gains are right, and the calibration
+//! that makes them so.
 //!
-//! Everything here drives the rig under the safety layer. The steps ([`procedure`]) are the same for a check and for a calibration.
+//! Everything here drives the rig under the safety layer. The steps ([`procedure`]) are the same
+//! for a check and for a calibration.
 
 mod bench_rig;
 mod choice;

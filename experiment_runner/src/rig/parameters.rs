@@ -11,7 +11,8 @@ use crate::identify::parameters::number;
 /// The file as text; standard errors stand in comments.
 #[must_use]
 pub fn render(found: &Findings, rig: &RigChoice) -> String {
-    let mut text = format!("# Calibration of the rig {rig} by frictionlab {}.\n", env!("CARGO_PKG_VERSION"));
+    let mut text =
+        format!("# Calibration of the rig {rig} by frictionlab {}.\n", env!("CARGO_PKG_VERSION"));
     let Calibration {
         encoder_sign,
         tachometer_gain,
@@ -22,7 +23,8 @@ pub fn render(found: &Findings, rig: &RigChoice) -> String {
         deadband_backward,
     } = found.calibration();
     // Two digits: an error is not known better.
-    let error = |value: f64, unit: &str| format!("standard error {value:.1e} {unit}").trim_end().to_owned();
+    let error =
+        |value: f64, unit: &str| format!("standard error {value:.1e} {unit}").trim_end().to_owned();
     let lines: [(&str, String, String); 7] = [
         (
             "encoder_sign",

@@ -32,13 +32,15 @@ fn ports_under(root: &Path) -> Vec<SerialPort> {
         .into_iter()
         .flatten()
         .flatten()
-        // Consoles and pseudo-terminals have no device behind them; the sixteen-odd `ttyS` of a PC are mostly nobody's.
+        // Consoles and pseudo-terminals have no device behind them; the sixteen-odd `ttyS` of a PC
+        // are mostly nobody's.
         .filter(|entry| entry.path().join("device").exists())
         .filter(|entry| !entry.file_name().to_string_lossy().starts_with("ttyS"))
         .map(|entry| {
             let device = root.join("dev").join(entry.file_name());
             let same = fs::canonicalize(&device).unwrap_or_else(|_| device.clone());
-            let by_id = names.iter().find(|(target, _)| *target == same).map(|(_, name)| name.clone());
+            let by_id =
+                names.iter().find(|(target, _)| *target == same).map(|(_, name)| name.clone());
             SerialPort { by_id, product: product(&entry.path().join("device")), device }
         })
         .collect();
@@ -50,8 +52,11 @@ fn ports_under(root: &Path) -> Vec<SerialPort> {
 fn product(device: &Path) -> Option<String> {
     let device = fs::canonicalize(device).ok()?;
     let usb = device.ancestors().take(5).find(|folder| folder.join("product").exists())?;
-    let read = |name: &str| fs::read_to_string(usb.join(name)).ok().map(|text| text.trim().to_owned());
-    Some([read("manufacturer"), read("product")].into_iter().flatten().collect::<Vec<_>>().join(" "))
+    let read =
+        |name: &str| fs::read_to_string(usb.join(name)).ok().map(|text| text.trim().to_owned());
+    Some(
+        [read("manufacturer"), read("product")].into_iter().flatten().collect::<Vec<_>>().join(" "),
+    )
 }
 
 #[cfg(all(test, unix))]

@@ -1,10 +1,10 @@
 //! The steps by which signs, gains and zeros are found.
 //!
 //! 1. At rest: what tachometer and torque sensor show at zero volts.
-//! 2. Slow ramps of voltage, both ways, until the encoder moves: what it takes to move the shaft, and whether the encoder counts the
-//!    way the voltage pushes.
-//! 3. Steady voltages above that, both ways in turn: the tachometer over the encoder's speed is a line whose slope is its gain,
-//!    and the torque of either direction has a sign.
+//! 2. Slow ramps of voltage, both ways, until the encoder moves: what it takes to move the shaft,
+//!    and whether the encoder counts the way the voltage pushes.
+//! 3. Steady voltages above that, both ways in turn: the tachometer over the encoder's speed is a
+//!    line whose slope is its gain, and the torque of either direction has a sign.
 
 use friction_ident::Uncertain;
 use rig_driver::{Measurement, Sign};
@@ -79,7 +79,8 @@ pub fn run(
     let encoder_sign = common_sign(&signs).ok_or(RigSetupError::EncoderErratic)?;
     // Within the bracket any voltage is as likely; repeating the ramp does not make it narrower.
     let deadband = |volts: &[f64]| {
-        let Uncertain { value, standard_error } = mean(volts).ok_or_else(undetermined("the deadband"))?;
+        let Uncertain { value, standard_error } =
+            mean(volts).ok_or_else(undetermined("the deadband"))?;
         Ok::<_, RigSetupError>(Uncertain {
             value,
             standard_error: standard_error.hypot(width / 12f64.sqrt()),
@@ -162,8 +163,14 @@ struct Known {
 
 /// What follows from the readings.
 fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
-    let Known { tachometer_zero, torque_zero, encoder_sign, deadband_forward, deadband_backward, levels } =
-        known;
+    let Known {
+        tachometer_zero,
+        torque_zero,
+        encoder_sign,
+        deadband_forward,
+        deadband_backward,
+        levels,
+    } = known;
     let sign = encoder_sign.factor();
     let mut points = Vec::new();
     let mut shown = Vec::new();
@@ -174,14 +181,15 @@ fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
         for window in seen.chunks(size).filter(|window| window.len() == size) {
             let encoder: Vec<(f64, f64)> =
                 window.iter().map(|seen| (seen.time, sign * seen.encoder_position)).collect();
-            let speed = line(&encoder).ok_or(RigSetupError::Undetermined { what: "the encoder's speed" })?;
-            let tachometer =
-                window.iter().map(|seen| seen.tachometer_velocity).sum::<f64>() / window.len() as f64;
+            let speed = line(&encoder)
+                .ok_or(RigSetupError::Undetermined { what: "the encoder's speed" })?;
+            let tachometer = window.iter().map(|seen| seen.tachometer_velocity).sum::<f64>()
+                / window.len() as f64;
             points.push((speed.slope.value, tachometer));
         }
         let torque: Vec<f64> = seen.iter().map(|seen| seen.torque - torque_zero.value).collect();
-        let torque =
-            mean(&torque).ok_or(RigSetupError::Undetermined { what: "the torque at a steady voltage" })?;
+        let torque = mean(&torque)
+            .ok_or(RigSetupError::Undetermined { what: "the torque at a steady voltage" })?;
         let Some(&(velocity, tachometer)) = points.last() else {
             return Err(RigSetupError::Undetermined { what: "the encoder's speed" });
         };
@@ -193,16 +201,20 @@ fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
     if common_sign(&directions) != Some(Sign::Forward) {
         return Err(RigSetupError::EncoderErratic);
     }
-    let fitted = line(&points).ok_or(RigSetupError::Undetermined { what: "the tachometer's gain" })?;
-    let seen =
-        fitted.slope.value.abs() > 5.0 * fitted.slope.standard_error && fitted.slope.value.abs() > 0.01;
+    let fitted =
+        line(&points).ok_or(RigSetupError::Undetermined { what: "the tachometer's gain" })?;
+    let seen = fitted.slope.value.abs() > 5.0 * fitted.slope.standard_error
+        && fitted.slope.value.abs() > 0.01;
     let gain = seen.then(|| {
         let Uncertain { value, standard_error } = fitted.slope;
         Uncertain { value: 1.0 / value, standard_error: standard_error / (value * value) }
     });
     // A friction torque has the sign of the motion, and more than noise.
-    let told: Vec<f64> =
-        torques.iter().filter(|t| t.value.abs() > 5.0 * t.standard_error).map(|t| t.value).collect();
+    let told: Vec<f64> = torques
+        .iter()
+        .filter(|t| t.value.abs() > 5.0 * t.standard_error)
+        .map(|t| t.value)
+        .collect();
     let torque_sign = if told.len() == torques.len() { common_sign(&told) } else { None };
     Ok(Findings {
         encoder_sign,

@@ -1,4 +1,5 @@
-//! `rig.yaml`: everything that is known of one rig, in one file, so that it need not be passed by hand.
+//! `rig.yaml`: everything that is known of one rig, in one file, so that it need not be passed by
+//! hand.
 
 use std::fmt::Write;
 
@@ -90,7 +91,9 @@ impl DriveSheet {
     fn check(&self) -> Result<(), String> {
         for (name, value) in [("gain", self.gain), ("time_constant", self.time_constant)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(format!("in `drive`: {name} must be a finite number above 0, but is {value}"));
+                return Err(format!(
+                    "in `drive`: {name} must be a finite number above 0, but is {value}"
+                ));
             }
         }
         let given = [self.motor_constant, self.gear_ratio, self.armature_resistance, self.inertia];
@@ -135,7 +138,9 @@ impl RigProfile {
         let RigLimits { voltage, velocity, travel } = profile.limits;
         for (name, value) in [("voltage", voltage), ("velocity", velocity)] {
             if let Some(value) = value.filter(|value| !above_zero(*value)) {
-                return Err(format!("in `limits`: {name} must be a finite number above 0, but is {value}"));
+                return Err(format!(
+                    "in `limits`: {name} must be a finite number above 0, but is {value}"
+                ));
             }
         }
         if let Some(travel) = travel
@@ -144,7 +149,8 @@ impl RigProfile {
                 && travel.min < travel.max
                 && travel.margin >= 0.0)
         {
-            return Err("in `limits`: travel needs a min below its max and a margin of 0 or more".to_owned());
+            return Err("in `limits`: travel needs a min below its max and a margin of 0 or more"
+                .to_owned());
         }
         if let Some((voltage, range)) =
             voltage.zip(profile.description.as_ref().map(|said| said.voltage_range))
@@ -170,7 +176,9 @@ impl RigProfile {
         let RigLimits { voltage, velocity, travel } = self.limits;
         parts.extend(voltage.map(|volts| format!("at most {volts} V")));
         parts.extend(velocity.map(|velocity| format!("at most {velocity} rad/s")));
-        parts.extend(travel.map(|travel| format!("travel from {} to {} rad", travel.min, travel.max)));
+        parts.extend(
+            travel.map(|travel| format!("travel from {} to {} rad", travel.min, travel.max)),
+        );
         if parts.is_empty() { "its address".to_owned() } else { parts.join(", ") }
     }
 
@@ -186,11 +194,20 @@ impl RigProfile {
             quoted(&self.rig.to_string())
         );
         // Writing to a string cannot fail.
-        if let Some(RigDescription { name, firmware, period, voltage_range, counts_per_turn, scales }) =
-            &self.description
+        if let Some(RigDescription {
+            name,
+            firmware,
+            period,
+            voltage_range,
+            counts_per_turn,
+            scales,
+        }) = &self.description
         {
-            let _ =
-                writeln!(text, "\n# What the device says of itself.\ndescription:\n  name: {}", quoted(name));
+            let _ = writeln!(
+                text,
+                "\n# What the device says of itself.\ndescription:\n  name: {}",
+                quoted(name)
+            );
             if let Some(firmware) = firmware {
                 let _ = writeln!(text, "  firmware: {}", quoted(firmware));
             }

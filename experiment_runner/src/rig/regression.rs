@@ -54,9 +54,12 @@ mod tests {
         let found = line(&points).unwrap();
         let expected = 19.8 / 10.0;
         assert!((found.slope.value - expected).abs() < 1e-12, "{found:?}");
-        let squares: f64 = points.iter().map(|(x, y)| (y - 4.0 - expected * (x - 2.0)).powi(2)).sum();
+        let squares: f64 =
+            points.iter().map(|(x, y)| (y - 4.0 - expected * (x - 2.0)).powi(2)).sum();
         assert!((found.slope.standard_error - (squares / 3.0 / 10.0).sqrt()).abs() < 1e-12);
-        assert!(line(&points[..2]).is_none() && line(&[(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)]).is_none());
+        assert!(
+            line(&points[..2]).is_none() && line(&[(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)]).is_none()
+        );
     }
 
     #[test]

@@ -33,13 +33,18 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Activates the rig. No voltage of the session will be above `max_volts` [V]; once `stop` is set every step refuses.
+    /// Activates the rig. No voltage of the session will be above `max_volts` [V]; once `stop` is
+    /// set every step refuses.
     ///
     /// Encoder and tachometer are not held against each other: their signs may still be wrong.
     ///
     /// # Errors
     /// [`RigSetupError`] if a limit cannot be or the rig refuses.
-    pub fn new(opened: Opened, max_volts: f64, stop: &'a AtomicBool) -> Result<Self, RigSetupError> {
+    pub fn new(
+        opened: Opened,
+        max_volts: f64,
+        stop: &'a AtomicBool,
+    ) -> Result<Self, RigSetupError> {
         let Opened { rig, limits, pace, .. } = opened;
         if !(max_volts > 0.0 && max_volts <= limits.voltage) {
             return Err(RigSetupError::Rig(RigError::OutOfRange {
@@ -48,7 +53,8 @@ impl<'a> Session<'a> {
                 expected: "above 0 and at most the rig's voltage limit",
             }));
         }
-        // A plug that is out shows the same value for ever; the steps say that better than a fault does.
+        // A plug that is out shows the same value for ever; the steps say that better than a fault
+        // does.
         let mut limits = SafetyLimits { voltage: max_volts, ..limits }.before_calibration();
         limits.sensors.frozen_cycles = None;
         let rig = Supervised::activated(rig, limits)?;
@@ -86,7 +92,10 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// [`RigSetupError::Stopped`], or what the rig refuses; it is at zero volts then.
-    pub fn step(&mut self, volts: impl FnOnce(&Measurement) -> f64) -> Result<Measurement, RigSetupError> {
+    pub fn step(
+        &mut self,
+        volts: impl FnOnce(&Measurement) -> f64,
+    ) -> Result<Measurement, RigSetupError> {
         if self.stop.load(Ordering::Relaxed) {
             self.rig.halt()?;
             return Err(RigSetupError::Stopped);

@@ -7,7 +7,8 @@ use rig_driver::Measurement;
 
 use super::Findings;
 
-/// All channels in one line that is written over ten times a second; a line every half second where the output is no terminal.
+/// All channels in one line that is written over ten times a second; a line every half second where
+/// the output is no terminal.
 #[derive(Debug)]
 pub struct Display {
     every: f64,
@@ -63,7 +64,8 @@ fn channels(seen: &Measurement) -> String {
         // Writing to a string cannot fail.
         let _ = write!(text, "  current {current:+6.3} A");
     }
-    for (flag, name) in [(seen.saturated, "cut"), (seen.watchdog_expired, "watchdog"), (seen.fault, "FAULT")]
+    for (flag, name) in
+        [(seen.saturated, "cut"), (seen.watchdog_expired, "watchdog"), (seen.fault, "FAULT")]
     {
         if flag {
             text += "  ";
@@ -76,7 +78,8 @@ fn channels(seen: &Measurement) -> String {
 /// The judgement as a table.
 #[must_use]
 pub fn findings_table(found: &Findings) -> String {
-    let mut text = String::from("  voltage [V]  encoder [rad/s]  tachometer [rad/s]  torque [N m]\n");
+    let mut text =
+        String::from("  voltage [V]  encoder [rad/s]  tachometer [rad/s]  torque [N m]\n");
     for level in &found.levels {
         let _ = writeln!(
             text,
@@ -86,7 +89,8 @@ pub fn findings_table(found: &Findings) -> String {
     }
     text.push('\n');
     for verdict in found.verdicts() {
-        let said = verdict.wrong.as_deref().map_or("ok".to_owned(), |wrong| format!("WRONG: {wrong}"));
+        let said =
+            verdict.wrong.as_deref().map_or("ok".to_owned(), |wrong| format!("WRONG: {wrong}"));
         let _ = writeln!(text, "  {:<19} {:<24} {said}", verdict.what, verdict.found);
     }
     text

@@ -1,4 +1,5 @@
-//! What all experiments of a run share: the rig they drive, simulated or real, and what ends them early.
+//! What all experiments of a run share: the rig they drive, simulated or real, and what ends them
+//! early.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -23,7 +24,9 @@ use crate::paced::Paced;
 use crate::profile::Excitation;
 use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::rig::{BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent};
+use crate::rig::{
+    BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent,
+};
 use crate::sequencer::{Completion, run_in_order};
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
@@ -72,10 +75,12 @@ pub(super) struct Made<R> {
 /// Runs of one job after which a line that fails again ends the experiment.
 const REPEATS: u32 = 20;
 
-/// Opens the real rig, or finds the nodes, if that was chosen. The options that come back have its period and voltage limit.
+/// Opens the real rig, or finds the nodes, if that was chosen. The options that come back have its
+/// period and voltage limit.
 ///
 /// # Errors
-/// [`RunError::Setup`] if it does not open; [`RunError::NoSensor`] if it lacks what the experiments read.
+/// [`RunError::Setup`] if it does not open; [`RunError::NoSensor`] if it lacks what the experiments
+/// read.
 pub(super) fn open(
     options: &RunOptions,
     progress: &Progress,
@@ -163,9 +168,10 @@ fn require_sensors(options: &RunOptions, sensors: SensorsPresent) -> Result<(), 
             sensor: "torque sensor",
             instead: if sensors.current { "current (or voltage)" } else { "voltage" },
         }),
-        TorqueSource::Current if !sensors.current => {
-            Err(RunError::NoSensor { sensor: "measurement of the motor current", instead: "voltage" })
-        }
+        TorqueSource::Current if !sensors.current => Err(RunError::NoSensor {
+            sensor: "measurement of the motor current",
+            instead: "voltage",
+        }),
         _ => Ok(()),
     }
 }
@@ -226,14 +232,18 @@ impl<'a> Bench<'a> {
         matches!(self.axis, Axis::Simulated)
     }
 
-    /// Puts every loop together once, so that a parameter out of range is told before anything is written.
+    /// Puts every loop together once, so that a parameter out of range is told before anything is
+    /// written.
     pub fn check(options: &RunOptions) -> Result<(), RunError> {
-        let (asked, limit) = (options.drive_excitation.highest, options.test_bed.simulation.voltage_limit);
+        let (asked, limit) =
+            (options.drive_excitation.highest, options.test_bed.simulation.voltage_limit);
         if options.experiment.includes(Kind::DriveExcitation) && asked > limit {
             return Err(RunError::ExcitedTooFar { asked, limit });
         }
         let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
-        for protocol in [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks) {
+        for protocol in
+            [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks)
+        {
             let bed = options.test_bed.with_inverse(protocol.inverse);
             for arm in Arm::all(&options.means, &options.models) {
                 let model = options.compensators.get(arm.model().unwrap_or(ModelName::Proposed));
@@ -257,14 +267,18 @@ impl<'a> Bench<'a> {
 
     /// The time at which a run starts: now on a real rig, else `planned` [ns since the Unix epoch].
     pub fn now_or(&self, planned: u64) -> u64 {
-        let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
+        let now = || {
+            SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+        };
         if self.is_simulated() { planned } else { now() }
     }
 
-    /// A loop around the rig that is at rest, following `task`. `planned` is seed and start of a simulated one.
+    /// A loop around the rig that is at rest, following `task`. `planned` is seed and start of a
+    /// simulated one.
     ///
     /// # Errors
-    /// [`RunError`] names the parameter that is out of range, or says why the real rig may not move.
+    /// [`RunError`] names the parameter that is out of range, or says why the real rig may not
+    /// move.
     pub fn control_loop(
         &self,
         bed: &TestBed,
@@ -302,11 +316,14 @@ impl<'a> Bench<'a> {
     fn paced(&self, control: ControlLoop) -> ControlLoop {
         match self.options.pace {
             Pace::Offline => control,
-            Pace::RealTime => control.through(|rig| Box::new(Paced::new(rig, Arc::clone(self.cancel)))),
+            Pace::RealTime => {
+                control.through(|rig| Box::new(Paced::new(rig, Arc::clone(self.cancel))))
+            }
         }
     }
 
-    /// The same, driven by `excitation`; nothing compensates. With `feed_forward` the reference also goes through the inverse of the drive.
+    /// The same, driven by `excitation`; nothing compensates. With `feed_forward` the reference
+    /// also goes through the inverse of the drive.
     ///
     /// # Errors
     /// As for [`control_loop`](Self::control_loop).
@@ -321,15 +338,23 @@ impl<'a> Bench<'a> {
         let bed = self.options.test_bed.fed_forward(feed_forward);
         #[cfg(feature = "ros")]
         if let Axis::Nodes(nodes) = &self.axis {
-            return lend(nodes, &bed, (excitation.mode(), None), &observer, Task::Excite(excitation));
+            return lend(
+                nodes,
+                &bed,
+                (excitation.mode(), None),
+                &observer,
+                Task::Excite(excitation),
+            );
         }
         let unused = Waveform::ConstantVelocity { velocity: 0.0 };
-        let control = self.loop_here(&bed, (excitation.mode(), unused), &observer, None, planned)?;
+        let control =
+            self.loop_here(&bed, (excitation.mode(), unused), &observer, None, planned)?;
         Ok(Box::new(control.excited(excitation)))
     }
 
-    /// Does the jobs, on all cores where the rig is simulated and one after the other on a real one, and delivers what comes of them in order. A real rig that fails or is
-    /// stopped cancels the rest; [`end`](Self::end) says why. What a run before did of them is not done again.
+    /// Does the jobs, on all cores where the rig is simulated and one after the other on a real
+    /// one, and delivers what comes of them in order. A real rig that fails or is stopped cancels
+    /// the rest; [`end`](Self::end) says why. What a run before did of them is not done again.
     ///
     /// # Errors
     /// The first error in the order of the jobs.
@@ -387,7 +412,8 @@ impl<'a> Bench<'a> {
     ) -> Result<Completion, RunError> {
         let workers = if self.is_simulated() { self.options.workers } else { 1 };
         let mut delivered = 0;
-        // What ended one run on the one axis there is ends them all: the next must not begin while the first error is on its way.
+        // What ended one run on the one axis there is ends them all: the next must not begin while
+        // the first error is on its way.
         let failed = AtomicBool::new(false);
         let work = |job: &J| {
             if !self.is_simulated() && failed.load(Ordering::Relaxed) {
@@ -423,8 +449,9 @@ impl<'a> Bench<'a> {
         Ok(Completion::Cancelled { delivered })
     }
 
-    /// Does `work`, and once more after the rig was opened anew where its line failed: the run at hand is repeated from rest. The motor has zero volts from the
-    /// failure on, and what is about the motor is never repeated.
+    /// Does `work`, and once more after the rig was opened anew where its line failed: the run at
+    /// hand is repeated from rest. The motor has zero volts from the failure on, and what is about
+    /// the motor is never repeated.
     fn repeated<R>(&self, work: impl Fn() -> Result<R, RunError>) -> Result<R, RunError> {
         let mut repeats = 0;
         loop {
@@ -442,17 +469,21 @@ impl<'a> Bench<'a> {
             self.progress.line(&format!("{said}: zero volts. It goes on by itself if the line is back within {PATIENCE} s; ctrl-C before you touch the rig"));
             let seconds = match rig.reconnect() {
                 Ok(seconds) => seconds,
-                Err(_) if self.cancel.load(Ordering::Relaxed) => return Err(RigError::Stopped.into()),
+                Err(_) if self.cancel.load(Ordering::Relaxed) => {
+                    return Err(RigError::Stopped.into());
+                }
                 Err(why) => return Err(RunError::NotBack { said, why }),
             };
-            self.progress
-                .line(&format!("the line is back after {seconds:.1} s; the run at hand is repeated"));
+            self.progress.line(&format!(
+                "the line is back after {seconds:.1} s; the run at hand is repeated"
+            ));
             let at = self.now_or(0);
             if let Some(marks) = &self.marks {
                 marks.repeated(at, self.options.experiment.as_str(), &said)?;
             }
             let at_seconds = at as f64 * 1e-9;
-            let mut reconnections = self.reconnections.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut reconnections =
+                self.reconnections.lock().unwrap_or_else(PoisonError::into_inner);
             let reconnection = Reconnection { at: at_seconds, seconds, said };
             if let Some(journal) = self.kept_journal().as_mut() {
                 journal.reconnected(&reconnection)?;

@@ -1,4 +1,5 @@
-//! Experiments 2 to 4 and sequences: which runs they are made of, and what becomes of their results.
+//! Experiments 2 to 4 and sequences: which runs they are made of, and what becomes of their
+//! results.
 
 use serde::Serialize;
 
@@ -146,7 +147,8 @@ impl Bench<'_> {
             .map(|&w| (format!("{w} rad/s"), velocity(protocol.sine(w))))
             .collect();
         groups.push(("chirp".to_owned(), velocity(protocol.chirp())));
-        let first = |period: f64| ((protocol.run_in + protocol.drop_first) / period).round() as usize;
+        let first =
+            |period: f64| ((protocol.run_in + protocol.drop_first) / period).round() as usize;
         let series = Series {
             name: "varying-velocity",
             stream: 3,
@@ -209,22 +211,27 @@ impl Bench<'_> {
         let groups = [("nested path".to_owned(), torque(protocol.path()))];
         let series = Series { stream: 5, ..series };
         let jobs = repeated(&groups, protocol.repetitions, false, None);
-        let mut driven = self.drive(series, jobs, recorder, timeline, |_, channels, friction| {
-            nested_path(channels, friction, protocol)
-        })?;
+        let mut driven =
+            self.drive(series, jobs, recorder, timeline, |_, channels, friction| {
+                nested_path(channels, friction, protocol)
+            })?;
         let paths: Vec<&NestedPath> = driven.of(0).collect();
         found.closures = closure_figures(&paths);
-        found.path = (mean_of(&paths, |path| &path.displacement), mean_of(&paths, |path| &path.torque));
-        let size =
-            (protocol.duration / self.options.test_bed.simulation.period / f64::from(protocol.samples))
-                .round();
+        found.path =
+            (mean_of(&paths, |path| &path.displacement), mean_of(&paths, |path| &path.torque));
+        let size = (protocol.duration
+            / self.options.test_bed.simulation.period
+            / f64::from(protocol.samples))
+        .round();
         let after = Progressed::from(&driven);
-        progressed = Progressed { rig_seconds: progressed.rig_seconds + after.rig_seconds, ..after };
+        progressed =
+            Progressed { rig_seconds: progressed.rig_seconds + after.rig_seconds, ..after };
         if let Some(record) = driven.means.pop() {
             let rest = (crate::protocol::REST / self.options.test_bed.simulation.period) as usize;
-            found
-                .records
-                .push(("presliding.csv".to_owned(), record.from(rest, usize::MAX).thinned(size as usize)));
+            found.records.push((
+                "presliding.csv".to_owned(),
+                record.from(rest, usize::MAX).thinned(size as usize),
+            ));
         }
         Ok(progressed)
     }
@@ -238,10 +245,14 @@ impl Bench<'_> {
     ) -> Result<Progressed, RunError> {
         let protocol = &self.options.breakaway_rate;
         let torque = |profile| excitation(DrivenQuantity::Torque, profile);
-        let ramps =
-            protocol.rates.iter().map(|&rate| (format!("ramp {rate} N m/s"), torque(protocol.ramp(rate))));
-        let sines =
-            protocol.frequencies.iter().map(|&w| (format!("sine {w} rad/s"), torque(protocol.sine(w))));
+        let ramps = protocol
+            .rates
+            .iter()
+            .map(|&rate| (format!("ramp {rate} N m/s"), torque(protocol.ramp(rate))));
+        let sines = protocol
+            .frequencies
+            .iter()
+            .map(|&w| (format!("sine {w} rad/s"), torque(protocol.sine(w))));
         let groups: Vec<(String, Excitation)> = ramps.chain(sines).collect();
         let series = Series {
             name: "breakaway-rate",
@@ -271,7 +282,8 @@ impl Bench<'_> {
         let protocol = &self.options.drive_excitation;
         let name = Kind::DriveExcitation.name();
         let groups = [(name.to_owned(), protocol.excitation.clone())];
-        let series = Series { name, stream: 8, displacement: Displacement::Encoder, every_cycle: true };
+        let series =
+            Series { name, stream: 8, displacement: Displacement::Encoder, every_cycle: true };
         let jobs = repeated(&groups, protocol.repetitions, false, Some(protocol.travel));
         let whole = protocol.excitation.profile.duration();
         let mut driven = self.drive(series, jobs, recorder, timeline, |job, channels, _| {
@@ -303,12 +315,18 @@ impl Bench<'_> {
             return Ok(Progressed { completion: Completion::All, rig_seconds: 0.0 });
         };
         let groups = [(protocol.name.clone(), protocol.excitation.clone())];
-        let series =
-            Series { name: "sequence", stream: 7, displacement: Displacement::Encoder, every_cycle: false };
+        let series = Series {
+            name: "sequence",
+            stream: 7,
+            displacement: Displacement::Encoder,
+            every_cycle: false,
+        };
         let jobs = repeated(&groups, protocol.repetitions, protocol.feed_forward, None);
         let mut driven = self.drive(series, jobs, recorder, timeline, |_, _, _| ())?;
         let progressed = Progressed::from(&driven);
-        found.records.extend(driven.means.pop().map(|record| (format!("{}.csv", protocol.name), record)));
+        found
+            .records
+            .extend(driven.means.pop().map(|record| (format!("{}.csv", protocol.name), record)));
         Ok(progressed)
     }
 
@@ -328,10 +346,16 @@ impl Bench<'_> {
             if profile.at(profile.duration() * 0.5).0 < 0.0 { -1.0 } else { 1.0 }
         };
         let driven = self.drive(series, jobs, recorder, timeline, |job, channels, friction| {
-            find_breakaway(channels, friction, onset, series.displacement, direction(&job.excitation))
-                .map_err(|why| {
-                    format!("{}, {}, repetition {}: {why}", series.name, job.stage, job.repetition + 1)
-                })
+            find_breakaway(
+                channels,
+                friction,
+                onset,
+                series.displacement,
+                direction(&job.excitation),
+            )
+            .map_err(|why| {
+                format!("{}, {}, repetition {}: {why}", series.name, job.stage, job.repetition + 1)
+            })
         })?;
         let mut figures = Vec::new();
         for (group, (name, excitation)) in groups.iter().enumerate() {
@@ -351,8 +375,9 @@ impl Bench<'_> {
 }
 
 fn lag_figures(frequency: f64, loops: &[&LagLoop]) -> Option<LagFigures> {
-    let area =
-        Measured::of(&loops.iter().map(|found| (found.area, found.area_systematic)).collect::<Vec<_>>())?;
+    let area = Measured::of(
+        &loops.iter().map(|found| (found.area, found.area_systematic)).collect::<Vec<_>>(),
+    )?;
     let n = loops.len() as f64;
     Some(LagFigures {
         frequency,
@@ -364,9 +389,14 @@ fn lag_figures(frequency: f64, loops: &[&LagLoop]) -> Option<LagFigures> {
     })
 }
 
-fn breakaway_figures(name: &str, excitation: &Excitation, runs: &[Breakaway]) -> Option<BreakawayFigures> {
-    let of =
-        |value: &dyn Fn(&Breakaway) -> (f64, f64)| Measured::of(&runs.iter().map(value).collect::<Vec<_>>());
+fn breakaway_figures(
+    name: &str,
+    excitation: &Excitation,
+    runs: &[Breakaway],
+) -> Option<BreakawayFigures> {
+    let of = |value: &dyn Fn(&Breakaway) -> (f64, f64)| {
+        Measured::of(&runs.iter().map(value).collect::<Vec<_>>())
+    };
     let rate = |run: &Breakaway| excitation.profile.at(crate::protocol::REST + run.time).1.abs();
     Some(BreakawayFigures {
         excitation: name.to_owned(),
@@ -397,5 +427,7 @@ fn closure_figures(paths: &[&NestedPath]) -> Vec<ClosureFigures> {
 /// Mean over things of one of their lists, as long as the shortest.
 fn mean_of<T>(of: &[&T], list: impl Fn(&T) -> &Vec<f64>) -> Vec<f64> {
     let shortest = of.iter().map(|one| list(one).len()).min().unwrap_or(0);
-    (0..shortest).map(|i| of.iter().map(|one| list(one)[i]).sum::<f64>() / of.len() as f64).collect()
+    (0..shortest)
+        .map(|i| of.iter().map(|one| list(one)[i]).sum::<f64>() / of.len() as f64)
+        .collect()
 }

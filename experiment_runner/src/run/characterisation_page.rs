@@ -72,7 +72,11 @@ fn cells(figure: &Measured, digits: usize) -> [String; 4] {
         number(figure.mean),
         figure.standard_error.map_or("-".to_owned(), |error| format!("{error:.1e}")),
         format!("{lower} to {upper}"),
-        if figure.systematic == 0.0 { "-".to_owned() } else { format!("{:.1e}", figure.systematic) },
+        if figure.systematic == 0.0 {
+            "-".to_owned()
+        } else {
+            format!("{:.1e}", figure.systematic)
+        },
     ]
 }
 
@@ -110,8 +114,10 @@ fn lag_table(lag: &[LagFigures], source: TorqueSource) -> Table {
 fn lag_figure(lag: &[LagFigures]) -> Figure {
     let name = |figures: &LagFigures| format!("{} rad/s", figures.frequency);
     let line = |name, x: &[f64], y| Trace::Loop { name, x: x.to_vec(), y };
-    let loops = lag.iter().map(|figures| line(name(figures), &figures.velocity, figures.torque.clone()));
-    let widths = lag.iter().map(|figures| line(name(figures), &figures.velocity, half_widths(figures)));
+    let loops =
+        lag.iter().map(|figures| line(name(figures), &figures.velocity, figures.torque.clone()));
+    let widths =
+        lag.iter().map(|figures| line(name(figures), &figures.velocity, half_widths(figures)));
     Figure {
         title: "Frictional lag".to_owned(),
         caption: "Friction torque over velocity, Fourier series of eight harmonics, mean over periods and repetitions. Below: half the difference \
@@ -187,8 +193,10 @@ fn path_figure(found: &Characterisation) -> Figure {
 
 fn closure_table(closures: &[ClosureFigures]) -> Table {
     let rows = closures.iter().map(|closure| {
-        let mut row =
-            vec![format!("{} to {}", closure.turns.0, closure.turns.1), format!("{:+.3}", closure.level)];
+        let mut row = vec![
+            format!("{} to {}", closure.turns.0, closure.turns.1),
+            format!("{:+.3}", closure.level),
+        ];
         let [gap, error, quartiles, _] = cells(&closure.gap, 0);
         row.extend([gap, error, quartiles]);
         row.extend(cells(&closure.work, 0));

@@ -36,7 +36,8 @@ fn with_lag(plant: &AnyModel) -> AnyModel {
     parameters.try_into().unwrap()
 }
 
-/// Thesis section 4.5.3: breakaway at .095 to .12 N m and .0048 to .0063 rad, both ways, with the test bed's sensors.
+/// Thesis section 4.5.3: breakaway at .095 to .12 N m and .0048 to .0063 rad, both ways, with the
+/// test bed's sensors.
 #[test]
 fn slow_ramps_break_away_where_the_thesis_says() {
     let root = tempfile::tempdir().unwrap();
@@ -49,8 +50,9 @@ fn slow_ramps_break_away_where_the_thesis_says() {
     }
 }
 
-/// The loops of the shipped path close, and the work of the outermost is that of the sine-shaped hysteresis in closed form (Masing):
-/// 8 F_s c (1 - cos(x/c)) - 4 F x with c = 2 Z_b / pi and F = F_s sin(x/c).
+/// The loops of the shipped path close, and the work of the outermost is that of the sine-shaped
+/// hysteresis in closed form (Masing): 8 F_s c (1 - cos(x/c)) - 4 F x with c = 2 Z_b / pi and F =
+/// F_s sin(x/c).
 #[test]
 fn the_nested_loops_close_and_take_the_work_of_the_closed_form() {
     let root = tempfile::tempdir().unwrap();
@@ -75,8 +77,8 @@ fn the_nested_loops_close_and_take_the_work_of_the_closed_form() {
     assert!((outermost / expected - 1.0).abs() < 0.04, "{outermost} {expected}");
 }
 
-/// With ideal sensors the loop's area is that of a first-order lag of the steady friction along the same motion, and grows with
-/// the frequency; with the test bed's .0011 s it is ten times smaller.
+/// With ideal sensors the loop's area is that of a first-order lag of the steady friction along the
+/// same motion, and grows with the frequency; with the test bed's .0011 s it is ten times smaller.
 #[test]
 fn lag_is_that_of_a_first_order_lag_and_widens_with_the_frequency() {
     let root = tempfile::tempdir().unwrap();
@@ -88,7 +90,11 @@ fn lag_is_that_of_a_first_order_lag_and_widens_with_the_frequency() {
     let long = run(&options, &root.path().join("long")).characterisation.lag;
     for figures in &long {
         let expected = lagged_area(&options.test_bed.friction, figures, 0.0111);
-        assert!((figures.area.mean / expected - 1.0).abs() < 0.05, "{} {expected}", figures.area.mean);
+        assert!(
+            (figures.area.mean / expected - 1.0).abs() < 0.05,
+            "{} {expected}",
+            figures.area.mean
+        );
     }
     assert!(long.windows(2).all(|pair| pair[1].area.mean > 1.3 * pair[0].area.mean));
     for (long, short) in long.iter().zip(&short) {
@@ -105,8 +111,9 @@ fn lagged_area(plant: &AnyModel, figures: &LagFigures, tau: f64) -> f64 {
     let n = velocity.len();
     let term = |values: &[f64], k: usize| {
         let angle = |i: usize| TAU * (k * i % n) as f64 / n as f64;
-        let sum =
-            |f: &dyn Fn(f64) -> f64| (0..n).map(|i| values[i] * f(angle(i))).sum::<f64>() * 2.0 / n as f64;
+        let sum = |f: &dyn Fn(f64) -> f64| {
+            (0..n).map(|i| values[i] * f(angle(i))).sum::<f64>() * 2.0 / n as f64
+        };
         (sum(&f64::cos), sum(&f64::sin))
     };
     (1..40)
@@ -120,8 +127,9 @@ fn lagged_area(plant: &AnyModel, figures: &LagFigures, tau: f64) -> f64 {
         .sum()
 }
 
-/// A rig without a torque sensor, whose constants are each off by one standard error: experiments 1 to 4 agree with the sensor within the
-/// uncertainty that is stated, and that uncertainty is needed.
+/// A rig without a torque sensor, whose constants are each off by one standard error: experiments 1
+/// to 4 agree with the sensor within the uncertainty that is stated, and that uncertainty is
+/// needed.
 #[test]
 fn sensor_voltage_and_current_agree_within_the_stated_uncertainty() {
     let root = tempfile::tempdir().unwrap();
@@ -140,7 +148,8 @@ fn sensor_voltage_and_current_agree_within_the_stated_uncertainty() {
         let other = run(source);
         let mut beyond_noise = 0;
         let mut check = |what: &str, difference: f64, noise: f64, systematic: f64| {
-            // Three errors of one standard error each add up to at most sqrt(3) of their root sum of squares.
+            // Three errors of one standard error each add up to at most sqrt(3) of their root sum
+            // of squares.
             assert!(
                 difference.abs() < 1.75 * systematic + noise,
                 "{source:?} {what}: {difference} {noise} {systematic}"
@@ -150,7 +159,12 @@ fn sensor_voltage_and_current_agree_within_the_stated_uncertainty() {
         let error = |run: &SteadyRun| run.torque_deviation / f64::from(run.samples).sqrt();
         for (a, b) in sensor.constant_velocity.iter().zip(&other.constant_velocity) {
             assert_eq!(a.velocity, b.velocity);
-            check("steady", b.torque - a.torque, 5.0 * error(a).hypot(error(b)) + 3e-5, b.torque_systematic);
+            check(
+                "steady",
+                b.torque - a.torque,
+                5.0 * error(a).hypot(error(b)) + 3e-5,
+                b.torque_systematic,
+            );
             // A few per cent at most: the stated uncertainty is no blank cheque.
             assert!(b.torque_systematic < 0.07 * b.torque, "{b:?}");
         }
@@ -180,8 +194,10 @@ fn breakaway_is_found_at_every_rate_and_moves_as_measure_and_rate_say() {
     options.test_bed.simulation.sensors = Sensors::ideal();
     let found = run(&options, &root.path().join("run")).characterisation;
     assert_eq!((found.rates.len(), found.notes.len()), (11, 0), "{:?}", found.notes);
-    let ramps: Vec<_> = found.rates.iter().filter(|figures| figures.excitation.starts_with("ramp")).collect();
-    // The faster the torque rises, the higher the torque that is seen before gross motion: damping carries a part of it.
+    let ramps: Vec<_> =
+        found.rates.iter().filter(|figures| figures.excitation.starts_with("ramp")).collect();
+    // The faster the torque rises, the higher the torque that is seen before gross motion: damping
+    // carries a part of it.
     assert!(ramps.windows(2).all(|pair| pair[1].peak.mean > pair[0].peak.mean), "{ramps:?}");
     for figures in &found.rates {
         assert!((0.095..0.12).contains(&figures.torque.mean), "{figures:?}");
@@ -221,7 +237,9 @@ fn a_characterisation_leaves_stretches_that_can_be_told_apart_and_tables_whateve
         ("pre-sliding", "nested path"),
         ("breakaway-rate", "sine 5 rad/s"),
     ] {
-        let is = |status: &ExperimentStatus| status.experiment == experiment && status.stage.contains(stage);
+        let is = |status: &ExperimentStatus| {
+            status.experiment == experiment && status.stage.contains(stage)
+        };
         assert!(statuses.iter().any(|(_, status)| is(status)), "{experiment}: {stage}");
     }
 }

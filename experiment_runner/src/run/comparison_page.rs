@@ -60,8 +60,9 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
         .rows
         .iter()
         .map(|row| {
-            let percent =
-                |value: f64| if row.arm == Arm::None { "-".to_owned() } else { numbers::smaller_by(value) };
+            let percent = |value: f64| {
+                if row.arm == Arm::None { "-".to_owned() } else { numbers::smaller_by(value) }
+            };
             // Without compensation an observer runs too, but nobody listens to it.
             let torque = |rms: Option<f64>| match rms.filter(|_| row.arm != Arm::None) {
                 Some(rms) => format!("{rms:.4}"),
@@ -98,14 +99,15 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
     }
 }
 
-/// Until when a task is worth a picture [s]: of a step, while the slowest response is more than a twentieth of it away, and as long again;
-/// of any other motion to its end.
+/// Until when a task is worth a picture [s]: of a step, while the slowest response is more than a
+/// twentieth of it away, and as long again; of any other motion to its end.
 fn worth_showing(traces: &[(Arm, Trace)]) -> f64 {
     const SETTLED: f64 = 0.05;
     let Some((_, first)) = traces.first() else { return f64::INFINITY };
     // The reference may begin at zero.
     let level = first.reference.last().copied().unwrap_or(0.0);
-    let is_step = level != 0.0 && first.reference.iter().skip(1).all(|&reference| reference == level);
+    let is_step =
+        level != 0.0 && first.reference.iter().skip(1).all(|&reference| reference == level);
     let moving = |trace: &Trace| {
         let away = trace.error.iter().rposition(|error| error.abs() > SETTLED * level.abs());
         away.and_then(|last| trace.t.get(last)).copied().unwrap_or(0.0)
@@ -125,7 +127,8 @@ pub(super) fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Tr
         let shown = trace.t.partition_point(|&t| t <= until).min(y.len());
         Drawn::Line { name, x: trace.t[..shown].to_vec(), y: y[..shown].to_vec(), style }
     };
-    let whole = traces.iter().filter_map(|(_, trace)| trace.t.last()).fold(0.0, |a: f64, t| a.max(*t));
+    let whole =
+        traces.iter().filter_map(|(_, trace)| trace.t.last()).fold(0.0, |a: f64, t| a.max(*t));
     let part = if until < whole {
         format!(
             " Shown are the first {} of {} s; nothing but noise comes after.",
@@ -144,7 +147,12 @@ pub(super) fn tracking_figure(title: &str, mode: ControlMode, traces: &[(Arm, Tr
     }
     // What the sensor shows lies behind everything else.
     if let Some((arm, last)) = traces.last() {
-        friction.push(line(format!("measured ({arm})"), last, &last.friction_measured, LineStyle::Faint));
+        friction.push(line(
+            format!("measured ({arm})"),
+            last,
+            &last.friction_measured,
+            LineStyle::Faint,
+        ));
         friction.push(line(format!("true ({arm})"), last, &last.friction_true, LineStyle::Dashed));
     }
     for (arm, trace) in traces {
@@ -196,14 +204,20 @@ mod tests {
     fn of_a_step_that_settles_soon_the_beginning_is_shown() {
         let fast = trace(|t| 1.0 - (-t / 0.1).exp(), |_| 1.0);
         let figure = tracking_figure("Regulation", ControlMode::Velocity, &[fast]);
-        let Some(Drawn::Line { x, y, .. }) = figure.panels[1].traces.first() else { panic!("no error") };
+        let Some(Drawn::Line { x, y, .. }) = figure.panels[1].traces.first() else {
+            panic!("no error")
+        };
         assert!((0.3..1.0).contains(&x[x.len() - 1]), "{}", x[x.len() - 1]);
         assert_eq!(x.len(), y.len());
         assert!(figure.caption.contains("of 30 s"), "{}", figure.caption);
         // What hunts, and what follows a moving reference, is shown to its end.
-        for whole in [trace(|t| 1.0 - 0.2 * t.sin(), |_| 1.0), trace(|t| t.sin(), |t| 1.01 * t.sin())] {
+        for whole in
+            [trace(|t| 1.0 - 0.2 * t.sin(), |_| 1.0), trace(|t| t.sin(), |t| 1.01 * t.sin())]
+        {
             let figure = tracking_figure("Tracking", ControlMode::Velocity, &[whole]);
-            let Some(Drawn::Line { x, .. }) = figure.panels[1].traces.first() else { panic!("no error") };
+            let Some(Drawn::Line { x, .. }) = figure.panels[1].traces.first() else {
+                panic!("no error")
+            };
             assert_eq!(x.len(), 3000);
         }
     }

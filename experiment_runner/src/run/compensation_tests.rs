@@ -50,9 +50,11 @@ fn every_task_has_its_rows_whatever_the_number_of_threads() {
     );
 }
 
-/// The thesis's test bed does not hunt: what its Stribeck curve falls by is less than viscous friction and back-EMF rise by. A contact with stiff bristles that
-/// falls from .2 to .0925 N m within .01 rad/s does. Its slips span at least what the PID's proportional part turns into the fall of the friction,
-/// 4.84 V per N m (F_s - F_c) / 5.7517 V per rad = .0905 rad, an amplitude of .045 rad, and less than twice that.
+/// The thesis's test bed does not hunt: what its Stribeck curve falls by is less than viscous
+/// friction and back-EMF rise by. A contact with stiff bristles that falls from .2 to .0925 N m
+/// within .01 rad/s does. Its slips span at least what the PID's proportional part turns into the
+/// fall of the friction, 4.84 V per N m (F_s - F_c) / 5.7517 V per rad = .0905 rad, an amplitude of
+/// .045 rad, and less than twice that.
 #[test]
 fn a_sticky_plant_hunts_and_the_test_bed_does_not() {
     let root = tempfile::tempdir().unwrap();

@@ -30,7 +30,8 @@ impl Compensators {
         self.0.insert(model.name(), model);
     }
 
-    /// The same models with the identified static parameters; stiffness, damping and lag stay as they were.
+    /// The same models with the identified static parameters; stiffness, damping and lag stay as
+    /// they were.
     ///
     /// # Errors
     /// [`ModelError`] if a model does not accept them.

@@ -1,12 +1,13 @@
 //! The controller in a parameter file.
 
 use controller::{
-    AccelerationFeedback, Controller, ControllerOptions, DerivativeOn, Dither, Impulse, LagGains, PiGains,
-    PidGains, PlantInverse, VelocityLaw,
+    AccelerationFeedback, Controller, ControllerOptions, DerivativeOn, Dither, Impulse, LagGains,
+    PiGains, PidGains, PlantInverse, VelocityLaw,
 };
 use serde::{Deserialize, Serialize};
 
-/// Parameters of `/controller`. The velocity law stands as `lag` or `pi`; what is left out keeps its default.
+/// Parameters of `/controller`. The velocity law stands as `lag` or `pi`; what is left out keeps
+/// its default.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerParameters {
@@ -91,7 +92,8 @@ impl ControllerParameters {
         Ok(found)
     }
 
-    /// Sets what is given in `options`, but for what is the rig's: its voltage limit and its volts per newton metre.
+    /// Sets what is given in `options`, but for what is the rig's: its voltage limit and its volts
+    /// per newton metre.
     pub fn apply(&self, options: &mut ControllerOptions) {
         if let Some(gains) = self.lag {
             options.velocity = VelocityLaw::Lag(gains);
@@ -130,12 +132,19 @@ mod tests {
     fn what_is_written_is_what_is_read() {
         let options = ControllerOptions {
             velocity: VelocityLaw::Pi(PiGains { k_p: 1.25, k_i: 20.5 }),
-            dither: Some(Dither { shape: controller::DitherShape::Square, amplitude: 0.25, frequency: 50.0 }),
+            dither: Some(Dither {
+                shape: controller::DitherShape::Square,
+                amplitude: 0.25,
+                frequency: 50.0,
+            }),
             ..Default::default()
         };
         let text = serde_saphyr::to_string(&std::collections::BTreeMap::from([(
             "/controller",
-            std::collections::BTreeMap::from([("ros__parameters", ControllerParameters::of(&options))]),
+            std::collections::BTreeMap::from([(
+                "ros__parameters",
+                ControllerParameters::of(&options),
+            )]),
         )]))
         .unwrap();
         let mut read = ControllerOptions::default();

@@ -13,7 +13,8 @@ pub(super) fn differences(then: &Value, now: &Value) -> Vec<String> {
 }
 
 fn compare(then: &Value, now: &Value, path: &str, found: &mut Vec<String>) {
-    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+    let below =
+        |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match (then, now) {
         (Value::Object(a), Value::Object(b)) => {
             let missing = Value::Null;
@@ -29,7 +30,9 @@ fn compare(then: &Value, now: &Value, path: &str, found: &mut Vec<String>) {
                 compare(then, now, &format!("{path}[{i}]"), found);
             }
         }
-        (then, now) if then != now => found.push(format!("{path} was {}, is {}", short(then), short(now))),
+        (then, now) if then != now => {
+            found.push(format!("{path} was {}, is {}", short(then), short(now)))
+        }
         _ => {}
     }
 }
@@ -59,7 +62,10 @@ mod tests {
             found[..3],
             ["a.b[1].c was 2.5, is 2.6", "gone was 1, is nothing", "list was [1], is [1,2]"]
         );
-        assert!(found[3].starts_with("come was nothing, is \"yyy") && found[3].ends_with("..."), "{found:?}");
+        assert!(
+            found[3].starts_with("come was nothing, is \"yyy") && found[3].ends_with("..."),
+            "{found:?}"
+        );
         assert_eq!(found.len(), 4);
     }
 }

@@ -45,7 +45,8 @@ pub enum RunError {
         /// What can be used in its place.
         instead: &'static str,
     },
-    /// A protocol asks for more voltage than there is: a cut excitation would not be the one that was asked for.
+    /// A protocol asks for more voltage than there is: a cut excitation would not be the one that
+    /// was asked for.
     #[error(
         "the protocol drive-excitation asks for {asked} V, but the voltage limit is {limit} V: lower it in a protocol of your own (`frictionlab protocols drive-excitation > mine.yaml`, run --protocol mine.yaml), or raise --voltage-limit if the rig stands it"
     )]

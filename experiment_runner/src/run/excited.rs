@@ -1,4 +1,5 @@
-//! Runs under a profile: driven from rest, recorded, taken apart where they ran, averaged over the repetitions.
+//! Runs under a profile: driven from rest, recorded, taken apart where they ran, averaged over the
+//! repetitions.
 
 use std::fmt::Write;
 
@@ -84,7 +85,9 @@ impl MeanRecord {
             }
             sum.truncate(values.len());
             if runs > 0.0 {
-                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += (value - *sum) / (runs + 1.0));
+                sum.iter_mut()
+                    .zip(values)
+                    .for_each(|(sum, value)| *sum += (value - *sum) / (runs + 1.0));
             }
         };
         into(&mut self.position, &one.position);
@@ -100,7 +103,8 @@ impl MeanRecord {
     /// From sample `first` on, `samples` at most, time counted from there.
     pub fn from(self, first: usize, samples: usize) -> Self {
         let start = self.time.get(first).copied().unwrap_or(0.0);
-        let mut record = self.each(|values| values.iter().skip(first).take(samples).copied().collect());
+        let mut record =
+            self.each(|values| values.iter().skip(first).take(samples).copied().collect());
         record.time.iter_mut().for_each(|t| *t -= start);
         record
     }
@@ -122,13 +126,19 @@ impl MeanRecord {
         }
     }
 
-    /// As comma-separated values, as `frictionlab identify` reads them; with the current only where every sample has one.
+    /// As comma-separated values, as `frictionlab identify` reads them; with the current only where
+    /// every sample has one.
     pub fn csv(&self) -> String {
         let with_current = !self.time.is_empty() && self.current.len() == self.time.len();
         let current = if with_current { ",current_A" } else { "" };
         let mut text = format!("t_s,position_rad,velocity_rad_s,voltage_V{current},torque_Nm\n");
-        let rows =
-            self.time.iter().zip(&self.position).zip(&self.velocity).zip(&self.voltage).zip(&self.torque);
+        let rows = self
+            .time
+            .iter()
+            .zip(&self.position)
+            .zip(&self.velocity)
+            .zip(&self.voltage)
+            .zip(&self.torque);
         for (i, ((((t, x), w), u), torque)) in rows.enumerate() {
             // Writing to a string cannot fail.
             let _ = write!(text, "{t:.6},{x:.8},{w:.7},{u:.7}");
@@ -169,7 +179,8 @@ pub(super) struct Series {
     pub stream: u64,
     /// The sensor of the position.
     pub displacement: Displacement,
-    /// Whether the bag holds every cycle, however it is thinned: what is identified from the bag needs an even, full rate.
+    /// Whether the bag holds every cycle, however it is thinned: what is identified from the bag
+    /// needs an even, full rate.
     pub every_cycle: bool,
 }
 
@@ -236,7 +247,12 @@ impl Bench<'_> {
                 self.progress.stage(format!("{}: {}", series.name, job.stage));
             }
             if every(job).is_some() && !replayed {
-                recorder.status(start_ns, series.name, &stage, driven.results.len() as f64 / total)?;
+                recorder.status(
+                    start_ns,
+                    series.name,
+                    &stage,
+                    driven.results.len() as f64 / total,
+                )?;
             }
             recorder.write(kept)?;
             let seconds = record.time.len() as f64 * period;

@@ -40,15 +40,21 @@ pub struct Outcome {
 }
 
 /// One of experiments 2 to 4, or a sequence.
-type Characterise<'a> =
-    fn(&Bench<'a>, &mut Characterisation, &mut Recorder, &mut Timeline) -> Result<Progressed, RunError>;
+type Characterise<'a> = fn(
+    &Bench<'a>,
+    &mut Characterisation,
+    &mut Recorder,
+    &mut Timeline,
+) -> Result<Progressed, RunError>;
 
 /// Folder of the bag in the run's folder.
 const BAG: &str = "bag";
 
-/// Runs the experiments and writes `bag/`, `parameters.yaml`, `report.html` and `run.json` into `folder`.
+/// Runs the experiments and writes `bag/`, `parameters.yaml`, `report.html` and `run.json` into
+/// `folder`.
 ///
-/// Once `cancel` is set the run ends after the jobs at hand, at the pace of the clock within a cycle; what is there by then is written, and the status says so.
+/// Once `cancel` is set the run ends after the jobs at hand, at the pace of the clock within a
+/// cycle; what is there by then is written, and the status says so.
 ///
 /// # Errors
 /// [`RunError`]. Parameters are checked before anything is written.
@@ -66,16 +72,19 @@ pub fn execute(
 pub enum Beginning {
     /// With its first job.
     Anew {
-        /// Whether its folder may hold something already: files of the same names are replaced, and so is a bag.
+        /// Whether its folder may hold something already: files of the same names are replaced, and
+        /// so is a bag.
         force: bool,
         /// What stood behind `run` on the command line: with it a run that is stopped can go on.
         words: Option<Vec<String>>,
     },
-    /// With the first job that was not done when it was stopped. Its bag is moved to `bag_before_resume_N` first.
+    /// With the first job that was not done when it was stopped. Its bag is moved to
+    /// `bag_before_resume_N` first.
     Resumed(Box<Journal>),
 }
 
-/// The same, where the beginning says how. What the jobs gave is kept in a journal until the run is complete.
+/// The same, where the beginning says how. What the jobs gave is kept in a journal until the run is
+/// complete.
 ///
 /// # Errors
 /// As for [`execute`].
@@ -87,7 +96,8 @@ pub fn execute_in(
     cancel: &Arc<AtomicBool>,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    // Put together for nothing first, so that a wrong option neither opens a rig nor writes anything.
+    // Put together for nothing first, so that a wrong option neither opens a rig nor writes
+    // anything.
     check_options(options)?;
     match &beginning {
         Beginning::Anew { force: true, .. } => bag::remove(&folder.join(BAG))?,
@@ -163,7 +173,8 @@ pub fn execute_in(
         (Kind::Sequence, Bench::sequence),
     ] {
         if options.experiment.includes(kind) && going {
-            let progressed = experiment(&bench, &mut characterisation, &mut recorder, &mut timeline)?;
+            let progressed =
+                experiment(&bench, &mut characterisation, &mut recorder, &mut timeline)?;
             rig_seconds += progressed.rig_seconds;
             going = note(progressed.completion);
         }
@@ -175,7 +186,8 @@ pub fn execute_in(
         if !going {
             break;
         }
-        let tracked = bench.track((name, protocol, *stream), &arms, &models, &mut recorder, &mut timeline)?;
+        let tracked =
+            bench.track((name, protocol, *stream), &arms, &models, &mut recorder, &mut timeline)?;
         rig_seconds += protocol.duration * tracked.runs.len() as f64;
         going = note(tracked.completion);
         tasks.push((Comparison::new(protocol.mode, &arms, tracked.runs), tracked.traces));
@@ -207,7 +219,8 @@ pub fn execute_in(
     progress.stage("report");
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let name = format!("`run {}` in {}", options.experiment.as_str(), folder.display());
-    let parameters = parameter_file::render(options, &models, chosen, identification.as_ref(), &name)?;
+    let parameters =
+        parameter_file::render(options, &models, chosen, identification.as_ref(), &name)?;
     let (parameters, origin) = (parameters.text, parameters.origins);
     recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
     let bag = recorder.finish()?;
@@ -248,7 +261,8 @@ pub fn execute_in(
         files.push(("steady_points.csv", steady_points(&results.constant_velocity)));
     }
     let page = page::build(&results, &models, &sorted.traces);
-    let report = render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
+    let report =
+        render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
     files.push(("report.html", report));
     write_all(folder, &files)?;
     if let Some(journal) = journal.filter(|_| over) {
@@ -258,7 +272,8 @@ pub fn execute_in(
     Ok(Outcome { results, folder: folder.to_owned() })
 }
 
-/// Whether a run with these options into that folder could start: every loop is put together once, nothing is written.
+/// Whether a run with these options into that folder could start: every loop is put together once,
+/// nothing is written.
 ///
 /// # Errors
 /// [`RunError`], as [`execute`] would return it before it begins.
@@ -279,30 +294,40 @@ pub fn check_options(options: &RunOptions) -> Result<(), RunError> {
 fn steady_points(runs: &[SteadyRun]) -> String {
     let with_current = runs.iter().all(|run| run.current.is_some());
     let head = if with_current { ",current_A" } else { "" };
-    let mut text = format!("set,repetition,velocity_rad_s,voltage_V{head},torque_Nm,torque_deviation_Nm\n");
+    let mut text =
+        format!("set,repetition,velocity_rad_s,voltage_V{head},torque_Nm,torque_deviation_Nm\n");
     for run in runs {
         let SteadyRun { set, repetition, velocity, voltage, torque, torque_deviation, .. } = run;
-        let current = run.current.filter(|_| with_current).map_or(String::new(), |i| format!(",{i:.7}"));
+        let current =
+            run.current.filter(|_| with_current).map_or(String::new(), |i| format!(",{i:.7}"));
         text += &format!("{},{},{velocity:.8},{voltage:.7}{current}", set + 1, repetition + 1);
         text += &format!(",{torque:.8},{torque_deviation:.6}\n");
     }
     text
 }
 
-/// Puts the bag of a run that was stopped aside, whole as far as it goes; the name of the folder that it is in then.
+/// Puts the bag of a run that was stopped aside, whole as far as it goes; the name of the folder
+/// that it is in then.
 fn put_aside(folder: &Path, progress: &Progress) -> Result<Option<String>, RunError> {
     let old = folder.join(BAG);
-    if is_empty_or_missing(&old).map_err(|source| OutputError::Write { path: old.clone(), source })? {
+    if is_empty_or_missing(&old)
+        .map_err(|source| OutputError::Write { path: old.clone(), source })?
+    {
         return Ok(None);
     }
     if bag::is_cut(&old)
         && let Err(error) = bag::recover(&old)
     {
-        progress.line(&format!("the bag of the run before cannot be saved and is kept as it is: {error}"));
+        progress.line(&format!(
+            "the bag of the run before cannot be saved and is kept as it is: {error}"
+        ));
     }
-    let free = (1u32..).map(|n| format!("{BAG}_before_resume_{n}")).find(|name| !folder.join(name).exists());
+    let free = (1u32..)
+        .map(|n| format!("{BAG}_before_resume_{n}"))
+        .find(|name| !folder.join(name).exists());
     let Some(name) = free else { return Ok(None) };
-    fs::rename(&old, folder.join(&name)).map_err(|source| OutputError::Write { path: old, source })?;
+    fs::rename(&old, folder.join(&name))
+        .map_err(|source| OutputError::Write { path: old, source })?;
     Ok(Some(name))
 }
 
@@ -318,13 +343,15 @@ fn require_empty(folder: &Path) -> Result<(), RunError> {
 /// Fits the Stribeck curve to the first set and tries it on the others.
 fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification, RunError> {
     let points: Vec<_> = steady.iter().filter(|run| run.set == 0).map(SteadyRun::point).collect();
-    let fit = fit_stribeck(&points, &StribeckOptions::default()).map_err(RunError::Identification)?;
+    let fit =
+        fit_stribeck(&points, &StribeckOptions::default()).map_err(RunError::Identification)?;
     let squares: Vec<f64> = steady
         .iter()
         .filter(|run| run.set != 0)
         .map(|run| (run.torque - fit.torque(run.velocity)).powi(2))
         .collect();
-    let mse_validation = (!squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
+    let mse_validation =
+        (!squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
     let truth = match options.rig {
         RigChoice::Simulated => static_truth(&options.test_bed.friction),
         _ => [None; 4],
@@ -367,19 +394,32 @@ impl Bench<'_> {
             let control = self.control_loop(bed, task, &observer, None, (seed, start_ns))?;
             let start_ns = control.start_ns();
             let mut kept = self.kept(self.options.record.every_of_steady(&job));
-            let run = job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
+            let run =
+                job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
             Ok(Made { start_ns, kept, result: run, replayed: false })
         };
         let total = jobs.len() as f64;
         let mut runs: Vec<SteadyRun> = Vec::with_capacity(jobs.len());
         let completion = self.in_order(&jobs, work, |(_, _, job), made| {
             let Made { start_ns, kept, result: run, replayed } = made;
-            let stage =
-                format!("set {} of {}, repetition {}", job.set + 1, protocol.sets, job.repetition + 1);
-            if runs.last().is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition)) {
+            let stage = format!(
+                "set {} of {}, repetition {}",
+                job.set + 1,
+                protocol.sets,
+                job.repetition + 1
+            );
+            if runs
+                .last()
+                .is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition))
+            {
                 self.progress.stage(format!("friction: {stage}"));
                 if !replayed {
-                    recorder.status(start_ns, "constant-velocity", &stage, runs.len() as f64 / total)?;
+                    recorder.status(
+                        start_ns,
+                        "constant-velocity",
+                        &stage,
+                        runs.len() as f64 / total,
+                    )?;
                 }
             }
             recorder.write(kept)?;
@@ -446,7 +486,10 @@ mod tests {
     fn a_folder_in_use_is_left_alone() {
         let root = tempfile::tempdir().unwrap();
         fs::write(root.path().join("precious.txt"), "mine").unwrap();
-        assert!(matches!(run(&options(), root.path()), Err(RunError::Output(OutputError::NotEmpty(_)))));
+        assert!(matches!(
+            run(&options(), root.path()),
+            Err(RunError::Output(OutputError::NotEmpty(_)))
+        ));
         assert_eq!(fs::read_dir(root.path()).unwrap().count(), 1);
     }
 

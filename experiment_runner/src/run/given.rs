@@ -26,7 +26,8 @@ pub struct Given {
 }
 
 impl Given {
-    /// Takes a file in: of a value that several files have the last counts. `name` is the file as it was named.
+    /// Takes a file in: of a value that several files have the last counts. `name` is the file as
+    /// it was named.
     ///
     /// # Errors
     /// A sentence about what is wrong in the text.
@@ -35,8 +36,10 @@ impl Given {
         let observer = node(&tree, "friction_observer").or_else(|| node(&tree, "**"));
         let controller = node(&tree, "controller");
         if observer.is_none() && controller.is_none() && node(&tree, "rig_driver").is_some() {
-            return Err("it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it"
-                .to_owned());
+            return Err(
+                "it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it"
+                    .to_owned(),
+            );
         }
         if observer.is_none() && controller.is_none() {
             return Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned());
@@ -47,8 +50,9 @@ impl Given {
     }
 
     fn take_models(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
-        let entries =
-            node.as_object().ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
+        let entries = node
+            .as_object()
+            .ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
         for (key, value) in entries {
             if key == "model" {
                 let name = value.as_str().ok_or("`model` must be the name of a model")?;
@@ -61,7 +65,8 @@ impl Given {
                     self.take_sides(name, sides, from)?;
                 }
             } else {
-                let name: ModelName = key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
+                let name: ModelName =
+                    key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
                 self.take_model(name, value, from)?;
             }
         }
@@ -99,7 +104,10 @@ impl Given {
                 let own = commented_yaml::leaves(base[side].as_object().unwrap_or(&Map::new()))
                     .into_iter()
                     .map(|(leaf, _)| {
-                        (format!("{path}.{side}.{leaf}"), self.origins.of(&format!("{symmetric}.{leaf}")))
+                        (
+                            format!("{path}.{side}.{leaf}"),
+                            self.origins.of(&format!("{symmetric}.{leaf}")),
+                        )
                     })
                     .collect::<Vec<_>>();
                 own.into_iter().for_each(|(leaf, origin)| self.origins.set(leaf, origin));
@@ -112,7 +120,8 @@ impl Given {
         Ok(())
     }
 
-    /// Takes a model in whose parameters are those of `base` but for what `value` says; where these do not go together, those of `value` alone.
+    /// Takes a model in whose parameters are those of `base` but for what `value` says; where these
+    /// do not go together, those of `value` alone.
     fn set_model(
         &mut self,
         key: &str,
@@ -121,7 +130,8 @@ impl Given {
         wrapped: impl Fn(Value) -> Value,
     ) -> Result<(), String> {
         let read = |tree: Value| {
-            serde_json::from_value::<AnyModel>(wrapped(tree)).map_err(|e| format!("in `{key}`: {e}"))
+            serde_json::from_value::<AnyModel>(wrapped(tree))
+                .map_err(|e| format!("in `{key}`: {e}"))
         };
         let alone = read(value.clone());
         let model = match (read(merged(base, value)), alone) {
@@ -133,8 +143,9 @@ impl Given {
     }
 
     fn take_controller(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
-        let entries =
-            node.as_object().ok_or("`ros__parameters` of controller must be a map of parameters")?;
+        let entries = node
+            .as_object()
+            .ok_or("`ros__parameters` of controller must be a map of parameters")?;
         if entries.contains_key("lag") && entries.contains_key("pi") {
             return Err(
                 "in `controller`: both `lag` and `pi` are given; velocity has one law, leave one out"
@@ -209,7 +220,9 @@ fn tree(text: &str) -> Result<Tree, String> {
 }
 
 fn node<'a>(tree: &'a Tree, name: &str) -> Option<&'a Value> {
-    tree.iter().find(|(found, _)| found.trim_start_matches('/') == name).map(|(_, node)| &node.parameters)
+    tree.iter()
+        .find(|(found, _)| found.trim_start_matches('/') == name)
+        .map(|(_, node)| &node.parameters)
 }
 
 /// Reads the controller of a parameter file; none if the file says nothing of it.
@@ -221,8 +234,8 @@ pub fn read_controller(text: &str) -> Result<Option<ControllerParameters>, Strin
     node(&tree, "controller").map(ControllerParameters::read).transpose()
 }
 
-/// Reads the models of a parameter file; those it does not name keep the test bed's parameters, all of them if the file is of the
-/// controller alone.
+/// Reads the models of a parameter file; those it does not name keep the test bed's parameters, all
+/// of them if the file is of the controller alone.
 ///
 /// # Errors
 /// A sentence about what is wrong in the text.
@@ -262,9 +275,10 @@ mod tests {
     fn files() -> [(&'static str, String); 3] {
         let found = StribeckValues { f_s: 0.2, f_c: 0.1, v_s: 0.3, f_v: 0.05, delta: 2.0 };
         let models = Compensators::default().with_static(&found).unwrap();
-        let run = render(&options(), &models, ModelName::Proposed, None, "runs/all-1").unwrap().text;
-        let design =
-            "/controller:\n  ros__parameters:\n    pi:\n      k_p: 2.0\n      k_i: 30.0\n".to_owned();
+        let run =
+            render(&options(), &models, ModelName::Proposed, None, "runs/all-1").unwrap().text;
+        let design = "/controller:\n  ros__parameters:\n    pi:\n      k_p: 2.0\n      k_i: 30.0\n"
+            .to_owned();
         let identify = "/friction_observer:\n  ros__parameters:\n    model: lugre\n    lugre:\n      f_s: 0.3\n      f_c: 0.15\n";
         [("run", run), ("design", design), ("identify", identify.to_owned())]
     }
@@ -277,7 +291,8 @@ mod tests {
                 let mut given = Given::default();
                 given.take(first, earlier).unwrap();
                 given.take(second, later).unwrap();
-                let wins = |name: &str, over: &str| *second == name || (*first == name && *second != over);
+                let wins =
+                    |name: &str, over: &str| *second == name || (*first == name && *second != over);
                 let all = [*first, *second];
                 let mut options = ControllerOptions::default();
                 given.controller.apply(&mut options);
@@ -293,7 +308,10 @@ mod tests {
                 // What the later file does not name stays.
                 if all.contains(&"run") {
                     assert_eq!(lugre.parameter("f_v"), Some(0.05), "{all:?}");
-                    assert_eq!(given.compensators.get(ModelName::Proposed).parameter("f_s"), Some(0.2));
+                    assert_eq!(
+                        given.compensators.get(ModelName::Proposed).parameter("f_s"),
+                        Some(0.2)
+                    );
                 }
                 // Each origin names the file whose value it is.
                 for (path, origin) in given.origins.iter() {

@@ -1,7 +1,8 @@
 //! The journal of a run: what was measured, job by job, so that a run that was stopped can go on.
 //!
-//! `journal.jsonl` lies in the run's folder until the run is complete. A line is written once its job is delivered; a line that a kill cut off counts as not
-//! written. While a run goes on it holds the file's lock.
+//! `journal.jsonl` lies in the run's folder until the run is complete. A line is written once its
+//! job is delivered; a line that a kill cut off counts as not written. While a run goes on it holds
+//! the file's lock.
 
 use std::collections::VecDeque;
 use std::fs::{self, File, TryLockError};
@@ -118,7 +119,8 @@ impl Journal {
     /// The journal of the run that was stopped in this folder.
     ///
     /// # Errors
-    /// [`RunError::Resume`] if there is none, if that run is complete or still going on, or if its journal cannot be read.
+    /// [`RunError::Resume`] if there is none, if that run is complete or still going on, or if its
+    /// journal cannot be read.
     pub fn open(folder: &Path) -> Result<Self, RunError> {
         let refuse = |why: String| RunError::Resume { folder: folder.to_owned(), why };
         let path = folder.join(NAME);
@@ -128,14 +130,20 @@ impl Journal {
         }
         let file = match File::options().read(true).write(true).open(&path) {
             Ok(file) => file,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(refuse(no_journal(folder))),
-            Err(error) => return Err(refuse(format!("{} cannot be opened: {error}", path.display()))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                return Err(refuse(no_journal(folder)));
+            }
+            Err(error) => {
+                return Err(refuse(format!("{} cannot be opened: {error}", path.display())));
+            }
         };
         lock(&file).map_err(refuse)?;
-        let unread = |error: io::Error| refuse(format!("{} cannot be read: {error}", path.display()));
+        let unread =
+            |error: io::Error| refuse(format!("{} cannot be read: {error}", path.display()));
         let mut lines = Lines { reader: BufReader::new(&file), offset: 0 };
         let first = lines.next_line().map_err(unread)?;
-        let Some(Line::Header(header)) = first.and_then(|(_, line)| read::<IgnoredAny>(&line)) else {
+        let Some(Line::Header(header)) = first.and_then(|(_, line)| read::<IgnoredAny>(&line))
+        else {
             return Err(refuse(format!(
                 "{} has no whole first line, so nothing was measured yet: begin the run anew",
                 path.display()
@@ -298,12 +306,15 @@ impl Journal {
         }
     }
 
-    /// What the next job gave in a run before this one; `None` from the first job on that was not done. A result that cannot be read counts as not done, and so does
-    /// all that follows it.
+    /// What the next job gave in a run before this one; `None` from the first job on that was not
+    /// done. A result that cannot be read counts as not done, and so does all that follows it.
     pub(super) fn replay<R: DeserializeOwned>(&mut self) -> Result<Option<Done<R>>, RunError> {
         let Some(place) = self.waiting.front().copied() else { return Ok(None) };
         let mut line = vec![0; place.length];
-        let got = self.file.seek(SeekFrom::Start(place.offset)).and_then(|_| self.file.read_exact(&mut line));
+        let got = self
+            .file
+            .seek(SeekFrom::Start(place.offset))
+            .and_then(|_| self.file.read_exact(&mut line));
         got.map_err(|source| self.unwritten(source))?;
         let Some(Line::Done(done)) = read::<R>(&line) else {
             self.forget(place.offset)?;
@@ -316,7 +327,8 @@ impl Journal {
         Ok(Some(done))
     }
 
-    /// Start of the run that was delivered last, where a run that went on has not delivered one of its own yet.
+    /// Start of the run that was delivered last, where a run that went on has not delivered one of
+    /// its own yet.
     pub(super) fn resumed_after(&self) -> Option<u64> {
         let (_, _, jobs, _) = self.sessions.last()?;
         (self.sessions.len() > 1 && *jobs == 0).then_some(self.last_start_ns)
@@ -340,7 +352,11 @@ impl Journal {
     }
 
     /// The line of the next job.
-    pub(super) fn line<R: Serialize>(&self, start_ns: u64, result: &R) -> Result<(u64, String), RunError> {
+    pub(super) fn line<R: Serialize>(
+        &self,
+        start_ns: u64,
+        result: &R,
+    ) -> Result<(u64, String), RunError> {
         let finished_ns = now_ns();
         let done = Done { job: self.next, finished_ns, start_ns, result };
         text_of(&Line::Done(done)).map(|line| (finished_ns, line))
@@ -365,7 +381,8 @@ impl Journal {
         self.reconnections.clone()
     }
 
-    /// The sittings of the run, the last one until now. The bag of each is where the next one put it.
+    /// The sittings of the run, the last one until now. The bag of each is where the next one put
+    /// it.
     pub(super) fn sessions(&self, bag: &str) -> Vec<Session> {
         let now = now_ns();
         let moved = self.sessions.iter().skip(1).map(|(begun, ..)| begun.moved.clone());
@@ -396,7 +413,8 @@ impl Journal {
 
     fn write(&mut self, line: &str) -> Result<(), RunError> {
         let written = self.file.write_all(line.as_bytes());
-        let written = written.and_then(|()| if self.durable { self.file.sync_data() } else { Ok(()) });
+        let written =
+            written.and_then(|()| if self.durable { self.file.sync_data() } else { Ok(()) });
         written.map_err(|source| self.unwritten(source))
     }
 
@@ -407,7 +425,9 @@ impl Journal {
 
 fn lock(file: &File) -> Result<(), String> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err("that run is still going on in another program".to_owned()),
+        Err(TryLockError::WouldBlock) => {
+            Err("that run is still going on in another program".to_owned())
+        }
         // A file system without locks.
         Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
     }
@@ -420,7 +440,8 @@ fn no_journal(folder: &Path) -> String {
     match results["status"].as_str() {
         Some("complete") => "this run is complete".to_owned(),
         Some(_) => "this run ended early, but has no journal.jsonl to go on with".to_owned(),
-        None => "it holds no journal.jsonl, which a run that was stopped leaves in its folder".to_owned(),
+        None => "it holds no journal.jsonl, which a run that was stopped leaves in its folder"
+            .to_owned(),
     }
 }
 

@@ -1,6 +1,8 @@
-//! A whole run on the test bed: characterise, identify, compensate, compare; bag, parameters, report and record.
+//! A whole run on the test bed: characterise, identify, compensate, compare; bag, parameters,
+//! report and record.
 //!
-//! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the same figures, on any number of cores.
+//! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the
+//! same figures, on any number of cores.
 
 mod bench;
 mod characterisation;

@@ -11,8 +11,9 @@ use crate::characterise::TorqueReading;
 use crate::compensation::{Arm, Means, thesis_tables};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
-    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Kind,
-    PreSlidingProtocol, Protocol, ProtocolError, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
+    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol,
+    Kind, PreSlidingProtocol, Protocol, ProtocolError, SequenceProtocol, TrackingProtocol,
+    VaryingVelocityProtocol,
 };
 use crate::rig::{RigChoice, RigDescription, RigLimits};
 use crate::test_bed::TestBed;
@@ -35,7 +36,8 @@ pub enum Experiment {
     PreSliding,
     /// Breakaway against the rate of the torque
     BreakawayRate,
-    /// Voltage that shows the drive: steps, a binary sequence, a chirp, a slow triangle; `identify-drive` reads its bag
+    /// Voltage that shows the drive: steps, a binary sequence, a chirp, a slow triangle;
+    /// `identify-drive` reads its bag
     DriveExcitation,
     /// A sequence of one's own, from `--protocol FILE`
     Sequence,
@@ -117,7 +119,8 @@ impl Experiment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum RecordPolicy {
-    /// What a person looks at: the first repetition of everything, constant velocities at 50 Hz; below 300 MB
+    /// What a person looks at: the first repetition of everything, constant velocities at 50 Hz;
+    /// below 300 MB
     #[default]
     Thinned,
     /// Every sample of every repetition: several gigabytes for the full protocol
@@ -183,7 +186,8 @@ pub struct ProfileUsed {
 pub struct RunOptions {
     /// Which experiments.
     pub experiment: Experiment,
-    /// Which rig. A real one takes the simulated one's place in the bench: its period, and its voltage limit where that is lower.
+    /// Which rig. A real one takes the simulated one's place in the bench: its period, and its
+    /// voltage limit where that is lower.
     pub rig: RigChoice,
     /// The rig profile that counts; none without one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -198,7 +202,8 @@ pub struct RunOptions {
     pub models: Vec<ModelName>,
     /// By what means they compensate.
     pub means: Vec<Means>,
-    /// Parameters of the compensating models; identified static parameters take their place where the run identifies.
+    /// Parameters of the compensating models; identified static parameters take their place where
+    /// the run identifies.
     pub compensators: Compensators,
     /// Where the parameters come from that are no defaults; `run.json` has it as `origin`.
     #[serde(skip)]
@@ -292,8 +297,8 @@ impl RunOptions {
 ///
 /// # Errors
 /// [`ProtocolError`] if a file that is part of the program is wrong; a test reads them all.
-pub fn shipped() -> Result<(VaryingVelocityProtocol, PreSlidingProtocol, BreakawayRateProtocol), ProtocolError>
-{
+pub fn shipped()
+-> Result<(VaryingVelocityProtocol, PreSlidingProtocol, BreakawayRateProtocol), ProtocolError> {
     Ok((
         VaryingVelocityProtocol::shipped()?,
         PreSlidingProtocol::shipped()?,
@@ -369,8 +374,9 @@ pub(super) mod tests {
 
     #[test]
     fn streams_differ() {
-        let seeds: std::collections::BTreeSet<u64> =
-            (0..4).flat_map(|seed| (0..1000).map(move |stream| stream_seed(seed, stream))).collect();
+        let seeds: std::collections::BTreeSet<u64> = (0..4)
+            .flat_map(|seed| (0..1000).map(move |stream| stream_seed(seed, stream)))
+            .collect();
         assert_eq!(seeds.len(), 4000);
     }
 

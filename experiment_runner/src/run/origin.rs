@@ -57,7 +57,8 @@ impl fmt::Display for Origin {
     }
 }
 
-/// Where the parameters come from, by their paths without `ros__parameters`, as in `controller.pid.k_p`. What is not in it is a default.
+/// Where the parameters come from, by their paths without `ros__parameters`, as in
+/// `controller.pid.k_p`. What is not in it is a default.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[serde(transparent)]
 pub struct Origins(BTreeMap<String, Origin>);

@@ -23,9 +23,12 @@ pub(super) fn build(
     let options = &results.options;
     let mut blocks = vec![summary(results)];
     if results.status == Status::Interrupted {
-        let why = results.ended.as_ref().map_or("This run was stopped before its end.".to_owned(), |why| {
-            format!("This run ended early: {why}.")
-        });
+        let why = results
+            .ended
+            .as_ref()
+            .map_or("This run was stopped before its end.".to_owned(), |why| {
+                format!("This run ended early: {why}.")
+            });
         let note = format!("{why} What is shown is whole; what is missing was not measured.");
         blocks.push(Block::Note(note));
     }
@@ -37,13 +40,21 @@ pub(super) fn build(
         blocks.push(Block::Figure(stribeck_figure(results)));
         blocks.extend(results.added_to_points().map(Block::Note));
     }
-    blocks.extend(super::characterisation_page::blocks(&results.characterisation, options.torque.source));
+    blocks.extend(super::characterisation_page::blocks(
+        &results.characterisation,
+        options.torque.source,
+    ));
     blocks.extend(options.sequence.iter().flat_map(|protocol| {
-        super::sequence_page::blocks(&protocol.name, protocol.repetitions, &results.characterisation)
+        super::sequence_page::blocks(
+            &protocol.name,
+            protocol.repetitions,
+            &results.characterisation,
+        )
     }));
     for (name, comparison) in results.comparisons() {
         let title = capitalised(name);
-        let of_task = traces.iter().find(|(other, _)| other == name).map_or(&[][..], |(_, traces)| traces);
+        let of_task =
+            traces.iter().find(|(other, _)| other == name).map_or(&[][..], |(_, traces)| traces);
         blocks.push(Block::Heading(title.clone()));
         blocks.push(Block::Table(comparison_table(&title, comparison)));
         blocks.push(Block::Figure(tracking_figure(&title, comparison.mode, of_task)));
@@ -101,7 +112,8 @@ fn summary(results: &RunResults) -> Block {
             ),
         };
     }
-    text += &format!("{}.", numbers::rig_time(results.timing.rig_seconds, results.timing.wall_seconds));
+    text +=
+        &format!("{}.", numbers::rig_time(results.timing.rig_seconds, results.timing.wall_seconds));
     Block::Text(text)
 }
 
@@ -121,10 +133,13 @@ fn parameter_table(found: &Identification) -> Table {
         .iter()
         .map(|p| {
             let estimate = &p.estimate;
-            let (number, error) =
-                numbers::value_and_error(estimate.value, estimate.standard_error.unwrap_or(f64::NAN));
+            let (number, error) = numbers::value_and_error(
+                estimate.value,
+                estimate.standard_error.unwrap_or(f64::NAN),
+            );
             let error = if error.is_empty() { "-".to_owned() } else { error };
-            let interval = estimate.interval.map_or("-".to_owned(), |(a, b)| format!("{a:.5} to {b:.5}"));
+            let interval =
+                estimate.interval.map_or("-".to_owned(), |(a, b)| format!("{a:.5} to {b:.5}"));
             let value = match estimate.unidentifiable {
                 Some(reason) => format!("not identifiable: {reason}"),
                 None => number,
@@ -155,15 +170,24 @@ fn parameter_table(found: &Identification) -> Table {
             "Nonlinear least squares over {} points of the first set; mean square residual {:.3e} (N m)².{validation}{plant}",
             found.fit.points, found.mse_identification
         ),
-        columns: ["parameter", "unit", "value", "standard error", "95 % interval", "plant", "deviation"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: [
+            "parameter",
+            "unit",
+            "value",
+            "standard error",
+            "95 % interval",
+            "plant",
+            "deviation",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows,
         highlight: None,
     }
 }
 
-/// Points of both sets, the fitted curve with its band, and the truth; below, the same without the viscous part.
+/// Points of both sets, the fitted curve with its band, and the truth; below, the same without the
+/// viscous part.
 fn stribeck_figure(results: &RunResults) -> Figure {
     let points = "Mean friction torque against mean velocity, with half the distance of the quartiles of the repetitions";
     let mut panels =
@@ -202,7 +226,12 @@ fn stribeck_traces(results: &RunResults, viscous: f64) -> Vec<Drawn> {
                 (lower - viscous * v, upper - viscous * v)
             })
             .unzip();
-        traces.push(Drawn::Band { name: "95 % confidence of the curve".to_owned(), x: grid, lower, upper });
+        traces.push(Drawn::Band {
+            name: "95 % confidence of the curve".to_owned(),
+            x: grid,
+            lower,
+            upper,
+        });
     }
     let protocol = &results.options.constant_velocity;
     for set in 0..protocol.sets {
@@ -220,7 +249,12 @@ fn stribeck_traces(results: &RunResults, viscous: f64) -> Vec<Drawn> {
     if let Some(fit) = fit {
         let grid = speeds(fit);
         let y = grid.iter().map(|&v| fit.torque(v) - viscous * v).collect();
-        traces.push(Drawn::Line { name: "fit".to_owned(), x: grid.clone(), y, style: LineStyle::Solid });
+        traces.push(Drawn::Line {
+            name: "fit".to_owned(),
+            x: grid.clone(),
+            y,
+            style: LineStyle::Solid,
+        });
         let plant = &results.options.test_bed.friction;
         let y = grid.iter().map(|&v| plant.steady_state(v) - viscous * v).collect();
         traces.push(Drawn::Line { name: "plant".to_owned(), x: grid, y, style: LineStyle::Dashed });
@@ -234,13 +268,15 @@ fn speeds(fit: &StribeckFit) -> Vec<f64> {
     (0..=300).map(|i| slowest * (fastest / slowest).powf(f64::from(i) / 300.0)).collect()
 }
 
-/// Mean velocity, mean torque and half the distance of its quartiles over the repetitions, for each velocity of the grid.
+/// Mean velocity, mean torque and half the distance of its quartiles over the repetitions, for each
+/// velocity of the grid.
 fn means(runs: &[SteadyRun], set: u32, grid: &[f64]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (mut x, mut y, mut error) = (vec![], vec![], vec![]);
     for &reference in grid {
         let of_point: Vec<_> =
             runs.iter().filter(|run| run.set == set && run.reference == reference).collect();
-        let torques: Vec<_> = of_point.iter().map(|run| (run.torque, run.torque_systematic)).collect();
+        let torques: Vec<_> =
+            of_point.iter().map(|run| (run.torque, run.torque_systematic)).collect();
         let Some(torque) = Measured::of(&torques) else { continue };
         x.push(mean_and_deviation(of_point.iter().map(|run| run.velocity)).0);
         y.push(torque.mean);
@@ -308,8 +344,9 @@ fn model_table(results: &RunResults, models: &Compensators) -> Table {
         .collect();
     Table {
         title: "Observers".to_owned(),
-        caption: "Parameters in N m, rad and s, as in parameters.yaml, which says where each comes from."
-            .to_owned(),
+        caption:
+            "Parameters in N m, rad and s, as in parameters.yaml, which says where each comes from."
+                .to_owned(),
         columns: vec!["model".to_owned(), "parameters".to_owned()],
         rows,
         highlight: None,

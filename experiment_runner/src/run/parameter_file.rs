@@ -1,4 +1,5 @@
-//! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file. Behind each value stands where it comes from.
+//! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file. Behind each value
+//! stands where it comes from.
 
 use std::collections::BTreeMap;
 
@@ -47,8 +48,8 @@ pub(crate) struct Written {
     pub origins: Origins,
 }
 
-/// The file of a run: `chosen` is the observer's model, all models stand with their parameters. `found` is what the run identified, if it did; `name` tells the
-/// run.
+/// The file of a run: `chosen` is the observer's model, all models stand with their parameters.
+/// `found` is what the run identified, if it did; `name` tells the run.
 pub(super) fn render(
     options: &RunOptions,
     models: &Compensators,
@@ -117,7 +118,8 @@ pub(crate) fn render_bed(
     let mut each = Origins::default();
     for (path, _) in commented_yaml::leaves(&tree) {
         let path = plain(&path);
-        let origin = found.and_then(|found| identified(found, &path)).unwrap_or_else(|| known.of(&path));
+        let origin =
+            found.and_then(|found| identified(found, &path)).unwrap_or_else(|| known.of(&path));
         each.set(path, origin);
     }
     let yaml = commented_yaml::render(&tree, &|path| each.of(&plain(path)).to_string());
@@ -199,7 +201,8 @@ mod tests {
         let mut options = options();
         options.origins.set("controller.pid", Origin::File { file: "controller.yaml".to_owned() });
         let written =
-            render(&options, &Compensators::default(), ModelName::Proposed, None, "runs/all-1").unwrap();
+            render(&options, &Compensators::default(), ModelName::Proposed, None, "runs/all-1")
+                .unwrap();
         let mut values = 0;
         for line in written.text.lines().filter(|line| !line.starts_with('#')) {
             let (_, value) = line.split_once(':').unwrap();

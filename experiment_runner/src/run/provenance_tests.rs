@@ -9,7 +9,9 @@ use clap::ValueEnum;
 
 use super::bench::stop_after;
 use super::options::tests::options;
-use super::{Experiment, Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file};
+use super::{
+    Experiment, Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file,
+};
 use crate::bag::BagReader;
 use crate::progress::Progress;
 use crate::protocol::{Kind, Protocol, SequenceProtocol};
@@ -66,7 +68,11 @@ fn honest(outcome: &Outcome, options: &RunOptions) {
         if *origin == Origin::Identified {
             // It is the number that was identified, and the one in the file.
             let model = path.split('.').nth(1).unwrap().parse().unwrap();
-            assert_eq!(models.get(model).parameter(name), Some(parameter.unwrap().estimate.value), "{path}");
+            assert_eq!(
+                models.get(model).parameter(name),
+                Some(parameter.unwrap().estimate.value),
+                "{path}"
+            );
         }
     }
     if !done {
@@ -83,9 +89,11 @@ fn no_run_claims_an_identification_that_did_not_take_place() {
         if *experiment == Experiment::Sequence && options.sequence.is_none() {
             continue;
         }
-        let steady = (options.constant_velocity.velocities.len() * options.constant_velocity.sets as usize)
+        let steady = (options.constant_velocity.velocities.len()
+            * options.constant_velocity.sets as usize)
             * usize::from(experiment.identifies());
-        // Before the first run, after it, in the middle of the characteristic, with its last run, and in what comes after it.
+        // Before the first run, after it, in the middle of the characteristic, with its last run,
+        // and in what comes after it.
         let mut stops = vec![0, 1, steady / 2, steady, steady + 1, steady + 2];
         stops.sort_unstable();
         stops.dedup();
@@ -94,7 +102,11 @@ fn no_run_claims_an_identification_that_did_not_take_place() {
             let outcome = stopped(&options, &folder, Some(after));
             let reached = after == 0 || stop_after::left() == Some(0);
             if reached && after < steady {
-                assert_eq!(outcome.results.status, Status::Interrupted, "{experiment:?} after {after}");
+                assert_eq!(
+                    outcome.results.status,
+                    Status::Interrupted,
+                    "{experiment:?} after {after}"
+                );
                 assert!(outcome.results.identification.is_none(), "{experiment:?} after {after}");
             }
             honest(&outcome, &options);

@@ -46,7 +46,8 @@ impl Timeline {
     }
 }
 
-/// Where the cycles of runs in real time go at once: whatever ends such a run, what it measured is kept.
+/// Where the cycles of runs in real time go at once: whatever ends such a run, what it measured is
+/// kept.
 #[derive(Clone)]
 pub(super) struct Stream {
     cycles: SyncSender<Streamed>,
@@ -70,7 +71,8 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Keeps one of `every` so many cycles, or none; in a stream if there is one, else until the run is over.
+    /// Keeps one of `every` so many cycles, or none; in a stream if there is one, else until the
+    /// run is over.
     pub const fn one_of(every: Option<u64>, stream: Option<Stream>) -> Self {
         Self { every, cycles: Vec::new(), stream, error: None }
     }
@@ -116,7 +118,8 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Says on `/experiment_status` that what was measured last is not used, because the line failed as `said`, and is measured once more.
+    /// Says on `/experiment_status` that what was measured last is not used, because the line
+    /// failed as `said`, and is measured once more.
     pub fn repeated(&self, stamp_ns: u64, experiment: &str, said: &str) -> Result<(), RunError> {
         let stage = format!("the run before this is not used and is repeated: {said}");
         write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, &stage, 0.0))
@@ -128,7 +131,8 @@ impl Marks {
         write_status(&self.writing, &self.bag_path, stamp_ns, (experiment, stage, 0.0))
     }
 
-    /// Hands what was recorded to the system, and brings a stream's cycles to the disk: no job counts as done before what it recorded is safe.
+    /// Hands what was recorded to the system, and brings a stream's cycles to the disk: no job
+    /// counts as done before what it recorded is safe.
     pub fn settle(&self, stream: Option<&Stream>) -> Result<(), RunError> {
         let Some(stream) = stream else { return Ok(locked(&self.writing).bag.flush()?) };
         let (settled, told) = mpsc::channel();
@@ -189,7 +193,8 @@ fn record(writing: &Mutex<Writing>, cycles: &Receiver<Streamed>) -> Result<(), B
 }
 
 impl Recorder {
-    /// Starts the bag with the seed, the version and the options of the run. In `real_time` cycles are written while they come.
+    /// Starts the bag with the seed, the version and the options of the run. In `real_time` cycles
+    /// are written while they come.
     pub fn create(dir: &Path, options: &RunOptions, real_time: bool) -> Result<Self, RunError> {
         let mut bag = BagWriter::create(dir, BagOptions::default())?;
         let topics = CycleTopics::open(&mut bag)?;
@@ -201,7 +206,9 @@ impl Recorder {
             (
                 "epoch".to_owned(),
                 match options.rig {
-                    RigChoice::Simulated => "2017-11-01T00:00:00Z, fixed for offline runs".to_owned(),
+                    RigChoice::Simulated => {
+                        "2017-11-01T00:00:00Z, fixed for offline runs".to_owned()
+                    }
                     _ => "the clock of this machine".to_owned(),
                 },
             ),
@@ -272,8 +279,8 @@ impl Recorder {
         Ok(locked(&self.writing).bag.flush()?)
     }
 
-    /// Waits until every cycle of a stream is in the bag; how many were left out because the disk did not keep up. Whoever holds the [`stream`](Self::stream) must have
-    /// dropped it.
+    /// Waits until every cycle of a stream is in the bag; how many were left out because the disk
+    /// did not keep up. Whoever holds the [`stream`](Self::stream) must have dropped it.
     pub fn drain(&mut self) -> Result<u64, RunError> {
         let Some((stream, thread)) = self.stream.take() else { return Ok(0) };
         let lost = stream.lost.load(Ordering::Relaxed);
@@ -290,7 +297,10 @@ impl Recorder {
     pub fn finish(mut self) -> Result<BagSummary, RunError> {
         self.drain()?;
         let Some(writing) = Arc::into_inner(self.writing) else {
-            return Err(RunError::Describe { what: "a bag", detail: "somebody still writes it".to_owned() });
+            return Err(RunError::Describe {
+                what: "a bag",
+                detail: "somebody still writes it".to_owned(),
+            });
         };
         Ok(writing.into_inner().unwrap_or_else(PoisonError::into_inner).bag.finish()?)
     }

@@ -64,9 +64,12 @@ pub struct RunResults {
 impl RunResults {
     /// Every comparison with the name of its task, in the order they were driven.
     pub fn comparisons(&self) -> impl Iterator<Item = (&str, &Comparison)> {
+        let tracking = [
+            ("velocity tracking", &self.velocity_tracking),
+            ("position tracking", &self.position_tracking),
+        ];
         let tracking =
-            [("velocity tracking", &self.velocity_tracking), ("position tracking", &self.position_tracking)];
-        let tracking = tracking.into_iter().filter_map(|(name, found)| Some((name, found.as_ref()?)));
+            tracking.into_iter().filter_map(|(name, found)| Some((name, found.as_ref()?)));
         tracking.chain(self.compensation.iter().map(|task| (task.name.as_str(), &task.comparison)))
     }
 
@@ -101,7 +104,8 @@ impl RunResults {
                     1 => format!("run {}", first_job + 1),
                     _ => format!("runs {} to {}", first_job + 1, first_job + jobs),
                 };
-                let recorded = bag.as_ref().map_or(String::new(), |bag| format!(", recorded in {bag}"));
+                let recorded =
+                    bag.as_ref().map_or(String::new(), |bag| format!(", recorded in {bag}"));
                 format!(
                     "{which} in {} s, begun after {} s{recorded}",
                     (ended - began).round(),
@@ -179,7 +183,8 @@ pub struct Parameter {
     pub truth: Option<f64>,
 }
 
-/// The plant's value of the static parameters `f_s`, `f_c`, `v_s`, `f_v`, as far as its model has them.
+/// The plant's value of the static parameters `f_s`, `f_c`, `v_s`, `f_v`, as far as its model has
+/// them.
 #[must_use]
 pub(super) fn static_truth(plant: &AnyModel) -> [Option<f64>; 4] {
     ["f_s", "f_c", "v_s", "f_v"].map(|name| plant.parameter(name))
@@ -246,7 +251,8 @@ impl LimitCycleFigures {
     /// Of the runs of one arm; `None` if no run has one.
     fn of(runs: &[&TrackingRun]) -> Option<Self> {
         let found: Vec<LimitCycle> = runs.iter().filter_map(|run| run.limit_cycle).collect();
-        let (amplitude, amplitude_deviation) = mean_and_deviation(found.iter().map(|cycle| cycle.amplitude));
+        let (amplitude, amplitude_deviation) =
+            mean_and_deviation(found.iter().map(|cycle| cycle.amplitude));
         let (period, period_deviation) = mean_and_deviation(found.iter().map(|cycle| cycle.period));
         (!found.is_empty()).then_some(Self {
             repetitions: found.len(),
@@ -268,7 +274,8 @@ pub struct TaskComparison {
 }
 
 impl Comparison {
-    /// Sums up the runs of each arm, in the order given; arms without a run are left out. `None` if there is no run at all.
+    /// Sums up the runs of each arm, in the order given; arms without a run are left out. `None` if
+    /// there is no run at all.
     #[must_use]
     pub fn new(mode: ControlMode, arms: &[Arm], runs: Vec<TrackingRun>) -> Option<Self> {
         let mut rows: Vec<ArmFigures> = Vec::with_capacity(arms.len());
@@ -277,12 +284,14 @@ impl Comparison {
             if of_arm.is_empty() {
                 continue;
             }
-            let figures =
-                |value: fn(&TrackingRun) -> f64| mean_and_deviation(of_arm.iter().map(|run| value(run)));
+            let figures = |value: fn(&TrackingRun) -> f64| {
+                mean_and_deviation(of_arm.iter().map(|run| value(run)))
+            };
             let (mse, mse_deviation) = figures(|run| run.mse);
             let (max_error, max_error_deviation) = figures(|run| run.max_error);
-            let against =
-                |value: f64, none: Option<f64>| none.map_or(0.0, |none| 100.0 * (1.0 - value / none));
+            let against = |value: f64, none: Option<f64>| {
+                none.map_or(0.0, |none| 100.0 * (1.0 - value / none))
+            };
             let none = rows.first().copied();
             rows.push(ArmFigures {
                 arm,

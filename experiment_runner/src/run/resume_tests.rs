@@ -22,7 +22,8 @@ fn begun() -> Beginning {
 fn run(options: &RunOptions, folder: &Path, beginning: Beginning, after: Option<usize>) -> Outcome {
     let cancel = Arc::new(AtomicBool::new(after == Some(0)));
     stop_after::set(after.filter(|&jobs| jobs > 0));
-    let outcome = execute_in(options, folder, beginning, &Progress::new(1.0, true), &cancel).unwrap();
+    let outcome =
+        execute_in(options, folder, beginning, &Progress::new(1.0, true), &cancel).unwrap();
     stop_after::set(None);
     outcome
 }
@@ -33,7 +34,8 @@ fn resumed(options: &RunOptions, folder: &Path, after: Option<usize>) -> Outcome
     run(options, folder, Beginning::Resumed(Box::new(journal)), after)
 }
 
-/// Everything that was found: run.json without what tells of the sittings, and the other files but the report.
+/// Everything that was found: run.json without what tells of the sittings, and the other files but
+/// the report.
 fn found(folder: &Path) -> (Value, Vec<(String, String)>) {
     let mut json: Value =
         serde_json::from_str(&fs::read_to_string(folder.join("run.json")).unwrap()).unwrap();
@@ -44,7 +46,9 @@ fn found(folder: &Path) -> (Value, Vec<(String, String)>) {
         .unwrap()
         .map(|entry| entry.unwrap())
         .filter(|entry| entry.path().is_file())
-        .map(|entry| (entry.file_name().into_string().unwrap(), fs::read_to_string(entry.path()).unwrap()))
+        .map(|entry| {
+            (entry.file_name().into_string().unwrap(), fs::read_to_string(entry.path()).unwrap())
+        })
         .filter(|(name, _)| !["run.json", "report.html"].contains(&name.as_str()))
         .map(|(name, text)| (name, text.replace(&folder.display().to_string(), "FOLDER")))
         .collect();
@@ -76,15 +80,19 @@ fn goes_on_from_everywhere(experiment: Experiment) {
     let jobs = all - stop_after::left().unwrap();
     stop_after::set(None);
 
-    let steady = (options.constant_velocity.velocities.len() * options.constant_velocity.sets as usize)
+    let steady = (options.constant_velocity.velocities.len()
+        * options.constant_velocity.sets as usize)
         * usize::from(experiment.identifies());
     let mut stops: Vec<usize> = (0..jobs).step_by(jobs.div_ceil(5)).collect();
-    stops.extend([1, steady, steady + 1, jobs.saturating_sub(1)].into_iter().filter(|&stop| stop < jobs));
+    stops.extend(
+        [1, steady, steady + 1, jobs.saturating_sub(1)].into_iter().filter(|&stop| stop < jobs),
+    );
     stops.sort_unstable();
     stops.dedup();
     for after in stops {
         let folder = root.path().join(format!("after-{after}"));
-        let stopped = run(&RunOptions { workers: 1, ..options.clone() }, &folder, begun(), Some(after));
+        let stopped =
+            run(&RunOptions { workers: 1, ..options.clone() }, &folder, begun(), Some(after));
         if stopped.results.status == Status::Complete {
             // What is under way at the stop is delivered too: here it was the rest.
             assert!(after + 10 > jobs, "{experiment:?} after {after} of {jobs}");
@@ -100,7 +108,11 @@ fn goes_on_from_everywhere(experiment: Experiment) {
         for session in sessions {
             BagReader::open(&folder.join(session.bag.as_ref().unwrap())).unwrap();
         }
-        assert!(fs::read_to_string(folder.join("report.html")).unwrap().contains("was stopped and went on"));
+        assert!(
+            fs::read_to_string(folder.join("report.html"))
+                .unwrap()
+                .contains("was stopped and went on")
+        );
         assert!(refusal(&folder).contains("complete"), "{}", refusal(&folder));
     }
 }
@@ -175,8 +187,9 @@ fn what_a_kill_cut_off_is_measured_again() {
     *third = third.replace("\"torque\":", "\"torque\":null,\"was\":");
     fs::write(&journal, lines.join("\n") + "\n").unwrap();
     let stopped = resumed(&options, &spoilt, Some(3)).results;
-    let sittings =
-        |sessions: &[super::Session]| sessions.iter().map(|s| (s.first_job, s.jobs)).collect::<Vec<_>>();
+    let sittings = |sessions: &[super::Session]| {
+        sessions.iter().map(|s| (s.first_job, s.jobs)).collect::<Vec<_>>()
+    };
     let stopped = sittings(&stopped.sessions);
     assert_eq!(stopped[..2], [(0, 2), (2, 0)]);
     assert!(stopped[2].0 == 2 && stopped[2].1 >= 3, "{stopped:?}");
@@ -203,7 +216,8 @@ fn a_run_that_would_not_be_the_same_does_not_go_on() {
     // While it goes on nobody else may.
     assert!(refusal(&folder).contains("still going on"), "{}", refusal(&folder));
     let beginning = Beginning::Resumed(Box::new(journal));
-    let error = execute_in(&changed, &folder, beginning, &Progress::new(1.0, true), &Arc::default());
+    let error =
+        execute_in(&changed, &folder, beginning, &Progress::new(1.0, true), &Arc::default());
     let Err(error @ RunError::Resume { .. }) = error else { panic!("{error:?}") };
     let error = error.to_string();
     assert!(

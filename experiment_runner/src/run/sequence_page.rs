@@ -39,8 +39,9 @@ fn over_time(name: &str, record: &MeanRecord) -> Figure {
     };
     Figure {
         title: format!("{name} over time"),
-        caption: "Position, velocity, voltage and friction torque, each the mean over the repetitions."
-            .to_owned(),
+        caption:
+            "Position, velocity, voltage and friction torque, each the mean over the repetitions."
+                .to_owned(),
         x_label: "time [s]".to_owned(),
         log_x: false,
         panels: vec![
@@ -55,8 +56,9 @@ fn over_time(name: &str, record: &MeanRecord) -> Figure {
 fn over_velocity(name: &str, record: &MeanRecord) -> Figure {
     Figure {
         title: format!("{name}: friction over velocity"),
-        caption: "Friction torque over velocity in the order of the sequence; arrows show its direction."
-            .to_owned(),
+        caption:
+            "Friction torque over velocity in the order of the sequence; arrows show its direction."
+                .to_owned(),
         x_label: "velocity [rad/s]".to_owned(),
         log_x: false,
         panels: vec![Panel {
@@ -70,7 +72,8 @@ fn over_velocity(name: &str, record: &MeanRecord) -> Figure {
     }
 }
 
-/// Means over so many samples that some hundred are left: what a path shows is its course, not its noise.
+/// Means over so many samples that some hundred are left: what a path shows is its course, not its
+/// noise.
 pub(super) fn smoothed(values: &[f64]) -> Vec<f64> {
     crate::report::smooth::moving_mean(values, values.len() / 400)
 }

@@ -1,4 +1,5 @@
-//! No false alarms: every experiment runs under the driver's safety layer, and its figures are the same.
+//! No false alarms: every experiment runs under the driver's safety layer, and its figures are the
+//! same.
 
 use std::sync::Arc;
 
@@ -17,7 +18,8 @@ fn figures(options: &RunOptions) -> serde_json::Value {
     figures
 }
 
-/// Numbers are the same but for the slew of the first few cycles, everything else is equal. Returns how many numbers were compared.
+/// Numbers are the same but for the slew of the first few cycles, everything else is equal. Returns
+/// how many numbers were compared.
 fn same(plain: &serde_json::Value, supervised: &serde_json::Value, path: &str) -> usize {
     use serde_json::Value::{Array, Number, Object};
     match (plain, supervised) {

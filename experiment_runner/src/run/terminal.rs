@@ -14,7 +14,9 @@ pub fn summary(outcome: &Outcome) -> String {
         text += "Stribeck curve\n";
         for p in &found.parameters {
             text += &match (p.estimate.unidentifiable, p.estimate.standard_error) {
-                (Some(reason), _) => format!("  {:<4} not identifiable from these data: {reason}\n", p.name),
+                (Some(reason), _) => {
+                    format!("  {:<4} not identifiable from these data: {reason}\n", p.name)
+                }
                 (None, Some(error)) if error > 0.0 => {
                     format!("  {:<4} {:.5} ± {error:.0e} {}\n", p.name, p.estimate.value, p.unit)
                 }
@@ -74,8 +76,13 @@ fn characterisation(found: &Characterisation) -> String {
             figures.rate
         );
     }
-    if let Some(gap) = found.closures.iter().map(|closure| closure.gap.mean.abs()).max_by(f64::total_cmp) {
-        text += &format!("Nested path: {} closed loops, largest gap {gap:.1e} rad\n", found.closures.len());
+    if let Some(gap) =
+        found.closures.iter().map(|closure| closure.gap.mean.abs()).max_by(f64::total_cmp)
+    {
+        text += &format!(
+            "Nested path: {} closed loops, largest gap {gap:.1e} rad\n",
+            found.closures.len()
+        );
     }
     for note in &found.notes {
         text += &format!("{note}\n");
@@ -86,7 +93,8 @@ fn characterisation(found: &Characterisation) -> String {
 fn table(title: &str, comparison: &Comparison) -> String {
     let names: Vec<String> = comparison.rows.iter().map(|row| row.arm.to_string()).collect();
     let width = names.iter().map(String::len).chain([title.len(), 18]).max().unwrap_or(18) + 2;
-    let mut text = format!("{title:<width$}{:>12}{:>9}{:>14}{:>9}\n", "mse", "better", "max error", "better");
+    let mut text =
+        format!("{title:<width$}{:>12}{:>9}{:>14}{:>9}\n", "mse", "better", "max error", "better");
     let better = |percent: f64| match numbers::smaller_by(percent) {
         text if text.ends_with("larger") => text.replace("larger", "worse"),
         number => format!("{number} %"),
@@ -101,7 +109,10 @@ fn table(title: &str, comparison: &Comparison) -> String {
             inner = width - 2,
         );
         if let Some(cycle) = row.limit_cycle {
-            text += &format!("{:width$}  hunts: {:.4} rad, {:.2} s\n", "", cycle.amplitude, cycle.period);
+            text += &format!(
+                "{:width$}  hunts: {:.4} rad, {:.2} s\n",
+                "", cycle.amplitude, cycle.period
+            );
         }
     }
     text

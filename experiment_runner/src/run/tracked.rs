@@ -32,8 +32,18 @@ impl TrackedTask {
     pub fn of(options: &RunOptions) -> Vec<Self> {
         let mut tasks = Vec::new();
         for (wanted, name, protocol, stream) in [
-            (options.experiment.tracks_velocity(), "velocity tracking", &options.velocity_tracking, 1 << 32),
-            (options.experiment.tracks_position(), "position tracking", &options.position_tracking, 2 << 32),
+            (
+                options.experiment.tracks_velocity(),
+                "velocity tracking",
+                &options.velocity_tracking,
+                1 << 32,
+            ),
+            (
+                options.experiment.tracks_position(),
+                "position tracking",
+                &options.position_tracking,
+                2 << 32,
+            ),
         ] {
             if wanted {
                 let protocol = protocol.clone();
@@ -67,7 +77,12 @@ pub(super) struct Sorted {
 
 impl Sorted {
     /// Takes in what one task found; nothing if not one run of it was made.
-    pub fn take(&mut self, task: TrackedTask, comparison: Option<Comparison>, traces: Vec<(Arm, Trace)>) {
+    pub fn take(
+        &mut self,
+        task: TrackedTask,
+        comparison: Option<Comparison>,
+        traces: Vec<(Arm, Trace)>,
+    ) {
         let Some(comparison) = comparison else { return };
         self.traces.push((task.name.clone(), traces));
         match (task.compared, task.protocol.mode) {
@@ -103,12 +118,14 @@ impl Bench<'_> {
             .map(|job| (timeline.start_of(protocol.duration), job))
             .collect();
         let work = |&(start_ns, job): &(u64, TrackingJob)| {
-            // Repetition n has the same noise under every compensation: differences are the compensation's.
+            // Repetition n has the same noise under every compensation: differences are the
+            // compensation's.
             let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
             let model = models.get(job.arm.model().unwrap_or(ModelName::Proposed));
             let bed = self.options.test_bed.with_inverse(protocol.inverse);
             let task = (protocol.mode, protocol.reference);
-            let control = self.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
+            let control =
+                self.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
             let start_ns = control.start_ns();
             let mut kept = self.kept(Some(self.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();

@@ -21,7 +21,8 @@ pub struct Enclave {
     pub found: Result<Credentials, String>,
 }
 
-/// What one may do in the laboratory, and the topic of DDS that it takes to write for it; any namespace may stand before.
+/// What one may do in the laboratory, and the topic of DDS that it takes to write for it; any
+/// namespace may stand before.
 const DEEDS: [(&str, &str, &str); 7] = [
     ("voltage", "rt", "motor_voltage"),
     ("reference", "rt", "reference"),
@@ -39,8 +40,9 @@ const DEEDS: [(&str, &str, &str); 7] = [
 pub fn look(keystore: &Path, now: SystemTime) -> Result<Vec<Enclave>, String> {
     let folder = keystore.join("enclaves");
     let mut folders = Vec::new();
-    gather(&folder, &mut folders)
-        .map_err(|error| format!("{} is no keystore: {}: {error}", keystore.display(), folder.display()))?;
+    gather(&folder, &mut folders).map_err(|error| {
+        format!("{} is no keystore: {}: {error}", keystore.display(), folder.display())
+    })?;
     folders.sort();
     let enclaves = folders.into_iter().map(|path| {
         let name = path.strip_prefix(&folder).unwrap_or(&path).display().to_string();
@@ -68,14 +70,17 @@ fn may(grant: &Grant, prefix: &str, name: &str) -> bool {
         pattern.starts_with(&format!("{prefix}/")) && pattern.ends_with(&format!("/{name}"))
     };
     let mut patterns = grant.allowed.publish.iter();
-    grant.allows_the_rest || patterns.any(|pattern| fits(pattern, &plain) || in_a_namespace(pattern))
+    grant.allows_the_rest
+        || patterns.any(|pattern| fits(pattern, &plain) || in_a_namespace(pattern))
 }
 
 /// What was found, for people: who may do what, then what is wrong or worth a look.
 #[must_use]
 pub fn table(enclaves: &[Enclave], now: SystemTime) -> String {
-    let now = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs().cast_signed());
-    let widest = enclaves.iter().map(|enclave| enclave.name.len()).max().unwrap_or(0).max("enclave".len());
+    let now =
+        now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs().cast_signed());
+    let widest =
+        enclaves.iter().map(|enclave| enclave.name.len()).max().unwrap_or(0).max("enclave".len());
     let mut text = format!("{:widest$}  days left", "enclave");
     for (deed, ..) in DEEDS {
         let _ = write!(text, "  {deed}");
@@ -98,7 +103,9 @@ pub fn table(enclaves: &[Enclave], now: SystemTime) -> String {
     for enclave in enclaves {
         match &enclave.found {
             Err(error) => _ = writeln!(text, "{}: {error}", enclave.name),
-            Ok(found) => found.notes.iter().for_each(|note| _ = writeln!(text, "{}: {note}", enclave.name)),
+            Ok(found) => {
+                found.notes.iter().for_each(|note| _ = writeln!(text, "{}: {note}", enclave.name))
+            }
         }
     }
     text
@@ -121,8 +128,14 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let keys = folder.path().join("keys");
         let policy = read_policy(&policy("/axis_1")).unwrap();
-        make(&Order { folder: &keys, policy: &policy, domains: &[0], now: 1_800_000_000, days: 100 })
-            .unwrap();
+        make(&Order {
+            folder: &keys,
+            policy: &policy,
+            domains: &[0],
+            now: 1_800_000_000,
+            days: 100,
+        })
+        .unwrap();
         fs::write(keys.join("enclaves/live/key.pem"), "").unwrap();
         let now = SystemTime::UNIX_EPOCH + Duration::from_secs(1_800_000_000);
         let shown = table(&look(&keys, now).unwrap(), now);

@@ -21,7 +21,8 @@ use crate::run::{self, RunError, RunOptions, RunResults};
 
 /// Time between two reports of a running experiment.
 const TICK: Duration = Duration::from_millis(250);
-/// Time between two statuses of the same stage: whoever comes late is sent what the writer still keeps.
+/// Time between two statuses of the same stage: whoever comes late is sent what the writer still
+/// keeps.
 const STATUS: Duration = Duration::from_secs(1);
 /// How long a preempted experiment may take to end.
 const PREEMPTION: Duration = Duration::from_secs(30);
@@ -158,16 +159,27 @@ impl Desk {
                 make(&folder, permissions)?
             }
             None => {
-                let reserved = Folder::reserve(None, permissions.runs(), options.experiment.as_str(), false);
+                let reserved =
+                    Folder::reserve(None, permissions.runs(), options.experiment.as_str(), false);
                 make(&reserved.map_err(|error| bad_folder(error.into()))?.into_path(), permissions)?
             }
         };
-        let run_id = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let run_id =
+            folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let started = Started { run_id, experiment: options.experiment.as_str(), folder };
         let progress = Progress::new(options.rig_seconds(), true);
-        let running =
-            Running { started: started.clone(), progress: progress.clone(), cancel: Arc::clone(&cancel) };
-        let job = Job { inner: Arc::clone(&self.inner), options, started: started.clone(), progress, cancel };
+        let running = Running {
+            started: started.clone(),
+            progress: progress.clone(),
+            cancel: Arc::clone(&cancel),
+        };
+        let job = Job {
+            inner: Arc::clone(&self.inner),
+            options,
+            started: started.clone(),
+            progress,
+            cancel,
+        };
         thread::Builder::new()
             .name("experiment".into())
             .spawn(move || job.run(Box::new(watcher)))
@@ -189,7 +201,8 @@ impl Desk {
         self.inner.state().closed = None;
     }
 
-    /// Ends the running experiment, if there is one, and refuses what is asked for from now on. Whether it ended within `patience`.
+    /// Ends the running experiment, if there is one, and refuses what is asked for from now on.
+    /// Whether it ended within `patience`.
     pub fn close(&self, refusal: Refusal, patience: Duration) -> bool {
         let mut state = self.inner.state();
         state.closed = Some(refusal);
@@ -199,7 +212,9 @@ impl Desk {
         let (state, _) = self
             .inner
             .idle
-            .wait_timeout_while(state, patience, |state| state.running.is_some() || state.telling > 0)
+            .wait_timeout_while(state, patience, |state| {
+                state.running.is_some() || state.telling > 0
+            })
             .unwrap_or_else(PoisonError::into_inner);
         state.running.is_none()
     }
@@ -318,12 +333,14 @@ impl Job {
         self.started.folder.join("bag").display().to_string()
     }
 
-    /// Tells how far it is: the watcher each time, everybody when the stage changes or a second has gone by.
+    /// Tells how far it is: the watcher each time, everybody when the stage changes or a second has
+    /// gone by.
     fn tell(&self, begun: Instant, watcher: &dyn Watcher, told: &mut Told) {
         let (stage, fraction) = (self.progress.message(), self.progress.fraction());
         let elapsed = begun.elapsed().as_secs_f64();
         // The first seconds tell little.
-        let remaining = if fraction > 0.01 { elapsed * (1.0 - fraction) / fraction } else { f64::NAN };
+        let remaining =
+            if fraction > 0.01 { elapsed * (1.0 - fraction) / fraction } else { f64::NAN };
         if told.stage != stage || told.at.is_none_or(|at| at.elapsed() >= STATUS) {
             self.inner.announce(ExperimentStatus {
                 experiment: self.started.experiment.to_owned(),
@@ -354,7 +371,8 @@ struct Told {
     at: Option<Instant>,
 }
 
-/// The repetition in the words of a stage, as in `friction: set 1 of 2, repetition 3`; 0 where there is none.
+/// The repetition in the words of a stage, as in `friction: set 1 of 2, repetition 3`; 0 where
+/// there is none.
 fn repetition(stage: &str) -> u32 {
     let digits = stage.rsplit_once("repetition ").map(|(_, rest)| rest);
     digits.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(0)

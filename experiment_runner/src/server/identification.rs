@@ -12,16 +12,18 @@ use crate::cli::identify_friction::{self, Written};
 use crate::identify::friction::ModelResult;
 use crate::progress::Progress;
 
-/// Identifies what is asked for and writes it down; an answer that says what was wrong if nothing could be. Ends early once `cancel` is
-/// set.
+/// Identifies what is asked for and writes it down; an answer that says what was wrong if nothing
+/// could be. Ends early once `cancel` is set.
 #[must_use]
 pub fn identify(
     asked: &IdentifyRequest,
     permissions: &Permissions,
     cancel: &Arc<AtomicBool>,
 ) -> IdentifyResponse {
-    attempt(asked, permissions, cancel)
-        .unwrap_or_else(|error| IdentifyResponse { message: error.to_string(), ..Default::default() })
+    attempt(asked, permissions, cancel).unwrap_or_else(|error| IdentifyResponse {
+        message: error.to_string(),
+        ..Default::default()
+    })
 }
 
 fn attempt(
@@ -33,7 +35,8 @@ fn attempt(
     let progress = Progress::counting(1, "models", true);
     let Written { found, folder } = identify_friction::identify(&args, &progress, cancel)
         .map_err(|error| Refusal::BadRequest(format!("{error:#}")))?;
-    let chosen = found.chosen().map(|result| result.found.name.as_str().to_owned()).unwrap_or_default();
+    let chosen =
+        found.chosen().map(|result| result.found.name.as_str().to_owned()).unwrap_or_default();
     let stopped = if found.interrupted { "stopped before the end; " } else { "" };
     let notes = found.notes.iter().map(|note| format!(" {note}")).collect::<String>();
     Ok(IdentifyResponse {

@@ -31,26 +31,31 @@ pub fn experiments() -> Vec<ExperimentDescription> {
 
 /// Time the experiment takes in real time [s]; not a number where it needs a file that says so.
 fn duration(experiment: Experiment, quick: bool) -> f64 {
-    let quick = quick.then(|| msgs::friction_msgs::Setting { name: "quick".into(), value: String::new() });
+    let quick =
+        quick.then(|| msgs::friction_msgs::Setting { name: "quick".into(), value: String::new() });
     let request = ExperimentRequest {
         experiment: experiment.as_str().to_owned(),
         overrides: quick.into_iter().collect(),
         ..Default::default()
     };
     let permissions = Permissions::new("/", vec![RigChoice::Simulated], PathBuf::new(), None);
-    request.options(&RigChoice::Simulated, &permissions).map_or(f64::NAN, |options| options.rig_seconds())
+    request
+        .options(&RigChoice::Simulated, &permissions)
+        .map_or(f64::NAN, |options| options.rig_seconds())
 }
 
 fn parameters() -> Vec<ExperimentParameter> {
     let command = run_command();
-    let told =
-        |arg: &&Arg| !arg.is_hide_set() && arg.get_long().is_some_and(|long| !NOT_OF_RUN.contains(&long));
+    let told = |arg: &&Arg| {
+        !arg.is_hide_set() && arg.get_long().is_some_and(|long| !NOT_OF_RUN.contains(&long))
+    };
     command.get_arguments().filter(told).map(parameter).collect()
 }
 
 fn parameter(arg: &Arg) -> ExperimentParameter {
     let switch = !arg.get_action().takes_values();
-    let default: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let default: Vec<_> =
+        arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
     ExperimentParameter {
         name: arg.get_long().unwrap_or_default().to_owned(),
         description: arg.get_help().map(ToString::to_string).unwrap_or_default(),
@@ -81,7 +86,8 @@ mod tests {
         let all = listed.iter().find(|experiment| experiment.name == "all").unwrap();
         // Seven hours of rig time: 24000 s at constant velocity, 15 runs of 58.7 s and 15 of 20 s.
         assert_eq!(all.duration, 24_000.0 + 15.0 * 58.7 + 15.0 * 20.0);
-        let named = |name: &str| all.parameters.iter().find(|parameter| parameter.name == name).unwrap();
+        let named =
+            |name: &str| all.parameters.iter().find(|parameter| parameter.name == name).unwrap();
         assert_eq!(named("seed").default_value, "1");
         assert_eq!(named("quick").choices, ["false", "true"]);
         assert_eq!(named("record").choices, ["thinned", "full"]);

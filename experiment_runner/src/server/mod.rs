@@ -1,8 +1,10 @@
 //! Experiments and identification on request: what the node `experiment_runner` does, whoever asks.
 //!
-//! [`request`] turns a request into the options that `frictionlab run` and `frictionlab identify` would have, so that both ways know the
-//! same experiments, options, ranges and complaints; [`listing`] tells which there are. [`desk`] runs one experiment at a time, and
-//! [`outcome`] words what came of it. [`permissions`] says which rigs and files a request may use. [`identification`] identifies models from a bag. [`node`] ties all of it to ROS 2.
+//! [`request`] turns a request into the options that `frictionlab run` and `frictionlab identify`
+//! would have, so that both ways know the same experiments, options, ranges and complaints;
+//! [`listing`] tells which there are. [`desk`] runs one experiment at a time, and [`outcome`] words
+//! what came of it. [`permissions`] says which rigs and files a request may use. [`identification`]
+//! identifies models from a bag. [`node`] ties all of it to ROS 2.
 
 pub mod desk;
 pub mod identification;

@@ -9,7 +9,8 @@ use std::time::Duration;
 
 use msgs::friction_msgs::{
     ExperimentStatus, Identify, ListExperiments, ListExperimentsResponse, RunExperiment,
-    RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, StartExperiment, StartExperimentResponse,
+    RunExperimentFeedback, RunExperimentGoal, RunExperimentResult, StartExperiment,
+    StartExperimentResponse,
 };
 use msgs::std_srvs::{Trigger, TriggerResponse};
 use msgs::topics;
@@ -101,8 +102,10 @@ impl ManagedRunner {
             Ok(())
         };
         let parameters = Parameters::declare(node, declarations(), judge)?.values();
-        let permissions = permissions(&node.identity().namespace, &parameters)
-            .map_err(|reason| RosNodeError::Parameters { node: node.identity().qualified(), reason })?;
+        let permissions =
+            permissions(&node.identity().namespace, &parameters).map_err(|reason| {
+                RosNodeError::Parameters { node: node.identity().qualified(), reason }
+            })?;
         let runner = Runner::new(node, permissions, usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
@@ -163,11 +166,16 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Offers everything on `node`; requests may use what `permissions` say, and are on the `usual` rig unless they name one.
+    /// Offers everything on `node`; requests may use what `permissions` say, and are on the `usual`
+    /// rig unless they name one.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses.
-    pub fn new(node: &RosNode, permissions: Permissions, usual: UsualRig) -> Result<Self, RosNodeError> {
+    pub fn new(
+        node: &RosNode,
+        permissions: Permissions,
+        usual: UsualRig,
+    ) -> Result<Self, RosNodeError> {
         let status = node.publisher(&topics::EXPERIMENT_STATUS)?;
         let logger = node.logger().clone();
         let mut last = String::new();
@@ -186,7 +194,9 @@ impl Runner {
         let (starts, aborts) = (desk.clone(), desk.clone());
         let cancel_identification = Arc::new(AtomicBool::new(false));
         let cancel = Arc::clone(&cancel_identification);
-        node.serve::<StartExperiment>("~/start_experiment", move |asked| start(&starts, asked.into()))?;
+        node.serve::<StartExperiment>("~/start_experiment", move |asked| {
+            start(&starts, asked.into())
+        })?;
         node.serve::<ListExperiments>("~/list_experiments", |_| ListExperimentsResponse {
             experiments: listing::experiments(),
         })?;
@@ -215,13 +225,17 @@ fn start(desk: &Desk, request: ExperimentRequest) -> StartExperimentResponse {
             folder: started.folder.display().to_string(),
             run_id: started.run_id,
         },
-        Err(refusal) => StartExperimentResponse { message: refusal.to_string(), ..Default::default() },
+        Err(refusal) => {
+            StartExperimentResponse { message: refusal.to_string(), ..Default::default() }
+        }
     }
 }
 
 fn stop(desk: &Desk) -> TriggerResponse {
     match desk.abort() {
-        Some(run_id) => TriggerResponse { success: true, message: format!("{run_id} is being stopped") },
+        Some(run_id) => {
+            TriggerResponse { success: true, message: format!("{run_id} is being stopped") }
+        }
         None => TriggerResponse { success: false, message: "no experiment runs".to_owned() },
     }
 }
@@ -298,7 +312,9 @@ impl Watcher for Follower {
         let result = outcome::result(ended);
         let end = match result.outcome {
             RunExperimentResult::SUCCEEDED => GoalEnd::Succeeded,
-            RunExperimentResult::CANCELED if self.cancel.asked.load(Ordering::Relaxed) => GoalEnd::Canceled,
+            RunExperimentResult::CANCELED if self.cancel.asked.load(Ordering::Relaxed) => {
+                GoalEnd::Canceled
+            }
             _ => GoalEnd::Aborted,
         };
         if let Some(goal) = self.goal.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -327,7 +343,8 @@ mod tests {
         for page in ["../docs/ros.md", "../README.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let from =
+                text.find(begin).expect("the page marks where the table begins") + begin.len();
             let to = text.find(end).expect("the page marks where the table ends");
             if std::env::var_os("UPDATE_DOCS").is_some() {
                 text.replace_range(from..to, &made);

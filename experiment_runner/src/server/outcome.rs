@@ -115,7 +115,14 @@ fn figures(results: &RunResults) -> Vec<Figure> {
     table
 }
 
-fn figure(task: &str, row: &str, name: &str, unit: &str, value: f64, deviation: Option<f64>) -> Figure {
+fn figure(
+    task: &str,
+    row: &str,
+    name: &str,
+    unit: &str,
+    value: f64,
+    deviation: Option<f64>,
+) -> Figure {
     Figure {
         task: task.to_owned(),
         row: row.to_owned(),
@@ -127,7 +134,14 @@ fn figure(task: &str, row: &str, name: &str, unit: &str, value: f64, deviation: 
 }
 
 fn measured(task: &str, row: &str, name: &str, unit: &str, found: &Measured) -> Figure {
-    figure(task, row, name, unit, found.mean, Some(found.uncertainty()).filter(|known| *known > 0.0))
+    figure(
+        task,
+        row,
+        name,
+        unit,
+        found.mean,
+        Some(found.uncertainty()).filter(|known| *known > 0.0),
+    )
 }
 
 fn characterised(found: &Characterisation) -> Vec<Figure> {

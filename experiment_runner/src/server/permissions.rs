@@ -16,7 +16,8 @@ const DEEPEST: usize = 8;
 /// Longest name of a file or folder in a request [bytes].
 const LONGEST_NAME: usize = 1024;
 
-/// What requests may use. It is given when the runner starts, and nobody changes it over the network.
+/// What requests may use. It is given when the runner starts, and nobody changes it over the
+/// network.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Permissions {
     /// Namespace of the axis.
@@ -53,10 +54,12 @@ pub fn rigs(list: &str) -> Result<Vec<RigChoice>, String> {
 }
 
 impl Permissions {
-    /// Requests to the runner of `axis` may use these `rigs`, write in `runs`, and read there and in `inputs`.
+    /// Requests to the runner of `axis` may use these `rigs`, write in `runs`, and read there and
+    /// in `inputs`.
     #[must_use]
     pub fn new(axis: &str, rigs: Vec<RigChoice>, runs: PathBuf, inputs: Option<PathBuf>) -> Self {
-        let mut permissions = Self { axis: axis.to_owned(), rigs: Vec::new(), runs, inputs, profile: None };
+        let mut permissions =
+            Self { axis: axis.to_owned(), rigs: Vec::new(), runs, inputs, profile: None };
         permissions.rigs = rigs.into_iter().map(|rig| permissions.of_this_axis(rig)).collect();
         permissions
     }
@@ -71,7 +74,9 @@ impl Permissions {
     #[must_use]
     pub fn of_this_axis(&self, rig: RigChoice) -> RigChoice {
         match rig {
-            RigChoice::Nodes { namespace: None } => RigChoice::Nodes { namespace: Some(self.axis.clone()) },
+            RigChoice::Nodes { namespace: None } => {
+                RigChoice::Nodes { namespace: Some(self.axis.clone()) }
+            }
             other => other,
         }
     }
@@ -124,8 +129,11 @@ impl Permissions {
         let path = self.find(kind, name)?;
         let refused = |why: String| self.refused(kind, name, &why);
         if !path.is_dir() {
-            let most =
-                if path.extension().is_some_and(|of| of == "mcap") { LARGEST_BAG } else { LARGEST_TABLE };
+            let most = if path.extension().is_some_and(|of| of == "mcap") {
+                LARGEST_BAG
+            } else {
+                LARGEST_TABLE
+            };
             self.at_most(kind, name, regular(&path).map_err(refused)?, most)?;
             return Ok(path);
         }
@@ -134,7 +142,10 @@ impl Permissions {
             let entry = entry.map_err(|error| refused(error.to_string()))?;
             if entry.path().extension().is_some_and(|of| of == "mcap") {
                 if entry.file_type().is_ok_and(|kind| kind.is_symlink()) {
-                    return Err(refused(format!("it has a link in it, {}", entry.file_name().display())));
+                    return Err(refused(format!(
+                        "it has a link in it, {}",
+                        entry.file_name().display()
+                    )));
                 }
                 length = length.saturating_add(regular(&entry.path()).map_err(refused)?);
             }
@@ -162,11 +173,13 @@ impl Permissions {
         if relative.components().count() > DEEPEST {
             return Err(refused(&format!("it is more than {DEEPEST} folders deep")));
         }
-        let path = settled(&self.runs.join(&relative)).map_err(|error| refused(&error.to_string()))?;
+        let path =
+            settled(&self.runs.join(&relative)).map_err(|error| refused(&error.to_string()))?;
         if self.is_in_runs(&path) { Ok(path) } else { Err(refused("a link leads outside")) }
     }
 
-    /// Where a folder is made for what is found in the recording at that path: beside it, if it is one of the runs'.
+    /// Where a folder is made for what is found in the recording at that path: beside it, if it is
+    /// one of the runs'.
     #[must_use]
     pub fn beside<'a>(&'a self, recording: &'a Path) -> &'a Path {
         let beside = recording.parent().unwrap_or(&self.runs);
@@ -187,8 +200,10 @@ impl Permissions {
             if path.symlink_metadata().is_err() {
                 continue;
             }
-            // Where a link leads is nobody's business: outside and nowhere are told in the same words.
-            let inside = fs::canonicalize(root).and_then(|root| Ok((fs::canonicalize(&path)?, root)));
+            // Where a link leads is nobody's business: outside and nowhere are told in the same
+            // words.
+            let inside =
+                fs::canonicalize(root).and_then(|root| Ok((fs::canonicalize(&path)?, root)));
             return match inside {
                 Ok((path, root)) if path.starts_with(&root) => Ok(path),
                 _ => Err(self.refused(kind, name, "a link in it leads outside or nowhere")),
@@ -201,12 +216,20 @@ impl Permissions {
         if length <= most {
             return Ok(());
         }
-        Err(self.refused(kind, name, &format!("it has {length} bytes, at most {most} were expected")))
+        Err(self.refused(
+            kind,
+            name,
+            &format!("it has {length} bytes, at most {most} were expected"),
+        ))
     }
 
     fn refused(&self, kind: Kind, name: &str, why: &str) -> Refusal {
-        let folders: Vec<String> =
-            self.inputs.iter().chain([&self.runs]).map(|folder| folder.display().to_string()).collect();
+        let folders: Vec<String> = self
+            .inputs
+            .iter()
+            .chain([&self.runs])
+            .map(|folder| folder.display().to_string())
+            .collect();
         Refusal::BadRequest(format!(
             "the {kind} `{}` is not used: {why}; a request names it relative to {}, as in all-1/parameters.yaml, and whoever starts the runner names \
              another folder by its parameter inputs or the option --inputs",
@@ -256,7 +279,8 @@ fn regular(path: &Path) -> Result<u64, String> {
 /// The path without links, as far as it exists; the rest as it stands.
 fn settled(path: &Path) -> io::Result<PathBuf> {
     let path = std::path::absolute(path)?;
-    let there = path.ancestors().find(|path| path.symlink_metadata().is_ok()).unwrap_or(Path::new("/"));
+    let there =
+        path.ancestors().find(|path| path.symlink_metadata().is_ok()).unwrap_or(Path::new("/"));
     let rest = path.strip_prefix(there).map_err(io::Error::other)?;
     let settled = fs::canonicalize(there)?;
     Ok(if rest.as_os_str().is_empty() { settled } else { settled.join(rest) })

@@ -13,9 +13,20 @@ use crate::cli::{identify::IdentifyArgs, rig_profile::choose, run::RunArgs};
 use crate::rig::RigChoice;
 use crate::run::{Experiment, RunOptions};
 
-/// Options of `frictionlab run` that a request has fields for, that are about the terminal, or that are for whoever starts the runner.
-pub(super) const NOT_OF_RUN: [&str; 10] =
-    ["experiment", "model", "repetitions", "out", "force", "quiet", "json", "verbose", "jobs", "rig-file"];
+/// Options of `frictionlab run` that a request has fields for, that are about the terminal, or that
+/// are for whoever starts the runner.
+pub(super) const NOT_OF_RUN: [&str; 10] = [
+    "experiment",
+    "model",
+    "repetitions",
+    "out",
+    "force",
+    "quiet",
+    "json",
+    "verbose",
+    "jobs",
+    "rig-file",
+];
 /// The same of `frictionlab identify`.
 const NOT_OF_IDENTIFY: [&str; 9] =
     ["files", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
@@ -31,7 +42,8 @@ pub struct ExperimentRequest {
     pub repetitions: u32,
     /// Options by name.
     pub overrides: Vec<Setting>,
-    /// Name of the folder for the results, in the folder of runs; none for one that the runner makes.
+    /// Name of the folder for the results, in the folder of runs; none for one that the runner
+    /// makes.
     pub folder: Option<String>,
     /// End what runs.
     pub preempt: bool,
@@ -39,7 +51,14 @@ pub struct ExperimentRequest {
 
 impl From<RunExperimentGoal> for ExperimentRequest {
     fn from(goal: RunExperimentGoal) -> Self {
-        let RunExperimentGoal { experiment, models, repetitions, overrides, output_folder, preempt } = goal;
+        let RunExperimentGoal {
+            experiment,
+            models,
+            repetitions,
+            overrides,
+            output_folder,
+            preempt,
+        } = goal;
         let folder = folder(&output_folder);
         Self { experiment, models, repetitions, overrides, folder, preempt }
     }
@@ -47,8 +66,14 @@ impl From<RunExperimentGoal> for ExperimentRequest {
 
 impl From<StartExperimentRequest> for ExperimentRequest {
     fn from(request: StartExperimentRequest) -> Self {
-        let StartExperimentRequest { experiment, models, repetitions, overrides, output_folder, preempt } =
-            request;
+        let StartExperimentRequest {
+            experiment,
+            models,
+            repetitions,
+            overrides,
+            output_folder,
+            preempt,
+        } = request;
         let folder = folder(&output_folder);
         Self { experiment, models, repetitions, overrides, folder, preempt }
     }
@@ -59,16 +84,24 @@ fn folder(text: &str) -> Option<String> {
 }
 
 impl ExperimentRequest {
-    /// What is to be run, on the `usual` rig unless the request names one. No file outside of what is permitted was read then.
+    /// What is to be run, on the `usual` rig unless the request names one. No file outside of what
+    /// is permitted was read then.
     ///
     /// # Errors
-    /// [`Refusal::BadRequest`] names the experiment, model, option, rig or file at fault and what was expected.
-    pub fn options(&self, usual: &RigChoice, permissions: &Permissions) -> Result<RunOptions, Refusal> {
+    /// [`Refusal::BadRequest`] names the experiment, model, option, rig or file at fault and what
+    /// was expected.
+    pub fn options(
+        &self,
+        usual: &RigChoice,
+        permissions: &Permissions,
+    ) -> Result<RunOptions, Refusal> {
         let known = || {
-            let names: Vec<&str> = Experiment::value_variants().iter().map(|e| e.as_str()).collect();
+            let names: Vec<&str> =
+                Experiment::value_variants().iter().map(|e| e.as_str()).collect();
             names.join(", ")
         };
-        let Some(experiment) = Experiment::value_variants().iter().find(|e| e.as_str() == self.experiment)
+        let Some(experiment) =
+            Experiment::value_variants().iter().find(|e| e.as_str() == self.experiment)
         else {
             return Err(Refusal::BadRequest(format!(
                 "there is no experiment `{}`; expected one of {}",
@@ -96,7 +129,8 @@ impl ExperimentRequest {
     }
 }
 
-/// Refuses what would raise the limits of a real rig: they are those of its profile, or the usual ones.
+/// Refuses what would raise the limits of a real rig: they are those of its profile, or the usual
+/// ones.
 fn raises_no_limit(args: &RunArgs) -> Result<(), Refusal> {
     let real = matches!(args.rig, Some(RigChoice::Serial { .. } | RigChoice::Quanser { .. }));
     let Some(asked) = args.voltage_limit.filter(|_| real) else { return Ok(()) };
@@ -111,11 +145,15 @@ fn raises_no_limit(args: &RunArgs) -> Result<(), Refusal> {
     )))
 }
 
-/// The options of `frictionlab identify` that a request stands for. The recordings are there, and no file outside of what is permitted was read.
+/// The options of `frictionlab identify` that a request stands for. The recordings are there, and
+/// no file outside of what is permitted was read.
 ///
 /// # Errors
 /// [`Refusal::BadRequest`] names the option, file or folder at fault and what was expected.
-pub fn identify_args(request: &IdentifyRequest, permissions: &Permissions) -> Result<IdentifyArgs, Refusal> {
+pub fn identify_args(
+    request: &IdentifyRequest,
+    permissions: &Permissions,
+) -> Result<IdentifyArgs, Refusal> {
     let bag = permissions.recording(&request.bag_path)?;
     let command = IdentifyArgs::augment_args(Command::new("identify"));
     let mut line = settings(&command, &NOT_OF_IDENTIFY, &request.overrides, permissions)?;
@@ -137,7 +175,8 @@ pub fn identify_args(request: &IdentifyRequest, permissions: &Permissions) -> Re
     Ok(args)
 }
 
-/// Refuses a folder that holds something else than an earlier identification: its `parameters.yaml` would be replaced.
+/// Refuses a folder that holds something else than an earlier identification: its `parameters.yaml`
+/// would be replaced.
 fn only_identifications(folder: &Path) -> Result<(), Refusal> {
     let empty = folder.read_dir().map_or(!folder.exists(), |mut entries| entries.next().is_none());
     if empty || folder.join("identification.json").is_file() {
@@ -187,7 +226,8 @@ fn is_path(arg: &Arg) -> bool {
     arg.get_value_parser().type_id() == ValueParser::path_buf().type_id()
 }
 
-/// The settings as command line. Every file that one of them names is one that requests may use, by its path without links.
+/// The settings as command line. Every file that one of them names is one that requests may use, by
+/// its path without links.
 fn settings(
     command: &Command,
     reserved: &[&str],
@@ -232,7 +272,8 @@ fn settings(
 /// What clap says, without what only a terminal is interested in.
 fn sentence(error: &clap::Error) -> String {
     let text = error.render().to_string();
-    let end = ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
+    let end =
+        ["\n\nUsage:", "\n\nFor more information"].iter().filter_map(|mark| text.find(mark)).min();
     let text = text.get(..end.unwrap_or(text.len())).unwrap_or(&text);
     let words: Vec<&str> = text.trim_start_matches("error:").split_whitespace().collect();
     words.join(" ")
@@ -267,7 +308,10 @@ mod tests {
         let asked = ExperimentRequest {
             models: vec!["lugre".into(), "dahl".into()],
             repetitions: 3,
-            ..request("position-tracking", &[("seed", "7"), ("quick", ""), ("voltage_limit", "4.5")])
+            ..request(
+                "position-tracking",
+                &[("seed", "7"), ("quick", ""), ("voltage_limit", "4.5")],
+            )
         };
         let options = asked.options(&RigChoice::Simulated, &permitted()).unwrap();
         assert_eq!(options.experiment, Experiment::PositionTracking);
@@ -275,8 +319,9 @@ mod tests {
         assert_eq!((options.seed, options.position_tracking.repetitions), (7, 3));
         assert_eq!(options.test_bed.simulation.voltage_limit, 4.5);
         assert_eq!(options.constant_velocity.duration, 6.0, "--quick");
-        let slow =
-            request("all", &[("quick", "false")]).options(&RigChoice::Simulated, &permitted()).unwrap();
+        let slow = request("all", &[("quick", "false")])
+            .options(&RigChoice::Simulated, &permitted())
+            .unwrap();
         assert_eq!(slow.constant_velocity.duration, 15.0);
     }
 
@@ -291,14 +336,21 @@ mod tests {
         let asked = |volts: &str, permissions: &Permissions| {
             request("position-tracking", &[("voltage_limit", volts)]).options(&rig, permissions)
         };
-        for (volts, permissions, allowed) in
-            [("6", &without, true), ("6.5", &without, false), ("4", &with, true), ("6", &with, false)]
-        {
+        for (volts, permissions, allowed) in [
+            ("6", &without, true),
+            ("6.5", &without, false),
+            ("4", &with, true),
+            ("6", &with, false),
+        ] {
             assert_eq!(asked(volts, permissions).is_ok(), allowed, "{volts} V");
         }
-        assert_eq!(request("position-tracking", &[]).options(&rig, &with).unwrap().limits.voltage, Some(4.0));
-        let said =
-            request("position-tracking", &[("rig_file", "mine.yaml")]).options(&rig, &with).unwrap_err();
+        assert_eq!(
+            request("position-tracking", &[]).options(&rig, &with).unwrap().limits.voltage,
+            Some(4.0)
+        );
+        let said = request("position-tracking", &[("rig_file", "mine.yaml")])
+            .options(&rig, &with)
+            .unwrap_err();
         assert!(said.to_string().contains("there is no option `rig-file`"), "{said}");
     }
 
@@ -308,7 +360,10 @@ mod tests {
         let rig = |overrides: &[(&str, &str)]| {
             request("position-tracking", overrides).options(&nodes, &permitted()).unwrap().rig
         };
-        assert_eq!(rig(&[("quick", "true")]), RigChoice::Nodes { namespace: Some("/axis_1".into()) });
+        assert_eq!(
+            rig(&[("quick", "true")]),
+            RigChoice::Nodes { namespace: Some("/axis_1".into()) }
+        );
         assert_eq!(rig(&[("rig", "simulated")]), RigChoice::Simulated);
         assert_eq!(
             rig(&[("--rig", "nodes:/axis_2")]),
@@ -328,14 +383,19 @@ mod tests {
             (request("all", &[("quick", "perhaps")]), ["switch", "perhaps"]),
             (request("all", &[("plant", "lugri")]), ["lugri", "lugre"]),
             (request("sequence", &[]), ["protocol", "sequence"]),
-            (request("all", &[("protocol", "nowhere.yaml")]), ["nowhere.yaml", "none of that name"]),
+            (
+                request("all", &[("protocol", "nowhere.yaml")]),
+                ["nowhere.yaml", "none of that name"],
+            ),
             (ExperimentRequest { repetitions: 100_000, ..request("all", &[]) }, ["100000", "1000"]),
             (
                 ExperimentRequest { models: vec!["newton".into()], ..request("all", &[]) },
                 ["newton", "coulomb"],
             ),
         ] {
-            let Err(Refusal::BadRequest(message)) = asked.options(&RigChoice::Simulated, &permitted()) else {
+            let Err(Refusal::BadRequest(message)) =
+                asked.options(&RigChoice::Simulated, &permitted())
+            else {
                 panic!("{asked:?} was taken")
             };
             for said in said {
@@ -360,7 +420,8 @@ mod tests {
         };
         let args = identify_args(&asked, &permitted).unwrap();
         assert_eq!((args.to.out, args.to.runs), (None, Some(runs.join("all-1"))));
-        let refused = |asked: IdentifyRequest| identify_args(&asked, &permitted).unwrap_err().to_string();
+        let refused =
+            |asked: IdentifyRequest| identify_args(&asked, &permitted).unwrap_err().to_string();
         let nowhere = IdentifyRequest { bag_path: "nowhere/bag".into(), ..asked.clone() };
         assert!(refused(nowhere).contains("nowhere/bag"));
         let over = IdentifyRequest { output_folder: "all-1".into(), ..asked.clone() };

@@ -17,7 +17,11 @@ use super::ServoIdentification;
 use crate::recording::servo_log::NamedServoLog;
 
 /// The document as text.
-pub fn render(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[NamedServoLog]) -> String {
+pub fn render(
+    found: &ServoIdentification,
+    train: &[NamedServoLog],
+    held_out: &[NamedServoLog],
+) -> String {
     let milli = |q: &Quartiles| json!({ "lower_mrad": 1e3 * q.lower, "median_mrad": 1e3 * q.median, "upper_mrad": 1e3 * q.upper });
     let logs = |logs: &[NamedServoLog], errors: &[f64], held_out: bool| -> Vec<Value> {
         let log = |(named, error): (&NamedServoLog, &f64)| {

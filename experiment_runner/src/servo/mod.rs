@@ -1,7 +1,8 @@
-//! Identification of a position-controlled servo from logs: what `frictionlab identify-servo` does between reading and printing.
+//! Identification of a position-controlled servo from logs: what `frictionlab identify-servo` does
+//! between reading and printing.
 //!
-//! [`identify`] searches from several seeds, in parallel, and compares the results; [`document`] is the JSON, [`page`] the HTML,
-//! [`terminal`] the text.
+//! [`identify`] searches from several seeds, in parallel, and compares the results; [`document`] is
+//! the JSON, [`page`] the HTML, [`terminal`] the text.
 
 pub mod document;
 pub mod page;
@@ -95,8 +96,9 @@ pub fn identify(
     if train.is_empty() {
         return Err(IdentError::NoLogs);
     }
-    let lanes =
-        |logs: &[NamedServoLog]| Lanes::new(&logs.iter().map(|named| &named.log).collect::<Vec<&ServoLog>>());
+    let lanes = |logs: &[NamedServoLog]| {
+        Lanes::new(&logs.iter().map(|named| &named.log).collect::<Vec<&ServoLog>>())
+    };
     let (fitted, other) = (lanes(train), lanes(held_out));
     let parameters = settings.level.parameters();
     let jobs: Vec<u64> =
@@ -104,26 +106,28 @@ pub fn identify(
     let least = Mutex::new(f64::INFINITY);
     let mut seeds = Vec::new();
     let mut seconds = 0.0;
-    // Set by a search that has looked at `cancel` with something in its hands, so that however early the user stops there is a best so far.
+    // Set by a search that has looked at `cancel` with something in its hands, so that however
+    // early the user stops there is a best so far.
     let stop = AtomicBool::new(false);
     let work = |&seed: &u64| {
         let started = Instant::now();
         let mut counted = 0;
-        let found = search(&fitted, parameters, seed, &settings.effort, &mut |evaluations, error| {
-            progress.advance((evaluations - counted) as f64);
-            counted = evaluations;
-            if let Ok(mut least) = least.lock()
-                && error < *least
-            {
-                *least = error;
-                progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
-            }
-            if cancel.load(Ordering::Relaxed) {
-                stop.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        });
+        let found =
+            search(&fitted, parameters, seed, &settings.effort, &mut |evaluations, error| {
+                progress.advance((evaluations - counted) as f64);
+                counted = evaluations;
+                if let Ok(mut least) = least.lock()
+                    && error < *least
+                {
+                    *least = error;
+                    progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
+                }
+                if cancel.load(Ordering::Relaxed) {
+                    stop.store(true, Ordering::Relaxed);
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            });
         Ok::<_, IdentError>((found, started.elapsed().as_secs_f64()))
     };
     run_in_order(&jobs, settings.workers, &stop, work, |&seed, (found, took)| {
@@ -136,8 +140,11 @@ pub fn identify(
     let stopped = stop.load(Ordering::Relaxed);
     let all: Vec<Found> = seeds.iter().map(|result| result.found.clone()).collect();
     let best = (0..all.len()).min_by(|&a, &b| all[a].error.total_cmp(&all[b].error));
-    let nothing = || IdentError::NoConvergence("no search found parameters that can be simulated".to_owned());
-    let (Some(best), Some(estimates)) = (best, estimates(parameters, &all)) else { return Err(nothing()) };
+    let nothing =
+        || IdentError::NoConvergence("no search found parameters that can be simulated".to_owned());
+    let (Some(best), Some(estimates)) = (best, estimates(parameters, &all)) else {
+        return Err(nothing());
+    };
     let errors: Vec<f64> = all.iter().map(|found| found.error).collect();
     let held: Vec<f64> = seeds.iter().filter_map(|result| result.held_out).collect();
     let physics = Physics::new(parameters, &all[best].values);
@@ -159,7 +166,8 @@ pub fn identify(
     })
 }
 
-/// Simulations a second that go to their end: the best of several short runs, because other programs may hold the processor.
+/// Simulations a second that go to their end: the best of several short runs, because other
+/// programs may hold the processor.
 fn whole_rate(lanes: &Lanes, physics: &Physics) -> f64 {
     const RUNS: usize = 10;
     const SIMULATIONS: usize = 20;

@@ -9,7 +9,11 @@ use crate::recording::servo_log::NamedServoLog;
 use crate::report::figure::{Block, Figure, LineStyle, Mark, Page, Panel, Table, Trace};
 
 /// The page.
-pub fn page(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[NamedServoLog]) -> Page {
+pub fn page(
+    found: &ServoIdentification,
+    train: &[NamedServoLog],
+    held_out: &[NamedServoLog],
+) -> Page {
     let best = &found.seeds[found.best];
     let mut blocks = vec![
         Block::Text(format!(
@@ -38,7 +42,8 @@ pub fn page(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[Na
     blocks.push(Block::Figure(spread(found)));
     blocks.push(Block::Heading("Measured and simulated".to_owned()));
     let fitted = train.iter().zip(&found.train_positions).map(|(log, q)| (log, q, "fitted"));
-    let others = held_out.iter().zip(&found.held_out_positions).map(|(log, q)| (log, q, "held out"));
+    let others =
+        held_out.iter().zip(&found.held_out_positions).map(|(log, q)| (log, q, "held out"));
     for (log, simulated, role) in others.chain(fitted) {
         blocks.push(Block::Figure(positions(log, simulated, role)));
     }
@@ -92,7 +97,8 @@ fn logs(found: &ServoIdentification, train: &[NamedServoLog], held_out: &[NamedS
     let row = |(log, error): (&NamedServoLog, &f64), role: &str| {
         vec![log.title(), role.to_owned(), format!("{:.1}", 1e3 * error)]
     };
-    let mut rows: Vec<_> = train.iter().zip(&found.train_logs).map(|pair| row(pair, "fitted")).collect();
+    let mut rows: Vec<_> =
+        train.iter().zip(&found.train_logs).map(|pair| row(pair, "fitted")).collect();
     rows.extend(held_out.iter().zip(&found.held_out_logs).map(|pair| row(pair, "held out")));
     Table {
         title: "Error of each log".to_owned(),
@@ -115,7 +121,8 @@ fn spread(found: &ServoIdentification) -> Figure {
     let mut traces =
         vec![points("fitted", found.seeds.iter().map(|result| 1e3 * result.found.error).collect())];
     if found.held_out.is_some() {
-        let held = found.seeds.iter().map(|result| result.held_out.map_or(f64::NAN, |error| 1e3 * error));
+        let held =
+            found.seeds.iter().map(|result| result.held_out.map_or(f64::NAN, |error| 1e3 * error));
         traces.push(points("held out", held.collect()));
     }
     Figure {

@@ -73,6 +73,8 @@ pub fn verdict(estimate: &Estimate) -> String {
     match &estimate.verdict {
         Verdict::Identified => "identified".to_owned(),
         Verdict::Given { source } => format!("given: {source}"),
-        Verdict::NotIdentifiable { doubt, remedy } => format!("not identifiable: {doubt}; {remedy}"),
+        Verdict::NotIdentifiable { doubt, remedy } => {
+            format!("not identifiable: {doubt}; {remedy}")
+        }
     }
 }

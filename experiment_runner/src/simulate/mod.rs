@@ -1,8 +1,10 @@
 //! Any model along any motion: the force and the inner quantities as a table.
 //!
-//! Between two rows of the motion the velocity is a straight line, and the step between them is divided into equal parts no longer than
-//! the step asked for. A row of the result holds the force at the row's time and velocity, with the state that the contact has
-//! reached by then, before it moves on; the first row starts at rest and unloaded. The inner quantities are those of the same moment.
+//! Between two rows of the motion the velocity is a straight line, and the step between them is
+//! divided into equal parts no longer than the step asked for. A row of the result holds the force
+//! at the row's time and velocity, with the state that the contact has reached by then, before it
+//! moves on; the first row starts at rest and unloaded. The inner quantities are those of the same
+//! moment.
 
 mod table;
 
@@ -14,12 +16,13 @@ use crate::recording::trajectory::Trajectory;
 /// How the states advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Scheme {
-    /// The model's fixed-step form, as an observer runs it in real time: the velocity is held over each step, and the step is exact where
-    /// the model has a closed form. Stable for every model; steps up to 10 ms
+    /// The model's fixed-step form, as an observer runs it in real time: the velocity is held over
+    /// each step, and the step is exact where the model has a closed form. Stable for every model;
+    /// steps up to 10 ms
     #[default]
     Exact,
-    /// The derivative form with the classical Runge-Kutta method of fourth order: accurate, but diverges where the step is too long
-    /// for a stiff model
+    /// The derivative form with the classical Runge-Kutta method of fourth order: accurate, but
+    /// diverges where the step is too long for a stiff model
     Rk4,
 }
 
@@ -30,7 +33,8 @@ pub struct Settings {
     pub scheme: Scheme,
     /// Longest step \[s\].
     pub dt: f64,
-    /// Growth of every level with the load, relative to the level \[1/(N m) or 1/N\]; see [`friction_model::load_dependent`].
+    /// Growth of every level with the load, relative to the level \[1/(N m) or 1/N\]; see
+    /// [`friction_model::load_dependent`].
     pub load_gain: Option<f64>,
 }
 
@@ -50,7 +54,9 @@ pub enum SimulateError {
     #[error("--load-gain must be a finite number, zero or more, but is {0}")]
     LoadGain(f64),
     /// A load gain without loads.
-    #[error("--load-gain needs the load at each time, but the file has no column load_Nm or load_N")]
+    #[error(
+        "--load-gain needs the load at each time, but the file has no column load_Nm or load_N"
+    )]
     NoLoad,
     /// Too many steps to end within days.
     #[error(
@@ -78,8 +84,8 @@ pub enum SimulateError {
     },
 }
 
-/// Evaluates `model` along the motion and returns a CSV table with one line a row of it. `tick` is called with the seconds of motion that
-/// were done since its last call.
+/// Evaluates `model` along the motion and returns a CSV table with one line a row of it. `tick` is
+/// called with the seconds of motion that were done since its last call.
 ///
 /// # Errors
 /// [`SimulateError`].
@@ -91,7 +97,9 @@ pub fn simulate(
 ) -> Result<String, SimulateError> {
     let Settings { scheme, dt, load_gain } = *settings;
     let expected = match scheme {
-        Scheme::Exact if TimeStep::new(dt).is_err() => Some("above 0 and at most 0.01 s with --scheme exact"),
+        Scheme::Exact if TimeStep::new(dt).is_err() => {
+            Some("above 0 and at most 0.01 s with --scheme exact")
+        }
         Scheme::Rk4 if !(dt > 0.0 && dt.is_finite()) => Some("a finite number above zero"),
         _ => None,
     };
@@ -100,7 +108,9 @@ pub fn simulate(
     }
     let load = match (load_gain, &motion.load) {
         (None, _) => None,
-        (Some(gain), _) if !Range::NonNegative.holds(gain) => return Err(SimulateError::LoadGain(gain)),
+        (Some(gain), _) if !Range::NonNegative.holds(gain) => {
+            return Err(SimulateError::LoadGain(gain));
+        }
         (Some(_), None) => return Err(SimulateError::NoLoad),
         (Some(gain), Some(load)) => Some((gain, load.as_slice())),
     };

@@ -22,7 +22,9 @@ impl<'a> Table<'a> {
         load: Option<(f64, &'a [f64])>,
     ) -> Self {
         let [velocity, loads, force, deflection, gamma] = match axis {
-            AxisKind::Rotary => ["velocity_rad_s", "load_Nm", "torque_Nm", "deflection_rad", "gamma_Nm"],
+            AxisKind::Rotary => {
+                ["velocity_rad_s", "load_Nm", "torque_Nm", "deflection_rad", "gamma_Nm"]
+            }
             AxisKind::Linear => ["velocity_m_s", "load_N", "force_N", "deflection_m", "gamma_N"],
         };
         let energy = model.stored_energy(rest).is_some();
@@ -50,12 +52,18 @@ impl<'a> Table<'a> {
         force: f64,
     ) {
         let load = self.load.and_then(|(gain, loads)| Some((gain, *loads.get(row)?)));
-        let force = load.map_or(force, |(gain, load)| loaded(force, model.viscous(v), gain, load.abs()));
+        let force =
+            load.map_or(force, |(gain, load)| loaded(force, model.viscous(v), gain, load.abs()));
         let inner = model.internals(state, v);
         let text = &mut self.text;
         push(text, t);
-        let shown =
-            [Some(v), load.map(|(_, load)| load), Some(force), Some(inner.deflection), Some(inner.gamma)];
+        let shown = [
+            Some(v),
+            load.map(|(_, load)| load),
+            Some(force),
+            Some(inner.deflection),
+            Some(inner.gamma),
+        ];
         for value in shown.into_iter().flatten() {
             text.push(',');
             push(text, value);

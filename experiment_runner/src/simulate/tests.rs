@@ -66,7 +66,8 @@ fn the_schemes_agree_and_finer_steps_do_not_change_the_rows() {
         let (exact, rk4) = (forces(Scheme::Exact, 1e-5), forces(Scheme::Rk4, 1e-5));
         let largest = rk4.iter().fold(0.0f64, |most, force| most.max(force.abs()));
         // One sample may fall on either side of a switch; the mean may not differ.
-        let mean = exact.iter().zip(&rk4).map(|(a, b)| (a - b).abs()).sum::<f64>() / exact.len() as f64;
+        let mean =
+            exact.iter().zip(&rk4).map(|(a, b)| (a - b).abs()).sum::<f64>() / exact.len() as f64;
         assert!(mean < 2e-3 * largest, "{name}: {mean} N m apart on the mean");
     }
 }
@@ -91,14 +92,16 @@ fn the_load_raises_the_contact_only() {
 
 #[test]
 fn asymmetric_contacts_and_single_rows_can_be_simulated() {
-    let [forward, backward] = [AnyModel::test_bed, AnyModel::chapter_3].map(|set| set(ModelName::Viscous));
+    let [forward, backward] =
+        [AnyModel::test_bed, AnyModel::chapter_3].map(|set| set(ModelName::Viscous));
     let model = AnyModel::asymmetric(&forward, &backward).unwrap();
     let rows = run(&model, &motion(None), &EXACT);
     let both = Asymmetric { forward: Viscous::test_bed(), backward: Viscous::chapter_3() };
     for (v, force) in column(&rows, "velocity_rad_s").iter().zip(column(&rows, "torque_Nm")) {
         assert_eq!(force, both.steady_state(*v));
     }
-    let one = Trajectory { time: vec![3.0], velocity: vec![0.1], load: None, axis: AxisKind::Linear };
+    let one =
+        Trajectory { time: vec![3.0], velocity: vec![0.1], load: None, axis: AxisKind::Linear };
     for scheme in [Scheme::Exact, Scheme::Rk4] {
         let rows = run(&AnyModel::test_bed(ModelName::LuGre), &one, &Settings { scheme, ..EXACT });
         assert_eq!(rows[0][..4].join(","), "t_s,velocity_m_s,force_N,deflection_m");
@@ -115,16 +118,22 @@ fn seconds_are_told_as_they_are_done() {
         axis: AxisKind::Rotary,
     };
     let mut told = Vec::new();
-    simulate(&AnyModel::test_bed(ModelName::Coulomb), &motion, &EXACT, &mut |s| told.push(s)).unwrap();
+    simulate(&AnyModel::test_bed(ModelName::Coulomb), &motion, &EXACT, &mut |s| told.push(s))
+        .unwrap();
     assert_eq!(told, [2.0, 3.0]);
 }
 
 #[test]
 fn impossible_settings_and_diverging_steps_are_refused() {
     let (model, motion) = (AnyModel::chapter_3(ModelName::LuGre), motion(Some(1.0)));
-    let refusal = |settings: Settings| simulate(&model, &motion, &settings, &mut |_| {}).unwrap_err();
+    let refusal =
+        |settings: Settings| simulate(&model, &motion, &settings, &mut |_| {}).unwrap_err();
     for dt in [0.0, -1.0, 0.02, f64::NAN, f64::INFINITY] {
-        assert!(refusal(Settings { dt, ..EXACT }).to_string().contains("--dt must be above 0 and at most"));
+        assert!(
+            refusal(Settings { dt, ..EXACT })
+                .to_string()
+                .contains("--dt must be above 0 and at most")
+        );
     }
     for dt in [0.0, f64::NAN] {
         let error = refusal(Settings { dt, scheme: Scheme::Rk4, load_gain: None });

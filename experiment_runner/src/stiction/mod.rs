@@ -1,4 +1,5 @@
-//! Friction in volts from stiction limit cycles: what `frictionlab identify-stiction` does between reading and printing.
+//! Friction in volts from stiction limit cycles: what `frictionlab identify-stiction` does between
+//! reading and printing.
 
 pub mod document;
 pub mod page;
@@ -6,8 +7,8 @@ pub mod terminal;
 
 use friction_ident::servo::Quartiles;
 use friction_ident::stiction_cycle::{
-    Breakaway, BreakawayOptions, Phase, PhaseKind, SlipFriction, SlipOptions, StictionRecording, breakaways,
-    median, segment, slip_friction,
+    Breakaway, BreakawayOptions, Phase, PhaseKind, SlipFriction, SlipOptions, StictionRecording,
+    breakaways, median, segment, slip_friction,
 };
 use friction_ident::{Estimate, IdentError};
 
@@ -76,13 +77,19 @@ const MORE_CYCLES: &str = "record a longer limit cycle";
 ///
 /// # Errors
 /// [`IdentError`] for recordings that cannot be used.
-pub fn identify(tables: &[StictionTable], settings: &Settings) -> Result<StictionIdentification, IdentError> {
-    let episodes = tables.iter().map(|table| episode(table, settings)).collect::<Result<Vec<_>, _>>()?;
+pub fn identify(
+    tables: &[StictionTable],
+    settings: &Settings,
+) -> Result<StictionIdentification, IdentError> {
+    let episodes =
+        tables.iter().map(|table| episode(table, settings)).collect::<Result<Vec<_>, _>>()?;
     let breakaway = [(1.0, "breakaway.forward"), (-1.0, "breakaway.backward")]
         .into_iter()
         .filter_map(|(direction, name)| {
-            let all: Vec<f64> =
-                episodes.iter().flat_map(|episode| voltages(&episode.breakaways, direction)).collect();
+            let all: Vec<f64> = episodes
+                .iter()
+                .flat_map(|episode| voltages(&episode.breakaways, direction))
+                .collect();
             median(name, &all, MORE_CYCLES)
         })
         .collect();
@@ -118,7 +125,8 @@ fn episode(table: &StictionTable, settings: &Settings) -> Result<Episode, IdentE
     let length = |kind: fn(&Phase) -> bool| -> usize {
         phases.iter().filter(|phase| kind(phase)).map(|phase| phase.end - phase.start).sum()
     };
-    let rest_share = length(|phase| phase.kind == PhaseKind::Stick) as f64 / length(|_| true).max(1) as f64;
+    let rest_share =
+        length(|phase| phase.kind == PhaseKind::Stick) as f64 / length(|_| true).max(1) as f64;
     Ok(Episode {
         quartiles: [1.0, -1.0].map(|direction| Quartiles::of(&voltages(&breakaways, direction))),
         rest_share,

@@ -66,7 +66,11 @@ fn name(table: &StictionTable) -> String {
     table.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-fn parameters<'a>(title: &str, caption: &str, estimates: impl IntoIterator<Item = &'a Estimate>) -> Table {
+fn parameters<'a>(
+    title: &str,
+    caption: &str,
+    estimates: impl IntoIterator<Item = &'a Estimate>,
+) -> Table {
     let row = |estimate: &Estimate| {
         vec![
             estimate.name.clone(),
@@ -79,7 +83,9 @@ fn parameters<'a>(title: &str, caption: &str, estimates: impl IntoIterator<Item 
     Table {
         title: title.to_owned(),
         caption: caption.to_owned(),
-        columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
+        columns: ["parameter", "value", "unit", "95 % interval", "verdict"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: estimates.into_iter().map(row).collect(),
         highlight: None,
     }
@@ -95,7 +101,9 @@ fn quartiles(found: &StictionIdentification, tables: &[StictionTable]) -> Table 
             let cells = quartiles.map_or([const { String::new() }; 3], |q| {
                 [q.lower, q.median, q.upper].map(|v| format!("{v:.3}"))
             });
-            rows.push([name(table), direction.to_owned(), count].into_iter().chain(cells).collect());
+            rows.push(
+                [name(table), direction.to_owned(), count].into_iter().chain(cells).collect(),
+            );
         }
     }
     Table {
@@ -113,21 +121,23 @@ fn quartiles(found: &StictionIdentification, tables: &[StictionTable]) -> Table 
 
 /// Share of the breakaways below each voltage.
 fn distribution(found: &StictionIdentification) -> Figure {
-    let curve =
-        |direction: f64, name: &str, of: fn(&friction_ident::stiction_cycle::Breakaway) -> f64, style| {
-            let mut x: Vec<f64> = found
-                .episodes
-                .iter()
-                .flat_map(|episode| &episode.breakaways)
-                .filter(|b| b.direction == direction)
-                .map(of)
-                .filter(|v| v.is_finite())
-                .collect();
-            x.sort_by(f64::total_cmp);
-            let n = x.len().max(1) as f64;
-            let y = (1..=x.len()).map(|k| k as f64 / n).collect();
-            Trace::Line { name: name.to_owned(), x, y, style }
-        };
+    let curve = |direction: f64,
+                 name: &str,
+                 of: fn(&friction_ident::stiction_cycle::Breakaway) -> f64,
+                 style| {
+        let mut x: Vec<f64> = found
+            .episodes
+            .iter()
+            .flat_map(|episode| &episode.breakaways)
+            .filter(|b| b.direction == direction)
+            .map(of)
+            .filter(|v| v.is_finite())
+            .collect();
+        x.sort_by(f64::total_cmp);
+        let n = x.len().max(1) as f64;
+        let y = (1..=x.len()).map(|k| k as f64 / n).collect();
+        Trace::Line { name: name.to_owned(), x, y, style }
+    };
     Figure {
         title: "Voltages withstood and voltages at breakaway".to_owned(),
         caption: "Share of the rests whose voltage lies below. Static friction lies between what was withstood earlier in a rest (dashed) and \
@@ -204,8 +214,9 @@ fn friction(speed: &[f64], friction: &[f64]) -> Figure {
     let thin = |values: &[f64]| values.iter().copied().step_by(every).collect::<Vec<_>>();
     Figure {
         title: "Voltage against speed while it slides".to_owned(),
-        caption: "The voltage less inertia, offset and pendulum: what is left is friction and back-EMF."
-            .to_owned(),
+        caption:
+            "The voltage less inertia, offset and pendulum: what is left is friction and back-EMF."
+                .to_owned(),
         x_label: "speed [rad/s]".to_owned(),
         log_x: false,
         panels: vec![Panel {

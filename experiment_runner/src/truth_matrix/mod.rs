@@ -1,4 +1,5 @@
-//! Truth by model: identification tried on the friction of every model, over several seeds, in parallel.
+//! Truth by model: identification tried on the friction of every model, over several seeds, in
+//! parallel.
 
 mod page;
 mod terminal;
@@ -89,7 +90,9 @@ impl Row {
 
 /// Whether a model is the best of these trials or cannot be told from it.
 fn tied(trials: &[Trial], model: ModelName) -> bool {
-    let (Some(best), Some(own)) = (trials.first(), trials.iter().find(|trial| trial.model == model)) else {
+    let (Some(best), Some(own)) =
+        (trials.first(), trials.iter().find(|trial| trial.model == model))
+    else {
         return false;
     };
     Standing::of(own.held_out, best.held_out, own.behind.is_tie()) == Standing::Alike
@@ -107,15 +110,25 @@ pub fn compute(
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> Result<Matrix, IdentError> {
-    let models: Vec<ModelName> = MODELS.into_iter().filter(|name| options.models.contains(name)).collect();
-    let jobs: Vec<(ModelName, u32)> =
-        models.iter().flat_map(|&truth| (1..=options.seeds).map(move |seed| (truth, seed))).collect();
+    let models: Vec<ModelName> =
+        MODELS.into_iter().filter(|name| options.models.contains(name)).collect();
+    let jobs: Vec<(ModelName, u32)> = models
+        .iter()
+        .flat_map(|&truth| (1..=options.seeds).map(move |seed| (truth, seed)))
+        .collect();
     let mut rows: Vec<Row> = Vec::new();
     let work = |&(truth, seed): &(ModelName, u32)| {
         progress.stage(format!("truth {}, seed {seed}", truth.title()));
         let truth = visible(truth);
         let reach = breakaway_reach(&truth).unwrap_or(REACH);
-        try_models(&truth, reach, &models, options.noise, u64::from(seed), &StagedOptions::default())
+        try_models(
+            &truth,
+            reach,
+            &models,
+            options.noise,
+            u64::from(seed),
+            &StagedOptions::default(),
+        )
     };
     let completion = run_in_order(&jobs, options.workers, cancel, work, |&(truth, _), trials| {
         match rows.last_mut().filter(|row| row.truth == truth) {
@@ -135,7 +148,8 @@ pub fn compute(
     })
 }
 
-/// The test bed's model with the lag of the thesis's Table 4.8, 0.0111 s, where it has one: that of Table 4.13 is shorter than the sampling period.
+/// The test bed's model with the lag of the thesis's Table 4.8, 0.0111 s, where it has one: that of
+/// Table 4.13 is shorter than the sampling period.
 fn visible(name: ModelName) -> AnyModel {
     let model = AnyModel::test_bed(name);
     let mut parameters = model.parameters();
@@ -156,10 +170,18 @@ mod tests {
             workers,
         };
         let run = |workers| {
-            compute(&options(workers), &Progress::counting(4, "fits", true), &AtomicBool::new(false)).unwrap()
+            compute(
+                &options(workers),
+                &Progress::counting(4, "fits", true),
+                &AtomicBool::new(false),
+            )
+            .unwrap()
         };
         let matrix = run(2);
-        assert_eq!(serde_json::to_string(&matrix).unwrap(), serde_json::to_string(&run(1)).unwrap());
+        assert_eq!(
+            serde_json::to_string(&matrix).unwrap(),
+            serde_json::to_string(&run(1)).unwrap()
+        );
         assert_eq!(matrix.rows.len(), 2);
         let own = matrix.rows[1].cell(ModelName::LuGre).unwrap();
         assert_eq!((own.first, own.tied), (2, 2));
@@ -171,8 +193,11 @@ mod tests {
 
     #[test]
     fn a_matrix_that_is_stopped_keeps_what_was_done() {
-        let options = MatrixOptions { models: vec![ModelName::Stribeck], noise: 1e-3, seeds: 2, workers: 1 };
-        let matrix = compute(&options, &Progress::counting(2, "fits", true), &AtomicBool::new(true)).unwrap();
+        let options =
+            MatrixOptions { models: vec![ModelName::Stribeck], noise: 1e-3, seeds: 2, workers: 1 };
+        let matrix =
+            compute(&options, &Progress::counting(2, "fits", true), &AtomicBool::new(true))
+                .unwrap();
         assert!(matrix.stopped && matrix.rows.is_empty());
     }
 }

@@ -19,8 +19,9 @@ pub fn page(matrix: &Matrix) -> Page {
         ),
     ];
     if matrix.stopped {
-        blocks
-            .push(Block::Note("Stopped before the end: rows are missing or rest on fewer seeds.".to_owned()));
+        blocks.push(Block::Note(
+            "Stopped before the end: rows are missing or rest on fewer seeds.".to_owned(),
+        ));
     }
     blocks.push(Block::Table(held_out(matrix)));
     blocks.push(Block::Figure(picture(matrix)));

@@ -1,7 +1,7 @@
 //! Describing functions in closed form.
 //!
-//! In the steady loop the displacement comes down from `A` as `x = A cos(theta)`, `theta` from 0 to pi, and the way up is the
-//! same with both signs changed. So
+//! In the steady loop the displacement comes down from `A` as `x = A cos(theta)`, `theta` from 0 to
+//! pi, and the way up is the same with both signs changed. So
 //!
 //! ```text
 //! b1 = (2/pi) int_0^pi F cos(theta) d theta           a1 = (area of the loop) / (pi A)
@@ -12,14 +12,15 @@ use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 use num_complex::Complex;
 use serde::{Deserialize, Serialize};
 
-/// Coulomb friction `F_c sgn(x')` at the `amplitude` A: `j 4 F_c / (pi A)`. A relay switched by the velocity.
+/// Coulomb friction `F_c sgn(x')` at the `amplitude` A: `j 4 F_c / (pi A)`. A relay switched by the
+/// velocity.
 #[must_use]
 pub fn coulomb(f_c: f64, amplitude: f64) -> Complex<f64> {
     Complex::new(0.0, 4.0 * f_c / (PI * amplitude))
 }
 
-/// Ideal relay `M sgn(x)` at the `amplitude` A: `4 M / (pi A)`. Switched by the displacement: no friction, but the classical
-/// example of a loop that has a limit cycle.
+/// Ideal relay `M sgn(x)` at the `amplitude` A: `4 M / (pi A)`. Switched by the displacement: no
+/// friction, but the classical example of a loop that has a limit cycle.
 #[must_use]
 pub fn relay(level: f64, amplitude: f64) -> Complex<f64> {
     Complex::new(4.0 * level / (PI * amplitude), 0.0)
@@ -31,11 +32,12 @@ pub fn viscous(f_v: f64, angular_frequency: f64) -> Complex<f64> {
     Complex::new(0.0, f_v * angular_frequency)
 }
 
-/// Elastic-perfectly-plastic friction, the stop of `stiffness` k and level `F_c`, at the `amplitude` A.
+/// Elastic-perfectly-plastic friction, the stop of `stiffness` k and level `F_c`, at the
+/// `amplitude` A.
 ///
-/// With the yield deflection `d = F_c/k`: `N = k` for `A <= d`, and beyond, with `cos(theta) = 1 - 2d/A`,
-/// `N = (k/pi) (theta - sin(theta) cos(theta) + j sin^2(theta))`. The imaginary part is the parallelogram `4 F_c (A - d)` over
-/// `pi A^2`.
+/// With the yield deflection `d = F_c/k`: `N = k` for `A <= d`, and beyond, with
+/// `cos(theta) = 1 - 2d/A`, `N = (k/pi) (theta - sin(theta) cos(theta) + j sin^2(theta))`. The
+/// imaginary part is the parallelogram `4 F_c (A - d)` over `pi A^2`.
 #[must_use]
 pub fn elastic_plastic(stiffness: f64, f_c: f64, amplitude: f64) -> Complex<f64> {
     let ratio = f_c / (stiffness * amplitude);
@@ -48,8 +50,8 @@ pub fn elastic_plastic(stiffness: f64, f_c: f64, amplitude: f64) -> Complex<f64>
     stiffness / PI * Complex::new(theta - sin * cos, sin * sin)
 }
 
-/// The hysteresis of the thesis's own model with its virgin curve `F_s sin(pi z / (2 Z_b))`, as an operator on the
-/// displacement; see [`friction_model::Hysteresis`].
+/// The hysteresis of the thesis's own model with its virgin curve `F_s sin(pi z / (2 Z_b))`, as an
+/// operator on the displacement; see [`friction_model::Hysteresis`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SineHysteresis {
     /// Static friction F_s [N or N m], above zero.
@@ -59,8 +61,9 @@ pub struct SineHysteresis {
 }
 
 impl SineHysteresis {
-    /// N at the `amplitude` A > 0 [m or rad] where the bristle slips: it carries at most `Z_b`, and unloads from the moment of
-    /// reversal, `z = clamp(z + dx, -Z_b, Z_b)`. This is what the model does.
+    /// N at the `amplitude` A > 0 [m or rad] where the bristle slips: it carries at most `Z_b`, and
+    /// unloads from the moment of reversal, `z = clamp(z + dx, -Z_b, Z_b)`. This is what the model
+    /// does.
     ///
     /// With `c = pi A / (4 Z_b)`, for `A <= Z_b` (Masing's branches, no slip)
     ///
@@ -96,9 +99,10 @@ impl SineHysteresis {
         Complex::new(b1, a1) / amplitude
     }
 
-    /// N at the `amplitude` A > 0 with the rule of thesis eq. 3.57: the force is `+-F_s` wherever `|x| > Z_b`, on the way back too,
-    /// as if the bristle did not slip but waited. Beyond `Z_b` the loop's area stays what it was, `F_s Z_b (16/pi - 4)`. Up to
-    /// `Z_b` there is no difference to [`gain`](Self::gain).
+    /// N at the `amplitude` A > 0 with the rule of thesis eq. 3.57: the force is `+-F_s` wherever
+    /// `|x| > Z_b`, on the way back too, as if the bristle did not slip but waited. Beyond `Z_b`
+    /// the loop's area stays what it was, `F_s Z_b (16/pi - 4)`. Up to `Z_b` there is no difference
+    /// to [`gain`](Self::gain).
     ///
     /// For comparison only: no contact behaves so, and the thesis's own model does not.
     #[must_use]
@@ -116,13 +120,15 @@ impl SineHysteresis {
         Complex::new(b1, a1) / amplitude
     }
 
-    /// N at the `amplitude` A >= Z_b as thesis eq. 3.63 prints it. **It is wrong**, and kept so that the thesis's prediction can be
-    /// compared.
+    /// N at the `amplitude` A >= Z_b as thesis eq. 3.63 prints it. **It is wrong**, and kept so
+    /// that the thesis's prediction can be compared.
     ///
-    /// Its imaginary part turns negative for `A` well above `Z_b`: friction would deliver `pi A |a1|` a cycle. Its real part
-    /// `4 F_s Z_b / (pi A^2)` is the magnitude of the imaginary part of a relay with a dead zone of hysteresis, and has nothing of
-    /// the sine branch between. It agrees neither with the slipping bristle nor with the rule 3.57 that it starts from, not even
-    /// at `A = Z_b`, where these two meet. `None` below `Z_b`, where the thesis gives no formula.
+    /// Its imaginary part turns negative for `A` well above `Z_b`: friction would deliver
+    /// `pi A |a1|` a cycle. Its real part `4 F_s Z_b / (pi A^2)` is the magnitude of the imaginary
+    /// part of a relay with a dead zone of hysteresis, and has nothing of the sine branch between.
+    /// It agrees neither with the slipping bristle nor with the rule 3.57 that it starts from, not
+    /// even at `A = Z_b`, where these two meet. `None` below `Z_b`, where the thesis gives no
+    /// formula.
     #[must_use]
     pub fn gain_as_printed(&self, amplitude: f64) -> Option<Complex<f64>> {
         let Self { f_s, z_b } = *self;
@@ -131,14 +137,15 @@ impl SineHysteresis {
         }
         let ratio = z_b / amplitude;
         let root = (1.0 - ratio * ratio).sqrt();
-        let bracket =
-            root - 4.0 * SQRT_2 * z_b * (amplitude * PI * root / (4.0 * z_b)).sin() / (amplitude * PI);
+        let bracket = root
+            - 4.0 * SQRT_2 * z_b * (amplitude * PI * root / (4.0 * z_b)).sin() / (amplitude * PI);
         let scale = 4.0 * f_s / (amplitude * PI);
         Some(Complex::new(scale * ratio, -scale * bracket))
     }
 }
 
-/// Bessel function `J_1(c)` for `0 <= c <= pi/4` by its power series; nine terms leave less than 1e-20.
+/// Bessel function `J_1(c)` for `0 <= c <= pi/4` by its power series; nine terms leave less than
+/// 1e-20.
 fn bessel_j1(c: f64) -> f64 {
     let half = 0.5 * c;
     let mut term = half;
@@ -163,8 +170,11 @@ fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     let panel = |i: u32| {
         let middle = from + half * f64::from(2 * i + 1);
         let pair = |(node, weight): (f64, f64)| {
-            let values =
-                if node == 0.0 { f(middle) } else { f(middle - half * node) + f(middle + half * node) };
+            let values = if node == 0.0 {
+                f(middle)
+            } else {
+                f(middle - half * node) + f(middle + half * node)
+            };
             weight * values
         };
         RULE.into_iter().map(pair).sum::<f64>()
@@ -187,7 +197,10 @@ mod tests {
         let last = 0.5 * 10f64.powi(-digits) * 1.0001;
         for &(ratio, re, im) in rows {
             let got = gain(ratio);
-            assert!((got.re - re).abs() <= last && (got.im - im).abs() <= last, "A/Zb {ratio}: {got}");
+            assert!(
+                (got.re - re).abs() <= last && (got.im - im).abs() <= last,
+                "A/Zb {ratio}: {got}"
+            );
         }
     }
 
@@ -211,15 +224,23 @@ mod tests {
 
     #[test]
     fn the_rule_without_slip_has_the_published_values() {
-        let rows = [(1.2, 0.933483, 0.241597), (2.0, 0.611455, 0.086975), (5.0, 0.253090, 0.013916)];
+        let rows =
+            [(1.2, 0.933483, 0.241597), (2.0, 0.611455, 0.086975), (5.0, 0.253090, 0.013916)];
         assert_table(|a| UNIT.gain_without_slip(a), 6, &rows);
     }
 
     #[test]
-    #[expect(clippy::approx_constant, reason = "the table prints four digits of what happens to be 1/pi")]
+    #[expect(
+        clippy::approx_constant,
+        reason = "the table prints four digits of what happens to be 1/pi"
+    )]
     fn the_printed_formula_has_the_published_values() {
-        let rows =
-            [(1.0, 1.2732, 0.0), (2.0, 0.3183, 0.0092), (5.0, 0.0509, -0.3090), (20.0, 0.0032, -0.0635)];
+        let rows = [
+            (1.0, 1.2732, 0.0),
+            (2.0, 0.3183, 0.0092),
+            (5.0, 0.0509, -0.3090),
+            (20.0, 0.0032, -0.0635),
+        ];
         assert_table(|a| UNIT.gain_as_printed(a).unwrap(), 4, &rows);
         assert_eq!(UNIT.gain_as_printed(0.9), None);
     }
@@ -229,7 +250,10 @@ mod tests {
         // At A = Z_b the two rules are one loop, and the formula misses both its parts.
         let (printed, loop_) = (UNIT.gain_as_printed(1.0).unwrap(), UNIT.gain(1.0));
         assert!((UNIT.gain_without_slip(1.0 + 1e-12) - loop_).norm() < 1e-9);
-        assert!(printed.re - loop_.re > 0.2 && loop_.im - printed.im > 0.3, "{printed} and {loop_}");
+        assert!(
+            printed.re - loop_.re > 0.2 && loop_.im - printed.im > 0.3,
+            "{printed} and {loop_}"
+        );
         // Beyond, it would have friction drive the motion.
         for ratio in [3.0, 5.0, 20.0, 1000.0] {
             assert!(UNIT.gain_as_printed(ratio).unwrap().im < 0.0, "A/Zb {ratio}");
@@ -237,7 +261,8 @@ mod tests {
         }
     }
 
-    /// Fourier sums along the operator of `friction_model` itself, the second cycle, against the closed forms.
+    /// Fourier sums along the operator of `friction_model` itself, the second cycle, against the
+    /// closed forms.
     #[test]
     fn the_closed_forms_are_the_operator() {
         let model = Proposed::test_bed();
@@ -259,7 +284,10 @@ mod tests {
                 }
             }
             let (got, expected) = (sum / amplitude, closed.gain(amplitude));
-            assert!((got - expected).norm() < 1e-9 * p.f_s / p.z_b, "A/Zb {ratio}: {got} is not {expected}");
+            assert!(
+                (got - expected).norm() < 1e-9 * p.f_s / p.z_b,
+                "A/Zb {ratio}: {got} is not {expected}"
+            );
         }
     }
 

@@ -30,13 +30,16 @@ impl PidLoop {
         Self { inertia: 1.0, k_v: 6.0, k_p: 3.0, k_i: 4.0, reference: 1.0 }
     }
 
-    /// `G = s / (m s^3 + (K_v + f_v) s^2 + K_p s + K_i)`, from friction to displacement with the sign turned; `f_v` [N s/m or
-    /// N m s/rad] is friction's viscous part, which is linear.
+    /// `G = s / (m s^3 + (K_v + f_v) s^2 + K_p s + K_i)`, from friction to displacement with the
+    /// sign turned; `f_v` [N s/m or N m s/rad] is friction's viscous part, which is linear.
     ///
     /// # Errors
     /// [`HarmonicError`] if a number is not finite, or all are zero.
     pub fn linear_part(&self, f_v: f64) -> Result<TransferFunction, HarmonicError> {
-        TransferFunction::new(vec![0.0, 1.0], vec![self.k_i, self.k_p, self.k_v + f_v, self.inertia])
+        TransferFunction::new(
+            vec![0.0, 1.0],
+            vec![self.k_i, self.k_p, self.k_v + f_v, self.inertia],
+        )
     }
 }
 
@@ -83,8 +86,9 @@ pub struct Peak {
 /// A simulated loop.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Simulated {
-    /// The oscillation once settled. `None` if the reference is not crossed upwards three times, or if the amplitudes of the two halves of the
-    /// settled time differ by more than 5 %: it then rests, decays or grows.
+    /// The oscillation once settled. `None` if the reference is not crossed upwards three times, or
+    /// if the amplitudes of the two halves of the settled time differ by more than 5 %: it then
+    /// rests, decays or grows.
     pub cycle: Option<Cycle>,
     /// Every peak from the first crossing of the reference on; the last one may be cut by the end.
     pub peaks: Vec<Peak>,
@@ -189,7 +193,11 @@ impl Watch {
                 let low = self.halves[0].0.min(self.halves[1].0);
                 let high = self.halves[0].1.max(self.halves[1].1);
                 let period = (to - from) / f64::from(count);
-                Some(Cycle { amplitude: 0.5 * (high - low), period, angular_frequency: TAU / period })
+                Some(Cycle {
+                    amplitude: 0.5 * (high - low),
+                    period,
+                    angular_frequency: TAU / period,
+                })
             }
             _ => None,
         };
@@ -208,7 +216,8 @@ mod tests {
         // Viscous friction: the loop settles, for ever smaller.
         let viscous = Viscous::try_from(ViscousParameters { f_v: 0.0 }).unwrap();
         let pid = PidLoop { k_v: 2.0, ..PidLoop::thesis() };
-        let decays = simulate(&viscous, &pid, &Schedule { dt: 1e-3, ..Schedule::default() }).unwrap();
+        let decays =
+            simulate(&viscous, &pid, &Schedule { dt: 1e-3, ..Schedule::default() }).unwrap();
         assert_eq!(decays.cycle, None);
         assert!(decays.peaks.len() > 10 && decays.position.last().unwrap() - 1.0 < 1e-6);
         // Coulomb friction without an integral: it stops beside the reference.

@@ -21,7 +21,8 @@ impl TransferFunction {
     /// [`HarmonicError`] if a coefficient is not finite, or the denominator is zero.
     pub fn new(numerator: Vec<f64>, denominator: Vec<f64>) -> Result<Self, HarmonicError> {
         let what = "a coefficient of the transfer function";
-        if let Some(&value) = numerator.iter().chain(&denominator).find(|value| !value.is_finite()) {
+        if let Some(&value) = numerator.iter().chain(&denominator).find(|value| !value.is_finite())
+        {
             return Err(HarmonicError { what, expected: "a finite number", value });
         }
         if denominator.iter().all(|&value| value == 0.0) {
@@ -34,14 +35,18 @@ impl TransferFunction {
     /// `G(j w)` at the angular frequency w [rad/s]; not finite at a pole.
     #[must_use]
     pub fn at(&self, angular_frequency: f64) -> Complex<f64> {
-        polynomial(&self.numerator, angular_frequency) / polynomial(&self.denominator, angular_frequency)
+        polynomial(&self.numerator, angular_frequency)
+            / polynomial(&self.denominator, angular_frequency)
     }
 }
 
 /// The polynomial with these coefficients at `s = j w`.
 fn polynomial(coefficients: &[f64], angular_frequency: f64) -> Complex<f64> {
     let s = Complex::new(0.0, angular_frequency);
-    coefficients.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &coefficient| sum * s + coefficient)
+    coefficients
+        .iter()
+        .rev()
+        .fold(Complex::new(0.0, 0.0), |sum, &coefficient| sum * s + coefficient)
 }
 
 /// Values from `from` to `to`, evenly spaced on a logarithmic scale.
@@ -92,16 +97,19 @@ pub struct Intersection {
     pub amplitude: f64,
     /// Angular frequency [rad/s].
     pub angular_frequency: f64,
-    /// Whether oscillations near it approach it (Loeb's criterion), provided that the rest of the loop is stable.
+    /// Whether oscillations near it approach it (Loeb's criterion), provided that the rest of the
+    /// loop is stable.
     pub stable: bool,
 }
 
 /// Solutions of `G(j w) N(A, w) = -1`, thesis eq. 3.52, within the grid.
 ///
-/// With `G = P/Q` the function `h = Q + P N` of the plane (A, w) is zero there, without the poles of G. A cell of the grid holds a
-/// solution when `h` turns once about zero along its edge; it is then divided until the solution is known to 12 digits, and
-/// accepted only if `h` does vanish there (a jump of N can turn `h` too). Two solutions in one cell cancel and are missed, and
-/// so is a tangency: a finer grid separates the former. An empty list means that there is none in the grid, to that resolution.
+/// With `G = P/Q` the function `h = Q + P N` of the plane (A, w) is zero there, without the poles
+/// of G. A cell of the grid holds a solution when `h` turns once about zero along its edge; it is
+/// then divided until the solution is known to 12 digits, and accepted only if `h` does vanish
+/// there (a jump of N can turn `h` too). Two solutions in one cell cancel and are missed, and so is
+/// a tangency: a finer grid separates the former. An empty list means that there is none in the
+/// grid, to that resolution.
 ///
 /// Loeb's criterion: with `U + jV = h`, a limit cycle is stable if `dU/dA dV/dw - dU/dw dV/dA > 0`.
 ///
@@ -140,7 +148,10 @@ pub fn intersections(
     for cell in cells {
         let (amplitude, w) = cell.refined(&mut h);
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
-        if found.iter().any(|other| near(amplitude, other.amplitude) && near(w, other.angular_frequency)) {
+        if found
+            .iter()
+            .any(|other| near(amplitude, other.amplitude) && near(w, other.angular_frequency))
+        {
             continue;
         }
         let step = 1e-5;
@@ -155,7 +166,8 @@ pub fn intersections(
     Ok(found)
 }
 
-/// A rectangle of the plane (A, w) with `h` at its corners, counterclockwise from the lowest values.
+/// A rectangle of the plane (A, w) with `h` at its corners, counterclockwise from the lowest
+/// values.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     amplitude: [f64; 2],
@@ -176,12 +188,29 @@ impl Cell {
             let (south, north, west, east) = (h(a, w0), h(a, w1), h(a0, w), h(a1, w));
             let middle = h(a, w);
             let quarters = [
-                Self { amplitude: [a0, a], frequency: [w0, w], corners: [h00, south, middle, west] },
-                Self { amplitude: [a, a1], frequency: [w0, w], corners: [south, h10, east, middle] },
-                Self { amplitude: [a, a1], frequency: [w, w1], corners: [middle, east, h11, north] },
-                Self { amplitude: [a0, a], frequency: [w, w1], corners: [west, middle, north, h01] },
+                Self {
+                    amplitude: [a0, a],
+                    frequency: [w0, w],
+                    corners: [h00, south, middle, west],
+                },
+                Self {
+                    amplitude: [a, a1],
+                    frequency: [w0, w],
+                    corners: [south, h10, east, middle],
+                },
+                Self {
+                    amplitude: [a, a1],
+                    frequency: [w, w1],
+                    corners: [middle, east, h11, north],
+                },
+                Self {
+                    amplitude: [a0, a],
+                    frequency: [w, w1],
+                    corners: [west, middle, north, h01],
+                },
             ];
-            // Where rounding hides the turn, the quarter with the smallest values goes on; whether it was right is checked at the end.
+            // Where rounding hides the turn, the quarter with the smallest values goes on; whether
+            // it was right is checked at the end.
             let turning = quarters.into_iter().find(|quarter| turns(quarter.corners));
             let smallest = || quarters.into_iter().min_by(|x, y| x.size().total_cmp(&y.size()));
             self = turning.or_else(smallest).unwrap_or(self);
@@ -201,7 +230,8 @@ fn turns(corners: [Complex<f64>; 4]) -> bool {
     if corners.contains(&Complex::new(0.0, 0.0)) {
         return true;
     }
-    let angle: f64 = [(a, b), (b, c), (c, d), (d, a)].iter().map(|(from, to)| (to * from.conj()).arg()).sum();
+    let angle: f64 =
+        [(a, b), (b, c), (c, d), (d, a)].iter().map(|(from, to)| (to * from.conj()).arg()).sum();
     // Zero or a whole turn; what is not a number turns not.
     angle.abs() > PI && angle.abs() < 1.5 * TAU
 }
@@ -218,8 +248,8 @@ mod tests {
         }
     }
 
-    /// Textbook: a relay and `K / (s (s + 1) (s + 2))`. The phase is -180 degrees at `w = sqrt(2)`, where `|G| = K/6`; so
-    /// `A = (4 M/pi) K/6`, and the cycle is stable.
+    /// Textbook: a relay and `K / (s (s + 1) (s + 2))`. The phase is -180 degrees at `w = sqrt(2)`,
+    /// where `|G| = K/6`; so `A = (4 M/pi) K/6`, and the cycle is stable.
     #[test]
     fn a_relay_with_a_plant_of_third_order_oscillates_as_in_the_textbook() {
         let (k, level) = (5.0, 0.7);
@@ -233,8 +263,9 @@ mod tests {
         assert!(cycle.stable);
     }
 
-    /// A mass on a spring with negative damping `-c`: Coulomb friction balances it at `A = 4 F_c / (pi c w)`, `w = sqrt(k/m)`, and
-    /// loses beyond. This needs the sign of the imaginary part: friction leads.
+    /// A mass on a spring with negative damping `-c`: Coulomb friction balances it at
+    /// `A = 4 F_c / (pi c w)`, `w = sqrt(k/m)`, and loses beyond. This needs the sign of the
+    /// imaginary part: friction leads.
     #[test]
     fn coulomb_friction_bounds_the_region_where_negative_damping_is_harmless() {
         let (m, c, k, f_c) = (2.0, 0.3, 50.0, 0.4);

@@ -39,7 +39,10 @@ fn lugre_drifts() {
     assert!(result.drift_per_cycle > 2e-6 && result.evidence.holds_to(1e-4));
     let steps: Vec<f64> = result.cycle_ends.windows(2).map(|ends| ends[1] - ends[0]).collect();
     assert_eq!(steps.len(), 39);
-    assert!(steps.iter().all(|step| (step / 2.342e-6 - 1.0).abs() < 1e-3), "every cycle alike: {steps:?}");
+    assert!(
+        steps.iter().all(|step| (step / 2.342e-6 - 1.0).abs() < 1e-3),
+        "every cycle alike: {steps:?}"
+    );
 }
 
 #[test]
@@ -51,8 +54,8 @@ fn models_with_true_pre_sliding_do_not_drift() {
     }
 }
 
-/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are still unloading.
-/// The science gives two digits.
+/// Damped bristles creep towards their closed loop for the first cycles: backwards, since they are
+/// still unloading. The science gives two digits.
 #[test]
 fn damped_bristles_creep_for_the_first_cycles_only() {
     assert_close("proposed", drift(ModelName::Proposed).drift, -1.4e-6, 0.06e-6);
@@ -61,7 +64,8 @@ fn damped_bristles_creep_for_the_first_cycles_only() {
     assert_close("elasto-plastic", drift(ModelName::ElastoPlastic).drift, 0.0, 1e-12);
 }
 
-/// The spring of a stuck contact without damping rings, and its position at any instant says nothing about drift.
+/// The spring of a stuck contact without damping rings, and its position at any instant says
+/// nothing about drift.
 #[test]
 fn ringing_is_not_taken_for_drift() {
     for name in [ModelName::Armstrong, ModelName::Wojewoda] {
@@ -79,7 +83,8 @@ fn static_models_rest_exactly() {
     }
 }
 
-/// Nothing holds a body on viscous friction: the mean load carries it away at `hold / f_v`, in the end.
+/// Nothing holds a body on viscous friction: the mean load carries it away at `hold / f_v`, in the
+/// end.
 #[test]
 fn viscous_friction_holds_nothing() {
     let contact = crate::chapter_3_with(ModelName::Viscous, &[("f_v", 10.0)]);

@@ -7,7 +7,8 @@ use friction_model::{AnyModel, ModelName};
 
 use crate::{assert_relative, chapter_3, from_file};
 
-/// Table 4.8, with the time constant as the tables 4.8 and 4.13 give it, and the bristles of table 4.13.
+/// Table 4.8, with the time constant as the tables 4.8 and 4.13 give it, and the bristles of table
+/// 4.13.
 fn table_4_8(tau: f64) -> Contact {
     from_file(&format!(
         r#"{{"proposed": {{"f_s": 0.0986, "f_c": 0.0925, "v_s": 0.1526, "sigma": 0.3213, "tau": {tau}, "z_b": 0.006, "f_v": 0.0403}}}}"#
@@ -46,8 +47,10 @@ fn table_4_11() -> Contact {
 }
 
 fn lags(contact: &Contact, frequencies: &[f64]) -> Vec<FrictionalLag> {
-    let settings =
-        FrictionalLagSettings { frequencies: frequencies.to_vec(), ..FrictionalLagSettings::default() };
+    let settings = FrictionalLagSettings {
+        frequencies: frequencies.to_vec(),
+        ..FrictionalLagSettings::default()
+    };
     frictional_lag(contact, &settings)
 }
 
@@ -55,9 +58,10 @@ fn finely(contact: &Contact, settings: &FrictionalLagSettings, step: f64) -> Vec
     frictional_lag(contact, &FrictionalLagSettings { step: Some(step), ..settings.clone() })
 }
 
-/// A first-order lag of `g(v(t))`, exactly: `g` along the period is an even function of the phase, `sum_n g_n cos(n
-/// w t)`, and each harmonic comes through the lag as `g_n (cos + n w tau sin) / (1 + (n w tau)^2)`. The area of the
-/// loop against `-amplitude cos` takes the first sine alone; its width at the phase p is twice the sum of the sines.
+/// A first-order lag of `g(v(t))`, exactly: `g` along the period is an even function of the phase,
+/// `sum_n g_n cos(n w t)`, and each harmonic comes through the lag as
+/// `g_n (cos + n w tau sin) / (1 + (n w tau)^2)`. The area of the loop against `-amplitude cos`
+/// takes the first sine alone; its width at the phase p is twice the sum of the sines.
 struct FirstOrderLag {
     area: f64,
     widest: f64,
@@ -79,7 +83,11 @@ impl FirstOrderLag {
             })
             .collect();
         let width = |k: usize| {
-            2.0 * sines.iter().enumerate().map(|(i, b)| b * phase((i + 1) * k % SAMPLES).sin()).sum::<f64>()
+            2.0 * sines
+                .iter()
+                .enumerate()
+                .map(|(i, b)| b * phase((i + 1) * k % SAMPLES).sin())
+                .sum::<f64>()
         };
         Self {
             area: PI * settings.amplitude * sines[0],
@@ -98,10 +106,31 @@ fn the_proposed_model_and_xiongs_lag_as_the_exact_first_order_lag() {
     let chapter = FrictionalLagSettings::chapter_3();
     for (what, contact, settings, g, tau, step) in [
         ("proposed", table_4_8(0.0111), &test_bed, stribeck(0.0986, 0.0925, 0.1526), 0.0111, 2e-4),
-        ("proposed, fast", table_4_8(0.0011), &test_bed, stribeck(0.0986, 0.0925, 0.1526), 0.0011, 2e-4),
+        (
+            "proposed, fast",
+            table_4_8(0.0011),
+            &test_bed,
+            stribeck(0.0986, 0.0925, 0.1526),
+            0.0011,
+            2e-4,
+        ),
         ("Xiong", table_4_11(), &test_bed, stribeck(0.10057, 0.09237, 0.13121), 0.0124, 2e-4),
-        ("proposed, ch. 3", chapter_3(ModelName::Proposed), &chapter, stribeck(1.5, 1.0, 0.01), 0.002, 2e-4),
-        ("Xiong, ch. 3", chapter_3(ModelName::Xiong), &chapter, stribeck(1.5, 1.0, 0.01), 0.002, 2e-4),
+        (
+            "proposed, ch. 3",
+            chapter_3(ModelName::Proposed),
+            &chapter,
+            stribeck(1.5, 1.0, 0.01),
+            0.002,
+            2e-4,
+        ),
+        (
+            "Xiong, ch. 3",
+            chapter_3(ModelName::Xiong),
+            &chapter,
+            stribeck(1.5, 1.0, 0.01),
+            0.002,
+            2e-4,
+        ),
     ] {
         for result in finely(&contact, settings, step) {
             let exact = FirstOrderLag::of(&g, settings, result.frequency, tau);
@@ -145,10 +174,12 @@ fn only_lugres_width_is_not_monotone() {
     assert!(!rises(&widths(&table_4_9())), "{:?}", widths(&table_4_9()));
 }
 
-/// The `sigma1 z'` term of slipping elements runs the loop backwards; without it the lag has the measured sense.
+/// The `sigma1 z'` term of slipping elements runs the loop backwards; without it the lag has the
+/// measured sense.
 #[test]
 fn the_damping_of_gms_reverses_its_loop() {
-    for (result, area) in lags(&table_4_10(0.0686), &[2.0, 5.0, 10.0]).iter().zip([-1.9e-5, -4.9e-5, -9.7e-5])
+    for (result, area) in
+        lags(&table_4_10(0.0686), &[2.0, 5.0, 10.0]).iter().zip([-1.9e-5, -4.9e-5, -9.7e-5])
     {
         assert_relative("GMS, area", result.area, area, 0.03);
     }
@@ -157,7 +188,8 @@ fn the_damping_of_gms_reverses_its_loop() {
 
 #[test]
 fn the_chapter_3_sets_lag_as_the_independent_implementation() {
-    let lag = |name| frictional_lag(&chapter_3(name), &FrictionalLagSettings::chapter_3()).remove(0);
+    let lag =
+        |name| frictional_lag(&chapter_3(name), &FrictionalLagSettings::chapter_3()).remove(0);
     for name in [ModelName::Proposed, ModelName::Xiong] {
         assert_relative(name.title(), lag(name).area, 5.671e-5, 1e-4);
     }

@@ -1,5 +1,5 @@
-//! The features against the figures of an independent implementation (`expected_results.md`, sections 5 and 11),
-//! against closed forms, and against what the models cannot show.
+//! The features against the figures of an independent implementation (`expected_results.md`,
+//! sections 5 and 11), against closed forms, and against what the models cannot show.
 
 mod breakaway;
 mod drift;
@@ -37,10 +37,16 @@ fn from_file(text: &str) -> Contact {
 #[track_caller]
 fn assert_relative(what: &str, value: f64, expected: f64, tolerance: f64) {
     let error = (value / expected - 1.0).abs();
-    assert!(error <= tolerance, "{what}: {value} is not {expected} within {tolerance}, off by {error:e}");
+    assert!(
+        error <= tolerance,
+        "{what}: {value} is not {expected} within {tolerance}, off by {error:e}"
+    );
 }
 
 #[track_caller]
 fn assert_close(what: &str, value: f64, expected: f64, tolerance: f64) {
-    assert!((value - expected).abs() <= tolerance, "{what}: {value} is not {expected} within {tolerance}");
+    assert!(
+        (value - expected).abs() <= tolerance,
+        "{what}: {value} is not {expected} within {tolerance}"
+    );
 }

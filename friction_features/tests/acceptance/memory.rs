@@ -26,7 +26,12 @@ fn loops_of_models_without_non_local_memory_do_not_close() {
     assert_relative("LuGre, wiping-out error", lugre.wiping_out_error, -0.1448, 5e-4);
     let elasto_plastic = memory(ModelName::ElastoPlastic);
     assert_close("elasto-plastic, closure gap", elasto_plastic.closure_gap, -0.0111, 0.7e-4);
-    assert_close("elasto-plastic, wiping-out error", elasto_plastic.wiping_out_error, -0.0044, 0.7e-4);
+    assert_close(
+        "elasto-plastic, wiping-out error",
+        elasto_plastic.wiping_out_error,
+        -0.0044,
+        0.7e-4,
+    );
     for result in [lugre, elasto_plastic] {
         assert!(result.congruency_error > 0.03, "{}", result.congruency_error);
         assert!(result.evidence.holds_to(2e-4), "{:?}", result.evidence);
@@ -38,8 +43,16 @@ fn loops_of_models_with_non_local_memory_close_are_wiped_out_and_congruent() {
     for name in [ModelName::Proposed, ModelName::ProposedLinear, ModelName::Gms, ModelName::Xiong] {
         let result = memory(name);
         assert!(result.closure_gap.abs() < 1e-12, "{name}: gap {:e}", result.closure_gap);
-        assert!(result.wiping_out_error.abs() < 1e-12, "{name}: wiping {:e}", result.wiping_out_error);
-        assert!(result.congruency_error.abs() < 1e-10, "{name}: congruency {:e}", result.congruency_error);
+        assert!(
+            result.wiping_out_error.abs() < 1e-12,
+            "{name}: wiping {:e}",
+            result.wiping_out_error
+        );
+        assert!(
+            result.congruency_error.abs() < 1e-10,
+            "{name}: congruency {:e}",
+            result.congruency_error
+        );
     }
     for name in [ModelName::Proposed, ModelName::Gms, ModelName::Xiong] {
         // The congruent loops are two loops, and they are no lines.
@@ -53,8 +66,8 @@ fn loops_of_models_with_non_local_memory_close_are_wiped_out_and_congruent() {
     }
 }
 
-/// With small loops the elasto-plastic contact is elastic in the inner loop: no gap, but no test either, and the
-/// opening tells.
+/// With small loops the elasto-plastic contact is elastic in the inner loop: no gap, but no test
+/// either, and the opening tells.
 #[test]
 fn an_elastic_inner_loop_is_told_by_its_opening() {
     let result = at_amplitude(ModelName::ElastoPlastic, 1.3e-5);
@@ -68,8 +81,8 @@ fn an_elastic_inner_loop_is_told_by_its_opening() {
     assert!(opening > 0.01, "{opening}");
 }
 
-/// The proposed model's tips: the virgin sine, Masing's doubled branches, and `sigma v` on top. The printed tips
-/// were sampled up to 1.2 ms before the turns, which at 60 um/s is up to 1.3e-4 N.
+/// The proposed model's tips: the virgin sine, Masing's doubled branches, and `sigma v` on top. The
+/// printed tips were sampled up to 1.2 ms before the turns, which at 60 um/s is up to 1.3e-4 N.
 #[test]
 fn the_proposed_model_turns_at_masings_tips() {
     let (f_s, z_b, a1) = (1.5, 1e-3, 6e-4);
@@ -97,8 +110,8 @@ fn the_proposed_model_turns_at_masings_tips() {
     }
 }
 
-/// The work of a closed loop of half-width `a` is `8 F_s (2 Z_b / pi) (1 - cos(pi a / 2 Z_b)) - 4 a F_s sin(pi a / 2
-/// Z_b)`, and damping adds `sigma v` both ways.
+/// The work of a closed loop of half-width `a` is `8 F_s (2 Z_b / pi) (1 - cos(pi a / 2 Z_b)) - 4 a
+/// F_s sin(pi a / 2 Z_b)`, and damping adds `sigma v` both ways.
 #[test]
 fn the_inner_loop_takes_up_masings_work() {
     let (f_s, z_b, a1, sigma) = (1.5, 1e-3, 6e-4, 1.0);
@@ -113,8 +126,8 @@ fn the_inner_loop_takes_up_masings_work() {
     assert_relative("work", result.loop_work, masing + damping, 1e-5);
 }
 
-/// At constant speed LuGre and Dahl have the closed form `f <- s g + (f - s g) exp(-sigma0 |dx| / g)` for `f =
-/// sigma0 z` along a leg in direction `s`.
+/// At constant speed LuGre and Dahl have the closed form
+/// `f <- s g + (f - s g) exp(-sigma0 |dx| / g)` for `f = sigma0 z` along a leg in direction `s`.
 #[test]
 fn lugre_and_dahl_follow_their_closed_form() {
     let sigma1 = 1e5f64.sqrt();
@@ -134,11 +147,15 @@ fn lugre_and_dahl_follow_their_closed_form() {
     }
 }
 
-/// The reset integrator is a linear spring short of breakaway: its loops close because they are no loops.
+/// The reset integrator is a linear spring short of breakaway: its loops close because they are no
+/// loops.
 #[test]
 fn the_reset_integrator_has_no_loops() {
     let result = memory(ModelName::ResetIntegrator);
-    assert_eq!((result.closure_gap, result.wiping_out_error, result.congruency_error), (0.0, 0.0, 0.0));
+    assert_eq!(
+        (result.closure_gap, result.wiping_out_error, result.congruency_error),
+        (0.0, 0.0, 0.0)
+    );
     assert!(result.loop_opening < 1e-12, "{}", result.loop_opening);
 }
 
@@ -155,9 +172,13 @@ fn the_amplitude_of_the_rule_carries_the_level_asked_for() {
 
 #[test]
 fn models_without_pre_sliding_have_no_memory() {
-    for name in
-        [ModelName::Coulomb, ModelName::Viscous, ModelName::Stiction, ModelName::Stribeck, ModelName::Karnopp]
-    {
+    for name in [
+        ModelName::Coulomb,
+        ModelName::Viscous,
+        ModelName::Stiction,
+        ModelName::Stribeck,
+        ModelName::Karnopp,
+    ] {
         assert_eq!(
             non_local_memory(&chapter_3(name), &NonLocalMemorySettings::chapter_3(name)),
             None,

@@ -1,6 +1,8 @@
 //! Section 11.
 
-use friction_features::{BreakawaySettings, Elasticities, Sensitivity, SensitivitySettings, sensitivity};
+use friction_features::{
+    BreakawaySettings, Elasticities, Sensitivity, SensitivitySettings, sensitivity,
+};
 use friction_model::{AnyModel, ModelName};
 
 use crate::assert_close;
@@ -13,8 +15,9 @@ fn elasticities(of: &Sensitivity, parameter: &str) -> Elasticities {
     of.parameters.iter().find(|p| p.parameter == parameter).unwrap().elasticities.unwrap()
 }
 
-/// Parameter; printed elasticities of the breakaway force, the breakaway displacement and the lag; half a unit of
-/// each printed last digit, and a fifth of it for what the independent implementation's steps may add.
+/// Parameter; printed elasticities of the breakaway force, the breakaway displacement and the lag;
+/// half a unit of each printed last digit, and a fifth of it for what the independent
+/// implementation's steps may add.
 type Row = (&'static str, [(f64, f64); 3]);
 
 #[track_caller]
@@ -26,7 +29,12 @@ fn assert_elasticities(name: &str, result: &Sensitivity, rows: &[Row]) {
             found.iter().zip(expected).zip(["breakaway force", "breakaway displacement", "lag"])
         {
             let what = format!("{name}, {what} by {parameter}");
-            assert_close(&what, value.unwrap_or_else(|| panic!("{what}: none")), *expected, 0.7 * unit);
+            assert_close(
+                &what,
+                value.unwrap_or_else(|| panic!("{what}: none")),
+                *expected,
+                0.7 * unit,
+            );
         }
     }
 }
@@ -77,8 +85,8 @@ const GMS: [Row; 4] = [
     ("v_s", [(0.11, 0.01), (0.59, 0.01), (0.31, 0.01)]),
 ];
 
-/// Contacts of doubled level break away too when the ramp goes far enough: the force is then proportional to the
-/// level, and so are the displacements of an elastic loading.
+/// Contacts of doubled level break away too when the ramp goes far enough: the force is then
+/// proportional to the level, and so are the displacements of an elastic loading.
 #[test]
 fn shares_scale_breakaway_in_proportion() {
     let xiong = of(ModelName::Xiong);
@@ -91,16 +99,19 @@ fn shares_scale_breakaway_in_proportion() {
     assert_close("rms of GMS", gms.rms_elasticity.unwrap(), 0.712, 0.002);
 }
 
-/// The printed figures for the shares, +.67 and +.66 for the force: the ramp ended at 1.9 N, short of the doubled
-/// level of 3 N, so the contact never broke away and the "breakaway" displacement was that of an elastic contact
-/// under 1.9 N. Here such a contact has no displacement at breakaway.
+/// The printed figures for the shares, +.67 and +.66 for the force: the ramp ended at 1.9 N, short
+/// of the doubled level of 3 N, so the contact never broke away and the "breakaway" displacement
+/// was that of an elastic contact under 1.9 N. Here such a contact has no displacement at
+/// breakaway.
 #[test]
 fn the_printed_figures_for_the_shares_are_those_of_a_contact_that_did_not_break_away() {
-    let breakaway = BreakawaySettings { limit: 1.9, rates: vec![0.1], ..BreakawaySettings::default() };
+    let breakaway =
+        BreakawaySettings { limit: 1.9, rates: vec![0.1], ..BreakawaySettings::default() };
     let settings = SensitivitySettings { breakaway, reach: 0.0, ..SensitivitySettings::default() };
-    for (name, parameter, force, displacement, stiffness) in
-        [(ModelName::Xiong, "lambda", 0.67, -0.39, 46_000.0), (ModelName::Gms, "alpha", 0.66, 0.26, 460.0)]
-    {
+    for (name, parameter, force, displacement, stiffness) in [
+        (ModelName::Xiong, "lambda", 0.67, -0.39, 46_000.0),
+        (ModelName::Gms, "alpha", 0.66, 0.26, 460.0),
+    ] {
         let result = sensitivity(&AnyModel::chapter_3(name), &settings);
         let shares = result.parameters.iter().find(|p| p.parameter == parameter).unwrap();
         let found = shares.elasticities.unwrap();
@@ -127,7 +138,11 @@ fn what_is_no_valid_model_is_left_out() {
     assert!(f_s.responses[0].is_none() && f_s.responses[1].is_some() && f_s.elasticities.is_none());
     assert!(!result.parameters.iter().any(|p| p.parameter == "f_v"), "it is zero there");
     let v_s = elasticities(&result, "v_s");
-    assert_eq!((v_s.breakaway_displacement, v_s.lag_area), (None, None), "a static model has neither");
+    assert_eq!(
+        (v_s.breakaway_displacement, v_s.lag_area),
+        (None, None),
+        "a static model has neither"
+    );
     // Coulomb's one parameter is a level: its force is in proportion to it, and nothing counts.
     let coulomb = of(ModelName::Coulomb);
     assert_close("force", elasticities(&coulomb, "f_c").breakaway_force.unwrap(), 1.0, 1e-6);

@@ -1,8 +1,8 @@
-//! Every figure of every model as it was when it was last looked at, for what the independent implementation says
-//! nothing about.
+//! Every figure of every model as it was when it was last looked at, for what the independent
+//! implementation says nothing about.
 //!
-//! Regenerate with `UPDATE_SNAPSHOTS=1 cargo test -p friction_features --test acceptance snapshot`, and read the
-//! difference before keeping it.
+//! Regenerate with `UPDATE_SNAPSHOTS=1 cargo test -p friction_features --test acceptance snapshot`,
+//! and read the difference before keeping it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -20,8 +20,8 @@ use serde::Deserialize;
 struct Entry {
     /// The figure; null where the model has none.
     value: Option<f64>,
-    /// The step it was found with, and what the last halving changed; null for figures that are not integrated with
-    /// one step.
+    /// The step it was found with, and what the last halving changed; null for figures that are not
+    /// integrated with one step.
     step: Option<f64>,
     change: Option<f64>,
 }
@@ -40,7 +40,8 @@ fn compute() -> Vec<(ModelName, Vec<FeatureFigure>)> {
             scope.spawn(|| {
                 while let Some(&name) = names.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let presets = (AnyModel::chapter_3(name), AnyModel::test_bed(name));
-                    let figures = features(&presets.0, &presets.1, &FeatureSettings::default()).figures();
+                    let figures =
+                        features(&presets.0, &presets.1, &FeatureSettings::default()).figures();
                     done.lock().unwrap().push((name, figures));
                 }
             });
@@ -73,7 +74,8 @@ fn as_file(models: &[(ModelName, Vec<FeatureFigure>)]) -> String {
     text + "}\n"
 }
 
-/// To 1e-4, or to what the last halving of the step still changed; and to what rounding leaves of a figure that is zero.
+/// To 1e-4, or to what the last halving of the step still changed; and to what rounding leaves of a
+/// figure that is zero.
 #[test]
 fn every_figure_is_that_of_the_snapshot() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots/features.json");
@@ -102,7 +104,12 @@ fn every_figure_is_that_of_the_snapshot() {
                     }
             });
             if !same {
-                writeln!(differences, "{name}.{figure}: {value:?} is not {:?}", entries.get(figure)).unwrap();
+                writeln!(
+                    differences,
+                    "{name}.{figure}: {value:?} is not {:?}",
+                    entries.get(figure)
+                )
+                .unwrap();
             }
         }
     }

@@ -11,12 +11,16 @@ fn every_model_settles_at_the_force_it_promises_in_both_forms() {
         let result = steady_state(&chapter_3(name), &SteadyStateSettings::default());
         assert_eq!(result.velocity.len(), 14, "{name}");
         assert!(result.error < 1e-9, "{name}, derivative form: {:e}", result.error);
-        assert!(result.fixed_step_error < 1e-9, "{name}, fixed-step form: {:e}", result.fixed_step_error);
+        assert!(
+            result.fixed_step_error < 1e-9,
+            "{name}, fixed-step form: {:e}",
+            result.fixed_step_error
+        );
     }
 }
 
-/// The bonds of the bristle model snap at random: its force has the standard deviation `sqrt(2 / N)` of the mean,
-/// here .14, for ever.
+/// The bonds of the bristle model snap at random: its force has the standard deviation
+/// `sqrt(2 / N)` of the mean, here .14, for ever.
 #[test]
 fn the_bristle_model_never_settles() {
     let result = steady_state(&chapter_3(ModelName::Bristle), &SteadyStateSettings::default());
@@ -34,8 +38,13 @@ fn the_bristle_model_never_settles() {
 /// Models with a Stribeck curve all promise the same one.
 #[test]
 fn the_promise_is_the_stribeck_curve() {
-    for name in [ModelName::Stribeck, ModelName::LuGre, ModelName::Proposed, ModelName::Gms, ModelName::Xiong]
-    {
+    for name in [
+        ModelName::Stribeck,
+        ModelName::LuGre,
+        ModelName::Proposed,
+        ModelName::Gms,
+        ModelName::Xiong,
+    ] {
         let result = steady_state(&chapter_3(name), &SteadyStateSettings::default());
         for (&v, &force) in result.velocity.iter().zip(&result.promised) {
             let g = 1.0 + 0.5 * (-(v / 0.01) * (v / 0.01)).exp();
@@ -43,6 +52,9 @@ fn the_promise_is_the_stribeck_curve() {
         }
         let curve = &result.curve;
         assert_eq!((curve.velocity[0], curve.velocity[600]), (-0.5, 0.5));
-        assert!(curve.friction.iter().zip(curve.friction.iter().rev()).all(|(f, r)| *f == -*r), "{name}");
+        assert!(
+            curve.friction.iter().zip(curve.friction.iter().rev()).all(|(f, r)| *f == -*r),
+            "{name}"
+        );
     }
 }

@@ -8,13 +8,17 @@ use friction_model::ModelName;
 use crate::{assert_close, assert_relative, chapter_3, chapter_3_with};
 
 fn at_step(name: ModelName, step: f64) -> StickSlip {
-    stick_slip(&chapter_3(name), &StickSlipSettings { step: Some(step), ..StickSlipSettings::default() })
+    stick_slip(
+        &chapter_3(name),
+        &StickSlipSettings { step: Some(step), ..StickSlipSettings::default() },
+    )
 }
 
-/// Mass on a spring between two levels: while it slips, `m x'' = K (v0 t - x) - F_c`, so in the frame of the
-/// spring's end it swings harmonically about the stretch `F_c / K`. It starts at rest with `a = (F_s - F_c) / K`
-/// more than that, and comes to rest again when it has swung through all of the circle but twice the angle `atan(a w
-/// / v0)`. Then the spring must be stretched by `2 a` at the speed v0 until it breaks away again.
+/// Mass on a spring between two levels: while it slips, `m x'' = K (v0 t - x) - F_c`, so in the
+/// frame of the spring's end it swings harmonically about the stretch `F_c / K`. It starts at rest
+/// with `a = (F_s - F_c) / K` more than that, and comes to rest again when it has swung through all
+/// of the circle but twice the angle `atan(a w / v0)`. Then the spring must be stretched by `2 a`
+/// at the speed v0 until it breaks away again.
 #[test]
 fn two_levels_give_the_cycle_of_the_closed_form() {
     let result = at_step(ModelName::Stiction, 1e-5);
@@ -29,20 +33,23 @@ fn two_levels_give_the_cycle_of_the_closed_form() {
     assert_relative("smallest spring force", result.spring_min, f_c - k * radius, 1e-5);
     assert_relative("peak velocity", result.velocity_max, v0 + w * radius, 1e-5);
     assert_relative("largest friction", result.friction_max, f_s, 1e-5);
-    // At rest, and slower than v0/10 just after breakaway and just before rest: the angle from -v0 to -.9 v0 on the
-    // circle, twice.
+    // At rest, and slower than v0/10 just after breakaway and just before rest: the angle from -v0
+    // to -.9 v0 on the circle, twice.
     let angle = (v0 / (w * radius)).asin() - (0.9 * v0 / (w * radius)).asin();
     let rest = (stick + 2.0 * angle / w) / (slip + stick);
     assert_relative("share of rest", result.share_of_rest.unwrap(), rest, 2e-4);
     assert_eq!(result.motion, Motion::StickSlip);
 }
 
-/// The same cycle from Karnopp's model, with a Stribeck velocity far below every velocity of the cycle.
+/// The same cycle from Karnopp's model, with a Stribeck velocity far below every velocity of the
+/// cycle.
 #[test]
 fn karnopps_model_gives_the_cycle_of_two_levels() {
     let contact = chapter_3_with(ModelName::Karnopp, &[("v_s", 1e-9)]);
-    let result =
-        stick_slip(&contact, &StickSlipSettings { step: Some(1e-4), ..StickSlipSettings::default() });
+    let result = stick_slip(
+        &contact,
+        &StickSlipSettings { step: Some(1e-4), ..StickSlipSettings::default() },
+    );
     let printed = [7.6117, 1.51963, 0.48031, 0.46746, 1.5000];
     let found = [
         result.period.unwrap(),
@@ -56,8 +63,8 @@ fn karnopps_model_gives_the_cycle_of_two_levels() {
     }
 }
 
-/// Without a static level above the kinetic one nothing makes it stick: from rest the mass swings about v0 for ever
-/// and touches zero once a period.
+/// Without a static level above the kinetic one nothing makes it stick: from rest the mass swings
+/// about v0 for ever and touches zero once a period.
 #[test]
 fn coulomb_friction_alone_does_not_stick() {
     let result = at_step(ModelName::Coulomb, 1e-4);
@@ -74,8 +81,8 @@ fn viscous_friction_ends_in_smooth_sliding() {
     assert_relative("spring", result.spring_max, 0.1, 1e-3);
 }
 
-/// Model, step [s]; period [s], largest and smallest spring force [N], peak velocity [m/s], largest friction [N];
-/// tolerance.
+/// Model, step [s]; period [s], largest and smallest spring force [N], peak velocity [m/s], largest
+/// friction [N]; tolerance.
 const TABLE: [(ModelName, f64, [f64; 5], f64); 7] = [
     (ModelName::Karnopp, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
     (ModelName::Stribeck, 1e-4, [7.9236, 1.5517, 0.4483, 0.4902, 1.5], 5e-4),
@@ -88,7 +95,9 @@ const TABLE: [(ModelName, f64, [f64; 5], f64); 7] = [
 
 #[test]
 fn every_model_stick_slips_as_the_independent_implementation() {
-    for (name, step, [period, spring_max, spring_min, velocity_max, friction_max], tolerance) in TABLE {
+    for (name, step, [period, spring_max, spring_min, velocity_max, friction_max], tolerance) in
+        TABLE
+    {
         let result = at_step(name, step);
         assert_eq!(result.motion, Motion::StickSlip, "{name}");
         for (what, value, expected) in [
@@ -103,7 +112,8 @@ fn every_model_stick_slips_as_the_independent_implementation() {
     }
 }
 
-/// At 0.1 ms LuGre does not blow up, it gives another cycle. The step that is found by halving must not be deceived.
+/// At 0.1 ms LuGre does not blow up, it gives another cycle. The step that is found by halving must
+/// not be deceived.
 #[test]
 fn the_step_found_by_halving_is_small_enough_where_a_larger_one_is_silently_wrong() {
     let wrong = at_step(ModelName::LuGre, 1e-4);

@@ -6,13 +6,19 @@ use friction_model::{AnyModel, ModelName};
 #[test]
 fn every_figure_is_finite_and_has_a_name_of_its_own() {
     for name in [ModelName::Viscous, ModelName::Stribeck, ModelName::Proposed] {
-        let all =
-            features(&AnyModel::chapter_3(name), &AnyModel::test_bed(name), &FeatureSettings::default());
+        let all = features(
+            &AnyModel::chapter_3(name),
+            &AnyModel::test_bed(name),
+            &FeatureSettings::default(),
+        );
         let figures = all.figures();
         assert!(figures.len() > 30, "{name}");
         for (i, figure) in figures.iter().enumerate() {
             assert!(figure.value.is_none_or(f64::is_finite), "{name}: {figure:?}");
-            assert!(figures[..i].iter().all(|other| other.figure != figure.figure), "{name}: {figure:?}");
+            assert!(
+                figures[..i].iter().all(|other| other.figure != figure.figure),
+                "{name}: {figure:?}"
+            );
         }
         // Files carry all of it: what is not finite would come out as null and not be read back.
         let text = serde_json::to_string(&all).unwrap();
@@ -23,9 +29,11 @@ fn every_figure_is_finite_and_has_a_name_of_its_own() {
 
 #[test]
 fn settings_may_be_given_in_part() {
-    let settings: FeatureSettings = serde_json::from_str(r#"{"stick_slip": {"speed": 0.2}}"#).unwrap();
+    let settings: FeatureSettings =
+        serde_json::from_str(r#"{"stick_slip": {"speed": 0.2}}"#).unwrap();
     assert_eq!(settings.stick_slip.speed, 0.2);
     assert_eq!(settings.non_drift, FeatureSettings::default().non_drift);
-    let message = serde_json::from_str::<FeatureSettings>(r#"{"stick_slip": {"sped": 0.2}}"#).unwrap_err();
+    let message =
+        serde_json::from_str::<FeatureSettings>(r#"{"stick_slip": {"sped": 0.2}}"#).unwrap_err();
     assert!(message.to_string().contains("sped"), "{message}");
 }

@@ -5,9 +5,9 @@ use friction_model::ModelName;
 
 use crate::{assert_close, assert_relative, chapter_3, chapter_3_with};
 
-/// Dahl's force depends on the way alone: `F = F_c (1 - 2 exp(-sigma0 x / F_c))` from the turn on. Its rate is
-/// steepest somewhere after the turn: of `2 sigma0 a t exp(-sigma0 a t^2 / (2 F_c))` the largest value is at `t =
-/// sqrt(F_c / (sigma0 a))`.
+/// Dahl's force depends on the way alone: `F = F_c (1 - 2 exp(-sigma0 x / F_c))` from the turn on.
+/// Its rate is steepest somewhere after the turn: of `2 sigma0 a t exp(-sigma0 a t^2 / (2 F_c))`
+/// the largest value is at `t = sqrt(F_c / (sigma0 a))`.
 #[test]
 fn dahl_reverses_over_the_same_way_at_every_acceleration() {
     let (f_c, sigma0) = (1.0f64, 1e5f64);
@@ -28,7 +28,10 @@ fn dahl_reverses_over_the_same_way_at_every_acceleration() {
 fn static_models_jump_at_the_turn() {
     for (name, highest) in [(ModelName::Coulomb, 1.0), (ModelName::Stribeck, 1.5)] {
         for result in zero_crossing(&chapter_3(name), &ZeroCrossingSettings::default()) {
-            assert_eq!((result.displacement_to_zero, result.displacement_to_sliding), (Some(0.0), Some(0.0)));
+            assert_eq!(
+                (result.displacement_to_zero, result.displacement_to_sliding),
+                (Some(0.0), Some(0.0))
+            );
             assert_eq!(result.steepest, None, "{name}: a jump has no slope");
             assert_close(&format!("{name}, largest"), result.friction_max, highest, 1e-4);
         }
@@ -46,8 +49,9 @@ fn viscous_friction_passes_through_zero_with_the_velocity() {
     }
 }
 
-/// In gross sliding the level follows the Stribeck curve late: the faster the reversal, the less of the static level
-/// is seen. In the proposed and in Xiong's model the contact force never exceeds it. GMS's jumps do, and have no slope.
+/// In gross sliding the level follows the Stribeck curve late: the faster the reversal, the less of
+/// the static level is seen. In the proposed and in Xiong's model the contact force never exceeds
+/// it. GMS's jumps do, and have no slope.
 #[test]
 fn the_lag_hides_the_static_level_in_a_fast_reversal() {
     for name in [ModelName::Proposed, ModelName::Xiong] {

@@ -1,8 +1,11 @@
-//! An axis under its position controller, simulated forward: the harder test of a fitted model, because its errors come back through the loop.
+//! An axis under its position controller, simulated forward: the harder test of a fitted model,
+//! because its errors come back through the loop.
 //!
-//! The controller is the cascade of the EMPS benchmark (Janot, Gautier and Brunot 2019) as it acts in discrete time: proportional position loop around
-//! a proportional velocity loop, the velocity from differences of the mean of two neighbouring positions. The plant is a mass under the
-//! friction of an axis structure, driven by the held and delayed control signal, integrated with steps that end where the input changes.
+//! The controller is the cascade of the EMPS benchmark (Janot, Gautier and Brunot 2019) as it acts
+//! in discrete time: proportional position loop around a proportional velocity loop, the velocity
+//! from differences of the mean of two neighbouring positions. The plant is a mass under the
+//! friction of an axis structure, driven by the held and delayed control signal, integrated with
+//! steps that end where the input changes.
 
 use std::ops::ControlFlow;
 
@@ -29,7 +32,8 @@ pub struct CascadeController {
 
 impl CascadeController {
     /// The controller that made the EMPS recordings.
-    pub const EMPS: Self = Self { position_gain: 160.18, velocity_gain: 243.45, limit: 10.0, period: 1e-3 };
+    pub const EMPS: Self =
+        Self { position_gain: 160.18, velocity_gain: 243.45, limit: 10.0, period: 1e-3 };
 
     /// Control signal \[V\] from the reference, the position and that of two samples earlier.
     fn control(&self, reference: f64, q: f64, earlier: f64) -> f64 {
@@ -38,9 +42,11 @@ impl CascadeController {
         signal.clamp(-self.limit, self.limit)
     }
 
-    /// The control signal \[V\] that recorded positions would have caused: a check that it is the right controller.
+    /// The control signal \[V\] that recorded positions would have caused: a check that it is the
+    /// right controller.
     pub fn replay(&self, reference: &[f64], position: &[f64]) -> Vec<f64> {
-        let at = |k: usize, back: usize| position.get(k.saturating_sub(back)).copied().unwrap_or(0.0);
+        let at =
+            |k: usize, back: usize| position.get(k.saturating_sub(back)).copied().unwrap_or(0.0);
         let signal = |(k, &r): (usize, &f64)| self.control(r, at(k, 0), at(k, 2));
         reference.iter().take(position.len()).enumerate().map(signal).collect()
     }
@@ -66,7 +72,8 @@ pub struct Response {
     pub control: Vec<f64>,
 }
 
-/// A mass behind a drive, with the friction of an axis structure: a bristle whose limit follows a curve of the speed, each direction its own.
+/// A mass behind a drive, with the friction of an axis structure: a bristle whose limit follows a
+/// curve of the speed, each direction its own.
 ///
 /// ```text
 /// inertia v' = force_per_volt u(t - delay) - z level(v) - f_v v,     z' = (v - |v| z) / displacement
@@ -104,7 +111,8 @@ struct Moving {
 const STEP: f64 = 2.5e-4;
 
 impl BristleAxis {
-    /// From a fit with direction-wise friction, a Stribeck velocity, pre-sliding and a delay; half a `period` of the fitted delay is the hold's.
+    /// From a fit with direction-wise friction, a Stribeck velocity, pre-sliding and a delay; half
+    /// a `period` of the fitted delay is the hold's.
     ///
     /// None for a fit without one of them.
     pub fn from_fit(fit: &StructureFit, period: f64) -> Option<Self> {
@@ -121,9 +129,15 @@ impl BristleAxis {
     }
 
     /// Runs the axis under `controller`.
-    pub fn run(&self, controller: &CascadeController, force_per_volt: f64, task: &Task) -> Response {
+    pub fn run(
+        &self,
+        controller: &CascadeController,
+        force_per_volt: f64,
+        task: &Task,
+    ) -> Response {
         let n = task.reference.len();
-        let mut response = Response { position: Vec::with_capacity(n), control: Vec::with_capacity(n) };
+        let mut response =
+            Response { position: Vec::with_capacity(n), control: Vec::with_capacity(n) };
         let period = controller.period;
         let whole = (self.delay / period).floor();
         let (late, part) = (whole as usize, self.delay - whole * period);
@@ -131,11 +145,13 @@ impl BristleAxis {
         for (k, &reference) in task.reference.iter().enumerate() {
             let earlier = k.checked_sub(2).and_then(|k| response.position.get(k)).copied();
             let pulse = task.disturbance.and_then(|pulse| pulse.get(k)).copied().unwrap_or(0.0);
-            let signal = controller.control(reference, state.x, earlier.unwrap_or(task.start)) + pulse;
+            let signal =
+                controller.control(reference, state.x, earlier.unwrap_or(task.start)) + pulse;
             response.position.push(state.x);
             response.control.push(signal);
-            let input =
-                |by: usize| k.checked_sub(by).and_then(|k| response.control.get(k)).copied().unwrap_or(0.0);
+            let input = |by: usize| {
+                k.checked_sub(by).and_then(|k| response.control.get(k)).copied().unwrap_or(0.0)
+            };
             for (length, volts) in [(part, input(late + 1)), (period - part, input(late))] {
                 let steps = (length / STEP - 1e-9).ceil().max(0.0);
                 for _ in 0..steps as usize {
@@ -151,7 +167,11 @@ impl BristleAxis {
         let acceleration = |v: f64, z: f64| (force - self.friction(v, z)) / self.inertia;
         let v = from.v + 0.5 * h * acceleration(from.v, from.z);
         let z = self.bristle(from.z, 0.5 * (from.v + v), 0.5 * h);
-        Moving { x: from.x + h * v, v: from.v + h * acceleration(v, z), z: self.bristle(from.z, v, h) }
+        Moving {
+            x: from.x + h * v,
+            v: from.v + h * acceleration(v, z),
+            z: self.bristle(from.z, v, h),
+        }
     }
 
     fn friction(&self, v: f64, z: f64) -> f64 {
@@ -216,11 +236,12 @@ pub struct Loop<'a> {
     pub force_per_volt: f64,
 }
 
-/// Output error: the parameters whose simulated control signal is nearest the measured one, from `start`. `watch` sees the relative error after every
-/// iteration and may stop the search.
+/// Output error: the parameters whose simulated control signal is nearest the measured one, from
+/// `start`. `watch` sees the relative error after every iteration and may stop the search.
 ///
 /// # Errors
-/// [`IdentError::UnequalLengths`], [`IdentError::NoConvergence`] where the start cannot be simulated.
+/// [`IdentError::UnequalLengths`], [`IdentError::NoConvergence`] where the start cannot be
+/// simulated.
 pub fn refine(
     start: &BristleAxis,
     with: &Loop,
@@ -240,8 +261,10 @@ pub fn refine(
     let patience = Patience { sum: 1e-5, step: 1e-5, iterations: 12, broyden: true };
     let power: f64 = with.control.iter().map(|u| u * u).sum();
     let see = &mut |step: &crate::bounded::Step| watch(100.0 * (step.sum / power).sqrt());
-    let minimum = minimise(&mut problem, &[1.0; UNKNOWNS], &bounds, &patience, see)
-        .ok_or_else(|| IdentError::NoConvergence("the axis cannot be simulated from the start".to_owned()))?;
+    let minimum =
+        minimise(&mut problem, &[1.0; UNKNOWNS], &bounds, &patience, see).ok_or_else(|| {
+            IdentError::NoConvergence("the axis cannot be simulated from the start".to_owned())
+        })?;
     let axis = problem.axis(&minimum.x);
     let stopped = minimum.ending == crate::Ending::Stopped;
     let estimates = estimates(&minimum, &scale);
@@ -335,7 +358,11 @@ mod tests {
         let response = TRUTH.run(&CascadeController::EMPS, 35.0, &task(&reference));
         let replayed = CascadeController::EMPS.replay(&reference, &response.position);
         assert!(relative_error(&response.control, &replayed) < 1e-9);
-        let worst = reference.iter().zip(&response.position).map(|(r, q)| (r - q).abs()).fold(0.0, f64::max);
+        let worst = reference
+            .iter()
+            .zip(&response.position)
+            .map(|(r, q)| (r - q).abs())
+            .fold(0.0, f64::max);
         assert!(worst < 2e-3, "the loop follows: {worst}");
     }
 

@@ -1,7 +1,8 @@
 //! Which structure predicts best: blocked cross-validation inside one recording.
 //!
-//! The recording is cut into contiguous blocks. Each in turn is predicted by a fit to the others, all parameters fitted anew, the nonlinear ones included. Rows next
-//! to the block are left out of the fit: the low-pass before the thinning reaches across.
+//! The recording is cut into contiguous blocks. Each in turn is predicted by a fit to the others,
+//! all parameters fitted anew, the nonlinear ones included. Rows next to the block are left out of
+//! the fit: the low-pass before the thinning reaches across.
 
 use serde::Serialize;
 
@@ -11,7 +12,8 @@ use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
 
-/// Rows on each side of a block that take no part in its fit: the length of the anti-alias low-pass's memory, in thinned samples.
+/// Rows on each side of a block that take no part in its fit: the length of the anti-alias
+/// low-pass's memory, in thinned samples.
 const GUARD: usize = 15;
 
 /// How well one structure predicts what it has not seen.
@@ -19,7 +21,8 @@ const GUARD: usize = 15;
 pub struct CrossValidation {
     /// The structure.
     pub structure: AxisStructure,
-    /// Sum of squared prediction errors of each block, over the rows of the whole recording \[N^2 or (N m)^2\].
+    /// Sum of squared prediction errors of each block, over the rows of the whole recording
+    /// \[N^2 or (N m)^2\].
     pub blocks: Vec<f64>,
     /// Mean square of the force \[N^2 or (N m)^2\].
     pub force_power: f64,
@@ -32,8 +35,9 @@ pub struct CrossValidation {
 /// Predicts each of `blocks` contiguous blocks from the others.
 ///
 /// # Errors
-/// [`IdentError::BlockCount`] outside 2 to 50 or where a block would be shorter than its guards, and those of
-/// [`fit_structure`](super::fit_structure) for the recording as a whole or without one of its blocks.
+/// [`IdentError::BlockCount`] outside 2 to 50 or where a block would be shorter than its guards,
+/// and those of [`fit_structure`](super::fit_structure) for the recording as a whole or without one
+/// of its blocks.
 pub fn cross_validate(
     recording: &Conditioned,
     structure: AxisStructure,
@@ -78,7 +82,8 @@ pub struct Ranked {
     pub index: usize,
     /// Relative error less that of the best structure \[percentage points\].
     pub excess: f64,
-    /// Standard error of the excess, from the differences block by block: what all structures find hard cancels.
+    /// Standard error of the excess, from the differences block by block: what all structures find
+    /// hard cancels.
     pub excess_error: f64,
 }
 
@@ -93,13 +98,14 @@ pub struct Choice {
     pub chosen: usize,
 }
 
-/// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the structures whose excess over the best is within one
-/// standard error, the one with the fewest parameters; of equals the better one. The standard error is that of the paired difference.
+/// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the
+/// structures whose excess over the best is within one standard error, the one with the fewest
+/// parameters; of equals the better one. The standard error is that of the paired difference.
 ///
 /// None for an empty list, or for structures with different numbers of blocks.
 pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
-    let best =
-        (0..scores.len()).min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))?;
+    let best = (0..scores.len())
+        .min_by(|&a, &b| scores[a].relative_error.total_cmp(&scores[b].relative_error))?;
     let winner = &scores[best];
     if scores.iter().any(|score| score.blocks.len() != winner.blocks.len()) {
         return None;
@@ -108,7 +114,8 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
         .iter()
         .enumerate()
         .map(|(index, score)| {
-            let difference: Vec<f64> = score.blocks.iter().zip(&winner.blocks).map(|(a, b)| a - b).collect();
+            let difference: Vec<f64> =
+                score.blocks.iter().zip(&winner.blocks).map(|(a, b)| a - b).collect();
             let (a, b) = (score.blocks.iter().sum::<f64>(), winner.blocks.iter().sum::<f64>());
             let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
             let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
@@ -140,11 +147,14 @@ mod tests {
         }
     }
 
-    /// Differences of 1e-4, 3e-4, 1e-4, 3e-4: their sum is 8e-4 with a standard error of sqrt(4 * 4/3) e-4.
+    /// Differences of 1e-4, 3e-4, 1e-4, 3e-4: their sum is 8e-4 with a standard error of sqrt(4 *
+    /// 4/3) e-4.
     #[test]
     fn the_excess_is_paired_block_by_block() {
-        let best =
-            score(AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC }, &[0.01, 0.02, 0.01, 0.05]);
+        let best = score(
+            AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC },
+            &[0.01, 0.02, 0.01, 0.05],
+        );
         let other = score(AxisStructure::ASYMMETRIC, &[0.0101, 0.0203, 0.0101, 0.0503]);
         let choice = choose(&[other.clone(), best.clone()]).unwrap();
         assert_eq!((choice.best, choice.chosen), (1, 1));
@@ -161,8 +171,10 @@ mod tests {
     #[test]
     fn of_equally_good_structures_the_simplest_is_chosen() {
         let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
-        let scores =
-            [score(rich, &[0.01, 0.02, 0.03]), score(AxisStructure::ASYMMETRIC, &[0.011, 0.0195, 0.03])];
+        let scores = [
+            score(rich, &[0.01, 0.02, 0.03]),
+            score(AxisStructure::ASYMMETRIC, &[0.011, 0.0195, 0.03]),
+        ];
         assert_eq!(choose(&scores).map(|choice| choice.chosen), Some(1));
         assert_eq!(choose(&[]), None);
     }

@@ -7,16 +7,19 @@ use crate::estimate::{Doubt, Estimates, Verdict};
 const CLEAR: f64 = 2.0;
 
 /// Parameters that may have either sign.
-const SIGNED: [&str; 6] = ["offset", "spring", "f_c_slope", "f_c_curvature", "harmonic_cos", "harmonic_sin"];
+const SIGNED: [&str; 6] =
+    ["offset", "spring", "f_c_slope", "f_c_curvature", "harmonic_cos", "harmonic_sin"];
 
-/// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck effect, a period without a force.
+/// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck
+/// effect, a period without a force.
 pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
     if structure.stribeck {
         let sides: &[&str] = if structure.asymmetric { &[".forward", ".backward"] } else { &[""] };
         let mut any = false;
         let mut largest = (0.0f64, f64::INFINITY);
         for side in sides {
-            let Some((effect, error)) = difference(estimates, &format!("f_s{side}"), &format!("f_c{side}"))
+            let Some((effect, error)) =
+                difference(estimates, &format!("f_s{side}"), &format!("f_c{side}"))
             else {
                 continue;
             };
@@ -35,9 +38,10 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
     }
     // A signed quantity about zero is a finding, not a failure.
     for estimate in &mut estimates.parameters {
-        let about_zero =
-            matches!(estimate.verdict, Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. })
-                && estimate.standard_error.is_some();
+        let about_zero = matches!(
+            estimate.verdict,
+            Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }
+        ) && estimate.standard_error.is_some();
         if about_zero && SIGNED.contains(&estimate.name.as_str()) {
             estimate.verdict = Verdict::Identified;
         }

@@ -1,4 +1,5 @@
-//! Separable least squares: the linear parameters by QR for every trial of the nonlinear ones (Golub and Pereyra 1973).
+//! Separable least squares: the linear parameters by QR for every trial of the nonlinear ones
+//! (Golub and Pereyra 1973).
 
 use std::ops::ControlFlow;
 
@@ -24,8 +25,9 @@ use crate::{Ending, IdentError};
 pub struct StructureFit {
     /// Which terms it has.
     pub structure: AxisStructure,
-    /// The parameters with errors that count the residual as worth [`effective_share`](Self::effective_share) of its samples; the intervals of
-    /// the nonlinear ones are those of the profile.
+    /// The parameters with errors that count the residual as worth
+    /// [`effective_share`](Self::effective_share) of its samples; the intervals of the nonlinear
+    /// ones are those of the profile.
     pub estimates: Estimates,
     /// The nonlinear parameters.
     pub shape: Shape,
@@ -46,7 +48,8 @@ impl StructureFit {
     /// Applies the fit to a recording, the same one or another: the cross-test.
     ///
     /// # Errors
-    /// [`IdentError`] for a recording too short to decimate, without force, or without the position that the structure needs.
+    /// [`IdentError`] for a recording too short to decimate, without force, or without the position
+    /// that the structure needs.
     pub fn predict(&self, recording: &Conditioned) -> Result<Prediction, IdentError> {
         let mut regressors = Regressors::new(recording, self.structure, self.position_scale)?;
         let matrix = regressors.matrix(&self.shape)?;
@@ -68,7 +71,9 @@ impl StructureFit {
         let mut notes = Vec::new();
         for side in ["", ".forward", ".backward"] {
             let (f_s, f_c) = (format!("f_s{side}"), format!("f_c{side}"));
-            let Some((effect, error)) = doubts::difference(&self.estimates, &f_s, &f_c) else { continue };
+            let Some((effect, error)) = doubts::difference(&self.estimates, &f_s, &f_c) else {
+                continue;
+            };
             if effect < -2.0 * error {
                 notes.push(format!(
                     "{f_s} lies below {f_c}: friction rises over the first speeds instead of falling. That is no Stribeck dip; it describes how \
@@ -86,14 +91,22 @@ impl StructureFit {
         notes
     }
 
-    /// Steady friction at a velocity \[N or N m\], the offset included; at the middle of the axis, without the harmonic.
+    /// Steady friction at a velocity \[N or N m\], the offset included; at the middle of the axis,
+    /// without the harmonic.
     pub fn steady_friction(&self, velocity: f64) -> f64 {
         let side = if velocity < 0.0 { ".backward" } else { ".forward" };
         let value = |name: &str| {
             let estimates = &self.estimates;
-            estimates.value(&format!("{name}{side}")).or_else(|| estimates.value(name)).unwrap_or(0.0)
+            estimates
+                .value(&format!("{name}{side}"))
+                .or_else(|| estimates.value(name))
+                .unwrap_or(0.0)
         };
-        let near = if self.structure.stribeck { (-(velocity / self.shape.v_s).powi(2)).exp() } else { 0.0 };
+        let near = if self.structure.stribeck {
+            (-(velocity / self.shape.v_s).powi(2)).exp()
+        } else {
+            0.0
+        };
         let level = value("f_c") * (1.0 - near) + value("f_s") * near;
         let direction = if velocity.is_sign_negative() { -1.0 } else { 1.0 };
         direction * level + value("f_v") * velocity + value("offset")
@@ -102,12 +115,15 @@ impl StructureFit {
 
 /// Fits `structure` to the whole recording.
 ///
-/// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within bounds that the recording sets (delay up to ten
-/// samples, Stribeck velocity up to a quarter of the largest speed, beyond which the curve cannot be told from viscous friction, displacement up to a tenth of the travel, period from a 200th to twice the travel).
+/// The delay, the Stribeck velocity, the bristle's displacement and the period are searched within
+/// bounds that the recording sets (delay up to ten samples, Stribeck velocity up to a quarter of
+/// the largest speed, beyond which the curve cannot be told from viscous friction, displacement up
+/// to a tenth of the travel, period from a 200th to twice the travel).
 ///
 /// # Errors
-/// [`IdentError::Columns`] where the recording cannot tell terms apart, [`IdentError::NegativeInertia`], [`IdentError::ZeroForce`],
-/// [`IdentError::TooFewSamples`], [`IdentError::NoPosition`].
+/// [`IdentError::Columns`] where the recording cannot tell terms apart,
+/// [`IdentError::NegativeInertia`], [`IdentError::ZeroForce`], [`IdentError::TooFewSamples`],
+/// [`IdentError::NoPosition`].
 pub fn fit_structure(
     recording: &Conditioned,
     structure: AxisStructure,
@@ -186,7 +202,8 @@ impl<'a> Search<'a> {
                 let mut trial = start;
                 term.set(&mut trial, value);
                 let (matrix, force) = self.system(&trial)?;
-                let sum = Projection::new(matrix).map(|projection| projection.rest(&force).1.norm_squared());
+                let sum = Projection::new(matrix)
+                    .map(|projection| projection.rest(&force).1.norm_squared());
                 if let Some(sum) = sum.filter(|sum| *sum < best) {
                     (best, chosen) = (sum, trial);
                 }
@@ -198,12 +215,15 @@ impl<'a> Search<'a> {
 
     /// The best fit from a starting point, with some nonlinear parameters kept at it.
     pub fn from(&mut self, start: Shape, kept: &[ShapeTerm]) -> Result<Best, IdentError> {
-        let terms: Vec<ShapeTerm> =
-            ShapeTerm::of(&self.structure).into_iter().filter(|term| !kept.contains(term)).collect();
+        let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
+            .into_iter()
+            .filter(|term| !kept.contains(term))
+            .collect();
         let mut shape = start;
         if !terms.is_empty() {
             let bounds: Vec<_> = terms.iter().map(|&term| self.limits.bound(term)).collect();
-            let from: Vec<f64> = terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
+            let from: Vec<f64> =
+                terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
             let patience = Patience { sum: 1e-8, step: 1e-5, iterations: 30, broyden: false };
             let mut problem = Separable { search: self, terms: &terms, start };
             let watch = &mut |_: &_| ControlFlow::Continue(());
@@ -251,8 +271,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Derivative of the predicted force with respect to one nonlinear parameter, the linear ones kept, on all rows; by central differences
-    /// within the bounds.
+    /// Derivative of the predicted force with respect to one nonlinear parameter, the linear ones
+    /// kept, on all rows; by central differences within the bounds.
     fn slope(
         &mut self,
         shape: &Shape,
@@ -322,7 +342,8 @@ impl Residuals for Separable<'_, '_> {
         true
     }
 
-    /// Kaufman's (1975): the change of the columns, projected off what the linear parameters can follow.
+    /// Kaufman's (1975): the change of the columns, projected off what the linear parameters can
+    /// follow.
     fn jacobian(&mut self, x: &[f64], _: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
         let shape = self.shape(x);
         let Ok((matrix, force)) = self.search.system(&shape) else { return false };
@@ -337,8 +358,9 @@ impl Residuals for Separable<'_, '_> {
     }
 }
 
-/// Least squares by normal equations of columns scaled to unit length: quick enough to be done for every trial of the search. The final
-/// parameters come from the factorisation of the columns themselves.
+/// Least squares by normal equations of columns scaled to unit length: quick enough to be done for
+/// every trial of the search. The final parameters come from the factorisation of the columns
+/// themselves.
 struct Projection {
     scaled: DMatrix<f64>,
     scale: DVector<f64>,
@@ -348,7 +370,10 @@ struct Projection {
 impl Projection {
     /// None for columns that depend on one another.
     fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
-        let scale = DVector::from_iterator(matrix.ncols(), matrix.column_iter().map(|column| column.norm()));
+        let scale = DVector::from_iterator(
+            matrix.ncols(),
+            matrix.column_iter().map(|column| column.norm()),
+        );
         if scale.iter().any(|norm| *norm == 0.0) {
             return None;
         }

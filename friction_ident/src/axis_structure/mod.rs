@@ -1,4 +1,5 @@
-//! An axis whose model is chosen: which of direction-wise friction, Stribeck effect, pre-sliding, delay and position dependence the data support.
+//! An axis whose model is chosen: which of direction-wise friction, Stribeck effect, pre-sliding,
+//! delay and position dependence the data support.
 //!
 //! ```text
 //! force(t) = inertia a + f_v v + z (f_c + (f_s - f_c) exp(-(v/v_s)^2)) + offset        all at t + delay
@@ -6,17 +7,21 @@
 //!          + harmonic_cos cos(2 pi x / period) + harmonic_sin sin(2 pi x / period)     harmonic
 //! ```
 //!
-//! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its limit. With `asymmetric` the coefficients of the parts that push forward
-//! and backward are parameters of their own, and no offset is left to be told from them.
+//! `z` is the sign of the velocity, or with pre-sliding the deflection of Dahl's bristle over its
+//! limit. With `asymmetric` the coefficients of the parts that push forward and backward are
+//! parameters of their own, and no offset is left to be told from them.
 //!
-//! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells how well it predicts what it has not seen, [`choose`] decides.
+//! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells
+//! how well it predicts what it has not seen, [`choose`] decides.
 //!
 //! [`closed_loop`] runs an axis under the controller that made a recording.
 //!
-//! The sign is that of the sampled velocity: when a reversal happens is known to one sample, and a curve near rest with a small `v_s` may follow the rest.
+//! The sign is that of the sampled velocity: when a reversal happens is known to one sample, and a
+//! curve near rest with a small `v_s` may follow the rest.
 //!
-//! What motion and driving force cannot tell: a delay of the actuator from a lead of the position sensor; a gain error of the force scale from all
-//! other forces at once (only ratios to the gain are known); the half sample that a held output adds to the delay from the drive's own.
+//! What motion and driving force cannot tell: a delay of the actuator from a lead of the position
+//! sensor; a gain error of the force scale from all other forces at once (only ratios to the gain
+//! are known); the half sample that a held output adds to the delay from the drive's own.
 
 pub mod closed_loop;
 mod cross_validation;

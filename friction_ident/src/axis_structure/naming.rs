@@ -35,16 +35,17 @@ impl AxisUnits {
 
 const FASTER: &str = "a motion with more and stronger acceleration";
 const SPEEDS: &str = "a motion at several constant speeds in both directions";
-const SLOW: &str = "slow motion: steady speeds below and around the dip, down to where the axis sticks";
-const REVERSALS: &str =
-    "small oscillations about a point, with a position sensor that resolves the first part of each reversal";
+const SLOW: &str =
+    "slow motion: steady speeds below and around the dip, down to where the axis sticks";
+const REVERSALS: &str = "small oscillations about a point, with a position sensor that resolves the first part of each reversal";
 const STEPS: &str = "reversals and steps of the force, sampled faster";
 const TRAVEL: &str = "motion over the whole axis at several speeds";
 
 /// The parameters of a structure: linear ones in the order of the columns, then the nonlinear ones.
 pub(super) fn unknowns(structure: &AxisStructure, units: &AxisUnits) -> Vec<Unknown> {
     let mut all = Vec::new();
-    let mut add = |name: &str, unit, remedy| all.push(Unknown { name: name.to_owned(), unit, remedy });
+    let mut add =
+        |name: &str, unit, remedy| all.push(Unknown { name: name.to_owned(), unit, remedy });
     let sides: &[&str] = if structure.asymmetric { &[".forward", ".backward"] } else { &[""] };
     add("inertia", units.inertia, FASTER);
     sides.iter().for_each(|side| add(&format!("f_v{side}"), units.viscous, SPEEDS));
@@ -84,7 +85,11 @@ mod tests {
     #[test]
     fn every_structure_names_as_many_parameters_as_it_counts() {
         for structure in AxisStructure::candidates() {
-            assert_eq!(unknowns(&structure, &AxisUnits::LINEAR).len(), structure.parameters(), "{structure}");
+            assert_eq!(
+                unknowns(&structure, &AxisUnits::LINEAR).len(),
+                structure.parameters(),
+                "{structure}"
+            );
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Intervals of the nonlinear parameters from the profile of the sum of squares.
 //!
-//! A value belongs to the 95 % interval while the best sum of squares with the parameter kept there stays below
-//! `S (1 + t^2 / n)`, with Student's quantile `t` and the `n` degrees of freedom that the residual is worth (Bates and Watts 1988, chapter 6).
+//! A value belongs to the 95 % interval while the best sum of squares with the parameter kept there
+//! stays below `S (1 + t^2 / n)`, with Student's quantile `t` and the `n` degrees of freedom that
+//! the residual is worth (Bates and Watts 1988, chapter 6).
 
 use super::fit::{Best, Search};
 use super::shape::{Shape, ShapeTerm};
@@ -16,7 +17,8 @@ const CLOSE: f64 = 0.01;
 /// Replaces the linearised intervals of the nonlinear parameters.
 pub(super) fn intervals(search: &mut Search, best: &Best, estimates: &mut Estimates) {
     let degrees = estimates.degrees_of_freedom;
-    let limit = best.solution.residual.norm_squared() * (1.0 + student_95(degrees).powi(2) / degrees as f64);
+    let limit = best.solution.residual.norm_squared()
+        * (1.0 + student_95(degrees).powi(2) / degrees as f64);
     let terms = ShapeTerm::of(&search.structure);
     let first = estimates.parameters.len().saturating_sub(terms.len());
     for (term, estimate) in terms.into_iter().zip(&mut estimates.parameters[first..]) {
@@ -46,7 +48,8 @@ fn end(
     let centre = term.value(&best.shape);
     let mut last: Shape = best.shape;
     let least = best.solution.residual.norm_squared();
-    // The root of the rise over its limit: about proportional to the distance, so that secants arrive quickly.
+    // The root of the rise over its limit: about proportional to the distance, so that secants
+    // arrive quickly.
     let mut rise = |value: f64| {
         let mut start = last;
         term.set(&mut start, value);

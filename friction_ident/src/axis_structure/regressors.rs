@@ -1,8 +1,9 @@
 //! The columns of the regression, filtered, thinned and advanced by the delay.
 //!
-//! A delayed force `F(t) = f(t + delay)` is met by reading the model's columns later, not by moving the force: the force stays as measured,
-//! and relative errors keep one denominator. The columns are read after their anti-alias low-pass, which makes interpolation between samples exact
-//! to far below the noise, and lets a new delay cost no filtering.
+//! A delayed force `F(t) = f(t + delay)` is met by reading the model's columns later, not by moving
+//! the force: the force stays as measured, and relative errors keep one denominator. The columns
+//! are read after their anti-alias low-pass, which makes interpolation between samples exact to far
+//! below the noise, and lets a new delay cost no filtering.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -97,8 +98,9 @@ impl<'a> Regressors<'a> {
         Ok(matrix)
     }
 
-    /// Derivative of the predicted force with respect to a nonlinear parameter, from its change between two shapes that differ in it alone.
-    /// The change is filtered once, whatever the number of columns.
+    /// Derivative of the predicted force with respect to a nonlinear parameter, from its change
+    /// between two shapes that differ in it alone. The change is filtered once, whatever the number
+    /// of columns.
     pub fn slope(
         &mut self,
         term: ShapeTerm,
@@ -143,7 +145,8 @@ impl<'a> Regressors<'a> {
         let Conditioned { time_step, first, decimate, .. } = *self.recording;
         let of = |piece: &Piece| {
             let start = piece.start;
-            (0..rows_of(piece, decimate)).map(move |k| start + (first + k * decimate) as f64 * time_step)
+            (0..rows_of(piece, decimate))
+                .map(move |k| start + (first + k * decimate) as f64 * time_step)
         };
         self.recording.pieces.iter().flat_map(of).collect()
     }
@@ -183,7 +186,8 @@ impl<'a> Regressors<'a> {
         columns.into_iter().map(|column| self.smooth(column)).collect()
     }
 
-    /// The positive and the negative part of a column, or the whole where the directions share a parameter.
+    /// The positive and the negative part of a column, or the whole where the directions share a
+    /// parameter.
     fn sides(&self, column: Vec<f64>) -> Vec<Vec<f64>> {
         if self.structure.asymmetric {
             vec![
@@ -204,7 +208,8 @@ impl<'a> Regressors<'a> {
     fn update_friction(&mut self, shape: &Shape) -> Result<(), IdentError> {
         let key = [shape.v_s, shape.displacement];
         if self.friction.made_for != Some(key) {
-            let columns = self.friction_columns(shape).into_iter().map(|column| self.smooth(column));
+            let columns =
+                self.friction_columns(shape).into_iter().map(|column| self.smooth(column));
             let columns = columns.collect::<Result<_, _>>()?;
             self.friction = Group { made_for: Some(key), columns };
         }
@@ -232,9 +237,11 @@ impl<'a> Regressors<'a> {
         columns
     }
 
-    /// Direction of motion, -1 to 1: the sign of the velocity, or the deflection of a bristle over its limit.
+    /// Direction of motion, -1 to 1: the sign of the velocity, or the deflection of a bristle over
+    /// its limit.
     ///
-    /// The bristle is Dahl's (1968), `z' = (v - |v| z) / displacement`, solved exactly over a sample of constant velocity.
+    /// The bristle is Dahl's (1968), `z' = (v - |v| z) / displacement`, solved exactly over a
+    /// sample of constant velocity.
     fn sign(&self, displacement: f64) -> Vec<f64> {
         let Conditioned { velocity, velocity_floor, time_step, .. } = self.recording;
         let sign = |v: f64| if v.abs() <= *velocity_floor { 0.0 } else { v.signum() };
@@ -284,7 +291,8 @@ pub(crate) fn rows_of(piece: &Piece, factor: usize) -> usize {
 pub(crate) fn read(column: &[f64], at: f64) -> f64 {
     let i = at.floor() as usize;
     let t = at - i as f64;
-    let value = |k: usize| column.get(k.min(column.len().saturating_sub(1))).copied().unwrap_or(0.0);
+    let value =
+        |k: usize| column.get(k.min(column.len().saturating_sub(1))).copied().unwrap_or(0.0);
     if t == 0.0 {
         return value(i);
     }

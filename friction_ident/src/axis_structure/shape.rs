@@ -14,7 +14,8 @@ pub struct Shape {
     pub delay: f64,
     /// Stribeck velocity v_s \[m/s or rad/s\].
     pub v_s: f64,
-    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb level over stiffness.
+    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb
+    /// level over stiffness.
     pub displacement: f64,
     /// Length along the axis after which the harmonic force repeats \[m or rad\].
     pub period: f64,
@@ -121,7 +122,8 @@ impl Limits {
         }
     }
 
-    /// `count` values from end to end: evenly in the logarithm, or in turns per length for a period.
+    /// `count` values from end to end: evenly in the logarithm, or in turns per length for a
+    /// period.
     pub fn grid(&self, term: ShapeTerm, count: usize) -> Vec<f64> {
         let (low, high) = (term.value(&self.low), term.value(&self.high));
         let part = |i: usize| i as f64 / count.saturating_sub(1).max(1) as f64;
@@ -136,7 +138,11 @@ impl Limits {
 
     pub fn bound(&self, term: ShapeTerm) -> Bound {
         let scale = if term == ShapeTerm::Delay { self.time_step } else { 1.0 };
-        Bound::within(term.unknown(term.value(&self.low)), term.unknown(term.value(&self.high)), scale)
+        Bound::within(
+            term.unknown(term.value(&self.low)),
+            term.unknown(term.value(&self.high)),
+            scale,
+        )
     }
 }
 

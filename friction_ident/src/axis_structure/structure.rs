@@ -5,9 +5,11 @@ use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// The structure of an axis model. Every one has an inertia, viscous and Coulomb friction; the fields say what it has beside them.
+/// The structure of an axis model. Every one has an inertia, viscous and Coulomb friction; the
+/// fields say what it has beside them.
 ///
-/// Written as a name: `symmetric` or `asymmetric`, then the rest joined by `+`, as in `asymmetric+stribeck+delay`.
+/// Written as a name: `symmetric` or `asymmetric`, then the rest joined by `+`, as in
+/// `asymmetric+stribeck+delay`.
 ///
 /// ```
 /// use friction_ident::axis_structure::AxisStructure;
@@ -21,9 +23,11 @@ use serde::{Serialize, Serializer};
 pub struct AxisStructure {
     /// Friction parameters of their own for each direction, in place of one set and an offset.
     pub asymmetric: bool,
-    /// Friction rises from `f_c` to `f_s` towards rest, as `exp(-(v/v_s)^2)` (Stribeck; thesis eq. 2.9 with exponent 2).
+    /// Friction rises from `f_c` to `f_s` towards rest, as `exp(-(v/v_s)^2)` (Stribeck; thesis eq.
+    /// 2.9 with exponent 2).
     pub stribeck: bool,
-    /// Friction passes through zero over a displacement after a reversal (Dahl's bristle) instead of in a step.
+    /// Friction passes through zero over a displacement after a reversal (Dahl's bristle) instead
+    /// of in a step.
     pub presliding: bool,
     /// The force acts later than it was recorded.
     pub delay: bool,
@@ -46,7 +50,8 @@ const PARTS: [(&str, Field); 5] = [
 ];
 
 impl AxisStructure {
-    /// Inertia, viscous and Coulomb friction, offset: the model that is published with the EMPS benchmark.
+    /// Inertia, viscous and Coulomb friction, offset: the model that is published with the EMPS
+    /// benchmark.
     pub const SYMMETRIC: Self = Self {
         asymmetric: false,
         stribeck: false,
@@ -58,8 +63,8 @@ impl AxisStructure {
     /// The same with viscous and Coulomb friction of each direction.
     pub const ASYMMETRIC: Self = Self { asymmetric: true, ..Self::SYMMETRIC };
 
-    /// What an automatic choice compares: both simple structures, every effect on its own on top of the asymmetric one, and their
-    /// combinations around the delay, which is usually the largest.
+    /// What an automatic choice compares: both simple structures, every effect on its own on top of
+    /// the asymmetric one, and their combinations around the delay, which is usually the largest.
     pub fn candidates() -> Vec<Self> {
         let base = Self::ASYMMETRIC;
         vec![
@@ -136,7 +141,8 @@ impl FromStr for AxisStructure {
     type Err = UnknownStructure;
 
     fn from_str(name: &str) -> Result<Self, UnknownStructure> {
-        let unknown = |part: &str| UnknownStructure { name: name.to_owned(), part: part.to_owned() };
+        let unknown =
+            |part: &str| UnknownStructure { name: name.to_owned(), part: part.to_owned() };
         let mut parts = name.split('+').map(str::trim);
         let mut structure = match parts.next() {
             Some("symmetric") => Self::SYMMETRIC,
@@ -144,7 +150,8 @@ impl FromStr for AxisStructure {
             other => return Err(unknown(other.unwrap_or_default())),
         };
         for part in parts {
-            let (_, field) = PARTS.iter().find(|(known, _)| *known == part).ok_or_else(|| unknown(part))?;
+            let (_, field) =
+                PARTS.iter().find(|(known, _)| *known == part).ok_or_else(|| unknown(part))?;
             *field(&mut structure) = true;
         }
         Ok(structure)
@@ -160,7 +167,8 @@ mod tests {
         for structure in AxisStructure::candidates() {
             assert_eq!(structure.to_string().parse(), Ok(structure));
         }
-        for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")] {
+        for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")]
+        {
             let message = name.parse::<AxisStructure>().unwrap_err().to_string();
             assert!(message.starts_with(part), "{message}");
         }

@@ -20,7 +20,8 @@ fn acceleration(t: f64) -> f64 {
     -0.1815 * (1.1 * t).sin() - 0.6845 * (3.7 * t).sin() - 2.116 * (23.0 * t).sin()
 }
 
-/// 12 s of an axis at 1 kHz whose force is known: Stribeck friction of each direction, delayed, with white noise.
+/// 12 s of an axis at 1 kHz whose force is known: Stribeck friction of each direction, delayed,
+/// with white noise.
 fn axis(friction: impl Fn(f64) -> f64, delay: f64, noise: f64) -> Conditioned {
     let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
     let time: Vec<f64> = (0..12_000).map(|i| f64::from(i) * 1e-3).collect();
@@ -29,10 +30,13 @@ fn axis(friction: impl Fn(f64) -> f64, delay: f64, noise: f64) -> Conditioned {
         .iter()
         .map(|&t| {
             let t = t + delay;
-            INERTIA * acceleration(t) + friction(velocity(t)) + noise * rng.sample::<f64, _>(StandardNormal)
+            INERTIA * acceleration(t)
+                + friction(velocity(t))
+                + noise * rng.sample::<f64, _>(StandardNormal)
         })
         .collect();
-    let signals = Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+    let signals =
+        Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
@@ -52,7 +56,8 @@ fn structure(name: &str) -> AxisStructure {
 #[test]
 fn the_true_parameters_lie_in_the_intervals() {
     let recording = axis(stribeck, DELAY, 0.2);
-    let fit = fit_structure(&recording, structure("asymmetric+stribeck+delay"), &AxisUnits::LINEAR).unwrap();
+    let fit = fit_structure(&recording, structure("asymmetric+stribeck+delay"), &AxisUnits::LINEAR)
+        .unwrap();
     for (name, truth) in [
         ("inertia", INERTIA),
         ("f_v.forward", 9.0),
@@ -69,7 +74,10 @@ fn the_true_parameters_lie_in_the_intervals() {
         assert!(estimate.interval.unwrap().contains(truth), "{truth}: {estimate:?}");
         assert!((estimate.value / truth - 1.0).abs() < 0.2, "{truth}: {estimate:?}");
     }
-    assert_eq!(fit.estimates.get("delay").unwrap().interval.unwrap().method, IntervalMethod::Profile);
+    assert_eq!(
+        fit.estimates.get("delay").unwrap().interval.unwrap().method,
+        IntervalMethod::Profile
+    );
     assert!((fit.steady_friction(0.3) - stribeck(0.3)).abs() < 0.1);
     assert!((fit.steady_friction(-0.01) - stribeck(-0.01)).abs() < 0.4);
     assert!(fit.effective_share > 0.5, "white noise is worth its samples: {}", fit.effective_share);
@@ -85,7 +93,9 @@ fn the_simple_structures_agree_with_the_rigid_axis() {
         let fit = fit_structure(&recording, structure(name), &AxisUnits::LINEAR).unwrap();
         let reference = crate::fit_axis(&recording, model).unwrap();
         assert!((fit.relative_error / reference.relative_error - 1.0).abs() < 5e-3);
-        assert!((fit.estimates.value("inertia").unwrap() / reference.terms[0].value - 1.0).abs() < 1e-3);
+        assert!(
+            (fit.estimates.value("inertia").unwrap() / reference.terms[0].value - 1.0).abs() < 1e-3
+        );
         let again = fit.predict(&recording).unwrap();
         assert!((again.relative_error - fit.relative_error).abs() < 1e-9);
     }
@@ -95,12 +105,15 @@ fn the_simple_structures_agree_with_the_rigid_axis() {
 fn cross_validation_finds_the_structure_that_made_the_data() {
     let names = ["symmetric", "symmetric+delay", "asymmetric+delay", "asymmetric+stribeck+delay"];
     let chosen = |recording: &Conditioned| {
-        let scores: Vec<_> =
-            names.iter().map(|name| cross_validate(recording, structure(name), 6).unwrap()).collect();
+        let scores: Vec<_> = names
+            .iter()
+            .map(|name| cross_validate(recording, structure(name), 6).unwrap())
+            .collect();
         scores[choose(&scores).unwrap().chosen].structure.to_string()
     };
     assert_eq!(chosen(&axis(stribeck, DELAY, 0.2)), "asymmetric+stribeck+delay");
-    // Whole samples: between them the sampled sign of a step is early or late by part of one, which a curve near rest can follow.
+    // Whole samples: between them the sampled sign of a step is early or late by part of one, which
+    // a curve near rest can follow.
     assert_eq!(chosen(&axis(coulomb, 1e-3, 0.2)), "symmetric+delay");
     assert_eq!(chosen(&axis(coulomb, 0.0, 0.2)), "symmetric");
 }
@@ -108,7 +121,8 @@ fn cross_validation_finds_the_structure_that_made_the_data() {
 #[test]
 fn a_stribeck_velocity_without_a_stribeck_effect_is_not_identified() {
     let recording = axis(coulomb, 0.0, 0.5);
-    let fit = fit_structure(&recording, structure("asymmetric+stribeck"), &AxisUnits::LINEAR).unwrap();
+    let fit =
+        fit_structure(&recording, structure("asymmetric+stribeck"), &AxisUnits::LINEAR).unwrap();
     let v_s = fit.estimates.get("v_s").unwrap();
     assert!(matches!(v_s.verdict, Verdict::NotIdentifiable { .. }), "{v_s:?}");
     // A delay of zero is at its bound, or its interval has no end below.
@@ -133,8 +147,13 @@ fn a_force_that_repeats_along_the_axis_is_found_with_its_period() {
     for (force, x) in recording.force.iter_mut().zip(place) {
         *force += 0.8 * (std::f64::consts::TAU * x / 0.016).sin();
     }
-    let fit = fit_structure(&recording, structure("symmetric+harmonic"), &AxisUnits::LINEAR).unwrap();
-    assert!(fit.estimates.get("period").unwrap().interval.unwrap().contains(0.016), "{:?}", fit.estimates);
+    let fit =
+        fit_structure(&recording, structure("symmetric+harmonic"), &AxisUnits::LINEAR).unwrap();
+    assert!(
+        fit.estimates.get("period").unwrap().interval.unwrap().contains(0.016),
+        "{:?}",
+        fit.estimates
+    );
     assert!(fit.estimates.get("harmonic_sin").unwrap().interval.unwrap().contains(0.8));
     assert!(fit.estimates.get("harmonic_cos").unwrap().interval.unwrap().contains(0.0));
 }
@@ -143,7 +162,8 @@ fn a_force_that_repeats_along_the_axis_is_found_with_its_period() {
 fn what_cannot_be_fitted_is_refused() {
     let recording = axis(coulomb, 0.0, 0.2);
     let blind = Conditioned { position: None, ..recording.clone() };
-    let error = fit_structure(&blind, structure("symmetric+position"), &AxisUnits::LINEAR).unwrap_err();
+    let error =
+        fit_structure(&blind, structure("symmetric+position"), &AxisUnits::LINEAR).unwrap_err();
     assert!(error.to_string().contains("position"), "{error}");
     let error = cross_validate(&recording, AxisStructure::SYMMETRIC, 1).unwrap_err();
     assert!(error.to_string().contains("between 2 and"), "{error}");

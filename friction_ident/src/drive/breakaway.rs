@@ -23,12 +23,15 @@ const SLOW: f64 = 3.0;
 /// Longest time from rest to motion, and on to twice its speed \[s\].
 const START: f64 = 1.0;
 
-/// All starts of motion in a recording whose force is the voltage: at least 0.1 s below a hundredth of the largest speed while the voltage changes by less
-/// than 3 V/s, then beyond 5 % and 10 % of the largest speed, each within a second.
+/// All starts of motion in a recording whose force is the voltage: at least 0.1 s below a hundredth
+/// of the largest speed while the voltage changes by less than 3 V/s, then beyond 5 % and 10 % of
+/// the largest speed, each within a second.
 ///
-/// The voltage is carried back to zero speed along the line through these two moments. Slower speeds do not count, because a contact creeps before it breaks away:
-/// where friction hardly falls with speed this is the sliding level, and where it falls much the axis jumps and it is the breakaway level itself. It contains the
-/// voltage that accelerates the axis, `T` times the rate of the voltage.
+/// The voltage is carried back to zero speed along the line through these two moments. Slower
+/// speeds do not count, because a contact creeps before it breaks away: where friction hardly falls
+/// with speed this is the sliding level, and where it falls much the axis jumps and it is the
+/// breakaway level itself. It contains the voltage that accelerates the axis, `T` times the rate of
+/// the voltage.
 pub fn breakaways(recording: &Conditioned) -> Vec<Breakaway> {
     let fastest = recording.velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
     recording.pieces.iter().flat_map(|piece| within(recording, piece, fastest)).collect()
@@ -55,7 +58,9 @@ fn within(recording: &Conditioned, piece: &Piece, fastest: f64) -> Vec<Breakaway
         {
             let direction = v.signum();
             let later = velocity.iter().skip(k).take(samples(START));
-            let Some(ahead) = later.into_iter().position(|&v| v * direction > 2.0 * moving) else { continue };
+            let Some(ahead) = later.into_iter().position(|&v| v * direction > 2.0 * moving) else {
+                continue;
+            };
             let at = |column: &[f64], k: usize| column.get(k).copied().unwrap_or(0.0);
             let rate = (at(force, last) - at(force, last - samples(REST))) / REST;
             let (gain, rise) = (at(velocity, k + ahead) - v, at(force, k + ahead) - at(force, k));

@@ -3,8 +3,10 @@
 use crate::confidence::student_95;
 use crate::estimate::{Estimate, Interval, IntervalMethod};
 
-/// One list of estimates from several: each quantity the mean of its identified values, weighted by their variances; where the recordings differ by more
-/// than their errors say, the error grows by the root of the reduced chi-square (Birge 1932). What no recording identifies stays as in the first.
+/// One list of estimates from several: each quantity the mean of its identified values, weighted by
+/// their variances; where the recordings differ by more than their errors say, the error grows by
+/// the root of the reduced chi-square (Birge 1932). What no recording identifies stays as in the
+/// first.
 pub fn combine(recordings: &[Vec<Estimate>]) -> Vec<Estimate> {
     let Some((first, rest)) = recordings.split_first() else { return Vec::new() };
     if rest.is_empty() {
@@ -24,7 +26,9 @@ fn together(like: &Estimate, recordings: &[Vec<Estimate>]) -> Estimate {
         .iter()
         .flatten()
         .filter(|estimate| estimate.name == like.name && estimate.is_identified())
-        .filter_map(|estimate| Some((estimate, estimate.standard_error.filter(|error| *error > 0.0)?)))
+        .filter_map(|estimate| {
+            Some((estimate, estimate.standard_error.filter(|error| *error > 0.0)?))
+        })
         .collect();
     let Some((model, _)) = usable.first() else { return like.clone() };
     let n = usable.len();
@@ -32,8 +36,10 @@ fn together(like: &Estimate, recordings: &[Vec<Estimate>]) -> Estimate {
         return (*model).clone();
     }
     let weights: f64 = usable.iter().map(|(_, error)| error.powi(-2)).sum();
-    let mean = usable.iter().map(|(estimate, error)| estimate.value * error.powi(-2)).sum::<f64>() / weights;
-    let chi: f64 = usable.iter().map(|(estimate, error)| ((estimate.value - mean) / error).powi(2)).sum();
+    let mean = usable.iter().map(|(estimate, error)| estimate.value * error.powi(-2)).sum::<f64>()
+        / weights;
+    let chi: f64 =
+        usable.iter().map(|(estimate, error)| ((estimate.value - mean) / error).powi(2)).sum();
     let birge = (chi / (n - 1) as f64).sqrt().max(1.0);
     let error = birge / weights.sqrt();
     // Where the scatter decides, only the recordings count as degrees of freedom.
@@ -41,7 +47,11 @@ fn together(like: &Estimate, recordings: &[Vec<Estimate>]) -> Estimate {
     Estimate {
         value: mean,
         standard_error: Some(error),
-        interval: Some(Interval { low: mean - half, high: mean + half, method: IntervalMethod::Linearised }),
+        interval: Some(Interval {
+            low: mean - half,
+            high: mean + half,
+            method: IntervalMethod::Linearised,
+        }),
         ..(*model).clone()
     }
 }
@@ -62,7 +72,8 @@ mod tests {
         }]
     }
 
-    /// Weights 1 and 4: mean (1 + 4 * 1.1) / 5, error 1 / sqrt(5); values ten errors apart widen it by their scatter.
+    /// Weights 1 and 4: mean (1 + 4 * 1.1) / 5, error 1 / sqrt(5); values ten errors apart widen it
+    /// by their scatter.
     #[test]
     fn precise_recordings_count_more_and_scatter_widens_the_error() {
         let both = combine(&[estimate(1.0, 1.0), estimate(1.1, 0.5)]);

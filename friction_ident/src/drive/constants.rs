@@ -26,14 +26,16 @@ impl Known {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Calibration {
-    /// The motor's constants: A K_m \[N m/A\] and R_a \[Ohm\]. They also tell back-EMF from viscous friction.
+    /// The motor's constants: A K_m \[N m/A\] and R_a \[Ohm\]. They also tell back-EMF from viscous
+    /// friction.
     Motor {
         /// Gear ratio times torque constant.
         torque_constant: Known,
         /// Armature resistance.
         resistance: Known,
     },
-    /// Force or torque per volt \[N/V or N m/V\], of a current-controlled or otherwise calibrated drive.
+    /// Force or torque per volt \[N/V or N m/V\], of a current-controlled or otherwise calibrated
+    /// drive.
     ForcePerVolt(Known),
 }
 

@@ -1,11 +1,14 @@
-//! The fit: with a measured friction torque by linear least squares, without it by the axis model with the voltage as its force.
+//! The fit: with a measured friction torque by linear least squares, without it by the axis model
+//! with the voltage as its force.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::constants::{Calibration, Known};
 use super::{Breakaway, breakaways};
-use crate::axis_structure::{AxisStructure, AxisUnits, LONGEST_DELAY, fit_structure, read_between, rows_of};
+use crate::axis_structure::{
+    AxisStructure, AxisUnits, LONGEST_DELAY, fit_structure, read_between, rows_of,
+};
 use crate::bounded::Minimum;
 use crate::conditioning::{Conditioned, Conditioning, Piece, Signals, condition_stretches};
 use crate::confidence::student_95;
@@ -14,7 +17,8 @@ use crate::residual_whiteness::effective_share;
 use crate::zero_phase::LowPass;
 use crate::{Ending, IdentError, least_squares};
 
-/// What was recorded of a drive without a gap, all channels at the same instants. A voltage that is held over a sample stands at its beginning.
+/// What was recorded of a drive without a gap, all channels at the same instants. A voltage that is
+/// held over a sample stands at its beginning.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveRecording<'a> {
     /// Time of the first sample \[s\].
@@ -34,7 +38,8 @@ pub struct DriveRecording<'a> {
 /// A drive that was identified.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DriveFit {
-    /// `gain` K, `time_constant` T, `delay`, `inertia` and whatever else was known or found; see the module.
+    /// `gain` K, `time_constant` T, `delay`, `inertia` and whatever else was known or found; see
+    /// the module.
     pub estimates: Estimates,
     /// Starts of motion out of rest.
     pub breakaways: Vec<Breakaway>,
@@ -52,10 +57,12 @@ pub struct DriveFit {
     pub notes: Vec<String>,
 }
 
-/// Identifies a drive from the stretches of a recording, all of one sampling period; neither filters nor the delay reach across the gaps between them.
+/// Identifies a drive from the stretches of a recording, all of one sampling period; neither
+/// filters nor the delay reach across the gaps between them.
 ///
 /// # Errors
-/// [`IdentError`] for recordings that are too short, not finite, without motion, or that do not excite the drive.
+/// [`IdentError`] for recordings that are too short, not finite, without motion, or that do not
+/// excite the drive.
 pub fn fit_drive<'a>(
     recording: &[DriveRecording<'a>],
     how: &Conditioning,
@@ -115,7 +122,8 @@ fn without_torque(recording: &Conditioned) -> Result<Fitted, IdentError> {
     })
 }
 
-/// `u = inertia w' + back_emf w + volts_per_torque F + offset`, all but the voltage read `delay` later.
+/// `u = inertia w' + back_emf w + volts_per_torque F + offset`, all but the voltage read `delay`
+/// later.
 fn with_torque(recording: &Conditioned, friction: &[&[f64]]) -> Result<Fitted, IdentError> {
     let Conditioned { time_step, first, velocity, acceleration, force, decimate, .. } = recording;
     let friction = measured_friction(recording, friction)?;
@@ -140,7 +148,8 @@ fn with_torque(recording: &Conditioned, friction: &[&[f64]]) -> Result<Fitted, I
     let read = |column: &[f64], delay: f64| -> Vec<f64> {
         let of = |piece: &Piece| {
             let own = column.get(piece.kept.clone()).unwrap_or_default();
-            (0..rows_of(piece, *decimate)).map(move |k| read_between(own, (k * decimate) as f64 + delay))
+            (0..rows_of(piece, *decimate))
+                .map(move |k| read_between(own, (k * decimate) as f64 + delay))
         };
         pieces.iter().flat_map(of).collect()
     };
@@ -194,10 +203,12 @@ fn with_torque(recording: &Conditioned, friction: &[&[f64]]) -> Result<Fitted, I
         evaluations: 0,
         ending: Ending::Converged,
     };
-    let unknowns = NAMES.map(|(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy });
+    let unknowns =
+        NAMES.map(|(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy });
     let time = |piece: &Piece| {
         let start = piece.start;
-        (0..rows_of(piece, *decimate)).map(move |k| start + (first + k * decimate) as f64 * time_step)
+        (0..rows_of(piece, *decimate))
+            .map(move |k| start + (first + k * decimate) as f64 * time_step)
     };
     Ok(Fitted {
         estimates: Estimates::linearised(&minimum, &unknowns, share),
@@ -223,7 +234,11 @@ fn measured_friction(recording: &Conditioned, friction: &[&[f64]]) -> Result<Vec
     }
     if let Some(index) = kept.iter().position(|value| !crate::finite::usable(*value)) {
         let value = kept[index];
-        return Err(IdentError::NotFinite { channel: CHANNEL, index: recording.first + index, value });
+        return Err(IdentError::NotFinite {
+            channel: CHANNEL,
+            index: recording.first + index,
+            value,
+        });
     }
     Ok(kept)
 }
@@ -258,8 +273,16 @@ impl Report<'_> {
         self.source.parameters.iter().position(|estimate| estimate.name == name)
     }
 
-    /// A quantity computed from the fitted ones: value, and its derivatives by name; `extra` is variance from elsewhere.
-    fn derive(&mut self, name: &str, unit: &'static str, value: f64, by: &[(&str, f64)], extra: f64) {
+    /// A quantity computed from the fitted ones: value, and its derivatives by name; `extra` is
+    /// variance from elsewhere.
+    fn derive(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        value: f64,
+        by: &[(&str, f64)],
+        extra: f64,
+    ) {
         let mut variance = extra;
         for (a, da) in by {
             for (b, db) in by {
@@ -300,11 +323,16 @@ impl Report<'_> {
         let mut notes = Vec::new();
         let value = |name: &str| self.source.value(name).unwrap_or(0.0);
         let acceleration = value("inertia");
-        let speed: Vec<(&str, f64)> =
-            if torque { vec![("back_emf", 1.0)] } else { vec![("f_v.forward", 0.5), ("f_v.backward", 0.5)] };
+        let speed: Vec<(&str, f64)> = if torque {
+            vec![("back_emf", 1.0)]
+        } else {
+            vec![("f_v.forward", 0.5), ("f_v.backward", 0.5)]
+        };
         let damping: f64 = speed.iter().map(|(name, share)| share * value(name)).sum();
         let volts_per_torque = torque.then(|| value("volts_per_torque"));
-        let by = |factor: f64| speed.iter().map(|(name, share)| (*name, factor * share)).collect::<Vec<_>>();
+        let by = |factor: f64| {
+            speed.iter().map(|(name, share)| (*name, factor * share)).collect::<Vec<_>>()
+        };
         let rotary = *units == AxisUnits::ROTARY;
         self.derive(
             "gain",
@@ -328,17 +356,28 @@ impl Report<'_> {
         }
         match (volts_per_torque, calibration) {
             (Some(volts), _) => {
-                self.derive("back_emf", if rotary { "V s/rad" } else { "V s/m" }, damping, &by(1.0), 0.0);
+                self.derive(
+                    "back_emf",
+                    if rotary { "V s/rad" } else { "V s/m" },
+                    damping,
+                    &by(1.0),
+                    0.0,
+                );
                 let unit = if rotary { "V/(N m)" } else { "V/N" };
                 self.derive("volts_per_torque", unit, volts, &[("volts_per_torque", 1.0)], 0.0);
-                let by = [("inertia", 1.0 / volts), ("volts_per_torque", -acceleration / (volts * volts))];
+                let by = [
+                    ("inertia", 1.0 / volts),
+                    ("volts_per_torque", -acceleration / (volts * volts)),
+                ];
                 self.derive("inertia", units.inertia, acceleration / volts, &by, 0.0);
                 notes.push(
                     "The friction torque was measured: gain and time constant are those of the motor alone."
                         .to_owned(),
                 );
             }
-            (None, Some(calibration)) => self.calibrated(calibration, acceleration, damping, &speed, units),
+            (None, Some(calibration)) => {
+                self.calibrated(calibration, acceleration, damping, &speed, units)
+            }
             (None, None) => {
                 self.made.push(Estimate {
                     name: "inertia".to_owned(),
@@ -365,7 +404,13 @@ impl Report<'_> {
             for side in ["forward", "backward"] {
                 let name = format!("f_c.{side}");
                 let level = self.source.value(&name).unwrap_or(0.0);
-                self.derive(&format!("coulomb_voltage.{side}"), "V", level, &[(name.as_str(), 1.0)], 0.0);
+                self.derive(
+                    &format!("coulomb_voltage.{side}"),
+                    "V",
+                    level,
+                    &[(name.as_str(), 1.0)],
+                    0.0,
+                );
             }
         }
         for (name, direction) in [("deadband.forward", 1.0), ("deadband.backward", -1.0)] {
@@ -403,13 +448,13 @@ impl Report<'_> {
             found.iter().filter(|b| b.direction == direction).map(|b| b.voltage.abs()).collect();
         let n = volts.len();
         let mean = volts.iter().sum::<f64>() / n.max(1) as f64;
-        let spread =
-            volts.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n.saturating_sub(1).max(1) as f64;
-        let remedy =
-            "a slow triangle of the voltage through zero, so that the axis starts from rest several times";
+        let spread = volts.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+            / n.saturating_sub(1).max(1) as f64;
+        let remedy = "a slow triangle of the voltage through zero, so that the axis starts from rest several times";
         let error = (spread / n.max(1) as f64).sqrt();
         let half = student_95(n.saturating_sub(1)) * error;
-        let interval = Interval { low: mean - half, high: mean + half, method: IntervalMethod::Linearised };
+        let interval =
+            Interval { low: mean - half, high: mean + half, method: IntervalMethod::Linearised };
         self.made.push(if n < 3 {
             let (doubt, value) =
                 (Doubt::TooFewEvents { found: n, needed: 3 }, if n == 0 { f64::NAN } else { mean });
@@ -425,7 +470,14 @@ impl Report<'_> {
         } else {
             let verdict = Verdict::Identified;
             let (standard_error, interval) = (Some(error), Some(interval));
-            Estimate { name: name.to_owned(), unit: "V", value: mean, standard_error, interval, verdict }
+            Estimate {
+                name: name.to_owned(),
+                unit: "V",
+                value: mean,
+                standard_error,
+                interval,
+                verdict,
+            }
         });
     }
 }

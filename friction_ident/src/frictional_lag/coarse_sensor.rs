@@ -6,7 +6,8 @@
 //! sum_k (-1)^k q / (pi k) exp(-2 (pi k s / q)^2) sin(2 pi k F / q)
 //! ```
 //!
-//! (Widrow and Kollár 2008, Quantization Noise, chapter 4.) This mean error does not fall with the number of samples. With the torque of a first fit it is known, and is taken off.
+//! (Widrow and Kollár 2008, Quantization Noise, chapter 4.) This mean error does not fall with the
+//! number of samples. With the torque of a first fit it is known, and is taken off.
 
 use std::f64::consts::PI;
 
@@ -22,11 +23,14 @@ const FILLED: f64 = 0.3;
 /// Fits before the last one.
 const ROUNDS: usize = 3;
 
-/// As [`fit_lag_with_profiles`], for a torque that was rounded to multiples of `torque_step` \[N m or N\]: the mean error of the rounding is computed from the torque of
-/// a fit and from the noise, whose variance is the mean square of the residual less `torque_step^2 / 12`, and taken off before the next fit.
+/// As [`fit_lag_with_profiles`], for a torque that was rounded to multiples of `torque_step`
+/// \[N m or N\]: the mean error of the rounding is computed from the torque of a fit and from the
+/// noise, whose variance is the mean square of the residual less `torque_step^2 / 12`, and taken
+/// off before the next fit.
 ///
-/// Noise of a third of a step is enough for intervals that cover. With less the mean error hangs on the last digits of the torque and of the noise: `tau` is then not
-/// identifiable ([`Doubt::CoarseSensor`]), and its interval does not hold.
+/// Noise of a third of a step is enough for intervals that cover. With less the mean error hangs on
+/// the last digits of the torque and of the noise: `tau` is then not identifiable
+/// ([`Doubt::CoarseSensor`]), and its interval does not hold.
 ///
 /// # Errors
 /// As [`fit_lag`]; [`IdentError::Resolution`] unless the step is positive.
@@ -40,7 +44,8 @@ pub fn fit_lag_of_coarse_torque(
     }
     // The torque of the model is what was measured less the residual.
     let measured = Prepared::new(recordings, &LagOptions { settle: 0, ..*options })?;
-    let mut corrected: Vec<Vec<f64>> = recordings.iter().map(|recording| recording.torque.to_vec()).collect();
+    let mut corrected: Vec<Vec<f64>> =
+        recordings.iter().map(|recording| recording.torque.to_vec()).collect();
     let mut noise = f64::INFINITY;
     for _ in 0..ROUNDS {
         let fit = fit_lag(&with_torques(recordings, &corrected), options)?;
@@ -54,7 +59,9 @@ pub fn fit_lag_of_coarse_torque(
         let mut residual = residuals.iter();
         for (corrected, recording) in corrected.iter_mut().zip(recordings) {
             let side = recording.velocity.first().map_or(1.0, |v| v.signum());
-            for ((to, from), left) in corrected.iter_mut().zip(recording.torque).zip(residual.by_ref()) {
+            for ((to, from), left) in
+                corrected.iter_mut().zip(recording.torque).zip(residual.by_ref())
+            {
                 *to = from - mean_error(from - side * left, deviation, torque_step);
             }
         }
@@ -68,8 +75,15 @@ pub fn fit_lag_of_coarse_torque(
     Ok(fit)
 }
 
-fn with_torques<'a>(recordings: &[LagRecording<'a>], torques: &'a [Vec<f64>]) -> Vec<LagRecording<'a>> {
-    recordings.iter().zip(torques).map(|(recording, torque)| LagRecording { torque, ..*recording }).collect()
+fn with_torques<'a>(
+    recordings: &[LagRecording<'a>],
+    torques: &'a [Vec<f64>],
+) -> Vec<LagRecording<'a>> {
+    recordings
+        .iter()
+        .zip(torques)
+        .map(|(recording, torque)| LagRecording { torque, ..*recording })
+        .collect()
 }
 
 /// Mean of the rounded torque less the torque.

@@ -3,7 +3,8 @@
 /// Samples that one step of the filter sees.
 pub(super) const TAPS: usize = 6;
 
-/// One step `gamma[k+1] = decay gamma[k] + sum_j taps[j] g[k - before + j]` of the lag, where `before` samples of the stencil lie before `k`.
+/// One step `gamma[k+1] = decay gamma[k] + sum_j taps[j] g[k - before + j]` of the lag, where
+/// `before` samples of the stencil lie before `k`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     pub decay: f64,
@@ -12,8 +13,8 @@ pub(super) struct Step {
 
 /// The step over one sampling period for `rho = dt / tau`.
 ///
-/// With the polynomial `sum_n c_n s^n` through the samples, `s` from 0 to 1 over the period, the input adds `sum_n c_n m_n` with the moments
-/// `m_n = rho int_0^1 s^n exp(-rho (1 - s)) ds`.
+/// With the polynomial `sum_n c_n s^n` through the samples, `s` from 0 to 1 over the period, the
+/// input adds `sum_n c_n m_n` with the moments `m_n = rho int_0^1 s^n exp(-rho (1 - s)) ds`.
 pub(super) fn step(rho: f64, before: usize) -> Step {
     let moments = moments(rho);
     let node = |j: usize| j as f64 - before as f64;
@@ -79,7 +80,8 @@ mod tests {
                         let s = i as f64 / m as f64;
                         rho * s.powi(n) * (-rho * (1.0 - s)).exp()
                     };
-                    let inner: f64 = (1..m).map(|i| if i % 2 == 1 { 4.0 * f(i) } else { 2.0 * f(i) }).sum();
+                    let inner: f64 =
+                        (1..m).map(|i| if i % 2 == 1 { 4.0 * f(i) } else { 2.0 * f(i) }).sum();
                     let expected = (f(0) + f(m) + inner) / (3.0 * m as f64);
                     assert!(
                         (got - expected).abs() < 1e-11,

@@ -4,7 +4,8 @@ use super::filter::{Step, TAPS, linear, step};
 use super::{FEWEST, InitialLag, LagOptions, LagRecording};
 use crate::IdentError;
 
-/// Exponent of the Stribeck curve beyond which the dip counts as gone: exp(-42) is below the rounding.
+/// Exponent of the Stribeck curve beyond which the dip counts as gone: exp(-42) is below the
+/// rounding.
 const GONE: f64 = 42.0;
 /// State of the filter that no longer counts.
 const SILENT: f64 = 1e-18;
@@ -18,7 +19,8 @@ pub(super) struct Prepared {
     pub settle: usize,
     /// What was taken off the torque: `f_c`, `f_v`.
     pub baseline: [f64; 2],
-    /// Sums over all fitted samples of 1, v, v^2, and of y, v y, y^2 with what is left of the torque.
+    /// Sums over all fitted samples of 1, v, v^2, and of y, v y, y^2 with what is left of the
+    /// torque.
     pub totals: [f64; 6],
     /// Slowest and fastest speed.
     pub speeds: (f64, f64),
@@ -42,11 +44,18 @@ impl Prepared {
         if recordings.is_empty() {
             return Err(too_few(0));
         }
-        let ready: Vec<Ready> =
-            recordings.iter().map(|recording| checked(recording, options)).collect::<Result<_, _>>()?;
+        let ready: Vec<Ready> = recordings
+            .iter()
+            .map(|recording| checked(recording, options))
+            .collect::<Result<_, _>>()?;
         let fitted = || {
             let samples = |r: &Ready| {
-                r.speed.iter().copied().zip(r.torque.iter().copied()).skip(options.settle).collect::<Vec<_>>()
+                r.speed
+                    .iter()
+                    .copied()
+                    .zip(r.torque.iter().copied())
+                    .skip(options.settle)
+                    .collect::<Vec<_>>()
             };
             ready.iter().flat_map(samples).collect::<Vec<_>>()
         };
@@ -54,8 +63,9 @@ impl Prepared {
         if samples.iter().all(|&(_, torque)| torque == 0.0) {
             return Err(IdentError::ZeroForce);
         }
-        let speeds =
-            samples.iter().fold((f64::INFINITY, 0.0f64), |(low, high), &(v, _)| (low.min(v), high.max(v)));
+        let speeds = samples
+            .iter()
+            .fold((f64::INFINITY, 0.0f64), |(low, high), &(v, _)| (low.min(v), high.max(v)));
         if speeds.1 <= 1.01 * speeds.0 {
             return Err(IdentError::TooFewSpeeds { needed: 5, found: 1 });
         }
@@ -100,7 +110,8 @@ impl Prepared {
             return ((0.2 * self.speeds.0).ln(), (10.0 * self.speeds.1).ln());
         }
         let finest = self.recordings.iter().map(|r| r.dt).fold(f64::INFINITY, f64::min);
-        let longest = self.recordings.iter().map(|r| r.dt * r.speed.len() as f64).fold(0.0, f64::max);
+        let longest =
+            self.recordings.iter().map(|r| r.dt * r.speed.len() as f64).fold(0.0, f64::max);
         ((0.02 * finest).ln(), (0.5 * longest).max(finest).ln())
     }
 
@@ -132,7 +143,8 @@ impl Prepared {
         }
     }
 
-    /// What is left of the torques at `ln v_s`, `ln tau` and `f_c`, dip, `f_v`, the latter two less the baseline.
+    /// What is left of the torques at `ln v_s`, `ln tau` and `f_c`, dip, `f_v`, the latter two less
+    /// the baseline.
     pub fn residuals(&self, ln_v_s: f64, ln_tau: f64, linear: &[f64; 3]) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.samples());
         let mut dips = Vec::new();
@@ -146,7 +158,9 @@ impl Prepared {
                 }
             });
             let samples = recording.torque.iter().zip(&recording.speed).zip(&phi).skip(self.settle);
-            all.extend(samples.map(|((y, v), phi)| y - linear[0] - linear[1] * phi - linear[2] * v));
+            all.extend(
+                samples.map(|((y, v), phi)| y - linear[0] - linear[1] * phi - linear[2] * v),
+            );
         }
         all
     }
@@ -166,14 +180,17 @@ impl Prepared {
         }));
     }
 
-    /// Runs the lag over one recording; `see` gets its output and derivatives at every sample where they are not zero.
+    /// Runs the lag over one recording; `see` gets its output and derivatives at every sample where
+    /// they are not zero.
     #[inline(always)]
     fn filter(&self, dips: &[[f64; 2]], rho: f64, mut see: impl FnMut(&Lag, usize)) {
         let n = dips.len();
         let inner = step(rho, 2);
         let [early, late] = linear(rho);
         let mut state = match (self.initial, dips.first()) {
-            (InitialLag::Steady, Some(&[dip, slope])) => Lag { phi: dip, by_v_s: slope, by_tau: 0.0 },
+            (InitialLag::Steady, Some(&[dip, slope])) => {
+                Lag { phi: dip, by_v_s: slope, by_tau: 0.0 }
+            }
             _ => Lag { phi: 1.0, by_v_s: 0.0, by_tau: 0.0 },
         };
         let mut at = 0;
@@ -219,8 +236,9 @@ struct Lag {
 }
 
 impl Lag {
-    /// To the next sample; the present one stands at `here` in the window. The derivatives are filtered with the straight line between two samples: Gauss and
-    /// Newton's directions need no more. That with respect to `ln tau` is the lag's response to `phi - dip`.
+    /// To the next sample; the present one stands at `here` in the window. The derivatives are
+    /// filtered with the straight line between two samples: Gauss and Newton's directions need no
+    /// more. That with respect to `ln tau` is the lag's response to `phi - dip`.
     #[inline(always)]
     fn advance(&mut self, step: &Step, window: &[[f64; 2]], here: usize, early: f64, late: f64) {
         let (Some(now), Some(next)) = (window.get(here), window.get(here + 1)) else { return };
@@ -229,7 +247,8 @@ impl Lag {
             phi += tap * dip[0];
         }
         self.by_v_s = step.decay * self.by_v_s + early * now[1] + late * next[1];
-        self.by_tau = step.decay * self.by_tau + early * (self.phi - now[0]) + late * (phi - next[0]);
+        self.by_tau =
+            step.decay * self.by_tau + early * (self.phi - now[0]) + late * (phi - next[0]);
         self.phi = phi;
     }
 
@@ -240,13 +259,29 @@ impl Lag {
     #[inline(always)]
     fn add(&self, v: f64, y: f64, sums: &mut [f64; 15]) {
         let Self { phi: p, by_v_s: s, by_tau: q } = *self;
-        let terms =
-            [p, p * v, p * y, p * p, p * s, p * q, s, s * v, s * y, s * s, s * q, q, q * v, q * y, q * q];
+        let terms = [
+            p,
+            p * v,
+            p * y,
+            p * p,
+            p * s,
+            p * q,
+            s,
+            s * v,
+            s * y,
+            s * s,
+            s * q,
+            q,
+            q * v,
+            q * y,
+            q * q,
+        ];
         sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }
 }
 
-/// What a pass leaves: inner products of the columns of `f_c`, of the dip and of `f_v`, of the derivatives of the dip's column, and of the torque.
+/// What a pass leaves: inner products of the columns of `f_c`, of the dip and of `f_v`, of the
+/// derivatives of the dip's column, and of the torque.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sums {
     pub linear: [[f64; 3]; 3],

@@ -1,15 +1,17 @@
 //! The lag of LuGre and GMS: their own states in sliding.
 //!
-//! Sliding in one direction, the bristle force `b` of LuGre, and of each slipping element of GMS per share, obeys
+//! Sliding in one direction, the bristle force `b` of LuGre, and of each slipping element of GMS
+//! per share, obeys
 //!
 //! ```text
 //! b' = r (1 - b / g(v)),   r = sigma0 v (LuGre),   r_i = sigma0_i C / alpha_i (GMS)
 //! F  = sum_i alpha_i b_i + d_i (1 - b_i / g(v)) + f_v v,   d = sigma1 v (LuGre),   d_i = sigma1_i C (GMS)
 //! ```
 //!
-//! The state is advanced by the two-point formula of Obreshkov with two derivatives (fourth order, A-stable), which needs the velocity at the samples alone; the
-//! derivatives with respect to the parameters follow the linearised equation, driven by the trapezoidal rule. A pass leaves the normal equations only. The search
-//! begins on a part of the samples.
+//! The state is advanced by the two-point formula of Obreshkov with two derivatives (fourth order,
+//! A-stable), which needs the velocity at the samples alone; the derivatives with respect to the
+//! parameters follow the linearised equation, driven by the trapezoidal rule. A pass leaves the
+//! normal equations only. The search begins on a part of the samples.
 
 use friction_model::Unit;
 use nalgebra::SMatrix;
@@ -36,7 +38,8 @@ use walk::{Found, walk};
 pub enum Relaxation<'a> {
     /// LuGre: `f_s`, `f_c`, `v_s`, `f_v`, `sigma0`, `sigma1` are estimated.
     LuGre,
-    /// GMS with what earlier stages found: `f_s`, `f_c`, `v_s`, `f_v` and the attraction `c` common to all elements are estimated.
+    /// GMS with what earlier stages found: `f_s`, `f_c`, `v_s`, `f_v` and the attraction `c` common
+    /// to all elements are estimated.
     Gms {
         /// Shares, above zero.
         alpha: &'a [f64],
@@ -76,7 +79,9 @@ impl Relaxation<'_> {
         for ((&alpha, k), &damping) in alpha.iter().zip(sigma0).zip(sigma1) {
             let rate = k / alpha;
             match merged.iter_mut().find(|other| (other.rate / rate - 1.0).abs() < 1e-12) {
-                Some(twin) => (twin.alpha, twin.damping) = (twin.alpha + alpha, twin.damping + damping),
+                Some(twin) => {
+                    (twin.alpha, twin.damping) = (twin.alpha + alpha, twin.damping + damping)
+                }
                 None => merged.push(Element { alpha, rate, damping }),
             }
         }
@@ -87,7 +92,8 @@ impl Relaxation<'_> {
 /// Fits LuGre or GMS to recordings of sliding in one direction.
 ///
 /// # Errors
-/// As [`fit_lag`](super::fit_lag); [`IdentError::ElementCount`] where the lists of GMS are empty or differ in length.
+/// As [`fit_lag`](super::fit_lag); [`IdentError::ElementCount`] where the lists of GMS are empty or
+/// differ in length.
 pub fn fit_relaxation(
     recordings: &[LagRecording],
     options: &LagOptions,
@@ -99,7 +105,8 @@ pub fn fit_relaxation(
     // The proposed model's lag lies near; its time constant gives the rate.
     let first = near(&data)?;
     let share: f64 = elements.iter().map(|element| element.alpha).sum();
-    let mean_rate = elements.iter().map(|element| element.alpha * element.rate).sum::<f64>() / share;
+    let mean_rate =
+        elements.iter().map(|element| element.alpha * element.rate).sum::<f64>() / share;
     let level = first.f_c.max(0.1 * first.f_s);
     let dip = (first.f_s - first.f_c).max(0.01 * level);
     let rate = level / (first.tau * mean_rate * if lugre { first.v_s } else { 1.0 });
@@ -135,14 +142,18 @@ pub fn fit_relaxation(
     let tracks = Tracks::new(&data);
     let coarse = tracks.coarse(first.tau).and_then(|coarse| search(&coarse, start, &mut moving));
     let start = coarse.map_or(start, |found| Trial { x: found.moved(), ..start });
-    let found = search(&tracks, start, &mut moving)
-        .ok_or_else(|| IdentError::NoConvergence("the relaxation cannot be simulated".to_owned()))?;
+    let found = search(&tracks, start, &mut moving).ok_or_else(|| {
+        IdentError::NoConvergence("the relaxation cannot be simulated".to_owned())
+    })?;
     let samples = data.samples();
     let [_, f_c, _, f_v, ..] = found.x;
     let offset = [f_c - data.baseline[0], f_v - data.baseline[1]];
-    let fitted = data.recordings.iter().flat_map(|r| r.torque.iter().zip(&r.speed).skip(options.settle));
-    let residuals: Vec<f64> =
-        fitted.zip(&moving).map(|((y, v), moving)| y - offset[0] - offset[1] * v - moving).collect();
+    let fitted =
+        data.recordings.iter().flat_map(|r| r.torque.iter().zip(&r.speed).skip(options.settle));
+    let residuals: Vec<f64> = fitted
+        .zip(&moving)
+        .map(|((y, v), moving)| y - offset[0] - offset[1] * v - moving)
+        .collect();
     let sum = found.sum();
     let estimates = estimates(&found, lugre, sum, samples, effective_share(&residuals));
     Ok(RelaxationFit { estimates, mse: sum / samples as f64, samples, evaluations: passes })

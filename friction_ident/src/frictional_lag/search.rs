@@ -42,7 +42,8 @@ impl Point {
         let root = matrix.diagonal().map(f64::sqrt);
         let scaled = Matrix3::from_fn(|i, j| matrix[(i, j)] / (root[i] * root[j]));
         let factor = finite(scaled)?.cholesky()?;
-        let solve = |right: Vector3<f64>| factor.solve(&right.component_div(&root)).component_div(&root);
+        let solve =
+            |right: Vector3<f64>| factor.solve(&right.component_div(&root)).component_div(&root);
         let torque = Vector3::from(sums.torque);
         let linear = solve(torque);
         if !linear.iter().all(|x| x.is_finite()) {
@@ -67,7 +68,8 @@ struct Walker<'a> {
 
 impl<'a> Walker<'a> {
     fn new(data: &'a Prepared) -> Self {
-        let longest = data.recordings.iter().map(|recording| recording.speed.len()).max().unwrap_or(0);
+        let longest =
+            data.recordings.iter().map(|recording| recording.speed.len()).max().unwrap_or(0);
         Self { data, scratch: Vec::with_capacity(longest), passes: 0 }
     }
 
@@ -77,7 +79,8 @@ impl<'a> Walker<'a> {
     }
 }
 
-/// Walks downhill over the logarithms in `free`. Returns the last point, where it lies, and the step from there that was too small to be worth another pass.
+/// Walks downhill over the logarithms in `free`. Returns the last point, where it lies, and the
+/// step from there that was too small to be worth another pass.
 fn walk(
     walker: &mut Walker,
     start: Vector2<f64>,
@@ -103,15 +106,20 @@ fn walk(
             }
             normal[(i, i)] = normal[(i, i)] * (1.0 + mu) + f64::MIN_POSITIVE;
         }
-        let step =
-            normal.try_inverse().and_then(finite).map_or(Vector2::zeros(), |inverse| inverse * gradient);
+        let step = normal
+            .try_inverse()
+            .and_then(finite)
+            .map_or(Vector2::zeros(), |inverse| inverse * gradient);
         let longest = step.amax();
         let step = if longest > LONGEST { step * (LONGEST / longest) } else { step };
         let next = within(x + step);
         let moved = next - x;
         // A thousandth of the standard error, or nothing at all.
         let worth = (moved.transpose() * here.normal * moved)[(0, 0)];
-        if moved.amax() < SMALL || (worth < 1e-6 * here.sum / degrees && mu == 0.0) || !worth.is_finite() {
+        if moved.amax() < SMALL
+            || (worth < 1e-6 * here.sum / degrees && mu == 0.0)
+            || !worth.is_finite()
+        {
             return Some((here, x, moved));
         }
         match walker.at(&next) {
@@ -148,7 +156,9 @@ pub(super) fn remedy(name: &str) -> &'static str {
             "vary the velocity faster through the Stribeck velocity, average more runs, or use a finer torque sensor"
         }
         "f_v" => "include higher speeds",
-        _ => "include speeds from well below to well above the Stribeck velocity, and average more runs",
+        _ => {
+            "include speeds from well below to well above the Stribeck velocity, and average more runs"
+        }
     }
 }
 
@@ -165,17 +175,25 @@ pub(super) fn near(data: &Prepared) -> Result<LagValues, IdentError> {
     if f_c <= 0.0 {
         return Err(IdentError::NotFriction { f_c });
     }
-    Ok(LagValues { f_s: f_c + linear[1], f_c, v_s: x[0].exp(), f_v: linear[2] + base_v, tau: x[1].exp() })
+    Ok(LagValues {
+        f_s: f_c + linear[1],
+        f_c,
+        v_s: x[0].exp(),
+        f_v: linear[2] + base_v,
+        tau: x[1].exp(),
+    })
 }
 
-/// The best fit. With `whiteness` the errors count neighbouring residuals that are alike as one, which takes a pass and the autocorrelation of the residuals;
-/// the share of independent residuals is returned too.
+/// The best fit. With `whiteness` the errors count neighbouring residuals that are alike as one,
+/// which takes a pass and the autocorrelation of the residuals; the share of independent residuals
+/// is returned too.
 pub(super) fn fit(data: &Prepared, whiteness: bool) -> Result<(LagFit, f64), IdentError> {
     let mut walker = Walker::new(data);
     let first = start(data);
     let (point, x, step) = walk(&mut walker, first.into(), [true; 2]).ok_or_else(alike)?;
     // The last small step, without another pass.
-    let linear = point.linear - (point.tilt[0] * step[0] + point.tilt[1] * step[1]) * point.linear[1];
+    let linear =
+        point.linear - (point.tilt[0] * step[0] + point.tilt[1] * step[1]) * point.linear[1];
     let x = x + step;
     let [base_c, base_v] = data.baseline;
     let values = LagValues {
@@ -190,9 +208,13 @@ pub(super) fn fit(data: &Prepared, whiteness: bool) -> Result<(LagFit, f64), Ide
     }
     let samples = data.samples();
     let sum = (point.sum - step.dot(&point.gradient)).max(0.0);
-    let share = if whiteness { effective_share(&data.residuals(x[0], x[1], linear.as_ref())) } else { 1.0 };
+    let share =
+        if whiteness { effective_share(&data.residuals(x[0], x[1], linear.as_ref())) } else { 1.0 };
     let estimates = estimates(data, &point, &values, x, sum, share);
-    Ok((LagFit { values, estimates, mse: sum / samples as f64, samples, passes: walker.passes }, share))
+    Ok((
+        LagFit { values, estimates, mse: sum / samples as f64, samples, passes: walker.passes },
+        share,
+    ))
 }
 
 /// Errors from the sums of the last pass, and verdicts.
@@ -254,7 +276,10 @@ fn estimates(
                 _ => None,
             };
             let doubt = if no_dip && ["f_s", "v_s", "tau"].contains(&name) {
-                Some(Doubt::BelowNoise { effect: dip, standard_error: dip_error.unwrap_or(f64::INFINITY) })
+                Some(Doubt::BelowNoise {
+                    effect: dip,
+                    standard_error: dip_error.unwrap_or(f64::INFINITY),
+                })
             } else if bound.is_some_and(|(x, (low, high))| x <= low || x >= high) {
                 Some(Doubt::AtBound { bound: value })
             } else if relative_error > 0.5 || relative_error.is_nan() {
@@ -271,7 +296,14 @@ fn estimates(
                 doubt,
                 remedy: remedy(name),
             });
-            Estimate { name: name.to_owned(), unit, value, standard_error: error, interval, verdict }
+            Estimate {
+                name: name.to_owned(),
+                unit,
+                value,
+                standard_error: error,
+                interval,
+                verdict,
+            }
         })
         .collect();
     let covariance = covariance.unwrap_or_else(Matrix5::zeros);

@@ -11,7 +11,8 @@ const TRIALS: usize = 12;
 /// Means over blocks of samples that the scan sees.
 const BLOCKS: usize = 480;
 
-/// `ln v_s` and `ln tau`. To first order in the lag `gamma = g - tau g'`, so that each trial is a linear fit of four columns: 1, v, the dip and its derivative.
+/// `ln v_s` and `ln tau`. To first order in the lag `gamma = g - tau g'`, so that each trial is a
+/// linear fit of four columns: 1, v, the dip and its derivative.
 pub(super) fn start(data: &Prepared) -> [f64; 2] {
     let stride = (data.samples() / BLOCKS).max(1);
     // Speed, acceleration over speed, and torque of each block.
@@ -35,7 +36,8 @@ pub(super) fn start(data: &Prepared) -> [f64; 2] {
         let v_s = low * (high / low).powf(trial as f64 / (TRIALS - 1) as f64);
         let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for &[v, rate, y] in &blocks {
-            let power = if data.delta == 2.0 { (v / v_s).powi(2) } else { (v / v_s).powf(data.delta) };
+            let power =
+                if data.delta == 2.0 { (v / v_s).powi(2) } else { (v / v_s).powf(data.delta) };
             let dip = if power < 36.0 { (-power).exp() } else { 0.0 };
             // The last column is minus the dip's derivative.
             let column = Vector4::new(1.0, v, dip, data.delta * power * dip * rate);

@@ -5,7 +5,8 @@ use rand_pcg::Pcg64Mcg;
 use super::*;
 
 /// Table 4.8.
-const TRUTH: LagValues = LagValues { f_s: 0.0986, f_c: 0.0925, v_s: 0.1526, f_v: 0.0403, tau: 0.0111 };
+const TRUTH: LagValues =
+    LagValues { f_s: 0.0986, f_c: 0.0925, v_s: 0.1526, f_v: 0.0403, tau: 0.0111 };
 const NAMES: [&str; 5] = ["f_s", "f_c", "v_s", "f_v", "tau"];
 
 fn values(v: &LagValues) -> [f64; 5] {
@@ -62,8 +63,9 @@ fn exact_recordings_give_the_truth_back() {
     assert!(found.mse < 1e-18, "{}", found.mse);
 }
 
-/// Gaussian noise of .0029 N m: the reference errors are .06, .09, 2.5, .15 % of f_s, f_c, v_s, f_v and 17 % of tau, mean square 8.400e-6 and on the
-/// validation motion 8.425e-6. The motion's details differ, so the errors do by up to 2; they are those of the Cramér-Rao bound here.
+/// Gaussian noise of .0029 N m: the reference errors are .06, .09, 2.5, .15 % of f_s, f_c, v_s, f_v
+/// and 17 % of tau, mean square 8.400e-6 and on the validation motion 8.425e-6. The motion's
+/// details differ, so the errors do by up to 2; they are those of the Cramér-Rao bound here.
 #[test]
 fn noise_of_the_printed_size_gives_the_reference_errors() {
     let (v, clean) = simulate(&TRUTH, chirp, 9425);
@@ -75,14 +77,19 @@ fn noise_of_the_printed_size_gives_the_reference_errors() {
         let y: Vec<f64> = clean.iter().map(|y| y + normal.sample(&mut rng)).collect();
         let found = fit(&v, &y);
         mse += found.mse / n as f64;
-        for (i, (estimate, truth)) in found.estimates.parameters.iter().zip(values(&TRUTH)).enumerate() {
+        for (i, (estimate, truth)) in
+            found.estimates.parameters.iter().zip(values(&TRUTH)).enumerate()
+        {
             squares[i] += (estimate.value / truth - 1.0).powi(2) / n as f64;
             reported[i] += estimate.standard_error.unwrap() / truth / n as f64;
-            covered[i] += f64::from(u8::from(estimate.interval.unwrap().contains(truth))) / n as f64;
+            covered[i] +=
+                f64::from(u8::from(estimate.interval.unwrap().contains(truth))) / n as f64;
         }
     }
     let errors = squares.map(f64::sqrt);
-    println!("noise .0029: errors {errors:?}, reported {reported:?}, covered {covered:?}, mse {mse:.4e}");
+    println!(
+        "noise .0029: errors {errors:?}, reported {reported:?}, covered {covered:?}, mse {mse:.4e}"
+    );
     for ((error, reported), reference) in
         errors.into_iter().zip(reported).zip([6e-4, 9e-4, 0.025, 1.5e-3, 0.17])
     {
@@ -110,7 +117,8 @@ fn a_fit_predicts_another_motion_to_the_noise() {
     assert!(gap < 3e-8, "{gap}");
 }
 
-/// Torque in steps of .01123 N m behind noise of .004 N m, as in the reference, where the error of tau is 32 %. With .003 the noise does not fill the steps.
+/// Torque in steps of .01123 N m behind noise of .004 N m, as in the reference, where the error of
+/// tau is 32 %. With .003 the noise does not fill the steps.
 #[test]
 fn with_a_coarse_torque_sensor_the_profile_of_tau_covers_it_or_tau_is_refused() {
     let (v, clean) = simulate(&TRUTH, chirp, 9425);
@@ -121,7 +129,11 @@ fn with_a_coarse_torque_sensor_the_profile_of_tau_covers_it_or_tau_is_refused() 
         let y: Vec<f64> =
             clean.iter().map(|y| step * ((y + normal.sample(&mut rng)) / step).round()).collect();
         let recordings = [LagRecording { velocity: &v, torque: &y, dt: 1e-3 }];
-        fit_lag_of_coarse_torque(&recordings, &LagOptions::default(), step).unwrap().tau().unwrap().clone()
+        fit_lag_of_coarse_torque(&recordings, &LagOptions::default(), step)
+            .unwrap()
+            .tau()
+            .unwrap()
+            .clone()
     };
     let n = 100;
     let (mut covered, mut square) = (0, 0.0);
@@ -148,7 +160,8 @@ fn with_a_coarse_torque_sensor_the_profile_of_tau_covers_it_or_tau_is_refused() 
     }
 }
 
-/// Along the profile the others are fitted again: at its ends the sum of squares of an independent fit, by differences, stands at the limit.
+/// Along the profile the others are fitted again: at its ends the sum of squares of an independent
+/// fit, by differences, stands at the limit.
 #[test]
 fn the_profile_of_tau_ends_at_the_limit() {
     let (v, clean) = simulate(&TRUTH, chirp, 9425);
@@ -185,7 +198,8 @@ fn the_profile_of_tau_ends_at_the_limit() {
 #[test]
 fn backward_sliding_several_recordings_and_other_exponents() {
     let (v, y) = simulate(&TRUTH, chirp, 6000);
-    let back: (Vec<f64>, Vec<f64>) = (v.iter().map(|v| -v).collect(), y.iter().map(|y| -y).collect());
+    let back: (Vec<f64>, Vec<f64>) =
+        (v.iter().map(|v| -v).collect(), y.iter().map(|y| -y).collect());
     let (w, z) = simulate(&TRUTH, sine, 3000);
     let recordings = [
         LagRecording { velocity: &back.0, torque: &back.1, dt: 1e-3 },
@@ -226,8 +240,14 @@ fn bad_recordings_are_refused() {
     let refuse = |velocity: &[f64], torque: &[f64], dt| {
         fit_lag(&[LagRecording { velocity, torque, dt }], &LagOptions::default()).unwrap_err()
     };
-    assert!(matches!(fit_lag(&[], &LagOptions::default()), Err(IdentError::TooFewSamples { found: 0, .. })));
-    assert!(matches!(refuse(&v[..20], &y[..20], 1e-3), IdentError::TooFewSamples { found: 20, .. }));
+    assert!(matches!(
+        fit_lag(&[], &LagOptions::default()),
+        Err(IdentError::TooFewSamples { found: 0, .. })
+    ));
+    assert!(matches!(
+        refuse(&v[..20], &y[..20], 1e-3),
+        IdentError::TooFewSamples { found: 20, .. }
+    ));
     assert!(matches!(refuse(&v, &y[..90], 1e-3), IdentError::UnequalLengths { .. }));
     assert_eq!(refuse(&v, &y, 0.0), IdentError::TimeStep(0.0));
     let mut turned = v.clone();
@@ -283,7 +303,8 @@ fn simulate_relaxation(
 /// Table 4.9 with the viscous coefficient of the other stages.
 #[test]
 fn exact_recordings_give_lugre_back() {
-    let (v, y) = simulate_relaxation([0.0994, 0.0929, 0.1468, 0.0403], true, &[[1.0, 15.0, 0.1307]], 9425);
+    let (v, y) =
+        simulate_relaxation([0.0994, 0.0929, 0.1468, 0.0403], true, &[[1.0, 15.0, 0.1307]], 9425);
     let recording = LagRecording { velocity: &v, torque: &y, dt: 1e-3 };
     let found = fit_relaxation(&[recording], &LagOptions::default(), Relaxation::LuGre).unwrap();
     let truth = [
@@ -313,7 +334,9 @@ fn exact_recordings_give_the_attraction_of_gms_back() {
     let recording = LagRecording { velocity: &v, torque: &y, dt: 1e-3 };
     let model = Relaxation::Gms { alpha: &alpha, sigma0: &sigma0, sigma1: &sigma1 };
     let found = fit_relaxation(&[recording], &LagOptions::default(), model).unwrap();
-    for (name, want) in [("f_s", 0.0988), ("f_c", 0.0924), ("v_s", 0.1536), ("f_v", 0.0403), ("c", c)] {
+    for (name, want) in
+        [("f_s", 0.0988), ("f_c", 0.0924), ("v_s", 0.1536), ("f_v", 0.0403), ("c", c)]
+    {
         let got = found.estimates.value(name).unwrap();
         println!("GMS {name} {:.1e}", got / want - 1.0);
         assert!((got / want - 1.0).abs() < 1e-8, "{name}: {got}");
@@ -321,7 +344,8 @@ fn exact_recordings_give_the_attraction_of_gms_back() {
     println!("GMS {} evaluations, mse {:.1e}", found.evaluations, found.mse);
 }
 
-/// On the proposed model's noisy recording: mean squares of all models lie within a tenth of a percent, so such data do not rank them.
+/// On the proposed model's noisy recording: mean squares of all models lie within a tenth of a
+/// percent, so such data do not rank them.
 #[test]
 fn the_lag_does_not_tell_the_models_apart() {
     let (v, clean) = simulate(&TRUTH, chirp, 9425);

@@ -24,12 +24,14 @@ pub(super) const GMS: Names = Names { share: "alpha", stiffness: "sigma0" };
 pub(super) const XIONG: Names = Names { share: "lambda", stiffness: "k" };
 
 const SLIP: &str = "move further, until every element slips and the torque stops rising";
-const NESTED: &str = "turn more often at different displacements, so that the elements slip one by one";
+const NESTED: &str =
+    "turn more often at different displacements, so that the elements slip one by one";
 
 /// Samples on which the starts compete.
 const THIN: usize = 400;
 
-/// The deflection of a stop of a given width along a path from the unloaded contact: it follows the path and slips at `+-width`.
+/// The deflection of a stop of a given width along a path from the unloaded contact: it follows the
+/// path and slips at `+-width`.
 pub fn stops(width: f64, path: &[f64], out: &mut [f64]) {
     let (mut before, mut deflection) = (0.0, 0.0f64);
     for (&x, out) in path.iter().zip(out) {
@@ -78,7 +80,8 @@ impl Residuals for MaxwellSlip<'_> {
 }
 
 impl MaxwellSlip<'_> {
-    /// Runs a stop along every path; `see` gets the sample, the deflection and the side on which it slipped last, zero before.
+    /// Runs a stop along every path; `see` gets the sample, the deflection and the side on which it
+    /// slipped last, zero before.
     fn each(&self, width: f64, mut see: impl FnMut(usize, f64, f64)) {
         for (start, end) in self.data.ranges() {
             let (mut before, mut deflection, mut side) = (0.0, 0.0f64, 0.0);
@@ -104,7 +107,8 @@ fn best(data: &Paths, elements: usize) -> Option<(Minimum, usize)> {
         return None;
     }
     let mut starts = vec![fine.merged(elements)];
-    // Fewer stops in the spectrum than elements: split evenly instead; and even starts of their own.
+    // Fewer stops in the spectrum than elements: split evenly instead; and even starts of their
+    // own.
     for spread in [0.1f64, 0.35] {
         let width = |i: usize| data.reach * spread.powf(1.0 - (i as f64 + 0.5) / elements as f64);
         starts.push(super::Spectrum {
@@ -135,8 +139,13 @@ fn best(data: &Paths, elements: usize) -> Option<(Minimum, usize)> {
     Some((found, problem.evaluations))
 }
 
-/// Fits `elements` stops and names them as a model does: static level, shares and stiffnesses, the narrowest element first.
-pub(super) fn fit(data: &Paths, elements: usize, names: Names) -> Result<PreSlidingFit, IdentError> {
+/// Fits `elements` stops and names them as a model does: static level, shares and stiffnesses, the
+/// narrowest element first.
+pub(super) fn fit(
+    data: &Paths,
+    elements: usize,
+    names: Names,
+) -> Result<PreSlidingFit, IdentError> {
     let nothing = || IdentError::NoConvergence("no stops explain the torque".to_owned());
     let (found, evaluations) = best(data, elements).ok_or_else(nothing)?;
     let mse = found.sum / data.torque.len() as f64;
@@ -186,7 +195,8 @@ pub(super) fn fit(data: &Paths, elements: usize, names: Names) -> Result<PreSlid
     Ok(PreSlidingFit { estimates, mse, samples: data.torque.len(), evaluations })
 }
 
-/// Springs that never slip: the data determine their sum, which is shared evenly, and nothing of each.
+/// Springs that never slip: the data determine their sum, which is shared evenly, and nothing of
+/// each.
 pub(super) fn fit_springs(data: &Paths, elements: usize) -> Result<PreSlidingFit, IdentError> {
     let squares: f64 = data.displacement.iter().map(|x| x * x).sum();
     let along: f64 = data.displacement.iter().zip(&data.torque).map(|(x, y)| x * y).sum();
@@ -222,9 +232,13 @@ pub(super) fn fit_springs(data: &Paths, elements: usize) -> Result<PreSlidingFit
         });
         estimates.parameters.extend(each);
         let n = elements + 1;
-        for (matrix, diagonal) in [(&mut estimates.correlation, 1.0), (&mut estimates.covariance, 0.0)] {
+        for (matrix, diagonal) in
+            [(&mut estimates.correlation, 1.0), (&mut estimates.covariance, 0.0)]
+        {
             matrix.iter_mut().for_each(|row| row.resize(n, 0.0));
-            matrix.extend((1..n).map(|i| (0..n).map(|j| if i == j { diagonal } else { 0.0 }).collect()));
+            matrix.extend(
+                (1..n).map(|i| (0..n).map(|j| if i == j { diagonal } else { 0.0 }).collect()),
+            );
         }
     }
     Ok(PreSlidingFit { estimates, mse: sum / samples as f64, samples, evaluations: 1 })

@@ -16,7 +16,8 @@ pub enum Operator {
         /// Exponent.
         delta: f64,
     },
-    /// Elasto-plastic: elastic up to `z_ba`, sliding from `l` on. Two lengths: `l = f_s / sigma0` and `z_ba`.
+    /// Elasto-plastic: elastic up to `z_ba`, sliding from `l` on. Two lengths: `l = f_s / sigma0`
+    /// and `z_ba`.
     ElastoPlastic,
 }
 
@@ -29,9 +30,11 @@ impl Operator {
         if *self == Self::ElastoPlastic { 2 } else { 1 }
     }
 
-    /// Torque over level at every displacement of a path from the unloaded contact, into `out`, which is as long. False where the lengths are not allowed.
+    /// Torque over level at every displacement of a path from the unloaded contact, into `out`,
+    /// which is as long. False where the lengths are not allowed.
     pub fn run(&self, lengths: &[f64], path: &[f64], out: &mut [f64]) -> bool {
-        let positive = |&length: &f64| length > 0.0 && length.is_finite() && (1.0 / length).is_finite();
+        let positive =
+            |&length: &f64| length > 0.0 && length.is_finite() && (1.0 / length).is_finite();
         match (self, lengths) {
             (Self::Sine, [z_b]) if positive(z_b) => {
                 let curve = Sine::new(1.0, *z_b);
@@ -52,11 +55,14 @@ impl Operator {
                 along(path, out, |dx: f64| {
                     let end = 1.0f64.copysign(dx);
                     // w = 1 - sgn u is never negative: u starts between the ends.
-                    u = end * (1.0 - remaining((1.0 - end * u).max(0.0), (dx / length).abs(), *delta));
+                    u = end
+                        * (1.0 - remaining((1.0 - end * u).max(0.0), (dx / length).abs(), *delta));
                     u
                 });
             }
-            (Self::ElastoPlastic, [length, z_ba]) if positive(length) && *z_ba > 0.0 && z_ba < length => {
+            (Self::ElastoPlastic, [length, z_ba])
+                if positive(length) && *z_ba > 0.0 && z_ba < length =>
+            {
                 let (mut u, elastic) = (0.0, z_ba / length);
                 along(path, out, |dx| {
                     u = elasto_plastic(u, dx / length, elastic);
@@ -91,7 +97,8 @@ fn remaining(w: f64, travel: f64, delta: f64) -> f64 {
     if left > 0.0 { left.powf(1.0 / e) } else { 0.0 }
 }
 
-/// The normalised deflection after a move `d`: elastic inwards and up to `elastic`, then `u' = 1 - alpha(u) u`.
+/// The normalised deflection after a move `d`: elastic inwards and up to `elastic`, then
+/// `u' = 1 - alpha(u) u`.
 fn elasto_plastic(u: f64, d: f64, elastic: f64) -> f64 {
     let side = 1.0f64.copysign(d);
     let (mut outward, mut left) = (side * u, d.abs());
@@ -103,7 +110,11 @@ fn elasto_plastic(u: f64, d: f64, elastic: f64) -> f64 {
     if left > 0.0 {
         let middle = 0.5 * (1.0 + elastic);
         let slope = |u: f64| {
-            let alpha = if u >= 1.0 { 1.0 } else { 0.5 + 0.5 * (PI * (u - middle) / (1.0 - elastic)).sin() };
+            let alpha = if u >= 1.0 {
+                1.0
+            } else {
+                0.5 + 0.5 * (PI * (u - middle) / (1.0 - elastic)).sin()
+            };
             1.0 - alpha * u
         };
         let steps = (left / (PLASTIC_STEP * (1.0 - elastic).max(0.02))).ceil().min(10_000.0);

@@ -74,12 +74,15 @@ impl Residuals for Problem<'_> {
 
     fn jacobian(&mut self, x: &[f64], residuals: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
         let Some((&level, lengths)) = x.split_first() else { return false };
-        for ((entry, r), y) in jacobian.column_mut(0).iter_mut().zip(residuals).zip(&self.data.torque) {
+        for ((entry, r), y) in
+            jacobian.column_mut(0).iter_mut().zip(residuals).zip(&self.data.torque)
+        {
             *entry = (r + y) / level;
         }
         let mut moved = lengths.to_vec();
         for (j, &length) in lengths.iter().enumerate() {
-            // Central differences: the operator is smooth in its lengths but for kinks where a branch closes.
+            // Central differences: the operator is smooth in its lengths but for kinks where a
+            // branch closes.
             let h = 1e-5 * length;
             let [mut above, mut below] = std::mem::take(&mut self.there);
             moved[j] = length + h;
@@ -87,7 +90,9 @@ impl Residuals for Problem<'_> {
             moved[j] = length - h;
             let down = self.run(&moved, &mut below);
             moved[j] = length;
-            for (entry, (a, b)) in jacobian.column_mut(j + 1).iter_mut().zip(above.iter().zip(&below)) {
+            for (entry, (a, b)) in
+                jacobian.column_mut(j + 1).iter_mut().zip(above.iter().zip(&below))
+            {
                 *entry = level * (a - b) / (2.0 * h);
             }
             self.there = [above, below];
@@ -116,13 +121,16 @@ pub(super) fn fit(data: &Paths, operator: Operator) -> Result<PreSlidingFit, Ide
             }
         }
     }
-    let falls = || IdentError::NoConvergence("the torque falls where the displacement grows".to_owned());
+    let falls =
+        || IdentError::NoConvergence("the torque falls where the displacement grows".to_owned());
     let (_, start) = best.ok_or_else(falls)?;
     let bounds: Vec<Bound> = start.iter().map(|&x| Bound::within(1e-6 * x, 1e6 * x, x)).collect();
     let mut problem = Problem::new(data, operator);
     let go = &mut |_: &_| ControlFlow::Continue(());
-    let minimum = minimise(&mut problem, &start, &bounds, &Patience::default(), go).ok_or_else(falls)?;
-    let unknown = |name: &str, unit: Unit, remedy| Unknown { name: name.into(), unit: unit.rotary(), remedy };
+    let minimum =
+        minimise(&mut problem, &start, &bounds, &Patience::default(), go).ok_or_else(falls)?;
+    let unknown =
+        |name: &str, unit: Unit, remedy| Unknown { name: name.into(), unit: unit.rotary(), remedy };
     let level = if matches!(operator, Operator::Power { .. }) { "f_c" } else { "f_s" };
     let unknowns = [
         unknown(level, Unit::Force, BREAK_AWAY),
@@ -152,5 +160,10 @@ pub(super) fn fit(data: &Paths, operator: Operator) -> Result<PreSlidingFit, Ide
         _ => raw,
     };
     let mse = minimum.sum / data.torque.len() as f64;
-    Ok(PreSlidingFit { estimates, mse, samples: data.torque.len(), evaluations: problem.evaluations })
+    Ok(PreSlidingFit {
+        estimates,
+        mse,
+        samples: data.torque.len(),
+        evaluations: problem.evaluations,
+    })
 }

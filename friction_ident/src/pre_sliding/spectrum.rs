@@ -1,8 +1,10 @@
 //! The best sum of many stops: a convex problem, so its solution is global.
 //!
-//! A torque that obeys Masing's rules is a Prandtl-Ishlinskii operator, `F = sum_j k_j s_j(x)` with stops `s_j` of width `w_j` and `k_j >= 0`. With the widths
-//! on a fine grid only the stiffnesses are unknown, and non-negative least squares (Lawson and Hanson 1974, chapter 23) finds the best of all such operators. Few
-//! elements are then made of it: neighbouring stops are merged so that the virgin curve, and with it every branch, changes least.
+//! A torque that obeys Masing's rules is a Prandtl-Ishlinskii operator, `F = sum_j k_j s_j(x)` with
+//! stops `s_j` of width `w_j` and `k_j >= 0`. With the widths on a fine grid only the stiffnesses
+//! are unknown, and non-negative least squares (Lawson and Hanson 1974, chapter 23) finds the best
+//! of all such operators. Few elements are then made of it: neighbouring stops are merged so that
+//! the virgin curve, and with it every branch, changes least.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -24,7 +26,8 @@ const GRID: usize = 48;
 /// Narrowest width over the largest displacement.
 const NARROWEST: f64 = 0.01;
 
-/// The best stops on a grid of widths up to the largest displacement, the last of which hardly slips.
+/// The best stops on a grid of widths up to the largest displacement, the last of which hardly
+/// slips.
 pub(super) fn spectrum(data: &Paths) -> Spectrum {
     let widths: Vec<f64> = (0..GRID)
         .map(|i| data.reach * NARROWEST * (1.05 / NARROWEST).powf(i as f64 / (GRID - 1) as f64))
@@ -32,7 +35,9 @@ pub(super) fn spectrum(data: &Paths) -> Spectrum {
     let mut columns = vec![vec![0.0; data.torque.len()]; GRID];
     for (&width, column) in widths.iter().zip(&mut columns) {
         for (start, end) in data.ranges() {
-            if let (Some(path), Some(out)) = (data.displacement.get(start..end), column.get_mut(start..end)) {
+            if let (Some(path), Some(out)) =
+                (data.displacement.get(start..end), column.get_mut(start..end))
+            {
                 stops(width, path, out);
             }
         }
@@ -45,11 +50,13 @@ pub(super) fn spectrum(data: &Paths) -> Spectrum {
             normal[(j, i)] = normal[(i, j)];
         }
     }
-    let right = DVector::from_iterator(GRID, columns.iter().map(|column| dot(column, &data.torque)));
+    let right =
+        DVector::from_iterator(GRID, columns.iter().map(|column| dot(column, &data.torque)));
     Spectrum { widths, stiffnesses: non_negative(&normal, &right) }
 }
 
-/// The best stops on the grid of widths that the displacements suggest, for paths from the unloaded contact.
+/// The best stops on the grid of widths that the displacements suggest, for paths from the unloaded
+/// contact.
 ///
 /// # Errors
 /// As [`fit_pre_sliding`](super::fit_pre_sliding).
@@ -70,7 +77,8 @@ fn non_negative(a: &DMatrix<f64>, b: &DVector<f64>) -> Vec<f64> {
         free[next] = true;
         loop {
             let indices: Vec<usize> = (0..n).filter(|&j| free[j]).collect();
-            let part = DMatrix::from_fn(indices.len(), indices.len(), |i, j| a[(indices[i], indices[j])]);
+            let part =
+                DMatrix::from_fn(indices.len(), indices.len(), |i, j| a[(indices[i], indices[j])]);
             let right = DVector::from_iterator(indices.len(), indices.iter().map(|&j| b[j]));
             let Some(solution) =
                 finite(part).and_then(|part| part.cholesky()).map(|factor| factor.solve(&right))
@@ -108,8 +116,9 @@ fn non_negative(a: &DMatrix<f64>, b: &DVector<f64>) -> Vec<f64> {
 }
 
 impl Spectrum {
-    /// At most `elements` stops, made of neighbours: stiffness `sum k` and width `sum k w / sum k`, which keeps both ends of the virgin curve. The partition is the
-    /// best one (dynamic programming over `sum k (w - mean)^2`, twice the area between the virgin curves).
+    /// At most `elements` stops, made of neighbours: stiffness `sum k` and width `sum k w / sum k`,
+    /// which keeps both ends of the virgin curve. The partition is the best one (dynamic
+    /// programming over `sum k (w - mean)^2`, twice the area between the virgin curves).
     pub(super) fn merged(&self, elements: usize) -> Self {
         let present: Vec<(f64, f64)> = self
             .widths
@@ -134,7 +143,8 @@ impl Spectrum {
             };
         }
         // cost[e][to]: the first `to` stops in e + 1 clusters, and where the last one begins.
-        let mut cost: Vec<Vec<(f64, usize)>> = vec![(0..=n).map(|to| (cluster(0, to).2, 0)).collect()];
+        let mut cost: Vec<Vec<(f64, usize)>> =
+            vec![(0..=n).map(|to| (cluster(0, to).2, 0)).collect()];
         for e in 1..elements {
             let row = (0..=n)
                 .map(|to| {

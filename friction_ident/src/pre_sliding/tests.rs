@@ -18,12 +18,14 @@ pub(super) fn path(turns: &[f64], samples: usize) -> Vec<f64> {
                 done += lengths[leg];
                 leg += 1;
             }
-            corners[leg] + (corners[leg + 1] - corners[leg]).signum() * (along - done).min(lengths[leg])
+            corners[leg]
+                + (corners[leg + 1] - corners[leg]).signum() * (along - done).min(lengths[leg])
         })
         .collect()
 }
 
-/// The nested path: 15 turns of alternating sides, each a fifteenth of .0057 rad nearer to zero than the last, 4000 samples at constant speed.
+/// The nested path: 15 turns of alternating sides, each a fifteenth of .0057 rad nearer to zero
+/// than the last, 4000 samples at constant speed.
 fn nested() -> Vec<f64> {
     let turn = |i: i32| 0.0057 * f64::from(if i % 2 == 0 { 15 - i } else { i - 15 }) / 15.0;
     path(&(0..15).map(turn).collect::<Vec<_>>(), 4000)
@@ -52,7 +54,11 @@ fn fit(x: &[f64], y: &[f64], model: PreSlidingModel) -> PreSlidingFit {
 fn assert_values(fit: &PreSlidingFit, expected: &[(&str, f64)], tolerance: f64) {
     for (name, value) in expected {
         let got = fit.estimates.get(name).unwrap_or_else(|| panic!("{name} is missing: {fit:?}"));
-        assert!((got.value / value - 1.0).abs() < tolerance, "{name}: {} instead of {value}", got.value);
+        assert!(
+            (got.value / value - 1.0).abs() < tolerance,
+            "{name}: {} instead of {value}",
+            got.value
+        );
         assert!(got.is_identified(), "{got:?}");
     }
 }
@@ -91,7 +97,8 @@ fn exact_paths_give_four_elements_back() {
     assert!((shares - 1.0).abs() < 1e-12);
 }
 
-/// Mean squares on the sine's own torque. The springs' 2.27e-4 agrees with the reference path; with slip, four elements reach an rms of at most 1.2e-3 N m.
+/// Mean squares on the sine's own torque. The springs' 2.27e-4 agrees with the reference path; with
+/// slip, four elements reach an rms of at most 1.2e-3 N m.
 #[test]
 fn four_slipping_elements_fit_the_sine_loop_and_springs_do_not() {
     let x = nested();
@@ -111,7 +118,11 @@ fn four_slipping_elements_fit_the_sine_loop_and_springs_do_not() {
 #[test]
 fn the_model_that_made_the_path_fits_it_best() {
     let x = nested();
-    let six = maxwell(&[6.0, 5.0, 4.0, 3.0, 2.0, 1.5], &[0.0008, 0.0016, 0.0024, 0.0033, 0.0042, 0.005], &x);
+    let six = maxwell(
+        &[6.0, 5.0, 4.0, 3.0, 2.0, 1.5],
+        &[0.0008, 0.0016, 0.0024, 0.0033, 0.0042, 0.005],
+        &x,
+    );
     let truths = [
         (PreSlidingModel::Proposed, run(Operator::Sine, 0.098, &[0.006], &x)),
         (PreSlidingModel::LuGre, run(Operator::Exponential, 0.11, &[0.11 / 25.656], &x)),
@@ -127,7 +138,8 @@ fn the_model_that_made_the_path_fits_it_best() {
     }
 }
 
-/// Tables 4.6 and 4.7 print four stiffnesses each from a fit without slip; only their sum, LuGre's stiffness, is in the data.
+/// Tables 4.6 and 4.7 print four stiffnesses each from a fit without slip; only their sum, LuGre's
+/// stiffness, is in the data.
 #[test]
 fn without_slip_single_stiffnesses_are_not_identified() {
     let x = nested();
@@ -139,7 +151,8 @@ fn without_slip_single_stiffnesses_are_not_identified() {
     for i in 0..4 {
         let each = found.estimates.get(&format!("sigma0[{i}]")).unwrap();
         sum += each.value;
-        let Verdict::NotIdentifiable { doubt: Doubt::Confounded { .. }, remedy } = &each.verdict else {
+        let Verdict::NotIdentifiable { doubt: Doubt::Confounded { .. }, remedy } = &each.verdict
+        else {
             panic!("{each:?}");
         };
         assert!(remedy.contains("slip"));
@@ -148,7 +161,8 @@ fn without_slip_single_stiffnesses_are_not_identified() {
     assert!((sum / whole.value - 1.0).abs() < 1e-12);
 }
 
-/// A path too short for the widest element: its level is unknown, and so are the static level and the shares.
+/// A path too short for the widest element: its level is unknown, and so are the static level and
+/// the shares.
 #[test]
 fn an_element_that_never_slips_leaves_the_level_unknown() {
     let x = path(&[0.003, -0.003, 0.002, -0.002, 0.003], 2000);
@@ -160,7 +174,8 @@ fn an_element_that_never_slips_leaves_the_level_unknown() {
     assert!(!found.estimates.get("alpha[0]").unwrap().is_identified());
 }
 
-/// Noise of the printed mean square, .019 N m: the reference errors are 1.2 % of f_s and .9 % of z_b, mean square 3.62e-4.
+/// Noise of the printed mean square, .019 N m: the reference errors are 1.2 % of f_s and .9 % of
+/// z_b, mean square 3.62e-4.
 #[test]
 fn noise_of_the_printed_size_gives_the_reference_errors() {
     let x = nested();
@@ -176,14 +191,18 @@ fn noise_of_the_printed_size_gives_the_reference_errors() {
         for (i, (name, truth)) in [("f_s", 0.098), ("z_b", 0.006)].into_iter().enumerate() {
             let estimate = found.estimates.get(name).unwrap();
             squares[i] += (estimate.value / truth - 1.0).powi(2) / n as f64;
-            covered[i] += f64::from(u8::from(estimate.interval.unwrap().contains(truth))) / n as f64;
+            covered[i] +=
+                f64::from(u8::from(estimate.interval.unwrap().contains(truth))) / n as f64;
         }
     }
     let errors = squares.map(f64::sqrt);
     println!("noise .019: errors {errors:?}, covered {covered:?}, mse {mse:.3e}");
     assert!((mse / 3.61e-4 - 1.0).abs() < 0.02, "{mse}");
     assert!(errors[0] < 0.013 && errors[1] < 0.013, "{errors:?}");
-    assert!(covered.iter().all(|&share| share > 0.95 - 4.0 * (0.95 * 0.05 / n as f64).sqrt()), "{covered:?}");
+    assert!(
+        covered.iter().all(|&share| share > 0.95 - 4.0 * (0.95 * 0.05 / n as f64).sqrt()),
+        "{covered:?}"
+    );
 }
 
 /// The operators are the models at slow speed.
@@ -222,7 +241,8 @@ fn operators_agree_with_the_models() {
             plastic.sigma0 * z.1,
             elastic[i]
         );
-        let sum: f64 = gms.sigma0.iter().zip(&steppers.2.state().continuous).map(|(k, z)| k * z).sum();
+        let sum: f64 =
+            gms.sigma0.iter().zip(&steppers.2.state().continuous).map(|(k, z)| k * z).sum();
         assert!((sum - slip[i]).abs() < 3e-4, "{i}: {sum} {}", slip[i]);
     }
 }
@@ -250,7 +270,10 @@ fn bad_paths_are_refused() {
     let x = path(&[0.003, -0.003], 100);
     let y = vec![0.1; 100];
     let proposed = PreSlidingModel::Proposed;
-    assert!(matches!(refuse(&x[..5], &y[..5], proposed), IdentError::TooFewSamples { found: 5, .. }));
+    assert!(matches!(
+        refuse(&x[..5], &y[..5], proposed),
+        IdentError::TooFewSamples { found: 5, .. }
+    ));
     assert!(matches!(refuse(&x, &y[..50], proposed), IdentError::UnequalLengths { .. }));
     assert_eq!(refuse(&x, &[0.0; 100], proposed), IdentError::ZeroForce);
     assert_eq!(refuse(&[0.0; 100], &y, proposed), IdentError::NoMotion);

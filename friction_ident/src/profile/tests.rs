@@ -21,7 +21,8 @@ impl Residuals for Curve<'_> {
 }
 
 fn minimum(problem: &mut Curve, start: &[f64], bounds: &[Bound]) -> Minimum {
-    minimise(problem, start, bounds, &Patience::default(), &mut |_| ControlFlow::Continue(())).unwrap()
+    minimise(problem, start, bounds, &Patience::default(), &mut |_| ControlFlow::Continue(()))
+        .unwrap()
 }
 
 #[test]
@@ -35,15 +36,17 @@ fn of_a_straight_line_it_is_the_interval_of_the_standard_error() {
     let linear = Estimates::linearised(&found, &[unknown("a"), unknown("b")], 1.0);
     for (j, estimate) in linear.parameters.iter().enumerate() {
         let error = estimate.standard_error.unwrap();
-        let profile = profile_of(&mut problem, &found, &bounds, j, error, 1.0, &Patience::default()).unwrap();
+        let profile =
+            profile_of(&mut problem, &found, &bounds, j, error, 1.0, &Patience::default()).unwrap();
         let expected = estimate.interval.unwrap();
         assert!((profile.low - expected.low).abs() < 1e-3 * error, "{profile:?} {expected:?}");
         assert!((profile.high - expected.high).abs() < 1e-3 * error, "{profile:?} {expected:?}");
     }
 }
 
-/// The biochemical oxygen demand of Bates and Watts (1988), A1.4: `y = 19.143 (1 - exp(-.5311 t))` through six points. The interval of the rate reaches far
-/// further up than down, and is open where the residuals are worth less.
+/// The biochemical oxygen demand of Bates and Watts (1988), A1.4: `y = 19.143 (1 - exp(-.5311 t))`
+/// through six points. The interval of the rate reaches far further up than down, and is open where
+/// the residuals are worth less.
 #[test]
 fn the_rate_of_the_oxygen_demand_reaches_far_up() {
     let t = [1.0, 2.0, 3.0, 4.0, 5.0, 7.0];
@@ -51,12 +54,18 @@ fn the_rate_of_the_oxygen_demand_reaches_far_up() {
     let mut problem = Curve { t: &t, y: &y, model: |x, t| x[0] * (1.0 - (-x[1] * t).exp()) };
     let bounds = [Bound::within(0.0, 1e4, 10.0), Bound::within(0.0, f64::INFINITY, 1.0)];
     let found = minimum(&mut problem, &[20.0, 0.24], &bounds);
-    assert!((found.x[0] - 19.143).abs() < 1e-3 && (found.x[1] - 0.5311).abs() < 1e-4, "{:?}", found.x);
-    let mut rate =
-        |share| profile_of(&mut problem, &found, &bounds, 1, 0.2, share, &Patience::default()).unwrap();
+    assert!(
+        (found.x[0] - 19.143).abs() < 1e-3 && (found.x[1] - 0.5311).abs() < 1e-4,
+        "{:?}",
+        found.x
+    );
+    let mut rate = |share| {
+        profile_of(&mut problem, &found, &bounds, 1, 0.2, share, &Patience::default()).unwrap()
+    };
     let whole = rate(1.0);
     assert!(whole.high - 0.5311 > 2.0 * (0.5311 - whole.low), "{whole:?}");
-    // The ends are where the least sum of squares over the asymptote, a linear fit, meets the limit.
+    // The ends are where the least sum of squares over the asymptote, a linear fit, meets the
+    // limit.
     let limit = sum_limit(found.sum, 6, 2, 1.0);
     for end in [whole.low, whole.high] {
         let base: Vec<f64> = t.iter().map(|t| 1.0 - (-end * t).exp()).collect();

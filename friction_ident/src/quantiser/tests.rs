@@ -11,7 +11,8 @@ const COUNT: f64 = std::f64::consts::TAU / 4096.0;
 const F_S: f64 = 0.098;
 const Z_B: f64 = 0.006;
 
-/// The nested path of the pre-sliding stage: 15 turns at constant speed, each nearer to zero, or the same turns on half sines.
+/// The nested path of the pre-sliding stage: 15 turns at constant speed, each nearer to zero, or
+/// the same turns on half sines.
 fn nested(turn: Turn) -> Vec<f64> {
     let corners: Vec<f64> = std::iter::once(0.0)
         .chain((0..15).map(|i| 0.0057 * f64::from(if i % 2 == 0 { 15 - i } else { i - 15 }) / 15.0))
@@ -22,14 +23,16 @@ fn nested(turn: Turn) -> Vec<f64> {
         let samples = ((to - from).abs() / 2.2e-5).round() as usize;
         for i in 1..=samples {
             let s = i as f64 / samples as f64;
-            let s = if turn == Turn::Sharp { s } else { 0.5 - 0.5 * (std::f64::consts::PI * s).cos() };
+            let s =
+                if turn == Turn::Sharp { s } else { 0.5 - 0.5 * (std::f64::consts::PI * s).cos() };
             path.push(from + (to - from) * s);
         }
     }
     path
 }
 
-/// Errors of z_b, naive and corrected, over seeds: torque in steps of .01123 N m with .004 of dither, and the encoder at any place within its first count.
+/// Errors of z_b, naive and corrected, over seeds: torque in steps of .01123 N m with .004 of
+/// dither, and the encoder at any place within its first count.
 fn errors(turn: Turn, seeds: u64) -> [Vec<f64>; 2] {
     let x = nested(turn);
     let mut unit = vec![0.0; x.len()];
@@ -40,8 +43,10 @@ fn errors(turn: Turn, seeds: u64) -> [Vec<f64>; 2] {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let phase: f64 = rng.random();
         let step = 0.01123;
-        let torque: Vec<f64> =
-            unit.iter().map(|u| step * ((F_S * u + normal.sample(&mut rng)) / step).round()).collect();
+        let torque: Vec<f64> = unit
+            .iter()
+            .map(|u| step * ((F_S * u + normal.sample(&mut rng)) / step).round())
+            .collect();
         let read: Vec<f64> = x.iter().map(|x| COUNT * (x / COUNT + phase).floor()).collect();
         let naive: Vec<f64> = read.iter().map(|x| x - read[0]).collect();
         let between = between_counts(&read, COUNT, turn).unwrap();
@@ -71,7 +76,10 @@ fn the_error_of_the_breakaway_displacement_is_halved_or_better() {
             before.0, before.1, after.0, after.1
         );
         assert!(after.1 < 0.4 * before.1, "{before:?} {after:?}");
-        assert!(after.0.abs() < 0.005 && after.0.abs() < 0.2 * before.0.abs(), "{before:?} {after:?}");
+        assert!(
+            after.0.abs() < 0.005 && after.0.abs() < 0.2 * before.0.abs(),
+            "{before:?} {after:?}"
+        );
     }
 }
 
@@ -101,9 +109,11 @@ fn the_path_stays_within_its_counts() {
         let read: Vec<f64> = x.iter().map(|x| COUNT * (x / COUNT + 0.37).floor()).collect();
         let path = between_counts(&read, COUNT, turn).unwrap();
         // The first sample stands where the path begins within its count.
-        let offsets: Vec<f64> = read.iter().zip(&path).map(|(at, x)| (x - (at - read[0])) / COUNT).collect();
-        let (low, high) =
-            offsets.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+        let offsets: Vec<f64> =
+            read.iter().zip(&path).map(|(at, x)| (x - (at - read[0])) / COUNT).collect();
+        let (low, high) = offsets
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
         assert!(high - low < 1.0 + 0.03, "{turn:?}: {low} {high}");
     }
 }
@@ -124,7 +134,8 @@ fn the_step_is_seen_where_the_axis_is_slow() {
     assert_eq!(step_of(&[]), None);
 }
 
-/// Uneven motion with turns of both kinds: never further than a count from the truth, but for one constant.
+/// Uneven motion with turns of both kinds: never further than a count from the truth, but for one
+/// constant.
 #[test]
 fn the_path_of_an_uneven_motion_stays_within_a_count_of_the_truth() {
     let (truth, read) = encoder(|t| 0.02 * (0.5 * t).sin() + 0.004 * (3.0 * t).sin(), 20_000);
@@ -134,7 +145,8 @@ fn the_path_of_an_uneven_motion_stays_within_a_count_of_the_truth() {
     }
 }
 
-/// At .03 rad/s the differences of what is read are 0 or 1.5 rad/s; between the counts and smoothed they stay near .03.
+/// At .03 rad/s the differences of what is read are 0 or 1.5 rad/s; between the counts and smoothed
+/// they stay near .03.
 #[test]
 fn steps_do_not_become_velocity_spikes() {
     let (_, read) = encoder(|t| 0.03 * t + 2e-4, 5000);
@@ -144,5 +156,8 @@ fn steps_do_not_become_velocity_spikes() {
         assert!((v - 0.03).abs() < 0.002, "{v}");
     }
     let straight = filter.derivative(&read, 1e-3).unwrap();
-    assert!(straight[100..4900].iter().any(|v| (v - 0.03).abs() > 0.02), "or the path is not needed");
+    assert!(
+        straight[100..4900].iter().any(|v| (v - 0.03).abs() > 0.02),
+        "or the path is not needed"
+    );
 }

@@ -21,24 +21,33 @@ fn test_bed() -> Vec<SteadyPoint> {
 const BREAKAWAY: f64 = 1e-9;
 
 fn logarithmic(count: usize, smallest: f64, largest: f64) -> RbfOptions {
-    RbfOptions { count, centres: Centres::Logarithmic { smallest, largest }, ..RbfOptions::default() }
+    RbfOptions {
+        count,
+        centres: Centres::Logarithmic { smallest, largest },
+        ..RbfOptions::default()
+    }
 }
 
 fn uniform(count: usize) -> RbfOptions {
     RbfOptions { count, centres: Centres::Uniform { largest: 4.0 }, ..RbfOptions::default() }
 }
 
-/// Root mean square errors [N m] on table 4.13's Stribeck curve, from an independent implementation.
+/// Root mean square errors [N m] on table 4.13's Stribeck curve, from an independent
+/// implementation.
 #[test]
 fn the_errors_on_the_test_bed_are_the_known_ones() {
     let rms = |options| train_rbf_network(&test_bed(), &options).unwrap().mse.sqrt();
     for (count, with_logarithmic, with_uniform) in
         [(5, 1.2815e-3, 1.5745e-3), (10, 3.1415e-4, 4.6281e-4), (20, 2.0292e-5, 4.9752e-4)]
     {
-        for (error, expected) in
-            [(rms(logarithmic(count, 0.05, 4.0)), with_logarithmic), (rms(uniform(count)), with_uniform)]
-        {
-            assert!((error / expected - 1.0).abs() < 1e-4, "{count} bells: {error} instead of {expected}");
+        for (error, expected) in [
+            (rms(logarithmic(count, 0.05, 4.0)), with_logarithmic),
+            (rms(uniform(count)), with_uniform),
+        ] {
+            assert!(
+                (error / expected - 1.0).abs() < 1e-4,
+                "{count} bells: {error} instead of {expected}"
+            );
         }
     }
 }
@@ -62,7 +71,8 @@ fn training_again_gives_the_presets() {
         let fit = train_rbf_network(&points, &options).unwrap();
         let p = *fit.network.parameters();
         assert!((p.w0 / preset.w0 - 1.0).abs() < 1e-9);
-        let lists = [(p.weights, preset.weights), (p.centres, preset.centres), (p.widths, preset.widths)];
+        let lists =
+            [(p.weights, preset.weights), (p.centres, preset.centres), (p.widths, preset.widths)];
         for (trained, preset) in lists {
             let largest = preset.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
             assert_eq!(trained.len(), preset.len());
@@ -77,7 +87,12 @@ fn training_again_gives_the_presets() {
 #[test]
 fn breakaway_must_be_among_the_points_to_be_known() {
     let level = |points: &[SteadyPoint]| {
-        train_rbf_network(points, &RbfOptions::default()).unwrap().network.holding(0.0).unwrap().forward
+        train_rbf_network(points, &RbfOptions::default())
+            .unwrap()
+            .network
+            .holding(0.0)
+            .unwrap()
+            .forward
     };
     let mut points = test_bed();
     assert!(level(&points) > 1.15 * 0.0994);
@@ -88,7 +103,8 @@ fn breakaway_must_be_among_the_points_to_be_known() {
 #[test]
 fn a_network_is_found_again() {
     let truth = RbfNetwork::test_bed();
-    let points: Vec<_> = protocol_speeds().map(|v| SteadyPoint::new(v, truth.steady_state(v))).collect();
+    let points: Vec<_> =
+        protocol_speeds().map(|v| SteadyPoint::new(v, truth.steady_state(v))).collect();
     let fit = train_rbf_network(&points, &RbfOptions::default()).unwrap();
     assert!(fit.mse.sqrt() < 1e-6, "{}", fit.mse);
     for v in [0.02, 0.3, 2.1, 4.0] {
@@ -104,7 +120,8 @@ fn both_directions_points_at_rest_and_deviations() {
         *point = SteadyPoint::new(-point.velocity, -point.torque);
     }
     points.push(SteadyPoint::new(0.0, 0.05));
-    // Equal deviations change nothing, whatever their size; a point that is worth nothing changes nothing either.
+    // Equal deviations change nothing, whatever their size; a point that is worth nothing changes
+    // nothing either.
     for point in &mut points {
         point.deviation = Some(7.0);
     }
@@ -124,8 +141,10 @@ fn the_ridge_is_the_least_of_residual_and_weights_together() {
     let fit = train_rbf_network(&test_bed(), &options).unwrap();
     let cost = |p: RbfNetworkParameters| {
         let network = RbfNetwork::try_from(p).unwrap();
-        let residual =
-            test_bed().iter().map(|x| (network.steady_state(x.velocity) - x.torque).powi(2)).sum::<f64>();
+        let residual = test_bed()
+            .iter()
+            .map(|x| (network.steady_state(x.velocity) - x.torque).powi(2))
+            .sum::<f64>();
         residual + options.ridge * (p.w0.powi(2) + p.weights.iter().map(|w| w.powi(2)).sum::<f64>())
     };
     let best = *fit.network.parameters();
@@ -155,7 +174,10 @@ fn impossible_options_and_points_are_refused() {
     assert_eq!(run(uniform(2)), Err(IdentError::CentreCount(2)));
     assert_eq!(run(uniform(33)), Err(IdentError::CentreCount(33)));
     for (smallest, largest) in [(0.0, 4.0), (4.0, 4.0), (0.1, f64::INFINITY), (f64::NAN, 4.0)] {
-        assert!(matches!(run(logarithmic(10, smallest, largest)), Err(IdentError::CentreSpan { .. })));
+        assert!(matches!(
+            run(logarithmic(10, smallest, largest)),
+            Err(IdentError::CentreSpan { .. })
+        ));
     }
     assert_eq!(run(RbfOptions { ridge: 0.0, ..uniform(10) }), Err(IdentError::Ridge(0.0)));
     let few = train_rbf_network(&test_bed()[..10], &uniform(10)).unwrap_err();

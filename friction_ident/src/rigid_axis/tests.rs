@@ -22,8 +22,11 @@ fn motion(samples: usize) -> Vec<(f64, f64, f64)> {
 fn record(motion: &[(f64, f64, f64)], force: impl Fn(f64, f64) -> f64) -> Conditioned {
     let position: Vec<_> = motion.iter().map(|m| m.0).collect();
     let force: Vec<_> = motion.iter().map(|&(_, v, a)| force(v, a)).collect();
-    condition(&Signals { time_step: DT, position: Some(&position), velocity: None, force: &force }, &HOW)
-        .unwrap()
+    condition(
+        &Signals { time_step: DT, position: Some(&position), velocity: None, force: &force },
+        &HOW,
+    )
+    .unwrap()
 }
 
 fn symmetric(mass: f64, viscous: f64, coulomb: f64, offset: f64) -> impl Fn(f64, f64) -> f64 {
@@ -78,7 +81,8 @@ fn standard_errors_match_the_scatter() {
     let fits: Vec<_> = (0..200)
         .map(|_| {
             let mut noisy = clean.clone();
-            // White after decimation: one draw for each kept sample would be filtered, so decimate nothing.
+            // White after decimation: one draw for each kept sample would be filtered, so decimate
+            // nothing.
             noisy.decimate = 1;
             noisy.force.iter_mut().for_each(|force| *force += normal.sample(&mut rng));
             fit_axis(&noisy, AxisModel::SYMMETRIC).unwrap()
@@ -87,8 +91,9 @@ fn standard_errors_match_the_scatter() {
     for term in AxisModel::SYMMETRIC.terms() {
         let values: Vec<_> = fits.iter().map(|fit| fit.value(term)).collect();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let scatter =
-            (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt();
+        let scatter = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+            / (values.len() - 1) as f64)
+            .sqrt();
         let reported = fits[0].term(term).unwrap().standard_error;
         assert!((reported / scatter - 1.0).abs() < 0.2, "{term}: {reported} against {scatter}");
     }
@@ -98,14 +103,20 @@ fn standard_errors_match_the_scatter() {
 fn the_cross_test_predicts_another_motion() {
     let axis = symmetric(95.0, 200.0, 20.0, -3.0);
     let fit = fit_axis(&record(&motion(8000), &axis), AxisModel::SYMMETRIC).unwrap();
-    let other: Vec<_> = motion(8000).into_iter().map(|(x, v, a)| (-0.5 * x, -0.5 * v, -0.5 * a)).collect();
+    let other: Vec<_> =
+        motion(8000).into_iter().map(|(x, v, a)| (-0.5 * x, -0.5 * v, -0.5 * a)).collect();
     let prediction = fit.predict(&record(&other, &axis)).unwrap();
     assert!(prediction.relative_error < 1.0);
     assert_eq!(prediction.time.len(), prediction.measured.len());
     assert!((prediction.time[0] - 0.05).abs() < 1e-12 && (prediction.time[1] - 0.06).abs() < 1e-12);
-    // Without the inertia what is left is friction: of one size in each direction, give or take the offset.
-    let fastest =
-        prediction.velocity.iter().zip(&prediction.friction).max_by(|a, b| a.0.total_cmp(b.0)).unwrap();
+    // Without the inertia what is left is friction: of one size in each direction, give or take the
+    // offset.
+    let fastest = prediction
+        .velocity
+        .iter()
+        .zip(&prediction.friction)
+        .max_by(|a, b| a.0.total_cmp(b.0))
+        .unwrap();
     assert!((fastest.1 - (200.0 * fastest.0 + 20.0 - 3.0)).abs() < 0.2, "{fastest:?}");
     let residual = prediction.residual();
     assert!((residual[10] - (prediction.measured[10] - prediction.predicted[10])).abs() < 1e-15);
@@ -124,7 +135,8 @@ fn friction_alone_needs_no_inertia() {
 fn what_is_not_excited_is_named() {
     let axis = symmetric(95.0, 200.0, 20.0, -3.0);
     let constant: Vec<_> = (0..3000).map(|i| (0.3 * i as f64 * DT, 0.3, 0.0)).collect();
-    let fit = |motion: &[(f64, f64, f64)], model| fit_axis(&record(motion, &axis), model).unwrap_err();
+    let fit =
+        |motion: &[(f64, f64, f64)], model| fit_axis(&record(motion, &axis), model).unwrap_err();
     assert_eq!(
         fit(&constant, AxisModel::SYMMETRIC),
         IdentError::NotExcited { terms: vec![AxisTerm::Inertia] }
@@ -147,7 +159,9 @@ fn what_is_not_excited_is_named() {
     let error = fit(&forwards, AxisModel::ASYMMETRIC);
     assert_eq!(
         error,
-        IdentError::NotExcited { terms: vec![AxisTerm::ViscousNegative, AxisTerm::CoulombNegative] }
+        IdentError::NotExcited {
+            terms: vec![AxisTerm::ViscousNegative, AxisTerm::CoulombNegative]
+        }
     );
     assert!(error.to_string().contains("both directions"), "{error}");
     let still = vec![(0.0, 0.0, 0.0); 3000];
@@ -164,7 +178,10 @@ fn impossible_outcomes_are_refused() {
     let idle = record(&motion(4000), |_, _| 0.0);
     assert_eq!(fit_axis(&idle, AxisModel::SYMMETRIC), Err(IdentError::ZeroForce));
     let short = record(&motion(230), symmetric(95.0, 200.0, 20.0, 0.0));
-    assert!(matches!(fit_axis(&short, AxisModel::SYMMETRIC), Err(IdentError::TooFewSamples { .. })));
+    assert!(matches!(
+        fit_axis(&short, AxisModel::SYMMETRIC),
+        Err(IdentError::TooFewSamples { .. })
+    ));
 }
 
 proptest! {

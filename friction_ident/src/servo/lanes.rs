@@ -1,4 +1,5 @@
-//! Many logs at once: four to a lane group, all groups in step, so that the processor never waits for one log's step to end.
+//! Many logs at once: four to a lane group, all groups in step, so that the processor never waits
+//! for one log's step to end.
 
 use std::f64::consts::PI;
 
@@ -77,7 +78,9 @@ impl Lanes {
                 samples.push(Sample {
                     goal: lane(quad, &|log| at(&log.goal)),
                     position: lane(quad, &|log| at(&log.position)),
-                    enabled: lane(quad, &|log| f64::from(u8::from(log.enabled.get(k).is_some_and(|on| *on)))),
+                    enabled: lane(quad, &|log| {
+                        f64::from(u8::from(log.enabled.get(k).is_some_and(|on| *on)))
+                    }),
                     counts: f64x4::from(std::array::from_fn::<f64, 4, _>(|i| {
                         f64::from(u8::from(quad.get(i).is_some_and(|log| k < log.samples())))
                     })),
@@ -94,7 +97,8 @@ impl Lanes {
         self.logs
     }
 
-    /// Mean of |simulated - measured| over all samples of all logs \[rad\]; infinite as soon as it must exceed `limit`.
+    /// Mean of |simulated - measured| over all samples of all logs \[rad\]; infinite as soon as it
+    /// must exceed `limit`.
     pub fn error(&self, physics: &Physics, limit: f64) -> f64 {
         let limit = limit * self.total;
         let sums = self.run(physics, &mut |_, _| {}, limit);
@@ -110,7 +114,8 @@ impl Lanes {
 
     /// The simulated positions of each log \[rad\].
     pub fn positions(&self, physics: &Physics) -> Vec<Vec<f64>> {
-        let mut positions: Vec<Vec<f64>> = self.lengths.iter().map(|&n| Vec::with_capacity(n)).collect();
+        let mut positions: Vec<Vec<f64>> =
+            self.lengths.iter().map(|&n| Vec::with_capacity(n)).collect();
         let watch = &mut |group: usize, q: f64x4| {
             for (lane, value) in q.to_array().into_iter().enumerate() {
                 let log = 4 * group + lane;
@@ -123,7 +128,12 @@ impl Lanes {
         positions
     }
 
-    fn run(&self, physics: &Physics, watch: &mut impl FnMut(usize, f64x4), limit: f64) -> Vec<f64x4> {
+    fn run(
+        &self,
+        physics: &Physics,
+        watch: &mut impl FnMut(usize, f64x4),
+        limit: f64,
+    ) -> Vec<f64x4> {
         if physics.get(RippleSine) != 0.0 || physics.get(RippleCosine) != 0.0 {
             self.advance::<true, true>(physics, watch, limit)
         } else if physics.has_stribeck() {
@@ -147,7 +157,8 @@ impl Lanes {
         let (k_eq, k_mq) = (of(QuadraticExternal), of(QuadraticMotor));
         let (per_w_s, alpha) = (f64x4::ONE / of(StribeckVelocity), of(StribeckExponent));
         let (k_v, k_2) = (of(Viscous), of(LoadSquared));
-        let (ripple_sine, ripple_cosine, ripples) = (of(RippleSine), of(RippleCosine), of(RippleCount));
+        let (ripple_sine, ripple_cosine, ripples) =
+            (of(RippleSine), of(RippleCosine), of(RippleCount));
         let per_r = k_t / r;
         let dt = f64x4::splat(TIME_STEP);
         let half_dt2 = f64x4::splat(0.5 * TIME_STEP * TIME_STEP);
@@ -166,12 +177,20 @@ impl Lanes {
                 let length = group.length;
                 let inertia = group.mass * length * length + of(Armature);
                 let gravity = group.mass * length * f64x4::splat(GRAVITY);
-                (group.position, group.speed, f64x4::ZERO, inertia / dt, f64x4::ONE / inertia, gravity)
+                (
+                    group.position,
+                    group.speed,
+                    f64x4::ZERO,
+                    inertia / dt,
+                    f64x4::ONE / inertia,
+                    gravity,
+                )
             })
             .collect();
         for (step, samples) in self.samples.chunks_exact(n.max(1)).enumerate() {
             if step % LOOK == 0 && limit.is_finite() {
-                let so_far = states.iter().fold(f64x4::ZERO, |sum, state| sum + state.2).reduce_add();
+                let so_far =
+                    states.iter().fold(f64x4::ZERO, |sum, state| sum + state.2).reduce_add();
                 if so_far.is_nan() || so_far > limit {
                     return vec![f64x4::splat(f64::INFINITY)];
                 }
@@ -207,7 +226,8 @@ impl Lanes {
                 level += speed * k_v;
                 let friction = -stop.max(-level).min(level);
                 let acceleration = (motor + external + friction) * per_inertia;
-                let w = (w + acceleration * dt).max(f64x4::splat(-FASTEST)).min(f64x4::splat(FASTEST));
+                let w =
+                    (w + acceleration * dt).max(f64x4::splat(-FASTEST)).min(f64x4::splat(FASTEST));
                 let next = q + w * dt + acceleration * half_dt2;
                 let sum = sum + (q - sample.position).abs() * sample.counts;
                 *state = (next, w, sum, inertia_rate, per_inertia, gravity);

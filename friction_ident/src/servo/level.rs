@@ -1,4 +1,5 @@
-//! The peer's six levels of friction (arXiv 2410.08650) and one of our own, each with the parameters it fits.
+//! The peer's six levels of friction (arXiv 2410.08650) and one of our own, each with the
+//! parameters it fits.
 
 use serde::Serialize;
 
@@ -6,7 +7,8 @@ use super::parameter::ServoParameter::{self, *};
 
 /// How much a friction torque depends on: speed, load, direction of power.
 ///
-/// With S = exp(-|w/w_s|^alpha), tau_m the motor's and tau_e the external torque, friction is L + K_v |w| with L as given.
+/// With S = exp(-|w/w_s|^alpha), tau_m the motor's and tau_e the external torque, friction is L +
+/// K_v |w| with L as given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrictionLevel {
@@ -20,10 +22,12 @@ pub enum FrictionLevel {
     M4,
     /// L = K_c + |K_e tau_e - K_m tau_m| + S (K_cs + |K_es tau_e - K_ms tau_m|).
     M5,
-    /// M5 plus S Q; Q is zero unless the torques oppose each other, then K_eq tau_e^2 if |tau_m| > |tau_e|, else K_mq tau_m^2.
+    /// M5 plus S Q; Q is zero unless the torques oppose each other, then K_eq tau_e^2 if |tau_m| >
+    /// |tau_e|, else K_mq tau_m^2.
     M6,
-    /// Our own: M4, in which L also grows with the square of the motor's torque, k_2 tau_m^2, and ripples with the angle as the teeth of the
-    /// gear pass, L (1 + a sin(n q) + b cos(n q)); goals take effect after a delay.
+    /// Our own: M4, in which L also grows with the square of the motor's torque, k_2 tau_m^2, and
+    /// ripples with the angle as the teeth of the gear pass, L (1 + a sin(n q) + b cos(n q)); goals
+    /// take effect after a delay.
     Progressive,
 }
 
@@ -60,7 +64,9 @@ impl FrictionLevel {
                 StribeckVelocity,
                 StribeckExponent,
             ],
-            Self::M3 => &[TorqueConstant, Resistance, Armature, PositionOffset, Coulomb, Viscous, Load],
+            Self::M3 => {
+                &[TorqueConstant, Resistance, Armature, PositionOffset, Coulomb, Viscous, Load]
+            }
             Self::M4 => &[
                 TorqueConstant,
                 Resistance,

@@ -5,7 +5,8 @@ use crate::IdentError;
 /// Period of the grid and of the simulation \[s\].
 pub const TIME_STEP: f64 = 0.005;
 
-/// A log as it was recorded: a pendulum on a position-controlled servo. The channels have one length.
+/// A log as it was recorded: a pendulum on a position-controlled servo. The channels have one
+/// length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawServoLog {
     /// Mass of the pendulum \[kg\].
@@ -30,8 +31,8 @@ pub struct RawServoLog {
 
 /// A log on the grid t = 0, [`TIME_STEP`], ... below the last time stamp.
 ///
-/// Every channel is interpolated linearly; before the first sample the first two are extrapolated. The motor counts as driven
-/// where the interpolated flag exceeds one half.
+/// Every channel is interpolated linearly; before the first sample the first two are extrapolated.
+/// The motor counts as driven where the interpolated flag exceeds one half.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoLog {
     pub(super) mass: f64,
@@ -48,8 +49,8 @@ impl ServoLog {
     /// Checks a log and brings it to the grid.
     ///
     /// # Errors
-    /// [`IdentError`] for channels that differ in length, are not finite or too short, for time that does not increase, and for
-    /// a header that no servo can have.
+    /// [`IdentError`] for channels that differ in length, are not finite or too short, for time
+    /// that does not increase, and for a header that no servo can have.
     pub fn new(raw: &RawServoLog) -> Result<Self, IdentError> {
         for (what, value) in [
             ("mass", raw.mass),
@@ -78,7 +79,11 @@ impl ServoLog {
         ];
         for (channel, values) in channels {
             if values.len() != n {
-                return Err(IdentError::UnequalLengths { channel, found: values.len(), expected: n });
+                return Err(IdentError::UnequalLengths {
+                    channel,
+                    found: values.len(),
+                    expected: n,
+                });
             }
             if let Some((index, &value)) =
                 values.iter().enumerate().find(|(_, value)| !crate::finite::usable(**value))
@@ -88,7 +93,11 @@ impl ServoLog {
         }
         if raw.enabled.len() != n {
             let channel = "the torque switch";
-            return Err(IdentError::UnequalLengths { channel, found: raw.enabled.len(), expected: n });
+            return Err(IdentError::UnequalLengths {
+                channel,
+                found: raw.enabled.len(),
+                expected: n,
+            });
         }
         if let Some(index) = raw.time.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(IdentError::TimeOrder { index: index + 1, time: raw.time[index + 1] });
@@ -113,7 +122,10 @@ impl ServoLog {
             })
             .collect::<Vec<_>>();
         let on_grid = |values: &[f64]| -> Vec<f64> {
-            samples.iter().map(|&(i, share)| values[i] + (values[i + 1] - values[i]) * share).collect()
+            samples
+                .iter()
+                .map(|&(i, share)| values[i] + (values[i + 1] - values[i]) * share)
+                .collect()
         };
         let switch: Vec<f64> = raw.enabled.iter().map(|&on| f64::from(u8::from(on))).collect();
         let speed = on_grid(&raw.speed);

@@ -1,4 +1,5 @@
-//! The parameters of a servo: names, units, bounds, and what to measure where a log does not show them.
+//! The parameters of a servo: names, units, bounds, and what to measure where a log does not show
+//! them.
 
 use serde::Serialize;
 
@@ -34,7 +35,8 @@ pub enum ServoParameter {
     StribeckMotor,
     /// Stribeck friction per squared external torque where the motor's is larger, K_eq \[1/(N m)\].
     QuadraticExternal,
-    /// Stribeck friction per squared motor torque where the external one is larger, K_mq \[1/(N m)\].
+    /// Stribeck friction per squared motor torque where the external one is larger, K_mq
+    /// \[1/(N m)\].
     QuadraticMotor,
     /// Stribeck velocity w_s \[rad/s\].
     StribeckVelocity,
@@ -48,8 +50,8 @@ pub enum ServoParameter {
     RippleSine,
     /// Cosine part.
     RippleCosine,
-    /// Ripples of friction a turn. Its bounds are those of the XL330: in logs of three gains the spectrum of friction per torque over the angle
-    /// peaks at 103.
+    /// Ripples of friction a turn. Its bounds are those of the XL330: in logs of three gains the
+    /// spectrum of friction per torque over the angle peaks at 103.
     RippleCount,
 }
 use ServoParameter as P;
@@ -132,7 +134,9 @@ impl ServoParameter {
                 "measure the winding's resistance with an ohmmeter, or record the motor current beside the position"
             }
             P::Armature => "record free swings with two different masses",
-            P::PositionOffset => "let the pendulum hang at rest without torque and read the position",
+            P::PositionOffset => {
+                "let the pendulum hang at rest without torque and read the position"
+            }
             P::Coulomb | P::Viscous => {
                 "turn the servo without a pendulum at several steady speeds in both directions and record the duty cycle"
             }
@@ -147,7 +151,9 @@ impl ServoParameter {
             | P::QuadraticMotor => {
                 "raise the duty cycle slowly until the axis lets go, at several angles of the pendulum"
             }
-            P::StribeckVelocity | P::StribeckExponent => "record steady speeds between 0.02 and 1 rad/s",
+            P::StribeckVelocity | P::StribeckExponent => {
+                "record steady speeds between 0.02 and 1 rad/s"
+            }
             P::Delay => {
                 "record the reply to a step of the goal with time stamps of command and position from one clock"
             }

@@ -2,7 +2,8 @@
 
 use super::parameter::ServoParameter::{self, *};
 
-/// All coefficients; an effect that is not fitted has its neutral value. The units are those of [`ServoParameter`].
+/// All coefficients; an effect that is not fitted has its neutral value. The units are those of
+/// [`ServoParameter`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Physics {
     values: [f64; ServoParameter::ALL.len()],

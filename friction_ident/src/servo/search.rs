@@ -30,7 +30,8 @@ pub struct Found {
     pub evaluations: usize,
 }
 
-/// Value of a parameter at a place in the unit interval: quadratic from a zero bound, logarithmic where the bounds span decades.
+/// Value of a parameter at a place in the unit interval: quadratic from a zero bound, logarithmic
+/// where the bounds span decades.
 pub fn value_at(parameter: ServoParameter, place: f64) -> f64 {
     let (low, high) = parameter.bounds();
     if low > 0.0 && high > 10.0 * low {
@@ -74,7 +75,8 @@ pub fn search(
     let usual = CmaEs::usual_population(n);
     let mut restart = 0;
     'search: while evaluations < effort.evaluations {
-        // Restarts alternate: larger and larger populations from anywhere, small ones around the best.
+        // Restarts alternate: larger and larger populations from anywhere, small ones around the
+        // best.
         let (start, sigma, population) = if restart % 2 == 0 {
             let start: Vec<f64> = (0..n).map(|_| rng.random_range(0.1..0.9)).collect();
             (start, 0.3, (usual * 2) << (restart / 2).min(3))
@@ -115,7 +117,11 @@ pub fn search(
                     recent.iter().fold((f64::INFINITY, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
                 flat = high - low < 1e-5 * low;
             }
-            if flat || cma.spread() < 1e-7 || cma.condition() > 1e7 || evaluations >= effort.evaluations {
+            if flat
+                || cma.spread() < 1e-7
+                || cma.condition() > 1e7
+                || evaluations >= effort.evaluations
+            {
                 break;
             }
         }

@@ -1,15 +1,19 @@
-//! What several searches of one data set say together: medians, quartiles, and which parameters they agree on.
+//! What several searches of one data set say together: medians, quartiles, and which parameters
+//! they agree on.
 //!
-//! The mean position error has many local minima of almost equal depth. A parameter that differs from one to the next
-//! while the error does not is not determined by the data, whatever the curvature at each of them says.
+//! The mean position error has many local minima of almost equal depth. A parameter that differs
+//! from one to the next while the error does not is not determined by the data, whatever the
+//! curvature at each of them says.
 
 use super::parameter::ServoParameter;
 use super::search::Found;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 
-/// Errors within this fraction above the best count as equally good: leaving out one log of twelve changes the mean by as much.
+/// Errors within this fraction above the best count as equally good: leaving out one log of twelve
+/// changes the mean by as much.
 pub const EQUALLY_GOOD: f64 = 0.1;
-/// Half the range over equally good fits, over the median, above which a parameter is not identified.
+/// Half the range over equally good fits, over the median, above which a parameter is not
+/// identified.
 const WIDE: f64 = 0.25;
 
 /// Quartiles of a sample.
@@ -26,7 +30,8 @@ pub struct Quartiles {
 impl Quartiles {
     /// Of the finite values, linear between neighbours; none where there is none.
     pub fn of(values: &[f64]) -> Option<Self> {
-        let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+        let mut sorted: Vec<f64> =
+            values.iter().copied().filter(|value| value.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         let last = sorted.len().checked_sub(1)? as f64;
         let at = |share: f64| {
@@ -38,23 +43,30 @@ impl Quartiles {
     }
 }
 
-/// The best search's parameters with their range over all searches whose error is within [`EQUALLY_GOOD`] of the best.
+/// The best search's parameters with their range over all searches whose error is within
+/// [`EQUALLY_GOOD`] of the best.
 ///
-/// The interval is that range; it is no confidence interval, but no honest one is narrower. `None` where nothing was found.
+/// The interval is that range; it is no confidence interval, but no honest one is narrower. `None`
+/// where nothing was found.
 pub fn estimates(parameters: &[ServoParameter], found: &[Found]) -> Option<Estimates> {
-    let best =
-        found.iter().min_by(|a, b| a.error.total_cmp(&b.error)).filter(|best| best.error.is_finite())?;
+    let best = found
+        .iter()
+        .min_by(|a, b| a.error.total_cmp(&b.error))
+        .filter(|best| best.error.is_finite())?;
     let equals: Vec<&Found> =
         found.iter().filter(|other| other.error <= best.error * (1.0 + EQUALLY_GOOD)).collect();
     let estimate = |(index, &parameter): (usize, &ServoParameter)| {
         let value = best.values.get(index).copied().unwrap_or(f64::NAN);
         let values = || equals.iter().filter_map(|other| other.values.get(index).copied());
-        let (low, high) =
-            values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = values()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let (bottom, top) = parameter.bounds();
         let margin = 1e-3 * (top - bottom);
-        // A value at zero says that the effect is absent. At any other bound the search wanted to leave.
-        let bound = [bottom, top].into_iter().find(|&bound| bound != 0.0 && (value - bound).abs() <= margin);
+        // A value at zero says that the effect is absent. At any other bound the search wanted to
+        // leave.
+        let bound = [bottom, top]
+            .into_iter()
+            .find(|&bound| bound != 0.0 && (value - bound).abs() <= margin);
         let doubt = if let Some(bound) = bound {
             Some(Doubt::AtBound { bound })
         } else if 0.5 * (high - low) > WIDE * value.abs() {
@@ -96,7 +108,8 @@ mod tests {
     fn fits_that_are_equally_good_but_differ_identify_nothing() {
         let parameters =
             [ServoParameter::TorqueConstant, ServoParameter::Coulomb, ServoParameter::Resistance];
-        let fit = |values: [f64; 3], error| Found { values: values.to_vec(), error, evaluations: 1 };
+        let fit =
+            |values: [f64; 3], error| Found { values: values.to_vec(), error, evaluations: 1 };
         let found = [
             fit([0.40, 0.001, 5.0], 0.0340),
             fit([0.41, 0.010, 5.0], 0.0341),

@@ -20,8 +20,9 @@ pub struct FrictionData {
 }
 
 impl FrictionData {
-    /// Sorts. `reach` is how far the contact bends before it slides [m or rad], if that is known; otherwise a stretch that moves less than a thousandth
-    /// of the longest one counts as pre-sliding.
+    /// Sorts. `reach` is how far the contact bends before it slides [m or rad], if that is known;
+    /// otherwise a stretch that moves less than a thousandth of the longest one counts as
+    /// pre-sliding.
     pub fn sort(points: Vec<SteadyPoint>, stretches: Vec<Stretch>, reach: Option<f64>) -> Self {
         let range = |stretch: &Stretch| {
             let travel = stretch.travel();
@@ -58,10 +59,14 @@ impl FrictionData {
 
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty() && self.pre_sliding.is_empty() && self.lag.is_empty() && self.mixed.is_empty()
+        self.points.is_empty()
+            && self.pre_sliding.is_empty()
+            && self.lag.is_empty()
+            && self.mixed.is_empty()
     }
 
-    /// Steady points for the static stage: those of constant velocities, or where they are too few, what slow enough sliding shows.
+    /// Steady points for the static stage: those of constant velocities, or where they are too few,
+    /// what slow enough sliding shows.
     pub(super) fn static_points(&self) -> Vec<SteadyPoint> {
         if self.points.len() >= FEWEST_POINTS {
             return self.points.clone();
@@ -69,7 +74,10 @@ impl FrictionData {
         let mut points: Vec<SteadyPoint> =
             self.points.iter().map(|point| SteadyPoint { deviation: None, ..*point }).collect();
         points.extend(
-            self.lag.iter().chain(&self.mixed).flat_map(|stretch| binned(stretch, self.reach_hint())),
+            self.lag
+                .iter()
+                .chain(&self.mixed)
+                .flat_map(|stretch| binned(stretch, self.reach_hint())),
         );
         points
     }
@@ -87,7 +95,8 @@ impl FrictionData {
 /// Points below which sliding that is not steady is used for the static characteristic too.
 const FEWEST_POINTS: usize = 8;
 
-/// Mean friction over velocity in bins, from samples that slid since the last reversal by more than `reach`.
+/// Mean friction over velocity in bins, from samples that slid since the last reversal by more than
+/// `reach`.
 fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
     const BINS: usize = 40;
     let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
@@ -102,10 +111,11 @@ fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
         before = v;
         let slid = (at - turned).abs() > reach;
         if slid && v.abs() > 0.01 * fastest {
-            let bin =
-                ((v.abs() / fastest * BINS as f64) as usize).min(BINS - 1) + if v > 0.0 { BINS } else { 0 };
+            let bin = ((v.abs() / fastest * BINS as f64) as usize).min(BINS - 1)
+                + if v > 0.0 { BINS } else { 0 };
             let (velocities, frictions, count) = &mut sums[bin];
-            (*velocities, *frictions, *count) = (*velocities + v, *frictions + friction, *count + 1);
+            (*velocities, *frictions, *count) =
+                (*velocities + v, *frictions + friction, *count + 1);
         }
     }
     let mean = |&(v, f, n): &(f64, f64, usize)| SteadyPoint::new(v / n as f64, f / n as f64);
@@ -122,11 +132,15 @@ pub(super) fn weighted(stretch: &Stretch, model: &AnyModel) -> Stretch {
     Stretch { deviation: Some(deviation), ..stretch.clone() }
 }
 
-/// Points with the deviation that the model leaves on them, so that they weigh rightly beside single samples.
+/// Points with the deviation that the model leaves on them, so that they weigh rightly beside
+/// single samples.
 pub(super) fn weighted_points(points: &[SteadyPoint], model: &AnyModel) -> Vec<SteadyPoint> {
     let off = |point: &SteadyPoint| model.steady_state(point.velocity) - point.torque;
     let largest = points.iter().fold(0.0f64, |largest, point| largest.max(point.torque.abs()));
-    let scale = points.iter().map(|point| (off(point) / point.deviation.unwrap_or(1.0)).powi(2)).sum::<f64>();
+    let scale = points
+        .iter()
+        .map(|point| (off(point) / point.deviation.unwrap_or(1.0)).powi(2))
+        .sum::<f64>();
     let scale = (scale / points.len().max(1) as f64).sqrt();
     points
         .iter()

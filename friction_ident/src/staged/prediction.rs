@@ -8,7 +8,8 @@ use crate::output_error::{Measured, predict, prediction_rms};
 use crate::residual_whiteness::effective_share;
 use crate::stretch::{Stretch, StretchKind};
 
-/// Predicted minus measured friction over all points and samples, kind by kind in the order of [`StretchKind::ALL`].
+/// Predicted minus measured friction over all points and samples, kind by kind in the order of
+/// [`StretchKind::ALL`].
 pub fn residuals(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
     StretchKind::ALL.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect()
 }
@@ -16,7 +17,11 @@ pub fn residuals(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
 /// Predicted minus measured friction of one kind of recording.
 pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
     if kind == StretchKind::Steady {
-        return data.points.iter().map(|point| model.steady_state(point.velocity) - point.torque).collect();
+        return data
+            .points
+            .iter()
+            .map(|point| model.steady_state(point.velocity) - point.torque)
+            .collect();
     }
     let off = |stretch: &Stretch| -> Vec<f64> {
         predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
@@ -24,7 +29,8 @@ pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKin
     data.stretches(kind).iter().flat_map(off).collect()
 }
 
-/// By how much `first` predicts worse than `second` in mean square, paired over blocks within each kind of recording.
+/// By how much `first` predicts worse than `second` in mean square, paired over blocks within each
+/// kind of recording.
 pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> Difference {
     let kinds: Vec<_> = StretchKind::ALL
         .iter()
@@ -43,7 +49,8 @@ pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> D
     stratified(&kinds)
 }
 
-/// Root mean square of predicted minus measured friction, of one kind of recording; none where there is none.
+/// Root mean square of predicted minus measured friction, of one kind of recording; none where
+/// there is none.
 pub fn rms_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Option<f64> {
     let measured = match kind {
         StretchKind::Steady => Measured { points: &data.points, stretches: &[] },

@@ -1,4 +1,5 @@
-//! Where the dynamic stages begin: from the specialised fits, which scan and need no start themselves.
+//! Where the dynamic stages begin: from the specialised fits, which scan and need no start
+//! themselves.
 
 use friction_model::{AnyModel, ModelName};
 
@@ -8,13 +9,16 @@ use crate::output_error::{Measured, prediction_rms};
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 
 impl Work<'_> {
-    /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by a scan over all of them, where that is
-    /// nearer to the recordings. A path that cannot be fitted so leaves the model as it is: the search that follows may still do better.
+    /// The model with the lengths, stiffnesses and shares of the best hysteresis operator, found by
+    /// a scan over all of them, where that is nearer to the recordings. A path that cannot be
+    /// fitted so leaves the model as it is: the search that follows may still do better.
     pub(super) fn best_operator(&self, model: AnyModel) -> AnyModel {
         let operator = match self.name {
             ModelName::Proposed => PreSlidingModel::Proposed,
             ModelName::LuGre => PreSlidingModel::LuGre,
-            ModelName::Dahl => PreSlidingModel::Dahl { delta: model.parameter("delta").unwrap_or(1.0) },
+            ModelName::Dahl => {
+                PreSlidingModel::Dahl { delta: model.parameter("delta").unwrap_or(1.0) }
+            }
             ModelName::ElastoPlastic => PreSlidingModel::ElastoPlastic,
             ModelName::Gms => PreSlidingModel::Gms { elements: self.options.elements },
             ModelName::Xiong => PreSlidingModel::Xiong { elements: self.options.elements },
@@ -33,20 +37,26 @@ impl Work<'_> {
         let paths: Vec<PreSlidingPath> = travels
             .iter()
             .zip(&self.data.pre_sliding)
-            .map(|(displacement, stretch)| PreSlidingPath { displacement, torque: &stretch.friction })
+            .map(|(displacement, stretch)| PreSlidingPath {
+                displacement,
+                torque: &stretch.friction,
+            })
             .collect();
         let Ok(found) = fit_pre_sliding(&paths, operator) else { return model };
         let mut parameters = model.parameters();
         for estimate in &found.estimates.parameters {
             let (name, element) = match estimate.name.split_once('[') {
-                Some((name, rest)) => (name, rest.trim_end_matches(']').parse().unwrap_or(usize::MAX)),
+                Some((name, rest)) => {
+                    (name, rest.trim_end_matches(']').parse().unwrap_or(usize::MAX))
+                }
                 None => (estimate.name.as_str(), 0),
             };
             if PRE_SLIDING.contains(&name) {
                 parameters.set_at(name, element, estimate.value);
             }
         }
-        // An element that never slipped on these paths is as soft as the fit likes: no softer than one that slips at eight times their end.
+        // An element that never slipped on these paths is as soft as the fit likes: no softer than
+        // one that slips at eight times their end.
         let level = model.parameter("f_s").unwrap_or(f64::INFINITY);
         for (share, stiffness) in [("alpha", "sigma0"), ("lambda", "k")] {
             let softest = level / (8.0 * self.reach().unwrap_or(f64::INFINITY));
@@ -56,11 +66,13 @@ impl Work<'_> {
             }
         }
         let measured = Measured { points: &[], stretches: &self.data.pre_sliding };
-        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+        let nearer =
+            |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 
-    /// The model with the time constant of the lag stage's own fit, which scans all of them and needs no start, where that is nearer to the recordings.
+    /// The model with the time constant of the lag stage's own fit, which scans all of them and
+    /// needs no start, where that is nearer to the recordings.
     pub(super) fn best_lag(&self, model: AnyModel) -> AnyModel {
         let recordings: Vec<LagRecording> = self
             .data
@@ -77,7 +89,8 @@ impl Work<'_> {
         let mut parameters = model.parameters();
         parameters.set("tau", found.values.tau);
         let measured = Measured { points: &[], stretches: &self.data.lag };
-        let nearer = |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+        let nearer =
+            |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 }

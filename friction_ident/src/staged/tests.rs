@@ -20,12 +20,19 @@ fn along(truth: &AnyModel, samples: usize, velocity: impl Fn(f64) -> f64) -> Str
 fn experiments(truth: &AnyModel, noise: f64, seed: u64) -> FrictionData {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let speeds = (0..80).map(|i| {
-        if i < 30 { 0.03 + 0.47 * f64::from(i) / 29.0 } else { 0.55 + 3.45 * f64::from(i - 30) / 49.0 }
+        if i < 30 {
+            0.03 + 0.47 * f64::from(i) / 29.0
+        } else {
+            0.55 + 3.45 * f64::from(i - 30) / 49.0
+        }
     });
     let points = speeds
         .flat_map(|v| [v, -v])
         .map(|v| {
-            SteadyPoint::new(v, truth.steady_state(v) + noise / 10.0 * rng.sample::<f64, _>(StandardNormal))
+            SteadyPoint::new(
+                v,
+                truth.steady_state(v) + noise / 10.0 * rng.sample::<f64, _>(StandardNormal),
+            )
         })
         .collect();
     // Displacement within 5 mrad, two frequencies beating: nested loops.
@@ -33,7 +40,8 @@ fn experiments(truth: &AnyModel, noise: f64, seed: u64) -> FrictionData {
         0.005 * (3.0 * (3.0 * t).cos() * (0.5 * t).cos() - 0.5 * (3.0 * t).sin() * (0.5 * t).sin())
     });
     let lag = along(truth, 9425, |t| 1.0 - 0.95 * (0.53 * t * t).cos());
-    let mixed = along(truth, 6000, |t| 0.4 * (1.3 * t).sin() * (0.37 * t).cos() + 0.03 * (11.0 * t).sin());
+    let mixed =
+        along(truth, 6000, |t| 0.4 * (1.3 * t).sin() * (0.37 * t).cos() + 0.03 * (11.0 * t).sin());
     let mut stretches = vec![nested, lag, mixed];
     for friction in stretches.iter_mut().flat_map(|stretch| &mut stretch.friction) {
         *friction += noise * rng.sample::<f64, _>(StandardNormal);
@@ -55,7 +63,10 @@ fn truth(name: ModelName) -> AnyModel {
 #[test]
 fn recordings_are_sorted_by_what_they_show() {
     let data = experiments(&truth(Proposed), 0.0, 1);
-    assert_eq!((data.points.len(), data.pre_sliding.len(), data.lag.len(), data.mixed.len()), (160, 1, 1, 1));
+    assert_eq!(
+        (data.points.len(), data.pre_sliding.len(), data.lag.len(), data.mixed.len()),
+        (160, 1, 1, 1)
+    );
 }
 
 #[test]
@@ -70,8 +81,11 @@ fn exact_experiments_give_every_parameter_back() {
             found.model
         );
         for row in truth.parameters().table() {
-            for (a, b) in
-                truth.parameters().values(row.name).iter().zip(found.model.parameters().values(row.name))
+            for (a, b) in truth
+                .parameters()
+                .values(row.name)
+                .iter()
+                .zip(found.model.parameters().values(row.name))
             {
                 assert!((b / a - 1.0).abs() < 1e-6, "{name}.{}: {b} instead of {a}", row.name);
             }
@@ -79,12 +93,15 @@ fn exact_experiments_give_every_parameter_back() {
     }
 }
 
-/// With noise of 1 % of the level every interval of a parameter that counts as identified covers the truth within reason.
+/// With noise of 1 % of the level every interval of a parameter that counts as identified covers
+/// the truth within reason.
 #[test]
 fn noisy_experiments_give_parameters_within_their_errors() {
     let truth = truth(Proposed);
     let found = identify(Proposed, &experiments(&truth, 1e-3, 3), &StagedOptions::default());
-    for estimate in found.estimates.parameters.iter().filter(|estimate| estimate.standard_error.is_some()) {
+    for estimate in
+        found.estimates.parameters.iter().filter(|estimate| estimate.standard_error.is_some())
+    {
         let value = truth.parameter(&estimate.name).unwrap();
         let errors = (estimate.value - value).abs() / estimate.standard_error.unwrap();
         assert!(errors < 4.0, "{estimate:?}, truth {value}");
@@ -93,12 +110,14 @@ fn noisy_experiments_give_parameters_within_their_errors() {
     assert!((found.information.mse.sqrt() / 1e-3 - 1.0).abs() < 0.02, "{:?}", found.information);
 }
 
-/// Linearised intervals of the joint stage, white noise of 1e-3 N m on points and samples: 93 to 97 % of them cover the truth, and what chance may add or take at this
-/// number of repetitions (three standard deviations). `FRICTION_COVERAGE` sets that number, 40 if unset.
+/// Linearised intervals of the joint stage, white noise of 1e-3 N m on points and samples: 93 to 97
+/// % of them cover the truth, and what chance may add or take at this number of repetitions (three
+/// standard deviations). `FRICTION_COVERAGE` sets that number, 40 if unset.
 #[test]
 fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
     const NAMES: [&str; 7] = ["f_s", "f_c", "v_s", "f_v", "z_b", "sigma", "tau"];
-    let count = std::env::var("FRICTION_COVERAGE").ok().and_then(|text| text.parse().ok()).unwrap_or(40u64);
+    let count =
+        std::env::var("FRICTION_COVERAGE").ok().and_then(|text| text.parse().ok()).unwrap_or(40u64);
     let n = count as f64;
     let truth = truth(Proposed);
     let clean = experiments(&truth, 0.0, 1);
@@ -113,25 +132,37 @@ fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
         }
         let found = identify(Proposed, &data, &StagedOptions::default());
         for (i, name) in NAMES.iter().enumerate() {
-            let (estimate, value) = (found.estimates.get(name).unwrap(), truth.parameter(name).unwrap());
+            let (estimate, value) =
+                (found.estimates.get(name).unwrap(), truth.parameter(name).unwrap());
             let interval = estimate.interval.unwrap();
             assert_eq!(interval.method, IntervalMethod::Linearised);
             covered[i] += f64::from(u8::from(interval.contains(value))) / n;
             squares[i] += ((estimate.value - value) / estimate.standard_error.unwrap()).powi(2) / n;
         }
     }
-    println!("{NAMES:?} covered {covered:?}, rms of error over standard error {:?}", squares.map(f64::sqrt));
+    println!(
+        "{NAMES:?} covered {covered:?}, rms of error over standard error {:?}",
+        squares.map(f64::sqrt)
+    );
     let chance = |share: f64| 3.0 * (share * (1.0 - share) / n).sqrt();
     for (name, share) in NAMES.iter().zip(covered) {
-        assert!(share > 0.93 - chance(0.93) && share < 0.97 + chance(0.97), "{name}: covered in {share}");
+        assert!(
+            share > 0.93 - chance(0.93) && share < 0.97 + chance(0.97),
+            "{name}: covered in {share}"
+        );
     }
 }
 
 #[test]
 fn each_direction_can_have_its_own_parameters() {
     let forward = truth(LuGre);
-    let backward =
-        forward.scaled("f_c", 0.8).unwrap().scaled("f_s", 0.85).unwrap().scaled("f_v", 1.2).unwrap();
+    let backward = forward
+        .scaled("f_c", 0.8)
+        .unwrap()
+        .scaled("f_s", 0.85)
+        .unwrap()
+        .scaled("f_v", 1.2)
+        .unwrap();
     let truth = AnyModel::asymmetric(&forward, &backward).unwrap();
     let options = StagedOptions { asymmetric: true, ..StagedOptions::default() };
     let found = identify(LuGre, &experiments(&truth, 0.0, 1), &options);
@@ -149,7 +180,10 @@ fn without_recordings_that_show_them_parameters_say_that_they_were_given() {
     let only_points = FrictionData { points: data.points, ..FrictionData::default() };
     let found = identify(Proposed, &only_points, &StagedOptions::default());
     for name in ["z_b", "sigma", "tau"] {
-        assert!(matches!(found.estimates.get(name).unwrap().verdict, Verdict::Given { .. }), "{name}");
+        assert!(
+            matches!(found.estimates.get(name).unwrap().verdict, Verdict::Given { .. }),
+            "{name}"
+        );
     }
     assert!(found.estimates.get("f_c").unwrap().is_identified());
 }
@@ -160,9 +194,14 @@ fn at_the_noise_of_the_thesis_the_dip_is_not_identifiable() {
     let data = experiments(&truth(Proposed), 0.0, 1);
     let mut rng = Pcg64Mcg::seed_from_u64(11);
     let mut points: Vec<_> = data.points.into_iter().filter(|point| point.velocity > 0.0).collect();
-    points.iter_mut().for_each(|point| point.torque += 0.0061 * rng.sample::<f64, _>(StandardNormal));
-    let found =
-        identify(Stribeck, &FrictionData { points, ..FrictionData::default() }, &StagedOptions::default());
+    points
+        .iter_mut()
+        .for_each(|point| point.torque += 0.0061 * rng.sample::<f64, _>(StandardNormal));
+    let found = identify(
+        Stribeck,
+        &FrictionData { points, ..FrictionData::default() },
+        &StagedOptions::default(),
+    );
     for name in ["f_s", "v_s"] {
         let estimate = found.estimates.get(name).unwrap();
         assert!(

@@ -14,7 +14,9 @@ impl From<Unidentifiable> for Doubt {
     fn from(reason: Unidentifiable) -> Self {
         match reason {
             Unidentifiable::LargeError { relative_error } => Self::LargeError { relative_error },
-            Unidentifiable::NoDip { dip, standard_error } => Self::BelowNoise { effect: dip, standard_error },
+            Unidentifiable::NoDip { dip, standard_error } => {
+                Self::BelowNoise { effect: dip, standard_error }
+            }
             Unidentifiable::OutsideSpeeds { slowest, fastest } => {
                 Self::OutsideRange { low: slowest, high: fastest }
             }

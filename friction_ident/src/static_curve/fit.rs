@@ -18,19 +18,24 @@ const F_S: usize = 0;
 const F_C: usize = 1;
 const V_S: usize = 2;
 const F_V: usize = 3;
-/// Standard errors the dip must be worth. Three rather than two: the scan picks the `v_s` where noise looks most
-/// like a dip.
+/// Standard errors the dip must be worth. Three rather than two: the scan picks the `v_s` where
+/// noise looks most like a dip.
 const CLEAR_DIP: f64 = 3.0;
 
-/// Fits a Stribeck curve to steady points of either sign of velocity. Points at rest count for nothing.
+/// Fits a Stribeck curve to steady points of either sign of velocity. Points at rest count for
+/// nothing.
 ///
 /// # Errors
-/// [`IdentError::TooFewSamples`] below eight points, [`IdentError::TooFewSpeeds`] below five speeds,
-/// [`IdentError::NotFinite`], [`IdentError::StandardDeviation`], [`IdentError::MixedDeviations`],
-/// [`IdentError::Exponent`], [`IdentError::ZeroForce`], [`IdentError::NotFriction`] for torques that drive
-/// instead of braking, [`IdentError::NoConvergence`]. A dip that the data do not show is no error: see
+/// [`IdentError::TooFewSamples`] below eight points, [`IdentError::TooFewSpeeds`] below five
+/// speeds, [`IdentError::NotFinite`], [`IdentError::StandardDeviation`],
+/// [`IdentError::MixedDeviations`], [`IdentError::Exponent`], [`IdentError::ZeroForce`],
+/// [`IdentError::NotFriction`] for torques that drive instead of braking,
+/// [`IdentError::NoConvergence`]. A dip that the data do not show is no error: see
 /// [`StribeckFit::unidentifiable`].
-pub fn fit_stribeck(points: &[SteadyPoint], options: &StribeckOptions) -> Result<StribeckFit, IdentError> {
+pub fn fit_stribeck(
+    points: &[SteadyPoint],
+    options: &StribeckOptions,
+) -> Result<StribeckFit, IdentError> {
     let speeds = check(points, options)?;
     let moving: Vec<_> = points.iter().copied().filter(|point| point.velocity != 0.0).collect();
     let data = Data::new(&moving);
@@ -87,8 +92,9 @@ fn best_curve(
     Ok(fit)
 }
 
-/// Coulomb and viscous friction alone: what is left, and safe to compensate with, where the data show no dip.
-/// A curve kept with an unproven dip may rise to any height below the slowest measured speed.
+/// Coulomb and viscous friction alone: what is left, and safe to compensate with, where the data
+/// show no dip. A curve kept with an unproven dip may rise to any height below the slowest measured
+/// speed.
 fn without_dip(
     data: &Data,
     speeds: (f64, f64),
@@ -97,10 +103,13 @@ fn without_dip(
 ) -> Result<StribeckFit, IdentError> {
     let shapes: [&[usize]; 2] = [&[F_C, F_V], &[F_C]];
     let fits = shapes.map(|free| (linear(data, speeds.0, delta, free), free));
-    let best = fits.iter().find_map(|(values, free)| values.filter(valid).map(|values| (values, *free)));
+    let best =
+        fits.iter().find_map(|(values, free)| values.filter(valid).map(|values| (values, *free)));
     let Some((values, free)) = best else {
-        let f_c =
-            fits.iter().filter_map(|(values, _)| values.map(|values| values.f_c)).fold(f64::NAN, f64::max);
+        let f_c = fits
+            .iter()
+            .filter_map(|(values, _)| values.map(|values| values.f_c))
+            .fold(f64::NAN, f64::max);
         return Err(IdentError::NotFriction { f_c });
     };
     let mut fit = summarise(data, values, free, speeds)?;
@@ -134,7 +143,8 @@ impl Data {
     }
 
     fn jacobian(&self, values: &StribeckValues, free: &[usize]) -> DMatrix<f64> {
-        let gradients: Vec<_> = self.velocity.iter().map(|&velocity| values.gradient(velocity)).collect();
+        let gradients: Vec<_> =
+            self.velocity.iter().map(|&velocity| values.gradient(velocity)).collect();
         DMatrix::from_fn(gradients.len(), free.len(), |i, j| self.weight[i] * gradients[i][free[j]])
     }
 
@@ -152,8 +162,9 @@ impl Data {
     }
 }
 
-/// Range of trial Stribeck velocities: below it the dip has vanished before the slowest point, above it the
-/// exponential bends too little over the measured speeds to be told from friction and slope.
+/// Range of trial Stribeck velocities: below it the dip has vanished before the slowest point,
+/// above it the exponential bends too little over the measured speeds to be told from friction and
+/// slope.
 fn trial_range((slowest, fastest): (f64, f64)) -> (f64, f64) {
     (0.5 * slowest, fastest)
 }
@@ -222,7 +233,8 @@ fn valid(values: &StribeckValues) -> bool {
     finite && f_c > 0.0 && f_s >= f_c && v_s > 0.0 && f_v >= 0.0
 }
 
-/// The best values for a given `v_s`; without a free `f_s` there is no dip, without `f_v` no viscous friction.
+/// The best values for a given `v_s`; without a free `f_s` there is no dip, without `f_v` no
+/// viscous friction.
 fn linear(data: &Data, v_s: f64, delta: f64, free: &[usize]) -> Option<StribeckValues> {
     let mut values = StribeckValues { f_s: 0.0, f_c: 0.0, v_s, f_v: 0.0, delta };
     let torque = DVector::from_iterator(
@@ -280,12 +292,16 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 }
 
-fn polish(data: &Data, values: StribeckValues, free: &[usize]) -> Result<StribeckValues, IdentError> {
+fn polish(
+    data: &Data,
+    values: StribeckValues,
+    free: &[usize],
+) -> Result<StribeckValues, IdentError> {
     let problem = Problem { data, values, free: free.to_vec() };
     let (problem, report) = LevenbergMarquardt::new().minimize(problem);
     let reason = report.termination;
-    // "No improvement possible" is what a perfect fit to exact data ends with; "lost patience" leaves the best
-    // point found, which the caller still checks against the bounds.
+    // "No improvement possible" is what a perfect fit to exact data ends with; "lost patience"
+    // leaves the best point found, which the caller still checks against the bounds.
     let usable = reason.was_successful()
         || matches!(
             reason,
@@ -305,10 +321,13 @@ fn summarise(
     let degrees_of_freedom = points - free.len();
     let variance = data.residuals(&values).norm_squared() / degrees_of_freedom as f64;
     let plain = data.velocity.iter().zip(&data.torque);
-    let mse = plain.map(|(&v, torque)| (values.torque(v) - torque).powi(2)).sum::<f64>() / points as f64;
+    let mse =
+        plain.map(|(&v, torque)| (values.torque(v) - torque).powi(2)).sum::<f64>() / points as f64;
 
     let solution = least_squares::solve(&data.design(&values, free), &DVector::zeros(points))
-        .map_err(|_| IdentError::NoConvergence("the parameters depend on one another".to_owned()))?;
+        .map_err(|_| {
+            IdentError::NoConvergence("the parameters depend on one another".to_owned())
+        })?;
     let mut covariance = [[0.0; 4]; 4];
     let mut standard_errors = [None; 4];
     for (i, &row) in free.iter().enumerate() {
@@ -328,7 +347,8 @@ fn summarise(
     let mut unidentifiable = [None; 4];
     for (parameter, reason) in unidentifiable.iter_mut().enumerate() {
         let relative_error = standard_errors[parameter].map(|error| error / all[parameter].abs());
-        if let Some(relative_error) = relative_error.filter(|error| *error > 0.5 || error.is_nan()) {
+        if let Some(relative_error) = relative_error.filter(|error| *error > 0.5 || error.is_nan())
+        {
             *reason = Some(Unidentifiable::LargeError { relative_error });
         }
     }

@@ -1,8 +1,10 @@
 //! Profile intervals of the four parameters.
 //!
-//! For a given `v_s` the other three are linear, so their profiles are known in closed form: the sum of squares along `p` is
-//! `S(v_s) + (p - p(v_s))^2 / c(v_s)`. The interval of `v_s` is where `S(v_s)` stays below the limit; that of a linear parameter is the union of
-//! `p(v_s) +- sqrt((limit - S(v_s)) c(v_s))` over that range. Both are global: every dip that the data allow counts.
+//! For a given `v_s` the other three are linear, so their profiles are known in closed form: the
+//! sum of squares along `p` is `S(v_s) + (p - p(v_s))^2 / c(v_s)`. The interval of `v_s` is where
+//! `S(v_s)` stays below the limit; that of a linear parameter is the union of
+//! `p(v_s) +- sqrt((limit - S(v_s)) c(v_s))` over that range. Both are global: every dip that the
+//! data allow counts.
 
 use super::separable::{Separable, Trial};
 use crate::estimate::{Interval, IntervalMethod};
@@ -15,20 +17,30 @@ const SLOWER: f64 = 0.1;
 /// Fastest trial over the fastest speed.
 const FASTER: f64 = 6.0;
 
-/// Intervals of `f_s`, `f_c`, `v_s`, `f_v`: every curve a friction may have that fits about as well as the best one. `best` is the best `v_s`, and `sum` its
-/// sum of squares; a dip that was given up may still fit better.
+/// Intervals of `f_s`, `f_c`, `v_s`, `f_v`: every curve a friction may have that fits about as well
+/// as the best one. `best` is the best `v_s`, and `sum` its sum of squares; a dip that was given up
+/// may still fit better.
 ///
-/// Where a dip below the slowest or above the fastest measured speed fits as well, `v_s` reaches to zero or to infinity.
-pub(super) fn intervals(data: &Separable, speeds: (f64, f64), best: f64, sum: f64) -> [Interval; 4] {
+/// Where a dip below the slowest or above the fastest measured speed fits as well, `v_s` reaches to
+/// zero or to infinity.
+pub(super) fn intervals(
+    data: &Separable,
+    speeds: (f64, f64),
+    best: f64,
+    sum: f64,
+) -> [Interval; 4] {
     let (low, high) = (SLOWER * speeds.0, FASTER * speeds.1);
-    let between = |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / (TRIALS - 1) as f64);
+    let between =
+        |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / (TRIALS - 1) as f64);
     // Without a dip every `v_s` fits; a trial whose best dip is negative counts as none.
     let sum_at = |v_s: f64| {
         let trial = data.trial(v_s)?;
         Some(if trial.dip < 0.0 { data.without_dip } else { trial.sum })
     };
-    let grid: Vec<(f64, f64)> =
-        (0..TRIALS).map(|i| between(low, high, i)).filter_map(|v_s| Some((v_s, sum_at(v_s)?))).collect();
+    let grid: Vec<(f64, f64)> = (0..TRIALS)
+        .map(|i| between(low, high, i))
+        .filter_map(|v_s| Some((v_s, sum_at(v_s)?)))
+        .collect();
     let least = grid.iter().fold(sum, |least, &(_, sum)| least.min(sum));
     // Four parameters whatever the fit was left with: the dip is still asked for.
     let limit = sum_limit(least, data.points(), 4, 1.0);
@@ -57,7 +69,10 @@ pub(super) fn intervals(data: &Separable, speeds: (f64, f64), best: f64, sum: f6
         }
     };
     let trials = (0..TRIALS).map(|i| between(from, to, i)).chain([centre]);
-    trials.filter_map(|v_s| data.trial(v_s)).filter(|trial| trial.sum <= limit).for_each(&mut widen);
+    trials
+        .filter_map(|v_s| data.trial(v_s))
+        .filter(|trial| trial.sum <= limit)
+        .for_each(&mut widen);
     let [mut f_s, f_c, f_v] = linear.map(|(low, high)| Interval {
         // What friction excludes is no part of it.
         low: low.max(0.0),

@@ -1,7 +1,8 @@
 //! The Stribeck curve for a given `v_s`: linear in the dip `f_s - f_c`, in `f_c` and in `f_v`.
 //!
-//! The columns of `f_c` and `f_v` are the same for every `v_s`; they are made orthonormal once, so that a trial costs one exponential a point
-//! and a few sums (variable projection, Golub and Pereyra 1973).
+//! The columns of `f_c` and `f_v` are the same for every `v_s`; they are made orthonormal once, so
+//! that a trial costs one exponential a point and a few sums (variable projection, Golub and
+//! Pereyra 1973).
 
 use super::StribeckValues;
 use super::fit::Data;
@@ -17,7 +18,8 @@ pub(super) struct Separable {
     signed: Vec<f64>,
     /// Torques less their projection on both columns.
     rest: Vec<f64>,
-    /// Triangular factor of the two columns: `signed = r11 level`, `weight v = r12 level + r22 slope`.
+    /// Triangular factor of the two columns: `signed = r11 level`,
+    /// `weight v = r12 level + r22 slope`.
     triangle: [f64; 3],
     /// The torques' coordinates along `level` and `slope`.
     along: [f64; 2],
@@ -47,15 +49,23 @@ impl Trial {
     }
 
     pub fn values(&self, delta: f64) -> StribeckValues {
-        StribeckValues { f_s: self.f_c + self.dip, f_c: self.f_c, v_s: self.v_s, f_v: self.f_v, delta }
+        StribeckValues {
+            f_s: self.f_c + self.dip,
+            f_c: self.f_c,
+            v_s: self.v_s,
+            f_v: self.f_v,
+            delta,
+        }
     }
 }
 
 impl Separable {
     /// `None` where sliding friction and slope cannot be told apart.
     pub fn new(data: &Data, delta: f64) -> Option<Self> {
-        let weighted = |x: &[f64]| x.iter().zip(&data.weight).map(|(x, w)| w * x).collect::<Vec<_>>();
-        let signed: Vec<f64> = data.velocity.iter().zip(&data.weight).map(|(v, w)| w * v.signum()).collect();
+        let weighted =
+            |x: &[f64]| x.iter().zip(&data.weight).map(|(x, w)| w * x).collect::<Vec<_>>();
+        let signed: Vec<f64> =
+            data.velocity.iter().zip(&data.weight).map(|(v, w)| w * v.signum()).collect();
         let (level, r11) = unit(signed.clone())?;
         let velocity = weighted(&data.velocity);
         let r12 = dot(&level, &velocity);
@@ -65,14 +75,25 @@ impl Separable {
         let rest = less(less(torque, &level, along[0]), &slope, along[1]);
         let without_dip = dot(&rest, &rest);
         let speed = data.velocity.iter().map(|v| v.abs()).collect();
-        Some(Self { speed, level, slope, signed, rest, triangle: [r11, r12, r22], along, delta, without_dip })
+        Some(Self {
+            speed,
+            level,
+            slope,
+            signed,
+            rest,
+            triangle: [r11, r12, r22],
+            along,
+            delta,
+            without_dip,
+        })
     }
 
     pub fn points(&self) -> usize {
         self.speed.len()
     }
 
-    /// The best curve for `v_s`; none where the dip has no effect there or cannot be told from the rest.
+    /// The best curve for `v_s`; none where the dip has no effect there or cannot be told from the
+    /// rest.
     pub fn trial(&self, v_s: f64) -> Option<Trial> {
         let gaussian = self.delta == 2.0;
         let inverse = 1.0 / v_s;

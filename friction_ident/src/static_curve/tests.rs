@@ -92,8 +92,9 @@ fn the_band_covers_the_curve_as_often_as_it_says() {
 fn at_the_printed_noise_the_dip_is_declared_unidentifiable() {
     // mse 3.73e-5, as the thesis prints it: f_s - f_c = .0069 is no larger than the noise.
     let fits: Vec<_> = (0..40).map(|seed| fit(&noisy(0.0061, seed))).collect();
-    let refused =
-        fits.iter().filter(|fit| fit.estimate(StribeckParameter::StribeckVelocity).unidentifiable.is_some());
+    let refused = fits
+        .iter()
+        .filter(|fit| fit.estimate(StribeckParameter::StribeckVelocity).unidentifiable.is_some());
     assert!(refused.count() >= 32);
     for fit in &fits {
         assert_eq!(fit.estimate(StribeckParameter::CoulombFriction).unidentifiable, None);
@@ -105,7 +106,8 @@ fn at_the_printed_noise_the_dip_is_declared_unidentifiable() {
     }
 }
 
-/// The sum of squares of an independent linear fit at both ends of the interval of `v_s` is at the limit.
+/// The sum of squares of an independent linear fit at both ends of the interval of `v_s` is at the
+/// limit.
 #[test]
 fn the_profile_of_the_stribeck_velocity_ends_at_the_limit() {
     let points = noisy(1e-3, 3);
@@ -174,7 +176,9 @@ fn deviations_weigh_the_points() {
         fit(&scaled)
     };
     let (one, other) = (scale(1e-3), scale(7.0));
-    assert!((one.standard_errors[0].unwrap() / other.standard_errors[0].unwrap() - 1.0).abs() < 1e-6);
+    assert!(
+        (one.standard_errors[0].unwrap() / other.standard_errors[0].unwrap() - 1.0).abs() < 1e-6
+    );
 }
 
 #[test]
@@ -212,8 +216,12 @@ fn degenerate_points_are_refused() {
     assert!(matches!(run(&still), Err(IdentError::TooFewSpeeds { found: 0, .. })));
     let mut points = exact(&TRUTH);
     points[3].torque = f64::NAN;
-    assert!(matches!(run(&points), Err(IdentError::NotFinite { channel: "the torque", index: 3, .. })));
-    let zero: Vec<_> = exact(&TRUTH).into_iter().map(|p| SteadyPoint::new(p.velocity, 0.0)).collect();
+    assert!(matches!(
+        run(&points),
+        Err(IdentError::NotFinite { channel: "the torque", index: 3, .. })
+    ));
+    let zero: Vec<_> =
+        exact(&TRUTH).into_iter().map(|p| SteadyPoint::new(p.velocity, 0.0)).collect();
     assert_eq!(run(&zero), Err(IdentError::ZeroForce));
     let driving: Vec<_> =
         exact(&TRUTH).into_iter().map(|p| SteadyPoint::new(p.velocity, -p.torque)).collect();
@@ -257,9 +265,15 @@ fn a_deviation_that_drowns_the_others_is_refused_and_named() {
     for tiny in [1e-320, 5e-324, 1e-20] {
         points[7].deviation = Some(tiny);
         let refused = fit_stribeck(&points, &StribeckOptions::default());
-        assert!(matches!(refused, Err(IdentError::DeviationRange { index: 7, .. })), "{tiny:e}: {refused:?}");
+        assert!(
+            matches!(refused, Err(IdentError::DeviationRange { index: 7, .. })),
+            "{tiny:e}: {refused:?}"
+        );
         let message = refused.unwrap_err().to_string();
-        assert!(message.contains("point 7") && message.contains("leave the column out"), "{message}");
+        assert!(
+            message.contains("point 7") && message.contains("leave the column out"),
+            "{message}"
+        );
     }
     // All of them alike: only the ratios count.
     points.iter_mut().for_each(|point| point.deviation = Some(1e-200));

@@ -1,11 +1,14 @@
 //! What brakes the axis while it slides, in volts.
 //!
-//! `u(t - delay) = a theta'' + b theta' + c sign(theta') + offset + d alpha` by least squares over the samples where the axis surely
-//! moves. With a small armature inductance `a` is inertia times resistance over torque constant, and `b` is the back-EMF constant and
-//! viscous friction together. A pendulum hinged to the axis acts through `alpha''`; its own equation of motion turns that into
-//! `theta''` and, for small angles, `alpha`, so that one column for `alpha` holds the whole coupling.
+//! `u(t - delay) = a theta'' + b theta' + c sign(theta') + offset + d alpha` by least squares over
+//! the samples where the axis surely moves. With a small armature inductance `a` is inertia times
+//! resistance over torque constant, and `b` is the back-EMF constant and viscous friction together.
+//! A pendulum hinged to the axis acts through `alpha''`; its own equation of motion turns that into
+//! `theta''` and, for small angles, `alpha`, so that one column for `alpha` holds the whole
+//! coupling.
 //!
-//! The delay is an unknown like the others: [`delay_profile`] finds it and carries what is not known of it into every interval.
+//! The delay is an unknown like the others: [`delay_profile`] finds it and carries what is not
+//! known of it into every interval.
 
 mod delay_profile;
 
@@ -32,7 +35,8 @@ pub struct SlipOptions {
 }
 
 impl Default for SlipOptions {
-    /// 8 Hz, so that the quantised angle disturbs the acceleration little, 0.2 rad/s, up to 15 samples.
+    /// 8 Hz, so that the quantised angle disturbs the acceleration little, 0.2 rad/s, up to 15
+    /// samples.
     fn default() -> Self {
         Self { cutoff: 8.0, slowest: 0.2, longest_delay: 15 }
     }
@@ -41,12 +45,14 @@ impl Default for SlipOptions {
 /// Friction while sliding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlipFriction {
-    /// `inertia`, `speed`, `coulomb`, `offset`, `pendulum`, in volts and volts per motion. The intervals run over every delay that explains
-    /// the voltage about as well; covariance and correlation are those at the delay found.
+    /// `inertia`, `speed`, `coulomb`, `offset`, `pendulum`, in volts and volts per motion. The
+    /// intervals run over every delay that explains the voltage about as well; covariance and
+    /// correlation are those at the delay found.
     pub estimates: Estimates,
     /// Samples used.
     pub samples: usize,
-    /// Time from the voltage to its effect \[s\]: the one that explains most, with the interval of its profile.
+    /// Time from the voltage to its effect \[s\]: the one that explains most, with the interval of
+    /// its profile.
     pub delay: Estimate,
     /// Residual over voltage, both root mean square, over the samples used.
     pub unexplained: f64,
@@ -80,12 +86,14 @@ pub fn slip_friction(
 ) -> Result<SlipFriction, IdentError> {
     recording.check()?;
     let sliding = Sliding::new(recording, &within, options)?;
-    let (best, estimates, delay) = delay_profile::over_delays(&sliding, options.longest_delay as f64)?;
+    let (best, estimates, delay) =
+        delay_profile::over_delays(&sliding, options.longest_delay as f64)?;
     let x = &best.minimum.x;
     let others = |i: usize| -> f64 {
         [0, 3, 4].iter().filter_map(|&j| Some(sliding.columns.get(j)?[i] * x.get(j)?)).sum()
     };
-    let friction = sliding.target(best.delay).iter().enumerate().map(|(i, u)| u - others(i)).collect();
+    let friction =
+        sliding.target(best.delay).iter().enumerate().map(|(i, u)| u - others(i)).collect();
     let speed = sliding.columns.get(1).cloned().unwrap_or_default();
     Ok(SlipFriction {
         estimates,
@@ -97,7 +105,8 @@ pub fn slip_friction(
     })
 }
 
-/// The regressors of the samples where the axis slides, and the voltage, all through the same low-pass.
+/// The regressors of the samples where the axis slides, and the voltage, all through the same
+/// low-pass.
 struct Sliding {
     time_step: f64,
     columns: Vec<Vec<f64>>,
@@ -168,8 +177,8 @@ impl Sliding {
         Ok(Self { time_step: recording.time_step, columns, voltage, used })
     }
 
-    /// The voltage `delay` samples before each sample used \[V\]; between samples on a straight line, far below whose period the
-    /// low-pass cuts.
+    /// The voltage `delay` samples before each sample used \[V\]; between samples on a straight
+    /// line, far below whose period the low-pass cuts.
     fn target(&self, delay: f64) -> Vec<f64> {
         let whole = delay.floor();
         let part = delay - whole;
@@ -215,8 +224,8 @@ impl Residuals for Linear<'_> {
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
         for (i, residual) in out.iter_mut().enumerate() {
-            *residual =
-                self.columns.iter().zip(x).map(|(column, x)| column[i] * x).sum::<f64>() - self.target[i];
+            *residual = self.columns.iter().zip(x).map(|(column, x)| column[i] * x).sum::<f64>()
+                - self.target[i];
         }
         true
     }
@@ -237,15 +246,21 @@ mod tests {
 
     const DT: f64 = 0.002;
     const RESOLUTION: f64 = 2.0 * std::f64::consts::PI / 2048.0;
-    const TRUTH: [(&str, f64); 4] = [("inertia", 0.02), ("speed", 0.15), ("coulomb", 0.25), ("offset", 0.05)];
+    const TRUTH: [(&str, f64); 4] =
+        [("inertia", 0.02), ("speed", 0.15), ("coulomb", 0.25), ("offset", 0.05)];
 
-    /// Angle and voltage of a made-up axis; the voltage acts `delay` \[s\] late and `noise` \[V\] of slow disturbance rides on it.
+    /// Angle and voltage of a made-up axis; the voltage acts `delay` \[s\] late and `noise` \[V\]
+    /// of slow disturbance rides on it.
     fn axis(delay: f64, noise: f64, n: usize) -> (Vec<f64>, Vec<f64>) {
         let [(_, a), (_, b), (_, c), (_, offset)] = TRUTH;
         let motion = |t: f64| {
             let terms = [(1.1, 0.8), (0.6, 2.3), (0.2, 5.1)];
             terms.iter().fold((0.0, 0.0, 0.0), |(q, v, acc), &(size, w)| {
-                (q + size * (w * t).sin(), v + size * w * (w * t).cos(), acc - size * w * w * (w * t).sin())
+                (
+                    q + size * (w * t).sin(),
+                    v + size * w * (w * t).cos(),
+                    acc - size * w * w * (w * t).sin(),
+                )
             })
         };
         let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(11);
@@ -254,7 +269,8 @@ mod tests {
             .map(|k| {
                 let t = k as f64 * DT;
                 let (_, v, acc) = motion(t + delay);
-                disturbance = 0.98 * disturbance + 0.2 * noise * rng.sample::<f64, _>(StandardNormal);
+                disturbance =
+                    0.98 * disturbance + 0.2 * noise * rng.sample::<f64, _>(StandardNormal);
                 let voltage = a * acc + b * v + c * v.signum() + offset + disturbance;
                 ((motion(t).0 / RESOLUTION).round() * RESOLUTION, voltage)
             })
@@ -262,8 +278,13 @@ mod tests {
     }
 
     fn identify(angle: &[f64], voltage: &[f64]) -> Result<SlipFriction, IdentError> {
-        let recording =
-            StictionRecording { time_step: DT, angle, resolution: RESOLUTION, voltage, pendulum: None };
+        let recording = StictionRecording {
+            time_step: DT,
+            angle,
+            resolution: RESOLUTION,
+            voltage,
+            pendulum: None,
+        };
         slip_friction(&recording, 0..angle.len(), &SlipOptions::default())
     }
 
@@ -290,7 +311,11 @@ mod tests {
         let (angle, voltage) = axis(0.0075, 0.01, 10_000);
         let found = identify(&angle, &voltage).unwrap();
         let interval = found.delay.interval.unwrap();
-        assert!(interval.contains(0.0075) && interval.high - interval.low < 0.01, "{:?}", found.delay);
+        assert!(
+            interval.contains(0.0075) && interval.high - interval.low < 0.01,
+            "{:?}",
+            found.delay
+        );
         assert!(found.delay.is_identified());
         for (name, truth) in TRUTH {
             let estimate = found.estimates.get(name).unwrap();
@@ -321,7 +346,8 @@ mod tests {
         for (name, _) in TRUTH {
             assert!(width(&profiled, name) >= width(&known, name) * (1.0 - 1e-9), "{name}");
         }
-        // theta(t + delay) = theta + delay theta' + delay^2 theta'' / 2: the acceleration's term feels a delay through the speed's.
+        // theta(t + delay) = theta + delay theta' + delay^2 theta'' / 2: the acceleration's term
+        // feels a delay through the speed's.
         assert!(width(&profiled, "inertia") > 1.5 * width(&known, "inertia"));
     }
 }

@@ -10,7 +10,8 @@ fn srv02() -> DriveConstants {
     }
 }
 
-const EXACT: ChannelDeviations = ChannelDeviations { torque: 0.0, velocity: 0.0, voltage: 0.0, current: 0.0 };
+const EXACT: ChannelDeviations =
+    ChannelDeviations { torque: 0.0, velocity: 0.0, voltage: 0.0, current: 0.0 };
 
 /// Velocity 1 - .95 cos(5 t) [rad/s] and its derivative.
 fn motion(t: f64) -> (f64, f64) {
@@ -19,7 +20,8 @@ fn motion(t: f64) -> (f64, f64) {
 
 /// A recording of that motion under the friction `.09 + .04 w` with drive constants `drive`.
 fn recording(n: usize, drive: &DriveConstants) -> [Vec<f64>; 4] {
-    let (k, r, j) = (drive.torque_constant.value, drive.armature_resistance.value, drive.inertia.value);
+    let (k, r, j) =
+        (drive.torque_constant.value, drive.armature_resistance.value, drive.inertia.value);
     let current = |t: f64| {
         let (w, slope) = motion(t);
         (0.09 + 0.04 * w + j * slope) / k
@@ -28,8 +30,9 @@ fn recording(n: usize, drive: &DriveConstants) -> [Vec<f64>; 4] {
     let velocity = times.iter().map(|&t| motion(t).0).collect();
     let torque = times.iter().map(|&t| 0.09 + 0.04 * motion(t).0).collect();
     // Simpson's rule over the period before: the mean.
-    let mean =
-        |value: &dyn Fn(f64) -> f64, t: f64| (value(t - STEP) + 4.0 * value(t - 0.5 * STEP) + value(t)) / 6.0;
+    let mean = |value: &dyn Fn(f64) -> f64, t: f64| {
+        (value(t - STEP) + 4.0 * value(t - 0.5 * STEP) + value(t)) / 6.0
+    };
     let voltage = times.iter().map(|&t| mean(&|t| r * current(t) + k * motion(t).0, t)).collect();
     let amperes = times.iter().map(|&t| mean(&current, t)).collect();
     [velocity, torque, voltage, amperes]
@@ -59,7 +62,8 @@ fn every_source_gives_the_friction_that_made_the_recording() {
         assert_eq!(found.noise, 0.0);
         for i in 200..2800 {
             let expected = 0.09 + 0.04 * motion(i as f64 * STEP).0;
-            // Half a period of delay would be 2.4e-4 N m at the steepest place; the low-pass bends 4e-6.
+            // Half a period of delay would be 2.4e-4 N m at the steepest place; the low-pass bends
+            // 4e-6.
             assert!(
                 (found.torque[i] - expected).abs() < 1e-5,
                 "{source:?} {i}: {} {expected}",
@@ -69,7 +73,8 @@ fn every_source_gives_the_friction_that_made_the_recording() {
     }
 }
 
-/// A drive whose constants are off by one standard error each: the error is the one announced, constant by constant.
+/// A drive whose constants are off by one standard error each: the error is the one announced,
+/// constant by constant.
 #[test]
 fn a_wrong_constant_makes_the_error_that_was_announced() {
     for source in [TorqueSource::Voltage, TorqueSource::Current, TorqueSource::Driving] {
@@ -101,7 +106,8 @@ fn a_wrong_constant_makes_the_error_that_was_announced() {
 #[test]
 fn the_stated_noise_is_the_scatter() {
     use rand::{RngExt, SeedableRng};
-    let deviations = ChannelDeviations { torque: 0.007, velocity: 0.01, voltage: 0.02, current: 0.006 };
+    let deviations =
+        ChannelDeviations { torque: 0.007, velocity: 0.01, voltage: 0.02, current: 0.006 };
     let n = 40_000;
     let quiet = recording(n, &srv02());
     let mut noisy = quiet.clone();
@@ -116,8 +122,9 @@ fn the_stated_noise_is_the_scatter() {
     for source in TorqueSource::ALL {
         let clean = friction_torque(source, &signals(&quiet), &srv02(), &EXACT).unwrap();
         let found = friction_torque(source, &signals(&noisy), &srv02(), &deviations).unwrap();
-        let squares: f64 = (300..n - 300).map(|i| (found.torque[i] - clean.torque[i]).powi(2)).sum::<f64>()
-            / (n - 600) as f64;
+        let squares: f64 =
+            (300..n - 300).map(|i| (found.torque[i] - clean.torque[i]).powi(2)).sum::<f64>()
+                / (n - 600) as f64;
         assert!(
             (squares.sqrt() / found.noise - 1.0).abs() < 0.03,
             "{source:?}: {} {}",
@@ -134,7 +141,9 @@ fn what_cannot_be_used_is_named() {
     let say = |signals: &DriveSignals<'_>, drive: &DriveConstants| {
         friction_torque(TorqueSource::Voltage, signals, drive, &EXACT).unwrap_err().to_string()
     };
-    assert!(say(&DriveSignals { voltage: &[], ..whole }, &srv02()).contains("voltage has 0 samples"));
+    assert!(
+        say(&DriveSignals { voltage: &[], ..whole }, &srv02()).contains("voltage has 0 samples")
+    );
     assert!(say(&DriveSignals { time_step: 0.0, ..whole }, &srv02()).contains("sampling period"));
     let mut wrong = srv02();
     wrong.inertia.value = -1.0;

@@ -10,8 +10,8 @@ use crate::{IdentError, SteadyPoint};
 
 /// Different speeds that each region keeps.
 const SPEEDS_A_REGION: usize = 3;
-/// Standard errors that the change of slope must be worth. Three rather than two: the scan picks the break where noise looks
-/// most like a bend.
+/// Standard errors that the change of slope must be worth. Three rather than two: the scan picks
+/// the break where noise looks most like a bend.
 const CLEAR_BEND: f64 = 3.0;
 
 /// Fits two lines to steady points of either sign of velocity. Points at rest count for nothing.
@@ -19,11 +19,15 @@ const CLEAR_BEND: f64 = 3.0;
 /// # Errors
 /// [`IdentError::TooFewSamples`] below eight points, [`IdentError::TooFewSpeeds`] below six speeds,
 /// [`IdentError::NotFinite`], [`IdentError::StandardDeviation`], [`IdentError::MixedDeviations`],
-/// [`IdentError::ZeroForce`]; [`IdentError::NotAModel`] for torques that drive instead of braking, and
-/// [`IdentError::NoBend`] where one line does as well.
+/// [`IdentError::ZeroForce`]; [`IdentError::NotAModel`] for torques that drive instead of braking,
+/// and [`IdentError::NoBend`] where one line does as well.
 pub fn fit_two_line(points: &[SteadyPoint]) -> Result<TwoLineFit, IdentError> {
-    let needed =
-        Needed { what: "a two-line curve", points: 8, speeds: 2 * SPEEDS_A_REGION, lower: "nothing" };
+    let needed = Needed {
+        what: "a two-line curve",
+        points: 8,
+        speeds: 2 * SPEEDS_A_REGION,
+        lower: "nothing",
+    };
     let extremes = check_points(points, &needed)?;
     let moving: Vec<_> = points.iter().copied().filter(|point| point.velocity != 0.0).collect();
     let data = Data::new(&moving);
@@ -38,7 +42,8 @@ pub fn fit_two_line(points: &[SteadyPoint]) -> Result<TwoLineFit, IdentError> {
     let mut refused: Option<(f64, IdentError)> = None;
     for pair in speeds[SPEEDS_A_REGION - 1..=speeds.len() - SPEEDS_A_REGION].windows(2) {
         let &[below, above] = pair else { continue };
-        // The slope of the second line free first, then held at zero; on exact data the richer shape must win by more than rounding.
+        // The slope of the second line free first, then held at zero; on exact data the richer
+        // shape must win by more than rounding.
         for level in [false, true] {
             for candidate in
                 [data.apart(below, above, level), data.joined(below, level)].into_iter().flatten()
@@ -76,8 +81,9 @@ struct Candidate {
 /// A regressor: of the speed and the break.
 type Regressor = fn(f64, f64) -> f64;
 
-/// The points of both directions as one: friction against speed, with the square roots of their weights. Multiplying a row of
-/// `[sgn v, v]` by `sgn v` gives `[1, |v|]` and leaves its squares alone.
+/// The points of both directions as one: friction against speed, with the square roots of their
+/// weights. Multiplying a row of `[sgn v, v]` by `sgn v` gives `[1, |v|]` and leaves its squares
+/// alone.
 struct Data {
     speed: Vec<f64>,
     friction: Vec<f64>,
@@ -108,7 +114,8 @@ impl Data {
         (matrix, y)
     }
 
-    /// Coefficients and sum of squares of the points that `inside` chooses; none where the regressors depend on one another.
+    /// Coefficients and sum of squares of the points that `inside` chooses; none where the
+    /// regressors depend on one another.
     fn solve(
         &self,
         inside: impl Fn(f64) -> bool,
@@ -120,7 +127,8 @@ impl Data {
         Some((solution.x, solution.residual.norm_squared()))
     }
 
-    /// The regions fitted apart, split between two neighbouring speeds; none unless the lines meet between them.
+    /// The regions fitted apart, split between two neighbouring speeds; none unless the lines meet
+    /// between them.
     fn apart(&self, below: f64, above: f64, level: bool) -> Option<Candidate> {
         let split = 0.5 * (below + above);
         let (first, left) = self.solve(|v| v < split, line(false), 0.0)?;
@@ -129,7 +137,12 @@ impl Data {
         let lines = TwoLineParameters { a1: first[0], b1: first[1], a2: second[0], b2 };
         let meeting = (lines.a1 - lines.a2) / (lines.b2 - lines.b1);
         let squares = left + right;
-        (below..=above).contains(&meeting).then_some(Candidate { lines, last: below, level, squares })
+        (below..=above).contains(&meeting).then_some(Candidate {
+            lines,
+            last: below,
+            level,
+            squares,
+        })
     }
 
     /// The best lines that meet at a measured speed.
@@ -158,7 +171,9 @@ impl Data {
             let (matrix, y) = self.design(|v| (v <= slack) == first, line(level && !first), 0.0);
             least_squares::solve(&matrix, &y)
                 .map(|solution| solution.inverse_normal * (squares / degrees_of_freedom as f64))
-                .map_err(|_| IdentError::NoConvergence("the speeds of a region are too close".to_owned()))
+                .map_err(|_| {
+                    IdentError::NoConvergence("the speeds of a region are too close".to_owned())
+                })
         };
         let (first, second) = (block(true)?, block(false)?);
         let variance_b2 = if level { 0.0 } else { second[(1, 1)] };
@@ -167,7 +182,8 @@ impl Data {
         if change.abs() < CLEAR_BEND * standard_error || standard_error.is_nan() {
             return Err(IdentError::NoBend { change, standard_error });
         }
-        // v_sw = (a1 - a2) / (b2 - b1): the error of the difference of the lines there, over the change of slope.
+        // v_sw = (a1 - a2) / (b2 - b1): the error of the difference of the lines there, over the
+        // change of slope.
         let at = model.switch_speed();
         let difference = |block: &DMatrix<f64>, slope: f64| {
             let cross = if block.ncols() > 1 { 2.0 * at * block[(0, 1)] } else { 0.0 };

@@ -82,8 +82,8 @@ fn deviations_are_weights() {
     assert_recovers(&fit_two_line(&points).unwrap(), &truth(), 1e-9);
 }
 
-/// Over many repetitions the scatter of the estimates is the standard error that each fit states, and the intervals cover the
-/// truth as often as they say.
+/// Over many repetitions the scatter of the estimates is the standard error that each fit states,
+/// and the intervals cover the truth as often as they say.
 #[test]
 fn standard_errors_are_the_scatter() {
     const NOISE: f64 = 3e-4;
@@ -95,11 +95,14 @@ fn standard_errors_are_the_scatter() {
         mse += fit.mse / REPEATS as f64;
         let [a1, b1, a2, b2] = values(fit.parameters());
         let [c1, d1, c2, d2] = values(truth().parameters());
-        let errors = [a1 - c1, b1 - d1, a2 - c2, b2 - d2, fit.model.switch_speed() - truth().switch_speed()];
+        let errors =
+            [a1 - c1, b1 - d1, a2 - c2, b2 - d2, fit.model.switch_speed() - truth().switch_speed()];
         let intervals = fit.intervals();
         for i in 0..5 {
-            let error = if i < 4 { fit.standard_errors[i].unwrap() } else { fit.switch_speed_error };
-            let (low, high) = if i < 4 { intervals[i].unwrap() } else { fit.switch_speed_interval() };
+            let error =
+                if i < 4 { fit.standard_errors[i].unwrap() } else { fit.switch_speed_error };
+            let (low, high) =
+                if i < 4 { intervals[i].unwrap() } else { fit.switch_speed_interval() };
             squares[i] += errors[i].powi(2) / REPEATS as f64;
             reported[i] += error.powi(2) / REPEATS as f64;
             let truth = 0.5 * (low + high) - errors[i];
@@ -115,7 +118,8 @@ fn standard_errors_are_the_scatter() {
     assert!((mse / expected - 1.0).abs() < 0.05, "{mse}");
 }
 
-/// Sum of squares of the best lines that bend at `bend`, from the normal equations in `[1, v, max(v - bend, 0)]`.
+/// Sum of squares of the best lines that bend at `bend`, from the normal equations in
+/// `[1, v, max(v - bend, 0)]`.
 fn bent(points: &[SteadyPoint], bend: f64) -> f64 {
     use nalgebra::{Matrix3, Vector3};
     let row = |v: f64| Vector3::new(1.0, v, (v - bend).max(0.0));
@@ -153,15 +157,17 @@ fn no_other_break_does_better() {
     }
 }
 
-/// The tangents of a Tustin curve lie below it; the best lines leave less than a tenth of their mean square. They bend later, and
-/// start lower than the curve does.
+/// The tangents of a Tustin curve lie below it; the best lines leave less than a tenth of their
+/// mean square. They bend later, and start lower than the curve does.
 #[test]
 fn the_best_lines_beat_the_tangents_of_the_curve() {
     let tustin = |v: f64| 0.0925 + 0.0069 * (-v / 0.1407).exp() + 0.0403 * v;
-    let points: Vec<_> = protocol_speeds().iter().map(|&v| SteadyPoint::new(v, tustin(v))).collect();
+    let points: Vec<_> =
+        protocol_speeds().iter().map(|&v| SteadyPoint::new(v, tustin(v))).collect();
     let fit = fit_two_line(&points).unwrap();
     let tangents =
-        points.iter().map(|p| (truth().steady_state(p.velocity) - p.torque).powi(2)).sum::<f64>() / 80.0;
+        points.iter().map(|p| (truth().steady_state(p.velocity) - p.torque).powi(2)).sum::<f64>()
+            / 80.0;
     assert!(fit.mse < tangents / 10.0, "{} {tangents}", fit.mse);
     assert!(fit.model.switch_speed() > 0.2 && fit.parameters().a1 < 0.0985, "{:?}", fit.model);
 }
@@ -169,7 +175,8 @@ fn the_best_lines_beat_the_tangents_of_the_curve() {
 /// Dry friction: the second line is level, and noise would make it fall every other time.
 #[test]
 fn a_falling_second_line_is_held_level() {
-    let dry = TwoLine::try_from(TwoLineParameters { a1: 0.15, b1: -0.2, a2: 0.09, b2: 0.0 }).unwrap();
+    let dry =
+        TwoLine::try_from(TwoLineParameters { a1: 0.15, b1: -0.2, a2: 0.09, b2: 0.0 }).unwrap();
     let mut held = 0;
     for seed in 0..100 {
         let fit = fit_two_line(&noisy(exact(&dry), 1e-3, seed)).unwrap();
@@ -193,7 +200,10 @@ fn points_on_one_line_show_no_bend() {
     assert!(matches!(fit_two_line(&points), Err(IdentError::NoBend { .. })));
     let refused = (0..200)
         .filter(|&seed| {
-            matches!(fit_two_line(&noisy(points.clone(), 1e-3, seed)), Err(IdentError::NoBend { .. }))
+            matches!(
+                fit_two_line(&noisy(points.clone(), 1e-3, seed)),
+                Err(IdentError::NoBend { .. })
+            )
         })
         .count();
     assert!(refused > 170, "{refused} of 200");

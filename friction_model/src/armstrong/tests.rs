@@ -1,4 +1,5 @@
-//! What Armstrong-Helouvry's model must do: its two branches, the rules between them, lag, dwell and passivity.
+//! What Armstrong-Helouvry's model must do: its two branches, the rules between them, lag, dwell
+//! and passivity.
 
 use super::*;
 use crate::{Stepper, rk4};
@@ -49,7 +50,8 @@ fn sliding_friction_lags_by_the_delay() {
     let model = Armstrong::test_bed();
     let velocity = |t: f64| 0.2 + 0.15 * (30.0 * t).sin();
     for tau_l in [0.0, 0.0023, 0.0111, 0.04] {
-        let model = Armstrong::try_from(ArmstrongParameters { tau_l, ..*model.parameters() }).unwrap();
+        let model =
+            Armstrong::try_from(ArmstrongParameters { tau_l, ..*model.parameters() }).unwrap();
         let mut stepper = stepper(model);
         for k in 0..10_000 {
             let t = DT * f64::from(k);
@@ -57,13 +59,17 @@ fn sliding_friction_lags_by_the_delay() {
             if t > 0.2 {
                 let r = velocity(t - tau_l) / 0.1407;
                 let expected = 0.0925 + 0.0069 / (1.0 + r * r);
-                assert!((force - expected).abs() < 3e-6, "tau_l {tau_l}, t {t}: {force} is not {expected}");
+                assert!(
+                    (force - expected).abs() < 3e-6,
+                    "tau_l {tau_l}, t {t}: {force} is not {expected}"
+                );
             }
         }
     }
 }
 
-/// Stopped out of a fast slip the Stribeck friction is almost gone; it comes back as `t_2 / (t_2 + gamma)`.
+/// Stopped out of a fast slip the Stribeck friction is almost gone; it comes back as
+/// `t_2 / (t_2 + gamma)`.
 #[test]
 fn static_friction_rises_with_the_dwell() {
     let model = Armstrong::test_bed();
@@ -90,11 +96,14 @@ fn static_friction_rises_with_the_dwell() {
         for _ in 0..5000 {
             force = stepper.step(v);
         }
-        assert!((force - expected).abs() < 2e-6 + p.f_v * v && force < model.steady_state(v) - 1e-4);
+        assert!(
+            (force - expected).abs() < 2e-6 + p.f_v * v && force < model.steady_state(v) - 1e-4
+        );
     }
 }
 
-/// At a reversal the spring takes over with the force of the moment and gives it back at the stiffness `k_t`.
+/// At a reversal the spring takes over with the force of the moment and gives it back at the
+/// stiffness `k_t`.
 #[test]
 fn the_force_is_continuous_where_a_slip_ends() {
     let model = Armstrong::chapter_3();
@@ -112,7 +121,8 @@ fn the_force_is_continuous_where_a_slip_ends() {
         }
         before = force;
     }
-    // Between two samples the level itself moves: by at most its steepest slope times the acceleration's step.
+    // Between two samples the level itself moves: by at most its steepest slope times the
+    // acceleration's step.
     let steepest = 0.65 * 0.5 / 0.01 * 0.04 * DT;
     assert!(turns >= 12 && largest < steepest, "{turns} turns, {largest}, {steepest}");
 }
@@ -130,7 +140,8 @@ fn nothing_exceeds_the_static_level() {
     }
 }
 
-/// What goes in is at least what is stored, along a path of slips, stops and strokes within the spring.
+/// What goes in is at least what is stored, along a path of slips, stops and strokes within the
+/// spring.
 #[test]
 fn stores_no_more_than_was_put_in() {
     let model = Armstrong::chapter_3();
@@ -163,7 +174,8 @@ fn a_load_below_breakaway_leaves_it_where_it_was() {
     assert!(stepper.internals(0.0).deflection.abs() <= 0.51 * 1.5 / model.parameters().k_t);
 }
 
-/// The derivative form with small steps and the fixed-step form at 1 kHz follow each other but for the samples at the changes.
+/// The derivative form with small steps and the fixed-step form at 1 kHz follow each other but for
+/// the samples at the changes.
 #[test]
 fn both_forms_agree() {
     let model = Armstrong::test_bed();
@@ -179,7 +191,12 @@ fn both_forms_agree() {
             sum += (stepper.step(velocity(dt * f64::from(k))) - exact).abs();
             for j in 0..per_step {
                 let t = dt * f64::from(k) + fine * f64::from(j);
-                exact = rk4::step(&model, &mut state, [t, t + 0.5 * fine, t + fine].map(velocity), fine);
+                exact = rk4::step(
+                    &model,
+                    &mut state,
+                    [t, t + 0.5 * fine, t + fine].map(velocity),
+                    fine,
+                );
             }
             n += 1;
         }

@@ -13,7 +13,11 @@ prop_compose! {
 }
 
 /// The state after sliding `distance` from `state`, in one step.
-fn slide(model: &BlimanSorine, mut state: State<[f64; 2], ()>, distance: f64) -> State<[f64; 2], ()> {
+fn slide(
+    model: &BlimanSorine,
+    mut state: State<[f64; 2], ()>,
+    distance: f64,
+) -> State<[f64; 2], ()> {
     let dt = 1e-3;
     model.step(&dt, &mut state, distance / dt);
     state
@@ -25,14 +29,17 @@ fn force(state: &State<[f64; 2], ()>) -> f64 {
 
 #[test]
 fn the_presets_have_the_levels_and_the_stiffness_asked_for() {
-    for (model, f_s, f_c, stiffness) in
-        [(BlimanSorine::test_bed(), 0.0994, 0.0925, 26.0229), (BlimanSorine::chapter_3(), 1.5, 1.0, 2356.19)]
-    {
+    for (model, f_s, f_c, stiffness) in [
+        (BlimanSorine::test_bed(), 0.0994, 0.0925, 26.0229),
+        (BlimanSorine::chapter_3(), 1.5, 1.0, 2356.19),
+    ] {
         assert!((model.peak().unwrap().1 - f_s).abs() < 1e-12);
         assert!((model.steady_state(1e-9) - f_c).abs() < 1e-9);
         assert!((model.stiffness() / stiffness - 1.0).abs() < 1e-4, "{}", model.stiffness());
         let little = 1e-9;
-        assert!((force(&slide(&model, model.rest(), little)) / little / stiffness - 1.0).abs() < 1e-4);
+        assert!(
+            (force(&slide(&model, model.rest(), little)) / little / stiffness - 1.0).abs() < 1e-4
+        );
     }
 }
 
@@ -79,7 +86,10 @@ fn without_the_slow_part_it_is_dahls_model() {
         assert!((stepper.step(v) - sigma0 * z).abs() < 1e-13, "step {k}");
         z = end + (z - end) * (-sigma0 * v.abs() * 1e-3 / f_c).exp();
         let stored = model.stored_energy(stepper.state()).unwrap();
-        assert!((stored - 0.5 * sigma0 * z * z).abs() < 1e-16, "step {k}: Dahl stores sigma0 z^2 / 2");
+        assert!(
+            (stored - 0.5 * sigma0 * z * z).abs() < 1e-16,
+            "step {k}: Dahl stores sigma0 z^2 / 2"
+        );
     }
 }
 
@@ -96,7 +106,8 @@ fn the_fixed_step_is_exact_for_a_held_velocity() {
 
 #[test]
 fn kinetic_friction_that_would_drive_the_motion_is_refused() {
-    let wrong = BlimanSorineParameters { f_2: 1.1, f_1: 1.0, ..BlimanSorineParameters::chapter_3() };
+    let wrong =
+        BlimanSorineParameters { f_2: 1.1, f_1: 1.0, ..BlimanSorineParameters::chapter_3() };
     let message = BlimanSorine::try_from(wrong).unwrap_err().to_string();
     assert!(message.starts_with("bliman_sorine.f_1 must be above f_2"), "{message}");
     let equal = BlimanSorineParameters { eta: 1.0, ..BlimanSorineParameters::chapter_3() };
@@ -104,7 +115,8 @@ fn kinetic_friction_that_would_drive_the_motion_is_refused() {
 }
 
 proptest! {
-    /// `P B = C^T`, and the dissipation matrix `-(P A + A^T P)` is singular and not negative: the smallest storage.
+    /// `P B = C^T`, and the dissipation matrix `-(P A + A^T P)` is singular and not negative: the
+    /// smallest storage.
     #[test]
     fn the_stored_energy_solves_the_riccati_equation(model in any_model()) {
         let BlimanSorineParameters { f_1, f_2, .. } = model.parameters;
@@ -116,7 +128,8 @@ proptest! {
         prop_assert!((fast * slow - beside * beside).abs() < 1e-6 * fast * slow);
     }
 
-    /// What goes in is at least what is stored, with the work of each slide in closed form, for every parameter set.
+    /// What goes in is at least what is stored, with the work of each slide in closed form, for
+    /// every parameter set.
     #[test]
     fn stores_no_more_than_was_put_in(model in any_model(),
                                       path in prop::collection::vec((-3.0..1.0f64, any::<bool>()), 1..200)) {

@@ -55,7 +55,8 @@ fn worked_example_with_nested_and_closed_loops() {
     }
 }
 
-/// Area of the loop between `+-a`, by the trapezoidal rule along fine steps, against the closed form of Masing's branches.
+/// Area of the loop between `+-a`, by the trapezoidal rule along fine steps, against the closed
+/// form of Masing's branches.
 #[test]
 fn loop_area_is_masings() {
     use std::f64::consts::PI;
@@ -76,7 +77,8 @@ fn loop_area_is_masings() {
     }
 }
 
-/// The energy in closed form equals that of 4000 stops, on a path with nested, closed and saturated branches.
+/// The energy in closed form equals that of 4000 stops, on a path with nested, closed and saturated
+/// branches.
 #[test]
 fn stored_energy_is_that_of_the_stops() {
     let n = 4000;
@@ -88,7 +90,8 @@ fn stored_energy_is_that_of_the_stops() {
         .collect();
     let mut memory = Hysteresis::default();
     let mut before = 0.0;
-    for z in [0.3, 0.9, -0.5, 0.6, -0.1, 0.3, 0.1, -0.1, -0.5, 0.2, -0.9, -1.0, 0.0, 0.4, 1.0, 0.7] {
+    for z in [0.3, 0.9, -0.5, 0.6, -0.1, 0.3, 0.1, -0.1, -0.5, 0.2, -0.9, -1.0, 0.0, 0.4, 1.0, 0.7]
+    {
         memory.commit(&Sine, z);
         let mut expected = 0.0;
         for (r, weight, stop) in &mut stops {

@@ -32,7 +32,8 @@ fn it_is_a_spring_up_to_the_static_level() {
     assert_eq!(stepper.step(v), model.steady_state(v));
 }
 
-/// Faster and faster on the upper branch, slower and slower on the lower one, midway at a constant velocity.
+/// Faster and faster on the upper branch, slower and slower on the lower one, midway at a constant
+/// velocity.
 #[test]
 fn the_sign_of_the_acceleration_chooses_the_branch() {
     for f_d in [None, Some(0.09), Some(0.08), Some(0.0994)] {
@@ -85,7 +86,8 @@ fn a_width_makes_the_change_of_the_branch_gradual() {
     }
 }
 
-/// A contact that has to carry more than the lower branch while it hardly moves is held by the spring: static friction.
+/// A contact that has to carry more than the lower branch while it hardly moves is held by the
+/// spring: static friction.
 #[test]
 fn a_stuck_contact_holds_up_to_the_static_level_whatever_the_acceleration() {
     let model = with(|p| p.f_d = Some(0.05));
@@ -138,7 +140,8 @@ fn stores_no_more_than_was_put_in() {
     assert!(slips > 100, "{slips}");
 }
 
-/// The derivative form with small steps and the fixed-step form at 1 kHz follow each other but for the samples at the changes.
+/// The derivative form with small steps and the fixed-step form at 1 kHz follow each other but for
+/// the samples at the changes.
 #[test]
 fn both_forms_agree() {
     let model = Wojewoda::test_bed();
@@ -154,7 +157,12 @@ fn both_forms_agree() {
             sum += (stepper.step(velocity(dt * f64::from(k))) - exact).abs();
             for j in 0..per_step {
                 let t = dt * f64::from(k) + fine * f64::from(j);
-                exact = rk4::step(&model, &mut state, [t, t + 0.5 * fine, t + fine].map(velocity), fine);
+                exact = rk4::step(
+                    &model,
+                    &mut state,
+                    [t, t + 0.5 * fine, t + fine].map(velocity),
+                    fine,
+                );
             }
         }
         sum / f64::from(steps)
@@ -168,8 +176,12 @@ fn both_forms_agree() {
 fn refuses_levels_in_the_wrong_order() {
     let set = WojewodaParameters::test_bed();
     let message = |p: WojewodaParameters| Wojewoda::try_from(p).unwrap_err().to_string();
-    assert!(message(WojewodaParameters { f_c: 0.2, ..set }).starts_with("wojewoda.f_c must be at most f_s"));
     assert!(
-        message(WojewodaParameters { f_d: Some(0.2), ..set }).starts_with("wojewoda.f_d must be at most f_s")
+        message(WojewodaParameters { f_c: 0.2, ..set })
+            .starts_with("wojewoda.f_c must be at most f_s")
+    );
+    assert!(
+        message(WojewodaParameters { f_d: Some(0.2), ..set })
+            .starts_with("wojewoda.f_d must be at most f_s")
     );
 }

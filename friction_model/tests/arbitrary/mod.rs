@@ -5,10 +5,14 @@ use friction_model::{AnyModel, AnyParameters, ModelName, TimeStep};
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
 
-/// Two thousand cases, unless `PROPTEST_CASES` says otherwise; what once failed is kept in a file beside the test and tried again first.
+/// Two thousand cases, unless `PROPTEST_CASES` says otherwise; what once failed is kept in a file
+/// beside the test and tried again first.
 pub fn config() -> ProptestConfig {
-    let cases =
-        if std::env::var_os("PROPTEST_CASES").is_some() { ProptestConfig::default().cases } else { 2000 };
+    let cases = if std::env::var_os("PROPTEST_CASES").is_some() {
+        ProptestConfig::default().cases
+    } else {
+        2000
+    };
     ProptestConfig {
         cases,
         failure_persistence: Some(Box::new(FileFailurePersistence::WithSource("regressions"))),
@@ -16,8 +20,9 @@ pub fn config() -> ProptestConfig {
     }
 }
 
-/// Valid parameters of one model, each up to a factor of 30 from one of the presets. A factor that would make the set invalid is
-/// left out; the levels and the shares of elements keep their order and their sum.
+/// Valid parameters of one model, each up to a factor of 30 from one of the presets. A factor that
+/// would make the set invalid is left out; the levels and the shares of elements keep their order
+/// and their sum.
 pub fn model(name: ModelName) -> impl Strategy<Value = AnyModel> {
     let factors = prop::collection::vec(-1.5..1.5f64, AnyParameters::test_bed(name).table().len());
     (any::<bool>(), factors, 0.4..=1.0f64).prop_map(move |(test_bed, exponents, ratio)| {
@@ -48,17 +53,19 @@ pub fn model_of(names: &'static [ModelName]) -> impl Strategy<Value = AnyModel> 
 
 /// Any model at all, with random parameters; now and then with other parameters backward.
 pub fn any_model() -> impl Strategy<Value = AnyModel> {
-    let one =
-        prop::sample::select(&ModelName::ALL[..]).prop_flat_map(|name| (model(name), model(name), 0..4u8));
+    let one = prop::sample::select(&ModelName::ALL[..])
+        .prop_flat_map(|name| (model(name), model(name), 0..4u8));
     one.prop_map(|(forward, backward, choice)| match choice {
         0 => AnyModel::asymmetric(&forward, &backward).unwrap_or(forward),
         _ => forward,
     })
 }
 
-/// Any symmetric model but the bristles, whose bonds are drawn at random: they are odd on average only.
+/// Any symmetric model but the bristles, whose bonds are drawn at random: they are odd on average
+/// only.
 pub fn odd_model() -> impl Strategy<Value = AnyModel> {
-    let names: Vec<_> = ModelName::ALL.into_iter().filter(|&name| name != ModelName::Bristle).collect();
+    let names: Vec<_> =
+        ModelName::ALL.into_iter().filter(|&name| name != ModelName::Bristle).collect();
     prop::sample::select(names).prop_flat_map(model)
 }
 

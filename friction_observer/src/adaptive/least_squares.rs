@@ -6,8 +6,9 @@
 //! P     = (P - k phi' P) / lambda,     scaled down where a variance exceeds its limit
 //! ```
 //!
-//! Aastrom and Wittenmark, Adaptive Control (2nd ed. 1995), section 2.2, with the two remedies of section 11.5 against wind-up of the covariance: limits on it, and no
-//! update at all while the caller finds the excitation poor.
+//! Aastrom and Wittenmark, Adaptive Control (2nd ed. 1995), section 2.2, with the two remedies of
+//! section 11.5 against wind-up of the covariance: limits on it, and no update at all while the
+//! caller finds the excitation poor.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -24,8 +25,10 @@ pub struct LeastSquares<const N: usize> {
 }
 
 impl<const N: usize> LeastSquares<N> {
-    /// An estimate that starts at `theta` with standard deviations `deviations`, which are also the largest it may ever have. `forgetting` is the factor
-    /// lambda of one update, above 0 and at most 1; `noise` the variance of a measurement; `bounds` lowest and highest value of each parameter.
+    /// An estimate that starts at `theta` with standard deviations `deviations`, which are also the
+    /// largest it may ever have. `forgetting` is the factor lambda of one update, above 0 and at
+    /// most 1; `noise` the variance of a measurement; `bounds` lowest and highest value of each
+    /// parameter.
     #[must_use]
     pub fn new(
         theta: [f64; N],
@@ -50,10 +53,12 @@ impl<const N: usize> LeastSquares<N> {
         if !(theta.iter().all(|x| x.is_finite()) && covariance.iter().all(|x| x.is_finite())) {
             return;
         }
-        for (value, (new, (low, high))) in self.theta.iter_mut().zip(theta.iter().zip(&self.bounds)) {
+        for (value, (new, (low, high))) in self.theta.iter_mut().zip(theta.iter().zip(&self.bounds))
+        {
             *value = new.max(*low).min(*high);
         }
-        let excess = covariance.diagonal().zip_map(&self.limits, |variance, limit| variance / limit).max();
+        let excess =
+            covariance.diagonal().zip_map(&self.limits, |variance, limit| variance / limit).max();
         let scale = if excess > 1.0 { 1.0 / excess } else { 1.0 };
         self.covariance = 0.5 * scale * (covariance + covariance.transpose());
     }
@@ -84,7 +89,8 @@ mod tests {
         (phi, 2.0 * phi[0] - 3.0 * phi[1] + 0.1 * (1.7 * f64::from(k)).cos())
     }
 
-    /// Without forgetting it is the solution of the normal equations with the prior as two more rows.
+    /// Without forgetting it is the solution of the normal equations with the prior as two more
+    /// rows.
     #[test]
     fn without_forgetting_it_is_the_least_squares_solution() {
         let mut recursive = plain(1.0);
@@ -112,7 +118,10 @@ mod tests {
             wild.update([1e300, f64::INFINITY], 1.0);
         }
         assert!(wild.parameters().iter().all(|x| x.abs() <= 10.0));
-        assert!(wild.variances().iter().all(|v| (0.0..=1e4 * (1.0 + 1e-9)).contains(v)), "{wild:?}");
+        assert!(
+            wild.variances().iter().all(|v| (0.0..=1e4 * (1.0 + 1e-9)).contains(v)),
+            "{wild:?}"
+        );
     }
 
     #[test]

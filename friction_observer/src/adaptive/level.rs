@@ -1,6 +1,7 @@
 //! Adaptation of the friction level: one factor on the model's torque.
 //!
-//! `F^ = theta F_model`, `theta` by recursive least squares of the measured friction torque on the model's, both through the same filter.
+//! `F^ = theta F_model`, `theta` by recursive least squares of the measured friction torque on the
+//! model's, both through the same filter.
 
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
@@ -83,7 +84,11 @@ impl FrictionLevel {
     ///
     /// # Errors
     /// [`ObserverError::OutOfRange`] names the option.
-    pub fn new(options: &LevelOptions, drive: &NominalDrive, dt: TimeStep) -> Result<Self, ObserverError> {
+    pub fn new(
+        options: &LevelOptions,
+        drive: &NominalDrive,
+        dt: TimeStep,
+    ) -> Result<Self, ObserverError> {
         options.check()?;
         drive.check()?;
         let forgetting = (-dt.seconds() / options.forgetting).exp();
@@ -92,11 +97,18 @@ impl FrictionLevel {
         Ok(Self {
             measured: Measured::new(options.source, options.excitation, options.filter, drive, dt),
             model: LowPass::new(options.filter, dt).at_zero(),
-            estimate: LeastSquares::new([options.start], [options.deviation], bounds, forgetting, noise),
+            estimate: LeastSquares::new(
+                [options.start],
+                [options.deviation],
+                bounds,
+                forgetting,
+                noise,
+            ),
         })
     }
 
-    /// Learns from a cycle: `velocity` is the estimated one, `model_torque` the torque of the model that is driven by it.
+    /// Learns from a cycle: `velocity` is the estimated one, `model_torque` the torque of the model
+    /// that is driven by it.
     #[inline]
     pub fn learn(&mut self, velocity: f64, seen: &Seen, model_torque: f64) {
         let Some(sample) = self.measured.take(velocity, seen, model_torque) else { return };

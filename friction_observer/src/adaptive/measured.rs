@@ -12,8 +12,9 @@ use crate::{DriveInverse, NominalDrive, Seen};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueSource {
-    /// From voltage and velocity through the nominal drive. An error of its constants is learned as friction; in volts it largely cancels, since
-    /// the compensation leaves through the same constant.
+    /// From voltage and velocity through the nominal drive. An error of its constants is learned as
+    /// friction; in volts it largely cancels, since the compensation leaves through the same
+    /// constant.
     #[default]
     Voltage,
     /// From the torque sensor.
@@ -45,7 +46,8 @@ pub struct Sample {
 }
 
 impl Measured {
-    /// A measurement from `source` through a filter of time constant `filter` [s], called once every `dt`.
+    /// A measurement from `source` through a filter of time constant `filter` [s], called once
+    /// every `dt`.
     #[must_use]
     pub fn new(
         source: TorqueSource,
@@ -56,10 +58,19 @@ impl Measured {
     ) -> Self {
         let low_pass = LowPass::new(filter, dt).at_zero();
         let (inverse, dt) = (DriveInverse::new(drive, dt), dt.seconds());
-        Self { source, inverse, torque: low_pass, velocity: low_pass, excitation, dt, rich_for: 0.0 }
+        Self {
+            source,
+            inverse,
+            torque: low_pass,
+            velocity: low_pass,
+            excitation,
+            dt,
+            rich_for: 0.0,
+        }
     }
 
-    /// Takes a cycle in. `velocity` is the estimated one, `model_torque` the model's torque at this moment. `None` if a reading is not finite.
+    /// Takes a cycle in. `velocity` is the estimated one, `model_torque` the model's torque at this
+    /// moment. `None` if a reading is not finite.
     #[inline]
     pub fn take(&mut self, velocity: f64, seen: &Seen, model_torque: f64) -> Option<Sample> {
         let from_voltage = self.inverse.torque(velocity, seen.voltage);

@@ -4,9 +4,11 @@
 //! F^ = theta_1 C + theta_2 C exp(-(v/v_s)^2) + theta_3 v + theta_4
 //! ```
 //!
-//! with `C` the contact's part of the model's torque, `C = F_model - f_v v`: `theta_1` scales the Coulomb level, `theta_2` the rise towards the static
-//! level (the shape over velocity is the model's), `theta_3` is the viscous coefficient, and `theta_4` half the difference between the directions. Starting at `(1, 0, f_v, 0)` the
-//! estimate is the model's. Pre-sliding, lag and memory of the model remain, scaled with the levels.
+//! with `C` the contact's part of the model's torque, `C = F_model - f_v v`: `theta_1` scales the
+//! Coulomb level, `theta_2` the rise towards the static level (the shape over velocity is the
+//! model's), `theta_3` is the viscous coefficient, and `theta_4` half the difference between the
+//! directions. Starting at `(1, 0, f_v, 0)` the estimate is the model's. Pre-sliding, lag and
+//! memory of the model remain, scaled with the levels.
 
 use friction_model::{AnyModel, TimeStep};
 use serde::{Deserialize, Serialize};
@@ -31,7 +33,8 @@ pub struct ParameterOptions {
     pub forgetting: f64,
     /// Standard deviation of the measured torque after the filter [N m], above zero.
     pub noise: f64,
-    /// Largest relative change of the Coulomb level, from 0 to 0.9; the rise towards the static level may change by half of it.
+    /// Largest relative change of the Coulomb level, from 0 to 0.9; the rise towards the static
+    /// level may change by half of it.
     pub range: f64,
     /// Largest viscous coefficient [N m s/rad], zero or more.
     pub most_viscous: f64,
@@ -108,19 +111,27 @@ impl FrictionParameters {
             (0.0, options.most_viscous.max(viscous)),
             (-offset, offset),
         ];
-        // A deviation of zero would divide by zero: a parameter that may not move has bounds that meet.
+        // A deviation of zero would divide by zero: a parameter that may not move has bounds that
+        // meet.
         let deviations = bounds.map(|(low, high)| (0.25 * (high - low)).max(1e-9));
         let forgetting = (-dt.seconds() / options.forgetting).exp();
         let noise = options.noise * options.noise;
         Ok(Self {
             measured: Measured::new(options.source, options.excitation, options.filter, drive, dt),
             model: [LowPass::new(options.filter, dt).at_zero(); 3],
-            estimate: LeastSquares::new([1.0, 0.0, viscous, 0.0], deviations, bounds, forgetting, noise),
+            estimate: LeastSquares::new(
+                [1.0, 0.0, viscous, 0.0],
+                deviations,
+                bounds,
+                forgetting,
+                noise,
+            ),
             inverse_stribeck_velocity: 1.0 / stribeck_velocity,
         })
     }
 
-    /// Learns from a cycle: `velocity` is the estimated one, `contact` the torque of the model that is driven by it, without its viscous part.
+    /// Learns from a cycle: `velocity` is the estimated one, `contact` the torque of the model that
+    /// is driven by it, without its viscous part.
     #[inline]
     pub fn learn(&mut self, velocity: f64, seen: &Seen, contact: f64) {
         let Some(sample) = self.measured.take(velocity, seen, contact) else { return };
@@ -132,7 +143,8 @@ impl FrictionParameters {
         }
     }
 
-    /// The torque [N m] with the parameters as they are, of a model whose contact carries `contact` [N m] at `velocity` [rad/s].
+    /// The torque [N m] with the parameters as they are, of a model whose contact carries `contact`
+    /// [N m] at `velocity` [rad/s].
     #[inline]
     #[must_use]
     pub fn torque(&self, velocity: f64, contact: f64) -> f64 {
@@ -146,7 +158,8 @@ impl FrictionParameters {
         [contact, contact * (-r * r).exp(), velocity, 1.0]
     }
 
-    /// The parameters: factor of the Coulomb level, rise towards the static level, viscous coefficient [N m s/rad] and offset between the directions [N m].
+    /// The parameters: factor of the Coulomb level, rise towards the static level, viscous
+    /// coefficient [N m s/rad] and offset between the directions [N m].
     #[must_use]
     pub fn parameters(&self) -> [f64; 4] {
         self.estimate.parameters()

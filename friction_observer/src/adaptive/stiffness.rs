@@ -1,15 +1,19 @@
-//! Adaptation of the pre-sliding stiffness, which enters nonlinearly, by a gradient law over models side by side.
+//! Adaptation of the pre-sliding stiffness, which enters nonlinearly, by a gradient law over models
+//! side by side.
 //!
-//! Three observers of the same model follow the same velocity: softer by a factor `s`, as given, and stiffer by `s`. At the position `p` between -1 and 1 on the logarithm
-//! of the stiffness the estimate is the interpolation between its neighbours,
+//! Three observers of the same model follow the same velocity: softer by a factor `s`, as given,
+//! and stiffer by `s`. At the position `p` between -1 and 1 on the logarithm of the stiffness the
+//! estimate is the interpolation between its neighbours,
 //!
 //! ```text
 //! F^(p)  = F_0 + |p| (F_(sgn p) - F_0)
 //! p'     = g e S / (n^2 + S^2),     S = d F^ / d p,     e = F_f - F^_f
 //! ```
 //!
-//! all signals through the same filter. The normalised gradient is bounded, `p` is projected onto [-1, 1], and where the stiffness does not matter (gross sliding) `S` vanishes and
-//! `p` stands still. Interpolating the torques in place of the states keeps every model's own invariants: the estimate is a mean of valid ones.
+//! all signals through the same filter. The normalised gradient is bounded, `p` is projected onto
+//! [-1, 1], and where the stiffness does not matter (gross sliding) `S` vanishes and `p` stands
+//! still. Interpolating the torques in place of the states keeps every model's own invariants: the
+//! estimate is a mean of valid ones.
 
 use friction_model::{AnyModel, TimeStep, Unit};
 use serde::{Deserialize, Serialize};
@@ -68,7 +72,8 @@ impl StiffnessOptions {
     }
 }
 
-/// The model with every stiffness multiplied and every breakaway deflection divided by `factor`, as far as it has any and accepts it.
+/// The model with every stiffness multiplied and every breakaway deflection divided by `factor`, as
+/// far as it has any and accepts it.
 fn stiffened(model: &AnyModel, factor: f64) -> AnyModel {
     let parameters = model.parameters();
     parameters.table().iter().fold(*model, |model, row| {
@@ -113,7 +118,13 @@ impl Stiffness {
             dt: dt.seconds(),
             softer: FrictionObserver::new(&stiffened(model, 1.0 / options.span), dt),
             stiffer: FrictionObserver::new(&stiffened(model, options.span), dt),
-            measured: Measured::new(options.source, super::Excitation::SRV02, options.filter, drive, dt),
+            measured: Measured::new(
+                options.source,
+                super::Excitation::SRV02,
+                options.filter,
+                drive,
+                dt,
+            ),
             estimate: filter,
             sensitivity: filter,
             position: 0.0,
@@ -131,7 +142,8 @@ impl Stiffness {
         if let Some(sample) = sample {
             let sensitivity = self.sensitivity.step(held(slope));
             let error = sample.torque - self.estimate.step(held(estimate));
-            if error.abs() > self.options.dead_zone && sample.velocity.abs() >= self.options.slowest {
+            if error.abs() > self.options.dead_zone && sample.velocity.abs() >= self.options.slowest
+            {
                 let beyond = error - self.options.dead_zone.copysign(error);
                 let weak = self.options.weak;
                 let step = beyond * sensitivity / (weak * weak + sensitivity * sensitivity);
@@ -165,15 +177,18 @@ mod tests {
 
     use super::*;
 
-    /// A contact that is softer or stiffer than the model, in small motions to and fro, seen by a torque sensor: the factor goes there, and stays in its bounds.
+    /// A contact that is softer or stiffer than the model, in small motions to and fro, seen by a
+    /// torque sensor: the factor goes there, and stays in its bounds.
     #[test]
     fn the_stiffness_goes_to_that_of_the_contact() {
         let dt = TimeStep::new(1e-3).unwrap();
         for name in [ModelName::LuGre, ModelName::Proposed] {
             for truth in [0.6, 1.0, 1.6, 5.0] {
                 let model = AnyModel::test_bed(name);
-                let options = StiffnessOptions { source: TorqueSource::Sensor, ..StiffnessOptions::SRV02 };
-                let mut stiffness = Stiffness::new(&model, &options, &NominalDrive::SRV02, dt).unwrap();
+                let options =
+                    StiffnessOptions { source: TorqueSource::Sensor, ..StiffnessOptions::SRV02 };
+                let mut stiffness =
+                    Stiffness::new(&model, &options, &NominalDrive::SRV02, dt).unwrap();
                 let mut contact = FrictionObserver::new(&stiffened(&model, truth), dt);
                 let mut given = FrictionObserver::new(&model, dt);
                 for k in 0..60_000 {

@@ -9,8 +9,9 @@ use serde_json::Value;
 use super::{declarations, parameters::ObserverSettings};
 use crate::{EstimatorOptions, Technique, VelocitySource};
 
-/// The parameters that make the node estimate with `model` and `options`, `position` if the injected error is that of position: what a program sets that wants the node to
-/// do what it would do itself. The period is left out, which cannot be set while the node runs.
+/// The parameters that make the node estimate with `model` and `options`, `position` if the
+/// injected error is that of position: what a program sets that wants the node to do what it would
+/// do itself. The period is left out, which cannot be set while the node runs.
 ///
 /// # Errors
 /// A sentence if no parameters say it: not every option of every technique is a parameter.
@@ -77,7 +78,9 @@ impl Said {
                 ParameterValue::Double(number.as_f64().unwrap_or(0.0))
             }
             Value::Number(number) => ParameterValue::Integer(number.as_i64().unwrap_or(0)),
-            Value::Array(all) => ParameterValue::DoubleArray(all.iter().filter_map(Value::as_f64).collect()),
+            Value::Array(all) => {
+                ParameterValue::DoubleArray(all.iter().filter_map(Value::as_f64).collect())
+            }
             Value::Null | Value::Bool(_) | Value::String(_) => return,
         };
         self.0.insert(prefix.to_owned(), parameter);
@@ -133,7 +136,9 @@ mod tests {
     #[test]
     fn every_model_and_technique_with_its_usual_options_can_be_said() {
         for name in ModelName::ALL {
-            let said = parameters_of(&AnyModel::test_bed(name), &EstimatorOptions::default(), false).unwrap();
+            let said =
+                parameters_of(&AnyModel::test_bed(name), &EstimatorOptions::default(), false)
+                    .unwrap();
             assert_eq!(said["model"], ParameterValue::String(name.to_string()));
         }
         let weaker = AnyModel::test_bed(ModelName::Gms).scaled("f_v", 0.5).unwrap();
@@ -158,7 +163,8 @@ mod tests {
     #[test]
     fn what_no_parameter_says_is_refused() {
         let options = EstimatorOptions { feeds_controller: true, ..EstimatorOptions::default() };
-        let said = parameters_of(&AnyModel::test_bed(ModelName::LuGre), &options, false).unwrap_err();
+        let said =
+            parameters_of(&AnyModel::test_bed(ModelName::LuGre), &options, false).unwrap_err();
         assert!(said.contains("no parameters that say this"), "{said}");
         let source = VelocitySource::EncoderKalman { encoder_step: 1e-3, friction_walk: 2.0 };
         let options = EstimatorOptions { velocity: source, ..EstimatorOptions::default() };

@@ -1,8 +1,10 @@
 //! The observer as a ROS 2 node.
 //!
 //! - [`ObserverNode`]: what it estimates, published; for programs that have a loop of their own;
-//! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each joint state ([`step`]);
-//! - [`FrictionObserver`] and [`Inner`]: the same node taken apart, for a process whose control thread makes the estimates itself.
+//! - [`run`]: the executable `friction_observer`, a managed node that makes one estimate for each
+//!   joint state ([`step`]);
+//! - [`FrictionObserver`] and [`Inner`]: the same node taken apart, for a process whose control
+//!   thread makes the estimates itself.
 
 mod expressed;
 #[cfg(test)]

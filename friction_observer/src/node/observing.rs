@@ -69,7 +69,8 @@ pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
     Ok(())
 }
 
-/// What estimates, apart from the node: it belongs to one thread, which calls it once a cycle and sends on what it says.
+/// What estimates, apart from the node: it belongs to one thread, which calls it once a cycle and
+/// sends on what it says.
 pub struct Inner {
     /// The estimator.
     pub estimation: Estimation,
@@ -91,7 +92,8 @@ pub struct FrictionObserver {
 }
 
 impl FrictionObserver {
-    /// Joins the participant, unconfigured and without any joint states: whoever holds the other part decides where they come from.
+    /// Joins the participant, unconfigured and without any joint states: whoever holds the other
+    /// part decides where they come from.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
@@ -103,11 +105,16 @@ impl FrictionObserver {
         let orders = Arc::new(Mutex::new(orders));
         let first = Arc::new(Mutex::new(None));
         let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
-        let parameters = Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
-            let settings = ObserverSettings::read(values)?;
-            *locked(&judged) = Some(settings);
-            if locked(&to_thread).send(Order::Settings(settings)) { Ok(()) } else { Err(BUSY.to_owned()) }
-        })?;
+        let parameters =
+            Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
+                let settings = ObserverSettings::read(values)?;
+                *locked(&judged) = Some(settings);
+                if locked(&to_thread).send(Order::Settings(settings)) {
+                    Ok(())
+                } else {
+                    Err(BUSY.to_owned())
+                }
+            })?;
         let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;
         let estimator = FrictionEstimator::new(&settings.model, settings.options, settings.dt)
             .map_err(|error| cannot_be(error.to_string()))?;
@@ -146,7 +153,8 @@ impl FrictionObserver {
         Ok((this, Inner { estimation: Estimation::new(settings, estimator, for_orders), out }))
     }
 
-    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it is not active, if it is not.
+    /// Configures and activates the node, if its parameter `autostart` says so. The log says why it
+    /// is not active, if it is not.
     pub fn start(&self) {
         if self.autostart && self.lifecycle.request(Requested::Configure).is_ok() {
             let _ = self.lifecycle.request(Requested::Activate);
@@ -172,8 +180,10 @@ impl FrictionObserver {
         let healthy = values[1..].iter().all(|(_, count)| *count == 0);
         let label = self.lifecycle.phase().label();
         let listening = counts.listening.load(Ordering::Relaxed);
-        let reports: Vec<_> = self.gates.all().into_iter().filter(|_| listening).map(Gate::report).collect();
-        let stranger = self.node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
+        let reports: Vec<_> =
+            self.gates.all().into_iter().filter(|_| listening).map(Gate::report).collect();
+        let stranger =
+            self.node.twin().or_else(|| reports.iter().find_map(|report| report.error.clone()));
         let (level, message) = match stranger {
             Some(stranger) => (DiagnosticStatus::ERROR, stranger),
             None if healthy => (DiagnosticStatus::OK, label.to_owned()),

@@ -1,4 +1,5 @@
-//! Parameters of the node `friction_observer`: the model, every model's own parameters, and the technique.
+//! Parameters of the node `friction_observer`: the model, every model's own parameters, and the
+//! technique.
 
 use friction_model::{AnyModel, AnyParameters, ModelError, ModelName, Parameter, Range, TimeStep};
 use ros_node::{
@@ -9,14 +10,15 @@ use serde_json::{Map, Value, json};
 
 use crate::adaptive::{LevelOptions, ParameterOptions, StiffnessOptions};
 use crate::{
-    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, NominalDrive, RbfOptions, Technique,
-    VelocitySource,
+    DisturbanceObserverOptions, EstimatorOptions, FrictionEstimator, NominalDrive, RbfOptions,
+    Technique, VelocitySource,
 };
 
 const POSITIVE: ValueRange = ValueRange::Double(f64::MIN_POSITIVE, f64::MAX);
 const SIDES: [&str; 2] = ["forward", "backward"];
 
-/// Every parameter of the node, for what the command line gives: parameters for each direction exist for the models to which they are given.
+/// Every parameter of the node, for what the command line gives: parameters for each direction
+/// exist for the models to which they are given.
 #[must_use]
 pub fn declarations(given: &[String]) -> Vec<Declaration> {
     let options = EstimatorOptions::default();
@@ -51,17 +53,26 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
         .range(ValueRange::Double(-1e3, 1e3)),
         Declaration::double("share", 0.5, "Share of the feedforward estimate in technique both")
             .range(ValueRange::Double(0.0, 1.0)),
-        Declaration::text("velocity_source", "tachometer", "Which velocity the estimator believes").choices(
-            ["tachometer", "tachometer_low_pass", "encoder_tracking_loop", "encoder_kalman", "fused"],
-        ),
+        Declaration::text("velocity_source", "tachometer", "Which velocity the estimator believes")
+            .choices([
+                "tachometer",
+                "tachometer_low_pass",
+                "encoder_tracking_loop",
+                "encoder_kalman",
+                "fused",
+            ]),
         Declaration::double(
             "velocity.time_constant",
             0.005,
             "Time constant of the low-pass filter of the tachometer [s]",
         )
         .range(ValueRange::Double(1e-5, 1.0)),
-        Declaration::double("velocity.bandwidth", 60.0, "Bandwidth of the encoder's tracking loop [rad/s]")
-            .range(ValueRange::Double(1.0, 1e4)),
+        Declaration::double(
+            "velocity.bandwidth",
+            60.0,
+            "Bandwidth of the encoder's tracking loop [rad/s]",
+        )
+        .range(ValueRange::Double(1.0, 1e4)),
         Declaration::double(
             "disturbance_observer.bandwidth",
             DisturbanceObserverOptions::SRV02.bandwidth,
@@ -92,7 +103,8 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
             "Voltage that overcomes 1 N m of friction [V/(N m)]",
         )
         .range(POSITIVE),
-        Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
+        Declaration::boolean("autostart", true, "Configure and activate when the program starts")
+            .read_only(),
     ];
     for name in ModelName::ALL {
         declare_model(name, name.as_str(), given, &mut declared);
@@ -106,7 +118,8 @@ pub fn declarations(given: &[String]) -> Vec<Declaration> {
     declared
 }
 
-/// The parameters of one model under a prefix. A parameter that may be left out exists only if it has a value or is given one.
+/// The parameters of one model under a prefix. A parameter that may be left out exists only if it
+/// has a value or is given one.
 fn declare_model(name: ModelName, prefix: &str, given: &[String], declared: &mut Vec<Declaration>) {
     let parameters = AnyParameters::test_bed(name);
     let written = written(&parameters);
@@ -165,12 +178,14 @@ pub(super) struct ObserverSettings {
 }
 
 impl ObserverSettings {
-    /// Reads and checks the parameters as a whole; every model is checked, not only the one that runs.
+    /// Reads and checks the parameters as a whole; every model is checked, not only the one that
+    /// runs.
     ///
     /// # Errors
     /// The reason, for people.
     pub(super) fn read(values: &Values) -> Result<Self, String> {
-        let chosen: ModelName = values.text("model").parse().map_err(|e: ModelError| e.to_string())?;
+        let chosen: ModelName =
+            values.text("model").parse().map_err(|e: ModelError| e.to_string())?;
         let mut model = AnyModel::test_bed(chosen);
         for name in ModelName::ALL {
             let read = read_model(name, values)?;
@@ -215,9 +230,9 @@ fn technique(values: &Values) -> Technique {
 
 fn velocity(values: &Values) -> VelocitySource {
     match values.text("velocity_source") {
-        "tachometer_low_pass" => {
-            VelocitySource::TachometerLowPass { time_constant: values.double("velocity.time_constant") }
-        }
+        "tachometer_low_pass" => VelocitySource::TachometerLowPass {
+            time_constant: values.double("velocity.time_constant"),
+        },
         "encoder_tracking_loop" => {
             VelocitySource::EncoderTrackingLoop { bandwidth: values.double("velocity.bandwidth") }
         }
@@ -249,7 +264,8 @@ fn read_model(name: ModelName, values: &Values) -> Result<AnyModel, String> {
     if forward.is_empty() {
         return Ok(symmetric);
     }
-    let both = json!({ "asymmetric": { name.as_str(): { "forward": forward, "backward": backward } } });
+    let both =
+        json!({ "asymmetric": { name.as_str(): { "forward": forward, "backward": backward } } });
     serde_json::from_value(both).map_err(|error| error.to_string())
 }
 
@@ -274,14 +290,19 @@ mod tests {
     fn every_model_stands_with_the_test_beds_parameters() {
         let store = store(&BTreeMap::new()).unwrap();
         for name in ModelName::ALL {
-            assert_eq!(read_model(name, store.values()).unwrap(), AnyModel::test_bed(name), "{name}");
+            assert_eq!(
+                read_model(name, store.values()).unwrap(),
+                AnyModel::test_bed(name),
+                "{name}"
+            );
         }
     }
 
     #[test]
     fn a_value_that_the_model_refuses_is_refused_with_the_models_reason() {
         let mut store = store(&BTreeMap::new()).unwrap();
-        let set = |name: &str, value| Change { name: name.into(), value: ParameterValue::Double(value) };
+        let set =
+            |name: &str, value| Change { name: name.into(), value: ParameterValue::Double(value) };
         let f_s = store.values().double("lugre.f_s");
         let said = store.set(&[set("lugre.f_c", 2.0 * f_s)]).unwrap_err();
         assert!(said.contains("f_c"), "{said}");
@@ -293,7 +314,8 @@ mod tests {
     #[test]
     fn parameters_for_each_direction_are_taken_where_they_are_given() {
         let parameters = AnyParameters::test_bed(ModelName::LuGre);
-        let mut given = BTreeMap::from([("model".to_owned(), ParameterValue::String("lugre".into()))]);
+        let mut given =
+            BTreeMap::from([("model".to_owned(), ParameterValue::String("lugre".into()))]);
         for row in parameters.table() {
             for (side, factor) in [("forward", 1.0), ("backward", 1.5)] {
                 if let [value] = parameters.values(row.name)[..] {
@@ -316,7 +338,10 @@ mod tests {
         let own: Vec<_> = declarations(&[])
             .into_iter()
             .filter(|parameter| {
-                parameter.name().split_once('.').is_none_or(|(model, _)| model.parse::<ModelName>().is_err())
+                parameter
+                    .name()
+                    .split_once('.')
+                    .is_none_or(|(model, _)| model.parse::<ModelName>().is_err())
             })
             .collect();
         let made = ros_node::parameters::markdown_table(&own);
@@ -324,7 +349,8 @@ mod tests {
         for page in ["../docs/ros.md", "../README.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let from =
+                text.find(begin).expect("the page marks where the table begins") + begin.len();
             let to = text.find(end).expect("the page marks where the table ends");
             if std::env::var_os("UPDATE_DOCS").is_some() {
                 text.replace_range(from..to, &made);

@@ -8,7 +8,8 @@ use crate::{Estimate, messages};
 /// The node `/friction_observer` with its publisher.
 pub struct ObserverNode {
     friction_estimate: Publisher<FrictionEstimate>,
-    // Dropped last: publishers go before the node they belong to. None where somebody else holds it.
+    // Dropped last: publishers go before the node they belong to. None where somebody else holds
+    // it.
     _node: Option<RosNode>,
 }
 
@@ -31,8 +32,8 @@ impl ObserverNode {
         Ok(Self { friction_estimate: node.publisher(&topics::FRICTION_ESTIMATE)?, _node: None })
     }
 
-    /// Publishes one cycle's estimate on `/friction_estimate`. It may wait for the network: never call it from a control
-    /// thread.
+    /// Publishes one cycle's estimate on `/friction_estimate`. It may wait for the network: never
+    /// call it from a control thread.
     ///
     /// # Errors
     /// [`RosNodeError::Publish`] if the middleware does not take the message in time.

@@ -1,4 +1,5 @@
-//! One estimate for each joint state, and the thread that makes them. While it runs it locks, allocates and publishes nothing.
+//! One estimate for each joint state, and the thread that makes them. While it runs it locks,
+//! allocates and publishes nothing.
 
 use std::time::Duration;
 
@@ -42,7 +43,10 @@ pub(super) struct Inputs {
 
 /// What people ask of it, taken at the beginning of a cycle.
 #[derive(Debug, Clone, Copy)]
-#[expect(clippy::large_enum_variant, reason = "settings travel in place: taking them allocates nothing")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "settings travel in place: taking them allocates nothing"
+)]
 pub(super) enum Order {
     Settings(ObserverSettings),
     Reset,
@@ -58,7 +62,8 @@ pub struct Estimated {
     pub estimate: Estimate,
 }
 
-/// The estimator of the running node: settings, resets and the lifecycle reach it as orders, which it takes between two cycles.
+/// The estimator of the running node: settings, resets and the lifecycle reach it as orders, which
+/// it takes between two cycles.
 pub struct Estimation {
     settings: ObserverSettings,
     estimator: FrictionEstimator,

@@ -1,4 +1,5 @@
-//! A Kalman filter on the drive: position, velocity and friction from encoder, tachometer and voltage.
+//! A Kalman filter on the drive: position, velocity and friction from encoder, tachometer and
+//! voltage.
 //!
 //! ```text
 //! theta' = w
@@ -6,9 +7,11 @@
 //! F'     = white noise of intensity q^2
 //! ```
 //!
-//! discretised exactly for a held voltage, with `F` as a random walk. The encoder's rounding counts as even noise, `q_e / sqrt(12)`, the tachometer's as white.
-//! The gain is that of the filter after a long time, so that a step costs a few multiplications. The random walk is what lets the filter follow friction that it
-//! has no model of: the larger `q`, the sooner it follows a reversal and the more it shows of the encoder's steps.
+//! discretised exactly for a held voltage, with `F` as a random walk. The encoder's rounding counts
+//! as even noise, `q_e / sqrt(12)`, the tachometer's as white. The gain is that of the filter after
+//! a long time, so that a step costs a few multiplications. The random walk is what lets the filter
+//! follow friction that it has no model of: the larger `q`, the sooner it follows a reversal and
+//! the more it shows of the encoder's steps.
 
 use friction_model::TimeStep;
 use nalgebra::{Matrix1, Matrix2, Matrix2x3, Matrix3, RowVector3, SMatrix, Vector3};
@@ -36,8 +39,9 @@ pub struct KalmanFilter {
 }
 
 impl KalmanFilter {
-    /// A filter that has seen nothing, called once every `dt`. `encoder_step` [rad], `tachometer_noise` [rad/s] where the tachometer is used,
-    /// `friction_walk` [N m per square root of a second].
+    /// A filter that has seen nothing, called once every `dt`. `encoder_step` [rad],
+    /// `tachometer_noise` [rad/s] where the tachometer is used, `friction_walk`
+    /// [N m per square root of a second].
     ///
     /// # Errors
     /// [`ObserverError::NoGain`] if the Riccati equation has no usable solution for these numbers.
@@ -80,8 +84,8 @@ impl KalmanFilter {
         Ok(Self { a, b, by_encoder, by_tachometer, fused, state: None })
     }
 
-    /// Takes the readings in, as far as there are any, and the `voltage` [V] applied since the last call; the velocity now [rad/s].
-    /// Not a number before the first position.
+    /// Takes the readings in, as far as there are any, and the `voltage` [V] applied since the last
+    /// call; the velocity now [rad/s]. Not a number before the first position.
     #[inline]
     pub fn step(&mut self, position: Option<f64>, tachometer: Option<f64>, voltage: f64) -> f64 {
         let Some(before) = self.state else {

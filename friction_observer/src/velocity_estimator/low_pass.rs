@@ -1,7 +1,8 @@
 //! A low-pass filter of first order, `1 / (T s + 1)`.
 //!
-//! Exact for inputs that are held over the period: `y <- y + (1 - exp(-dt/T)) (x - y)`. White noise leaves with
-//! `sqrt((1 - p)/(1 + p))` of its standard deviation, `p = exp(-dt/T)`; a ramp is followed `T` behind.
+//! Exact for inputs that are held over the period: `y <- y + (1 - exp(-dt/T)) (x - y)`. White noise
+//! leaves with `sqrt((1 - p)/(1 + p))` of its standard deviation, `p = exp(-dt/T)`; a ramp is
+//! followed `T` behind.
 
 use friction_model::TimeStep;
 

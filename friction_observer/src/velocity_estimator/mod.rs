@@ -2,9 +2,11 @@
 //!
 //! * [`LowPass`]: the tachometer, smoothed.
 //! * [`TrackingLoop`]: the encoder through a loop of second order, with two integrators.
-//! * [`KalmanFilter`]: the encoder, or encoder and tachometer, with the drive and its voltage as the model.
+//! * [`KalmanFilter`]: the encoder, or encoder and tachometer, with the drive and its voltage as
+//!   the model.
 //!
-//! Differences of a quantised encoder are of no use at a short period: a step of 1.53 mrad in 1 ms is 1.53 rad/s.
+//! Differences of a quantised encoder are of no use at a short period: a step of 1.53 mrad in 1 ms
+//! is 1.53 rad/s.
 
 mod kalman;
 mod low_pass;
@@ -70,9 +72,13 @@ impl VelocitySource {
     pub const ENCODER_KALMAN: Self =
         Self::EncoderKalman { encoder_step: Self::ENCODER_STEP, friction_walk: 0.3 };
 
-    /// A Kalman filter on encoder and tachometer of the thesis's test bed: 0.01 rad/s of noise and a converter step of 4.9 mrad/s.
-    pub const FUSED: Self =
-        Self::Fused { encoder_step: Self::ENCODER_STEP, tachometer_noise: 0.0101, friction_walk: 0.3 };
+    /// A Kalman filter on encoder and tachometer of the thesis's test bed: 0.01 rad/s of noise and
+    /// a converter step of 4.9 mrad/s.
+    pub const FUSED: Self = Self::Fused {
+        encoder_step: Self::ENCODER_STEP,
+        tachometer_noise: 0.0101,
+        friction_walk: 0.3,
+    };
 
     /// Checks every field.
     ///
@@ -80,8 +86,14 @@ impl VelocitySource {
     /// [`ObserverError::OutOfRange`] names the field.
     pub fn check(&self) -> Result<(), ObserverError> {
         let step = |x| within("encoder_step", x, 1e-7..=0.1, "from 1e-7 to 0.1 rad");
-        let walk =
-            |x| within("friction_walk", x, 1e-4..=1e3, "from 1e-4 to 1e3 N m per square root of a second");
+        let walk = |x| {
+            within(
+                "friction_walk",
+                x,
+                1e-4..=1e3,
+                "from 1e-4 to 1e3 N m per square root of a second",
+            )
+        };
         match *self {
             Self::Tachometer => Ok(()),
             Self::TachometerLowPass { time_constant } => {
@@ -122,7 +134,11 @@ impl VelocityEstimator {
     ///
     /// # Errors
     /// [`ObserverError`] names the option that is out of range.
-    pub fn new(source: VelocitySource, drive: &NominalDrive, dt: TimeStep) -> Result<Self, ObserverError> {
+    pub fn new(
+        source: VelocitySource,
+        drive: &NominalDrive,
+        dt: TimeStep,
+    ) -> Result<Self, ObserverError> {
         source.check()?;
         drive.check()?;
         Ok(match source {
@@ -136,21 +152,31 @@ impl VelocityEstimator {
             VelocitySource::EncoderKalman { encoder_step, friction_walk } => {
                 Self::Kalman(KalmanFilter::new(drive, encoder_step, None, friction_walk, dt)?)
             }
-            VelocitySource::Fused { encoder_step, tachometer_noise, friction_walk } => Self::Kalman(
-                KalmanFilter::new(drive, encoder_step, Some(tachometer_noise), friction_walk, dt)?,
-            ),
+            VelocitySource::Fused { encoder_step, tachometer_noise, friction_walk } => {
+                Self::Kalman(KalmanFilter::new(
+                    drive,
+                    encoder_step,
+                    Some(tachometer_noise),
+                    friction_walk,
+                    dt,
+                )?)
+            }
         })
     }
 
-    /// The velocity now [rad/s]. Readings that are not finite are left out; where nothing is known of the velocity, it is not a number.
+    /// The velocity now [rad/s]. Readings that are not finite are left out; where nothing is known
+    /// of the velocity, it is not a number.
     #[inline]
     pub fn estimate(&mut self, seen: &Seen) -> f64 {
-        let tachometer = seen.velocity.is_finite().then(|| seen.velocity.clamp(-MAX_SPEED, MAX_SPEED));
+        let tachometer =
+            seen.velocity.is_finite().then(|| seen.velocity.clamp(-MAX_SPEED, MAX_SPEED));
         let position = (seen.position.abs() <= MAX_POSITION).then_some(seen.position);
         match self {
             Self::Tachometer => seen.velocity,
             Self::LowPass(filter) => tachometer.map_or(f64::NAN, |velocity| filter.step(velocity)),
-            Self::TrackingLoop(tracking) => position.map_or(f64::NAN, |position| tracking.step(position)),
+            Self::TrackingLoop(tracking) => {
+                position.map_or(f64::NAN, |position| tracking.step(position))
+            }
             Self::Kalman(filter) => filter.step(position, tachometer, seen.voltage),
         }
     }

@@ -1,14 +1,17 @@
-//! The gain of a Kalman filter that has run for long: the stabilising solution of the discrete Riccati equation.
+//! The gain of a Kalman filter that has run for long: the stabilising solution of the discrete
+//! Riccati equation.
 //!
-//! Structure-preserving doubling (Chu, Fan, Lin and Wang 2004): each iteration covers twice the time of the one before, so that a filter that needs
-//! seconds to settle is solved in about fifteen.
+//! Structure-preserving doubling (Chu, Fan, Lin and Wang 2004): each iteration covers twice the
+//! time of the one before, so that a filter that needs seconds to settle is solved in about
+//! fifteen.
 
 use nalgebra::{Matrix3, SMatrix};
 
 /// Iterations, each of which doubles the time: 2^40 cycles.
 const DOUBLINGS: usize = 40;
 
-/// Gain `K` with which a filter of `x' = A x + noise(Q)`, `y = C x + noise(R)` corrects its prediction; `None` if numbers fail.
+/// Gain `K` with which a filter of `x' = A x + noise(Q)`, `y = C x + noise(R)` corrects its
+/// prediction; `None` if numbers fail.
 pub(super) fn steady_gain<const O: usize>(
     a: &Matrix3<f64>,
     c: &SMatrix<f64, O, 3>,

@@ -1,10 +1,12 @@
-//! Velocity estimators on a drive that is simulated exactly, seen through a quantised encoder and a noisy tachometer at 1 kHz.
+//! Velocity estimators on a drive that is simulated exactly, seen through a quantised encoder and a
+//! noisy tachometer at 1 kHz.
 
 use super::*;
 
 const DT: f64 = 1e-3;
 
-/// The tachometer's noise: even, with a standard deviation of .0101 rad/s, from a multiplicative generator.
+/// The tachometer's noise: even, with a standard deviation of .0101 rad/s, from a multiplicative
+/// generator.
 struct Noise(u32);
 
 impl Noise {
@@ -14,13 +16,21 @@ impl Noise {
     }
 }
 
-/// True velocities, and what each source makes of the readings, while `volts(t)` drives against smoothed Coulomb friction.
-fn drive(volts: impl Fn(f64) -> f64, seconds: f64, sources: &[VelocitySource]) -> (Vec<f64>, Vec<Vec<f64>>) {
+/// True velocities, and what each source makes of the readings, while `volts(t)` drives against
+/// smoothed Coulomb friction.
+fn drive(
+    volts: impl Fn(f64) -> f64,
+    seconds: f64,
+    sources: &[VelocitySource],
+) -> (Vec<f64>, Vec<Vec<f64>>) {
     let nominal = NominalDrive::SRV02;
     let period = TimeStep::new(DT).unwrap();
-    let mut estimators: Vec<_> =
-        sources.iter().map(|source| VelocityEstimator::new(*source, &nominal, period).unwrap()).collect();
-    let (mut noise, mut truth, mut estimates) = (Noise(7), Vec::new(), vec![Vec::new(); sources.len()]);
+    let mut estimators: Vec<_> = sources
+        .iter()
+        .map(|source| VelocityEstimator::new(*source, &nominal, period).unwrap())
+        .collect();
+    let (mut noise, mut truth, mut estimates) =
+        (Noise(7), Vec::new(), vec![Vec::new(); sources.len()]);
     let decay = (-DT / nominal.time_constant).exp();
     let lag = nominal.time_constant * (1.0 - decay);
     let (mut position, mut w, mut voltage) = (0.0, 0.0, 0.0);
@@ -54,12 +64,14 @@ const ALL: [VelocitySource; 5] = [
     VelocitySource::FUSED,
 ];
 
-/// Motion to and fro up to 1.2 rad/s. Differences of the encoder err by half a count a cycle, .6 rad/s; the tracking
-/// loop, which lags behind this acceleration, is better by six times, the others by twelve times or more.
+/// Motion to and fro up to 1.2 rad/s. Differences of the encoder err by half a count a cycle, .6
+/// rad/s; the tracking loop, which lags behind this acceleration, is better by six times, the
+/// others by twelve times or more.
 #[test]
 fn every_estimator_is_far_better_than_differences_of_the_encoder() {
     let (truth, estimates) = drive(|t| 1.2 * (3.0 * t).sin(), 10.0, &ALL);
-    let errors: Vec<f64> = estimates.iter().map(|e| rms(e.iter().zip(&truth).map(|(a, b)| a - b))).collect();
+    let errors: Vec<f64> =
+        estimates.iter().map(|e| rms(e.iter().zip(&truth).map(|(a, b)| a - b))).collect();
     let (mut position, mut before, mut differences) = (0.0, 0.0, Vec::new());
     for w in &truth {
         let read = (position / VelocitySource::ENCODER_STEP).round() * VelocitySource::ENCODER_STEP;
@@ -87,14 +99,16 @@ fn at_a_steady_speed_none_is_biased() {
     }
 }
 
-/// On a ramp of velocity the low-pass lags by its time constant, the tracking loop by 2/b; the Kalman filters know the voltage and lag far less.
+/// On a ramp of velocity the low-pass lags by its time constant, the tracking loop by 2/b; the
+/// Kalman filters know the voltage and lag far less.
 #[test]
 fn on_a_ramp_each_lags_as_computed() {
     let ramp = 0.5;
     let volts = |t: f64| (ramp * (t + 0.02388)) / 1.862_545 + 4.842_615 * (0.05 + 0.04 * ramp * t);
     let (truth, estimates) = drive(volts, 4.0, &ALL);
     let slope = (truth[3900] - truth[1900]) / 2.0;
-    let lag = |i: usize| (2000..4000).map(|k| truth[k] - estimates[i][k]).sum::<f64>() / 2000.0 / slope;
+    let lag =
+        |i: usize| (2000..4000).map(|k| truth[k] - estimates[i][k]).sum::<f64>() / 2000.0 / slope;
     assert!((lag(1) - 0.0045).abs() < 7e-4, "low-pass: {}", lag(1));
     assert!((lag(2) - 2.0 / 60.0).abs() < 2e-3, "tracking loop: {}", lag(2));
     assert!(lag(3).abs() < 2e-3 && lag(4).abs() < 2e-3, "Kalman: {} and {}", lag(3), lag(4));
@@ -128,10 +142,16 @@ fn dropouts_are_bridged_or_said() {
         for k in 0..2000 {
             estimator.estimate(&Seen { velocity: 0.5, position: at(k), ..Seen::default() });
         }
-        let lost = Seen { velocity: f64::NAN, position: f64::INFINITY, voltage: f64::NAN, ..Seen::default() };
+        let lost = Seen {
+            velocity: f64::NAN,
+            position: f64::INFINITY,
+            voltage: f64::NAN,
+            ..Seen::default()
+        };
         let during = estimator.estimate(&lost);
         assert!(during.is_nan() || (during - 0.5).abs() < 0.1, "{source:?}: {during}");
-        let after = estimator.estimate(&Seen { velocity: 0.5, position: at(2001), ..Seen::default() });
+        let after =
+            estimator.estimate(&Seen { velocity: 0.5, position: at(2001), ..Seen::default() });
         assert!((after - 0.5).abs() < 0.1, "{source:?}: {after}");
     }
 }

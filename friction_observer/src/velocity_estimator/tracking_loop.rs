@@ -1,13 +1,16 @@
-//! A tracking loop (phase-locked loop) on the encoder: a filter of second order that follows a ramp without lag.
+//! A tracking loop (phase-locked loop) on the encoder: a filter of second order that follows a ramp
+//! without lag.
 //!
 //! ```text
 //! theta^' = w^ + 2 b (theta - theta^)
 //! w^'     = b^2 (theta - theta^)
 //! ```
 //!
-//! Both poles lie at `-b`, the bandwidth [rad/s]. In discrete time it is an alpha-beta filter with both poles at `p = exp(-b dt)`: `alpha = 1 - p^2`,
-//! `beta = (1 - p)^2`, stable for every bandwidth (Benedict and Bordner 1962; the critically damped choice). At a constant velocity the error is
-//! zero, at a constant acceleration `a` it is `2 a / b`. A step of the encoder `q` shows as a velocity of at most `beta q / dt`, about `b^2 q dt`.
+//! Both poles lie at `-b`, the bandwidth [rad/s]. In discrete time it is an alpha-beta filter with
+//! both poles at `p = exp(-b dt)`: `alpha = 1 - p^2`, `beta = (1 - p)^2`, stable for every
+//! bandwidth (Benedict and Bordner 1962; the critically damped choice). At a constant velocity the
+//! error is zero, at a constant acceleration `a` it is `2 a / b`. A step of the encoder `q` shows
+//! as a velocity of at most `beta q / dt`, about `b^2 q dt`.
 
 use friction_model::TimeStep;
 
@@ -35,8 +38,9 @@ impl TrackingLoop {
         Self { dt, alpha: 1.0 - p * p, beta_over_dt: (1.0 - p).powi(2) / dt, state: None }
     }
 
-    /// Takes the encoder's `position` [rad] in; the velocity now [rad/s]. The position must be finite. After a jump of more than 10 rad the
-    /// loop goes on from there with the velocity it had.
+    /// Takes the encoder's `position` [rad] in; the velocity now [rad/s]. The position must be
+    /// finite. After a jump of more than 10 rad the loop goes on from there with the velocity it
+    /// had.
     #[inline]
     pub fn step(&mut self, position: f64) -> f64 {
         let (theta, velocity) = self.state.unwrap_or((position, 0.0));

@@ -10,8 +10,8 @@ use crate::message::{RosAction, RosService, ros_message, ros_part};
 pub struct Setting {
     /// Name of the option without dashes: quick, seed, plant, voltage-limit, ...
     pub name: String,
-    /// Its value as text, as on the command line: 3, lugre, 4.5. For an option that is a switch: true, false or
-    /// empty for true.
+    /// Its value as text, as on the command line: 3, lugre, 4.5. For an option that is a switch:
+    /// true, false or empty for true.
     pub value: String,
 }
 
@@ -65,16 +65,19 @@ ros_message!(
     [ExperimentParameter]
 );
 
-/// Runs one experiment to its end. Cancelling it stops the rig; what was measured until then is kept.
+/// Runs one experiment to its end. Cancelling it stops the rig; what was measured until then is
+/// kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RunExperiment;
 
 /// Goal of [`RunExperiment`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RunExperimentGoal {
-    /// Name of the experiment, as `list_experiments` tells it: all, characterise, position-tracking, ...
+    /// Name of the experiment, as `list_experiments` tells it: all, characterise,
+    /// position-tracking, ...
     pub experiment: String,
-    /// Models that compensate friction, each compared with none at all; empty for the experiment's own choice.
+    /// Models that compensate friction, each compared with none at all; empty for the experiment's
+    /// own choice.
     pub models: Vec<String>,
     /// Repetitions of everything; 0 for the experiment's own number.
     pub repetitions: u32,
@@ -136,8 +139,8 @@ pub struct RunExperimentFeedback {
     pub progress: f64,
     /// Expected time to the end [s]; not a number while unknown.
     pub remaining: f64,
-    /// Time the rig has been driven [s]; more than the time on the clock where the rig is simulated as fast as
-    /// possible.
+    /// Time the rig has been driven [s]; more than the time on the clock where the rig is simulated
+    /// as fast as possible.
     pub rig_seconds: f64,
 }
 
@@ -180,7 +183,8 @@ ros_part!(
     []
 );
 
-/// Starts an experiment and returns at once. `/experiment_status` tells how it goes, the service abort ends it.
+/// Starts an experiment and returns at once. `/experiment_status` tells how it goes, the service
+/// abort ends it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StartExperiment;
 

@@ -40,8 +40,8 @@ pub struct Figure {
     pub unit: String,
     /// Value [unit].
     pub value: f64,
-    /// Standard deviation over the repetitions, or of the mean where the task gives one [unit]; not a number
-    /// where there is none.
+    /// Standard deviation over the repetitions, or of the mean where the task gives one [unit]; not
+    /// a number where there is none.
     pub deviation: f64,
 }
 
@@ -50,8 +50,8 @@ pub struct Figure {
 pub struct ModelFit {
     /// The model, as in parameter files.
     pub model: String,
-    /// Root mean square of predicted minus measured friction on the recordings it was fitted to [N m, or N for a
-    /// linear axis].
+    /// Root mean square of predicted minus measured friction on the recordings it was fitted to [N
+    /// m, or N for a linear axis].
     pub fit_error: f64,
     /// The same on recordings it has not seen; not a number where none were given.
     pub validation_error: f64,

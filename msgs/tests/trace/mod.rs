@@ -1,5 +1,5 @@
-//! What a serde type is made of: its fields in order with the primitive each asks for, found by letting it deserialize
-//! itself from a source that only notes the questions and answers zero.
+//! What a serde type is made of: its fields in order with the primitive each asks for, found by
+//! letting it deserialize itself from a source that only notes the questions and answers zero.
 
 use serde::de::{self, DeserializeOwned, DeserializeSeed, SeqAccess, Visitor};
 

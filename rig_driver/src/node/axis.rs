@@ -42,7 +42,8 @@ use crate::{
 const PUBLISHER_QUEUE: usize = 512;
 /// Longest time for finding zeros.
 const ZERO_TIME: Duration = Duration::from_secs(5);
-/// Longest time in which the control thread answers a request; then it is given up, and not done any more.
+/// Longest time in which the control thread answers a request; then it is given up, and not done
+/// any more.
 const ANSWER: Duration = Duration::from_millis(1000);
 /// Time between two looks at what is awaited.
 const LOOK: Duration = Duration::from_micros(200);
@@ -79,7 +80,8 @@ pub(super) struct Axis {
     counters: Mutex<Arc<Counters>>,
     /// The emergency stop, and what people and control thread share.
     station: Arc<Station>,
-    /// Who has it asks the control thread: one request at a time. The emergency stop never takes it.
+    /// Who has it asks the control thread: one request at a time. The emergency stop never takes
+    /// it.
     asking: Mutex<()>,
     /// A stop was cleared; what it latched in the back end is cleared with the next configuration.
     clears_back_end: AtomicBool,
@@ -102,7 +104,8 @@ pub(super) struct Axis {
     priority: Mutex<String>,
 }
 
-/// Cycles that were published, and that were not because the queue was full or the middleware refused.
+/// Cycles that were published, and that were not because the queue was full or the middleware
+/// refused.
 #[derive(Debug, Default)]
 struct Published {
     taken: AtomicU64,
@@ -151,8 +154,13 @@ impl Axis {
         })
     }
 
-    /// Carries a transition out, whatever holds it up; `settings` are those of the rig that is to be opened.
-    pub(super) fn carry_out(&self, kind: Kind, settings: Option<&RigSettings>) -> Result<(), String> {
+    /// Carries a transition out, whatever holds it up; `settings` are those of the rig that is to
+    /// be opened.
+    pub(super) fn carry_out(
+        &self,
+        kind: Kind,
+        settings: Option<&RigSettings>,
+    ) -> Result<(), String> {
         let _asking = locked(&self.asking);
         let mut hands = AxisHands { axis: self, settings, opened: None };
         let mut walk = Walk::new(kind);
@@ -173,7 +181,8 @@ impl Axis {
     fn start(&self, settings: &RigSettings, mut rig: UnconfiguredRig) -> Result<(), String> {
         let limits = *rig.supervisor().limits();
         let simulated = settings.is_simulated();
-        let record = if simulated { None } else { Record::of(&settings.name, &settings.state_folder) };
+        let record =
+            if simulated { None } else { Record::of(&settings.name, &settings.state_folder) };
         let (rise, assumed) = self.warmth.rise(&settings.name, &limits, record.as_ref(), simulated);
         if let Some(assumed) = assumed {
             self.logger.info(&assumed);
@@ -198,11 +207,15 @@ impl Axis {
                 waker.is_this_thread();
                 publish(&publishers, for_publisher, &seen, &published, &logger);
             };
-            std::thread::Builder::new().name("publisher".into()).spawn(publish).map_err(|e| e.to_string())?
+            std::thread::Builder::new()
+                .name("publisher".into())
+                .spawn(publish)
+                .map_err(|e| e.to_string())?
         };
         let clock = self.clock.clone();
         let work = Work { rig, torque, in_cycle, station: Arc::clone(&self.station) };
-        let ends = control::start(work, to_publisher, move || clock.now_ns()).map_err(|e| e.to_string())?;
+        let ends = control::start(work, to_publisher, move || clock.now_ns())
+            .map_err(|e| e.to_string())?;
         let priority = format!("{}; {}", ends.priority, memory::lock());
         self.logger.info(&priority);
         *locked(&self.priority) = priority;
@@ -231,7 +244,8 @@ impl Axis {
         (seen.state, seen.fault) = (State::Unconfigured, None);
     }
 
-    /// Notes how warm the motor is, for the next configuration and for the next start. Never on the control thread: it writes a file.
+    /// Notes how warm the motor is, for the next configuration and for the next start. Never on the
+    /// control thread: it writes a file.
     pub(super) fn keep_temperature(&self, at_rest: bool) {
         if !at_rest && self.station.presence() != Presence::Running {
             return;
@@ -241,7 +255,8 @@ impl Axis {
         self.warmth.note(&name, rise);
         let mut record = locked(&self.record);
         if let Some(Err(error)) = record.as_ref().map(|record| record.write(rise, at_rest)) {
-            let path = record.take().map(|record| record.path().display().to_string()).unwrap_or_default();
+            let path =
+                record.take().map(|record| record.path().display().to_string()).unwrap_or_default();
             self.logger.warn(&format!(
                 "the motor's temperature cannot be kept in {path}: {error}; after a restart it counts as warm"
             ));
@@ -256,8 +271,9 @@ impl Axis {
     /// Cycles that were published, and that were not.
     pub(super) fn published(&self) -> (u64, u64) {
         let Published { taken, refused, dropped } = &*self.published;
-        let running =
-            locked(&self.running).as_ref().map_or(0, |(rig, _)| rig.not_published.load(Ordering::Relaxed));
+        let running = locked(&self.running)
+            .as_ref()
+            .map_or(0, |(rig, _)| rig.not_published.load(Ordering::Relaxed));
         let lost = refused.load(Ordering::Relaxed) + dropped.load(Ordering::Relaxed) + running;
         (taken.load(Ordering::Relaxed), lost)
     }
@@ -277,7 +293,8 @@ impl Axis {
         locked(&self.seen).state
     }
 
-    /// Asks the control thread, outside of a transition. A request that is not answered in time is withdrawn.
+    /// Asks the control thread, outside of a transition. A request that is not answered in time is
+    /// withdrawn.
     fn ask(&self, asked: Asked) -> Result<State, String> {
         let none = || "there is no rig; configure the node first".to_owned();
         let _asking = locked(&self.asking);
@@ -285,13 +302,15 @@ impl Axis {
         locked(&self.running).as_ref().ok_or_else(none)?.0.send(number, asked);
         let begun = Instant::now();
         while begun.elapsed() < ANSWER {
-            if let Some(answer) = locked(&self.running).as_ref().ok_or_else(none)?.0.answer(number) {
+            if let Some(answer) = locked(&self.running).as_ref().ok_or_else(none)?.0.answer(number)
+            {
                 return answer;
             }
             std::thread::sleep(LOOK);
         }
         self.station.desk.give_up(number);
-        Err("the control thread does not answer: the rig hangs; take its power away if it moves".to_owned())
+        Err("the control thread does not answer: the rig hangs; take its power away if it moves"
+            .to_owned())
     }
 
     /// Whether the node lets the motor move.
@@ -299,7 +318,8 @@ impl Axis {
         self.station.permission.is_given()
     }
 
-    /// Puts the motor at zero volts for good: whatever is under way does not lead to motion any more.
+    /// Puts the motor at zero volts for good: whatever is under way does not lead to motion any
+    /// more.
     pub(super) fn halt(&self) {
         self.station.permission.leave();
         if self.station.presence() == Presence::Running {
@@ -352,7 +372,9 @@ impl Axis {
                 self.logger.error(&format!("the motor is at zero volts: {report}"));
             }
         }
-        if matches!(state, State::Faulted | State::EmergencyStopped) && lifecycle.phase() == Phase::Active {
+        if matches!(state, State::Faulted | State::EmergencyStopped)
+            && lifecycle.phase() == Phase::Active
+        {
             // Whoever asked for a change at the same time had it first.
             let _ = lifecycle.request(Requested::Deactivate);
         }

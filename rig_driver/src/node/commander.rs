@@ -1,7 +1,8 @@
 //! Who commands the motor over the network, and what is told of it.
 //!
-//! After an activation it is the first writer of `/motor_voltage`, or of the node that the parameter `commander` names, until the node is deactivated. Its GUID is
-//! what the messages say: without DDS Security it can be forged (see [`ros_node::one_writer`]).
+//! After an activation it is the first writer of `/motor_voltage`, or of the node that the
+//! parameter `commander` names, until the node is deactivated. Its GUID is what the messages say:
+//! without DDS Security it can be forged (see [`ros_node::one_writer`]).
 
 use std::{
     sync::{
@@ -33,8 +34,8 @@ pub(super) struct Commander {
     named: Arc<Mutex<String>>,
     /// Commands without a stamp that had waited.
     waited: Arc<AtomicU64>,
-    /// Commands come in memory, from this process: then those of others do not stand in the way of an activation, and what its controller publishes of them for
-    /// others to see is none.
+    /// Commands come in memory, from this process: then those of others do not stand in the way of
+    /// an activation, and what its controller publishes of them for others to see is none.
     in_memory: Option<ParticipantId>,
     logger: Logger,
     logged: Arc<Mutex<Option<Instant>>>,
@@ -104,7 +105,12 @@ impl Commander {
     }
 
     /// Who commands, and what was refused; an error while anything is.
-    pub(super) fn status(&self, node: &str, counters: &Counters, twin: Option<String>) -> DiagnosticStatus {
+    pub(super) fn status(
+        &self,
+        node: &str,
+        counters: &Counters,
+        twin: Option<String>,
+    ) -> DiagnosticStatus {
         let report = self.gate.report();
         let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let now = [
@@ -116,7 +122,9 @@ impl Commander {
         // They begin anew with each configuration.
         let new = {
             let told = std::mem::replace(&mut *locked(&self.told), now);
-            std::array::from_fn::<_, 4, _>(|index| now[index].checked_sub(told[index]).unwrap_or(now[index]))
+            std::array::from_fn::<_, 4, _>(|index| {
+                now[index].checked_sub(told[index]).unwrap_or(now[index])
+            })
         };
         let reasons = [
             "with a stamp from the future",
@@ -130,9 +138,9 @@ impl Commander {
             "; end the other publisher, or deactivate the controller and activate the rig anew",
             "; is the machine too busy?",
         ];
-        let refused = (0..4)
-            .find(|index| new[*index] > 0)
-            .map(|index| format!("{} commands {} were refused{}", new[index], reasons[index], mend[index]));
+        let refused = (0..4).find(|index| new[*index] > 0).map(|index| {
+            format!("{} commands {} were refused{}", new[index], reasons[index], mend[index])
+        });
         if let Some(refused) = &refused {
             let mut logged = locked(&self.logged);
             if logged.is_none_or(|logged| logged.elapsed() >= LINES) {
@@ -143,13 +151,14 @@ impl Commander {
         let error = twin.or(report.error).or(refused);
         let mut values = report.values;
         values.push(KeyValue { key: "may command".into(), value: locked(&self.named).clone() });
-        values.extend(
-            reasons.iter().zip(now).map(|(reason, count)| KeyValue {
-                key: format!("commands {reason}"),
-                value: count.to_string(),
-            }),
-        );
-        values.push(KeyValue { key: "stale commands".into(), value: count(&counters.stale).to_string() });
+        values.extend(reasons.iter().zip(now).map(|(reason, count)| KeyValue {
+            key: format!("commands {reason}"),
+            value: count.to_string(),
+        }));
+        values.push(KeyValue {
+            key: "stale commands".into(),
+            value: count(&counters.stale).to_string(),
+        });
         DiagnosticStatus {
             level: if error.is_some() { DiagnosticStatus::ERROR } else { DiagnosticStatus::OK },
             name: format!("{}: commands", node.trim_start_matches('/')),

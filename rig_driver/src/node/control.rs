@@ -1,7 +1,10 @@
-//! The control thread: measures and drives the rig at its period. Between start and end it locks, allocates and publishes nothing.
+//! The control thread: measures and drives the rig at its period. Between start and end it locks,
+//! allocates and publishes nothing.
 //!
-//! It needs no priority inheritance, because it never waits for another thread of this process: requests, commands and cycles go through queues of one writer and
-//! one reader, which never wait, and stop, permission and counters are atomic. What it waits for is a deadline, or the rig's next cycle from the serial reader.
+//! It needs no priority inheritance, because it never waits for another thread of this process:
+//! requests, commands and cycles go through queues of one writer and one reader, which never wait,
+//! and stop, permission and counters are atomic. What it waits for is a deadline, or the rig's next
+//! cycle from the serial reader.
 
 use std::{
     ops::ControlFlow,
@@ -49,7 +52,8 @@ pub(super) enum Asked {
 /// A voltage that somebody asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct VoltageCommand {
-    /// Time of the measurement it answers to [ns since the epoch]; zero if it says none, which counts as now.
+    /// Time of the measurement it answers to [ns since the epoch]; zero if it says none, which
+    /// counts as now.
     pub(super) stamp_ns: u64,
     /// Volts.
     pub(super) volts: f64,
@@ -129,7 +133,8 @@ impl Drop for Gone {
     }
 }
 
-/// Starts the thread. Cycles go to `cycles`; `clock` says what time the first one is [ns since the epoch].
+/// Starts the thread. Cycles go to `cycles`; `clock` says what time the first one is
+/// [ns since the epoch].
 pub(super) fn start(
     work: Work,
     cycles: Sender<Cycle>,
@@ -176,7 +181,8 @@ impl RunningRig {
     /// Sends the thread a request; [`answer`](Self::answer) has what comes of it, within a cycle.
     pub(super) fn send(&self, number: u64, asked: Asked) {
         let mut ends = self.requests.lock().unwrap_or_else(PoisonError::into_inner);
-        // A queue that is full is that of a thread that hangs: whoever waits for the answer gives it up.
+        // A queue that is full is that of a thread that hangs: whoever waits for the answer gives
+        // it up.
         ends.0.send((number, asked));
     }
 
@@ -200,7 +206,8 @@ impl RunningRig {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }
 
-    /// Ends the thread, the motor at zero volts. Returns what answered within the cycle, unless the thread panicked.
+    /// Ends the thread, the motor at zero volts. Returns what answered within the cycle, unless the
+    /// thread panicked.
     pub(super) fn end(mut self) -> Option<Box<dyn InCycle>> {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.take().and_then(|thread| thread.join().ok().flatten())
@@ -221,7 +228,8 @@ struct Task {
     work: Work,
     /// Stamps of the measurements that a command can answer to.
     given: Given,
-    /// Since the last activation the commands came within the cycle: what comes over the network does not count until the next.
+    /// Since the last activation the commands came within the cycle: what comes over the network
+    /// does not count until the next.
     in_memory: bool,
     commands: Receiver<VoltageCommand>,
     requests: Receiver<(u64, Asked)>,
@@ -268,7 +276,8 @@ impl Task {
             let state = self.work.rig.supervisor().state();
             let begun = BegunCycle { stamp_ns, measurement, effort, state };
             // Before what came over the network, which does not count beside it.
-            if let Some(volts) = self.work.in_cycle.as_mut().and_then(|inner| inner.answer(&begun)) {
+            if let Some(volts) = self.work.in_cycle.as_mut().and_then(|inner| inner.answer(&begun))
+            {
                 self.work.rig.command(now, volts);
                 newest = VoltageCommand { stamp_ns, volts };
                 self.in_memory = true;
@@ -336,11 +345,16 @@ impl Task {
     }
 
     /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns` [s].
-    fn take_commands(&mut self, newest: &mut VoltageCommand, (stamp_ns, epoch_ns, now): (u64, u64, f64)) {
+    fn take_commands(
+        &mut self,
+        newest: &mut VoltageCommand,
+        (stamp_ns, epoch_ns, now): (u64, u64, f64),
+    ) {
         let lost = self.work.rig.supervisor().limits().command_lost;
         while let Some(command) = self.commands.take() {
             let oldest = stamp_ns.saturating_sub((lost * 1e9) as u64);
-            let fate = if self.in_memory { Fate::Outside } else { fate(&command, &self.given, oldest) };
+            let fate =
+                if self.in_memory { Fate::Outside } else { fate(&command, &self.given, oldest) };
             let counter = match fate {
                 Fate::Counts => {
                     let made_ns = if command.stamp_ns == 0 { stamp_ns } else { command.stamp_ns };
@@ -366,7 +380,8 @@ impl Task {
     }
 }
 
-/// Stamps to be remembered at most: beyond, a `command_lost` of many seconds would cost memory for commands that nobody takes for new.
+/// Stamps to be remembered at most: beyond, a `command_lost` of many seconds would cost memory for
+/// commands that nobody takes for new.
 const REMEMBERED: f64 = 65_536.0;
 
 /// How many measurements a command can answer to before it is lost.
@@ -379,7 +394,8 @@ fn remembered(rig: &Supervised<Box<dyn Rig + Send>>) -> usize {
 pub(super) enum Fate {
     /// It goes to the supervisor.
     Counts,
-    /// A voltage that is no number: the one who commands has lost its mind, whatever the stamp. The supervisor holds the motor.
+    /// A voltage that is no number: the one who commands has lost its mind, whatever the stamp. The
+    /// supervisor holds the motor.
     NoNumber,
     /// Too old to count at all.
     Stale,
@@ -391,7 +407,8 @@ pub(super) enum Fate {
     Outside,
 }
 
-/// What becomes of a command, given the stamps of the measurements; those before `oldest` [ns] are too old. A stamp of zero means now.
+/// What becomes of a command, given the stamps of the measurements; those before `oldest` [ns] are
+/// too old. A stamp of zero means now.
 pub(super) fn fate(command: &VoltageCommand, given: &Given, oldest: u64) -> Fate {
     if !command.volts.is_finite() {
         return Fate::NoNumber;
@@ -428,7 +445,10 @@ mod tests {
         assert_eq!([at(NOW - 1), at(NOW - 7 * MS + 1)], [Fate::Unknown; 2]);
         assert_eq!([at(1), at(NOW - 501 * MS), at(NOW - 60_000 * MS)], [Fate::Stale; 3]);
         for volts in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!(fate(&VoltageCommand { stamp_ns: u64::MAX, volts }, &given, 0), Fate::NoNumber);
+            assert_eq!(
+                fate(&VoltageCommand { stamp_ns: u64::MAX, volts }, &given, 0),
+                Fate::NoNumber
+            );
         }
     }
 }

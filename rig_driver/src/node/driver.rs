@@ -1,4 +1,5 @@
-//! The managed node around the rig. Its states are those of the safety layer, and the motor moves in `active` only.
+//! The managed node around the rig. Its states are those of the safety layer, and the motor moves
+//! in `active` only.
 
 use std::{
     sync::{Arc, Mutex},
@@ -40,7 +41,8 @@ const DIAGNOSTICS: Duration = Duration::from_secs(1);
 /// Time for zero volts where the process is ended by force.
 const LAST_MOMENT: Duration = Duration::from_millis(100);
 
-/// What outlives a life of the node: where the middleware dies the node starts anew in the same process, and a motor that was stopped stays so.
+/// What outlives a life of the node: where the middleware dies the node starts anew in the same
+/// process, and a motor that was stopped stays so.
 #[derive(Debug, Clone, Default)]
 pub struct Lasting {
     stop: StopLatch,
@@ -79,8 +81,9 @@ pub struct RigDriver {
 }
 
 impl RigDriver {
-    /// Joins the participant, unconfigured. `in_cycle` answers each measurement on the control thread; without it commands come over
-    /// `/motor_voltage` only. `opened` is the rig of the first configuration, if it is open already; otherwise the parameters say which.
+    /// Joins the participant, unconfigured. `in_cycle` answers each measurement on the control
+    /// thread; without it commands come over `/motor_voltage` only. `opened` is the rig of the
+    /// first configuration, if it is open already; otherwise the parameters say which.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
@@ -142,8 +145,11 @@ impl RigDriver {
                 axis.stop_before_exit(LAST_MOMENT);
             }
         });
-        let managed =
-            Driver { axis: Arc::clone(&axis), commander: commander.clone(), settings: Arc::clone(&settings) };
+        let managed = Driver {
+            axis: Arc::clone(&axis),
+            commander: commander.clone(),
+            settings: Arc::clone(&settings),
+        };
         let lifecycle = Lifecycle::start(&node, Box::new(managed))?;
         serve(&node, &axis, &lifecycle)?;
         let diagnostics = node.publisher(&topics::DIAGNOSTICS)?;
@@ -164,7 +170,8 @@ impl RigDriver {
         Ok(())
     }
 
-    /// Looks for faults and publishes diagnostics once a second. To be called some fifty times a second.
+    /// Looks for faults and publishes diagnostics once a second. To be called some fifty times a
+    /// second.
     pub fn tend(&mut self) {
         self.axis.watch(&self.lifecycle);
         if Instant::now() >= self.next {
@@ -175,7 +182,11 @@ impl RigDriver {
             let mut message =
                 self.axis.diagnostics(clock, phase, wanted.as_ref(), self.node.lagging_readers());
             let name = self.node.identity().qualified();
-            message.status.push(self.commander.status(&name, &self.axis.counters(), self.node.twin()));
+            message.status.push(self.commander.status(
+                &name,
+                &self.axis.counters(),
+                self.node.twin(),
+            ));
             // The next one comes in a second.
             let _ = self.diagnostics.publish(message);
         }
@@ -186,13 +197,15 @@ impl RigDriver {
         self.axis.halt();
     }
 
-    /// What the system said about the control thread's priority; empty before the first configuration.
+    /// What the system said about the control thread's priority; empty before the first
+    /// configuration.
     #[must_use]
     pub fn priority(&self) -> String {
         self.axis.priority()
     }
 
-    /// A sentence about the node of the same name that was there before, if there is one: this one stays inactive.
+    /// A sentence about the node of the same name that was there before, if there is one: this one
+    /// stays inactive.
     #[must_use]
     pub fn elder(&self) -> Option<String> {
         self.lifecycle.elder()
@@ -204,7 +217,8 @@ impl RigDriver {
         self.axis.state()
     }
 
-    /// Cycles that were published, and cycles that were not: the queue was full, or the middleware refused.
+    /// Cycles that were published, and cycles that were not: the queue was full, or the middleware
+    /// refused.
     #[must_use]
     pub fn published(&self) -> (u64, u64) {
         self.axis.published()
@@ -263,7 +277,8 @@ impl Managed for Driver {
         self.commander.close();
         match self.axis.carry_out(Kind::Deactivate, None) {
             Ok(()) => Ok(()),
-            // A fault has deactivated the safety layer already; then there is nothing to do but to say so.
+            // A fault has deactivated the safety layer already; then there is nothing to do but to
+            // say so.
             Err(_) if self.axis.state() != State::Active => Ok(()),
             Err(reason) => Err(CallbackError::Error(reason)),
         }

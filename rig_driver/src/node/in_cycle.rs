@@ -1,4 +1,5 @@
-//! What answers each measurement within its own cycle, where observer and controller live in the rig driver's process.
+//! What answers each measurement within its own cycle, where observer and controller live in the
+//! rig driver's process.
 
 use std::ops::ControlFlow;
 
@@ -35,11 +36,14 @@ pub struct EndedCycle {
     pub refused: Option<RigError>,
 }
 
-/// Observer and controller on the control thread itself. They are called between two deadlines: no locks, no allocation, no messages.
+/// Observer and controller on the control thread itself. They are called between two deadlines: no
+/// locks, no allocation, no messages.
 pub trait InCycle: Send {
-    /// The voltage for this cycle [V]; none to leave the motor to the commands that come over the network.
+    /// The voltage for this cycle [V]; none to leave the motor to the commands that come over the
+    /// network.
     fn answer(&mut self, begun: &BegunCycle) -> Option<f64>;
 
-    /// Hears how the cycle ended, and says whether there is to be another one. If not the motor is at zero volts, and the thread ends.
+    /// Hears how the cycle ended, and says whether there is to be another one. If not the motor is
+    /// at zero volts, and the thread ends.
     fn end(&mut self, ended: EndedCycle) -> ControlFlow<()>;
 }

@@ -9,7 +9,9 @@ pub(super) const ALLOW_LIMITS: &str = "allow_limits";
 
 /// Whether a parameter says what the safety layer allows, or what it sees.
 pub(super) fn is_limit(name: &str) -> bool {
-    matches!(name, "rig" | "voltage_limit") || name.starts_with("safety.") || name.starts_with("calibration.")
+    matches!(name, "rig" | "voltage_limit")
+        || name.starts_with("safety.")
+        || name.starts_with("calibration.")
 }
 
 /// Judges changes of limits. The first values it sees are those that the program was started with.
@@ -20,7 +22,8 @@ pub(super) struct LimitsGuard {
 }
 
 impl LimitsGuard {
-    /// Whether `values` may follow those from before; `moves` says whether the motor may move now. Values that stay the same are no change.
+    /// Whether `values` may follow those from before; `moves` says whether the motor may move now.
+    /// Values that stay the same are no change.
     ///
     /// # Errors
     /// The reason, for people.
@@ -97,7 +100,8 @@ mod tests {
             guard.take(values);
             Ok(())
         });
-        let store = ParameterStore::new(super::super::declarations("simulated"), &given, judge).unwrap();
+        let store =
+            ParameterStore::new(super::super::declarations("simulated"), &given, judge).unwrap();
         Node { store, moves, asked: Cell::new(0) }
     }
 
@@ -132,7 +136,8 @@ mod tests {
             let why = node.set(name, value).unwrap_err();
             assert!(why.starts_with(name) && why.contains(ALLOW_LIMITS), "{why}");
         }
-        node.set("voltage_limit", ParameterValue::Double(6.0)).expect("the same value is no change");
+        node.set("voltage_limit", ParameterValue::Double(6.0))
+            .expect("the same value is no change");
         node.set("torque_filter", ParameterValue::Double(0.02)).expect("no limit");
         let why = node.set(ALLOW_LIMITS, ParameterValue::Boolean(true)).unwrap_err();
         assert!(why.contains("read-only"), "{why}");
@@ -140,7 +145,8 @@ mod tests {
 
     #[test]
     fn who_started_it_so_may_change_them_at_rest_but_not_while_it_is_active() {
-        let mut node = node(&[(REAL.0, text(REAL.1)), (ALLOW_LIMITS, ParameterValue::Boolean(true))]);
+        let mut node =
+            node(&[(REAL.0, text(REAL.1)), (ALLOW_LIMITS, ParameterValue::Boolean(true))]);
         node.moves.store(true, Ordering::Relaxed);
         for (name, value) in each() {
             let why = node.set(name, value).unwrap_err();
@@ -162,7 +168,8 @@ mod tests {
         assert!(node.set("safety.slew", ParameterValue::Double(5.0)).is_err());
     }
 
-    /// The motor is at zero volts within the stated time after commands or cycles cease, whatever is set.
+    /// The motor is at zero volts within the stated time after commands or cycles cease, whatever
+    /// is set.
     #[test]
     fn no_parameter_stretches_the_promise() {
         for (name, limit) in [

@@ -10,10 +10,12 @@ use rustix::{
 /// The number of `CAP_IPC_LOCK` among the capabilities.
 const IPC_LOCK: u32 = 14;
 
-/// Locks what memory the process has and gets, where the system grants that without a limit, once for the process. Returns words that say what came of it.
+/// Locks what memory the process has and gets, where the system grants that without a limit, once
+/// for the process. Returns words that say what came of it.
 ///
-/// Pages count from their first use on, so that threads with large stacks cost nothing more. Under a limit nothing is locked: what passed it later would be refused, and a
-/// program that gets no memory ends.
+/// Pages count from their first use on, so that threads with large stacks cost nothing more. Under
+/// a limit nothing is locked: what passed it later would be refused, and a program that gets no
+/// memory ends.
 pub(super) fn lock() -> &'static str {
     static LOCKED: OnceLock<String> = OnceLock::new();
     LOCKED.get_or_init(|| {

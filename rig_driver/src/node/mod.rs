@@ -1,9 +1,11 @@
 //! The rig as a ROS 2 node.
 //!
 //! - [`RigNode`]: what it measures, published; for programs that have a loop of their own;
-//! - [`run`]: the executable `rig_driver`, a managed node: a control thread ([`control`]) at the rig's period, commands over `/motor_voltage`
-//!   with an age limit, the safety layer's states behind those of the managed node ([`driver`]);
-//! - [`RigDriver`]: the same node for a process in which observer and controller answer on the control thread ([`InCycle`]).
+//! - [`run`]: the executable `rig_driver`, a managed node: a control thread ([`control`]) at the
+//!   rig's period, commands over `/motor_voltage` with an age limit, the safety layer's states
+//!   behind those of the managed node ([`driver`]);
+//! - [`RigDriver`]: the same node for a process in which observer and controller answer on the
+//!   control thread ([`InCycle`]).
 
 mod axis;
 mod commander;

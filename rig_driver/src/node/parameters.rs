@@ -8,8 +8,8 @@ use super::{
     torque_source::TorqueSource,
 };
 use crate::{
-    Calibrated, Calibration, Drive, DriveParameters, HIGHEST_VOLTAGE, Rig, RigError, Sign, SimulationOptions,
-    VOLTAGE_RANGE,
+    Calibrated, Calibration, Drive, DriveParameters, HIGHEST_VOLTAGE, Rig, RigError, Sign,
+    SimulationOptions, VOLTAGE_RANGE,
     quanser::{QuanserOptions, QuanserRig},
     safety::{SafetyLimits, Supervised, Travel},
     serial::{self, SerialOptions, SerialRig},
@@ -18,9 +18,11 @@ use crate::{
 const POSITIVE: ValueRange = ValueRange::Double(f64::MIN_POSITIVE, f64::MAX);
 const NON_NEGATIVE: ValueRange = ValueRange::Double(0.0, f64::MAX);
 const CONFIGURED: &str = "taken when the node is configured";
-const LIMIT: &str = "taken when the node is configured; on a real rig at the start only, see allow_limits";
+const LIMIT: &str =
+    "taken when the node is configured; on a real rig at the start only, see allow_limits";
 
-/// Every parameter of the node. `rig` is the rig that is given when the program starts: only a simulated one activates itself.
+/// Every parameter of the node. `rig` is the rig that is given when the program starts: only a
+/// simulated one activates itself.
 #[must_use]
 pub fn declarations(rig: &str) -> Vec<Declaration> {
     let simulation = SimulationOptions::default();
@@ -208,15 +210,22 @@ impl RigName {
         match text.split_once(':') {
             None if text == "simulated" => Ok(Self::Simulated),
             None if text == "quanser" => Ok(Self::Quanser { card: "0".to_owned() }),
-            Some(("quanser", card)) if !card.is_empty() => Ok(Self::Quanser { card: card.to_owned() }),
+            Some(("quanser", card)) if !card.is_empty() => {
+                Ok(Self::Quanser { card: card.to_owned() })
+            }
             Some(("serial", port)) => {
                 let (port, baud) = match port.rsplit_once('@') {
-                    Some((port, baud)) => {
-                        (port, baud.parse().map_err(|_| format!("`{baud}` in rig is no baud rate"))?)
-                    }
+                    Some((port, baud)) => (
+                        port,
+                        baud.parse().map_err(|_| format!("`{baud}` in rig is no baud rate"))?,
+                    ),
                     None => (port, SerialOptions::default().baud),
                 };
-                if port.is_empty() { Err(wrong()) } else { Ok(Self::Serial { port: port.to_owned(), baud }) }
+                if port.is_empty() {
+                    Err(wrong())
+                } else {
+                    Ok(Self::Serial { port: port.to_owned(), baud })
+                }
             }
             _ => Err(wrong()),
         }
@@ -319,7 +328,8 @@ impl RigSettings {
             ("safety.slew", self.limits.slew != other.limits.slew),
             (
                 "safety.velocity",
-                self.velocity_given != other.velocity_given || self.limits.velocity != other.limits.velocity,
+                self.velocity_given != other.velocity_given
+                    || self.limits.velocity != other.limits.velocity,
             ),
             ("safety.travel", travel(self) != travel(other)),
             ("safety.command_age", self.limits.command_age != other.limits.command_age),
@@ -346,7 +356,8 @@ impl RigSettings {
         let (rig, fitting): (Box<dyn Rig + Send>, SafetyLimits) = match &self.rig {
             RigName::Simulated => {
                 let rig = self.simulation.build(AnyModel::test_bed(self.model))?;
-                // A simulated shaft stands still while its loop waits: a late cycle never asks for a new activation.
+                // A simulated shaft stands still while its loop waits: a late cycle never asks for
+                // a new activation.
                 let limits = SafetyLimits::for_simulation(&self.simulation);
                 (rig, SafetyLimits { cycle_lost: f64::MAX, ..limits })
             }
@@ -440,7 +451,8 @@ mod tests {
         for page in ["../docs/ros.md", "../README.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
+            let from =
+                text.find(begin).expect("the page marks where the table begins") + begin.len();
             let to = text.find(end).expect("the page marks where the table ends");
             if std::env::var_os("UPDATE_DOCS").is_some() {
                 text.replace_range(from..to, &made);

@@ -9,7 +9,8 @@ use crate::{Measurement, messages};
 pub struct RigNode {
     joint_states: Publisher<JointState>,
     rig_measurement: Publisher<RigMeasurement>,
-    // Dropped last: publishers go before the node they belong to. None where somebody else holds it.
+    // Dropped last: publishers go before the node they belong to. None where somebody else holds
+    // it.
     _node: Option<RosNode>,
 }
 
@@ -36,7 +37,8 @@ impl RigNode {
         })
     }
 
-    /// Like [`publish`](Self::publish), with a friction torque [N m] that is not the torque sensor's.
+    /// Like [`publish`](Self::publish), with a friction torque [N m] that is not the torque
+    /// sensor's.
     ///
     /// # Errors
     /// [`RosNodeError::Publish`] if the middleware does not take the message in time.
@@ -46,13 +48,14 @@ impl RigNode {
         measurement: &Measurement,
         effort: f64,
     ) -> Result<(), RosNodeError> {
-        let joint = JointState { effort: vec![effort], ..messages::joint_state(stamp_ns, measurement) };
+        let joint =
+            JointState { effort: vec![effort], ..messages::joint_state(stamp_ns, measurement) };
         self.joint_states.publish(joint)?;
         self.rig_measurement.publish(messages::rig_measurement(stamp_ns, measurement))
     }
 
-    /// Publishes one cycle's measurement on `/joint_states` and `/rig_measurement`. It may wait for the network: never
-    /// call it from a control thread.
+    /// Publishes one cycle's measurement on `/joint_states` and `/rig_measurement`. It may wait for
+    /// the network: never call it from a control thread.
     ///
     /// # Errors
     /// [`RosNodeError::Publish`] if the middleware does not take the message in time.

@@ -1,4 +1,5 @@
-//! Where the effort in `/joint_states` comes from: the torque sensor, or what voltage or current leave unexplained.
+//! Where the effort in `/joint_states` comes from: the torque sensor, or what voltage or current
+//! leave unexplained.
 
 use crate::{Drive, Measurement};
 
@@ -20,11 +21,15 @@ impl TorqueSource {
         [("sensor", Self::Sensor), ("voltage", Self::Voltage), ("current", Self::Current)];
 
     pub(super) fn named(name: &str) -> Self {
-        Self::ALL.into_iter().find(|(known, _)| *known == name).map_or(Self::Sensor, |(_, source)| source)
+        Self::ALL
+            .into_iter()
+            .find(|(known, _)| *known == name)
+            .map_or(Self::Sensor, |(_, source)| source)
     }
 }
 
-/// The friction torque, cycle by cycle. Reconstructed, it goes through a low-pass filter, since it differentiates the velocity.
+/// The friction torque, cycle by cycle. Reconstructed, it goes through a low-pass filter, since it
+/// differentiates the velocity.
 #[derive(Debug, Clone)]
 pub(super) struct TorqueEstimate {
     source: TorqueSource,
@@ -80,7 +85,8 @@ mod tests {
     use super::*;
     use crate::{Rig, Sensors, SimulatedRig, SimulationOptions};
 
-    /// On a rig with ideal sensors both ways lead to the friction that the plant has, once the filter has settled.
+    /// On a rig with ideal sensors both ways lead to the friction that the plant has, once the
+    /// filter has settled.
     #[test]
     fn voltage_and_current_give_the_friction_back() {
         let options = SimulationOptions { sensors: Sensors::ideal(), ..Default::default() };
@@ -94,7 +100,10 @@ mod tests {
                 truth = seen.torque;
                 rig.apply(2.0 + 0.2 * (0.003 * f64::from(k)).sin()).unwrap();
             }
-            assert!(truth > 0.05 && (torque - truth).abs() < 0.002, "{source:?}: {torque}, not {truth}");
+            assert!(
+                truth > 0.05 && (torque - truth).abs() < 0.002,
+                "{source:?}: {torque}, not {truth}"
+            );
         }
     }
 }

@@ -1,8 +1,9 @@
 //! How warm each rig's motor is, beyond the life of the rig's back end and of the process.
 //!
-//! The model of the safety layer begins anew with every configuration; a motor does not. What it had is kept in the process, and for a real rig in a file, and cools
-//! by the time that went by. Where nothing is known, or the file cannot be read, the motor counts as warm as one that was too hot and may just go on. No
-//! trouble with the file keeps anything from starting.
+//! The model of the safety layer begins anew with every configuration; a motor does not. What it
+//! had is kept in the process, and for a real rig in a file, and cools by the time that went by.
+//! Where nothing is known, or the file cannot be read, the motor counts as warm as one that was too
+//! hot and may just go on. No trouble with the file keeps anything from starting.
 
 use std::{
     collections::BTreeMap,
@@ -18,7 +19,8 @@ use crate::safety::SafetyLimits;
 const HEADER: &str = "winding temperature, version 1";
 /// A clock that says less was never set: 2020-01-01 [s since the epoch].
 const PLAUSIBLE: f64 = 1_577_836_800.0;
-/// Time in which the motor may have been heated after the last note of a process that did not end orderly [s].
+/// Time in which the motor may have been heated after the last note of a process that did not end
+/// orderly [s].
 const UNKNOWN_TIME: f64 = 3.0;
 /// Longest file that is read.
 const LONGEST: u64 = 4096;
@@ -43,15 +45,17 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// In `folder`, or where programs keep their state if that is empty; none if nobody says where that is.
+    /// In `folder`, or where programs keep their state if that is empty; none if nobody says where
+    /// that is.
     pub(super) fn of(rig: &str, folder: &str) -> Option<Self> {
         let folder = if folder.is_empty() { default_folder()? } else { PathBuf::from(folder) };
-        let name: String = rig.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let name: String =
+            rig.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         Some(Self { path: folder.join(format!("{name}.temperature")), rig: rig.to_owned() })
     }
 
-    /// Writes the rise above ambient [K]; `at_rest` says that nothing drives the motor any more. It appears whole or not at all; after a power cut it may be gone,
-    /// which counts as unknown.
+    /// Writes the rise above ambient [K]; `at_rest` says that nothing drives the motor any more. It
+    /// appears whole or not at all; after a power cut it may be gone, which counts as unknown.
     pub(super) fn write(&self, rise: f64, at_rest: bool) -> io::Result<()> {
         let text = format!(
             "{HEADER}\nrig: {}\nrise_k: {rise}\nat_rest: {at_rest}\nunix_s: {}\n",
@@ -109,7 +113,8 @@ fn judge(text: &str, rig: &str, now: f64, limits: &SafetyLimits) -> Result<f64, 
 }
 
 impl Warmth {
-    /// How far the rig's motor is above ambient [K], and a sentence where that is assumed. Nothing is known of a simulated one before its first configuration: it is new.
+    /// How far the rig's motor is above ambient [K], and a sentence where that is assumed. Nothing
+    /// is known of a simulated one before its first configuration: it is new.
     pub(super) fn rise(
         &self,
         rig: &str,
@@ -124,8 +129,13 @@ impl Warmth {
             return (0.0, None);
         }
         let read = record.map_or_else(
-            || Err("there is no folder for it: set the parameter state_folder or XDG_STATE_HOME".to_owned()),
-            |record| record.read(limits).map_err(|why| format!("{}: {why}", record.path().display())),
+            || {
+                Err("there is no folder for it: set the parameter state_folder or XDG_STATE_HOME"
+                    .to_owned())
+            },
+            |record| {
+                record.read(limits).map_err(|why| format!("{}: {why}", record.path().display()))
+            },
         );
         match read {
             Ok(rise) => (rise, None),
@@ -164,7 +174,9 @@ mod tests {
     const NOW: f64 = 1.8e9;
 
     fn text(rise: f64, at_rest: bool, then: f64) -> String {
-        format!("{HEADER}\nrig: serial:/dev/x\nrise_k: {rise}\nat_rest: {at_rest}\nunix_s: {then}\n")
+        format!(
+            "{HEADER}\nrig: serial:/dev/x\nrise_k: {rise}\nat_rest: {at_rest}\nunix_s: {then}\n"
+        )
     }
 
     #[test]
@@ -175,7 +187,10 @@ mod tests {
         assert!((rise(&text(60.0, true, NOW - 20.0)).unwrap() - 22.07).abs() < 0.01);
         assert_eq!(rise(&text(60.0, true, NOW + 1.0)), Ok(60.0), "the clock was turned back");
         assert_eq!(rise(&text(60.0, true, 100.0)), Ok(60.0), "the clock was never set");
-        assert!(rise(&text(60.0, false, NOW)).unwrap() > 90.0, "it went on heating after the last note");
+        assert!(
+            rise(&text(60.0, false, NOW)).unwrap() > 90.0,
+            "it went on heating after the last note"
+        );
     }
 
     #[test]
@@ -192,7 +207,9 @@ mod tests {
             assert!(judge(wrong, "serial:/dev/x", NOW, &limits).is_err(), "{wrong:?}");
         }
         assert!(
-            judge(&text(1.0, true, NOW), "serial:/dev/y", NOW, &limits).unwrap_err().contains("another rig")
+            judge(&text(1.0, true, NOW), "serial:/dev/y", NOW, &limits)
+                .unwrap_err()
+                .contains("another rig")
         );
         let record = Record::of("serial:/dev/x", "/dev/null/nowhere").unwrap();
         assert!(record.write(10.0, true).is_err());
@@ -206,7 +223,8 @@ mod tests {
     fn a_motor_stays_warm_over_clean_up_and_over_a_restart() {
         let limits = SafetyLimits::default();
         let folder = tempfile::tempdir().unwrap();
-        let record = Record::of("serial:/dev/x", &folder.path().join("new").to_string_lossy()).unwrap();
+        let record =
+            Record::of("serial:/dev/x", &folder.path().join("new").to_string_lossy()).unwrap();
         let first = Warmth::default();
         first.note("serial:/dev/x", 50.0);
         let (kept, said) = first.rise("serial:/dev/x", &limits, Some(&record), false);

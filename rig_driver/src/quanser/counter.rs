@@ -2,8 +2,8 @@
 
 /// Makes one count without end of a counter of few bits.
 ///
-/// The Q2-USB counts in 16 bits: at 4096 counts a turn it wraps after eight turns to either side. Between two readings the shaft
-/// must turn by less than half the range.
+/// The Q2-USB counts in 16 bits: at 4096 counts a turn it wraps after eight turns to either side.
+/// Between two readings the shaft must turn by less than half the range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnwrappedCounter {
     bits: u32,
@@ -25,8 +25,8 @@ impl UnwrappedCounter {
         Self { bits, last: None, total: 0 }
     }
 
-    /// Takes in a reading; what lies above the counter's bits does not count. Returns the count since the first reading, which is
-    /// itself taken with its sign.
+    /// Takes in a reading; what lies above the counter's bits does not count. Returns the count
+    /// since the first reading, which is itself taken with its sign.
     pub fn read(&mut self, raw: i32) -> i64 {
         let step = match self.last {
             None => self.signed(raw),
@@ -62,8 +62,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the counter's width and however it walks, so long as it stays below half the range between readings, and whether
-        /// the card shows it with a sign or without.
+        /// Whatever the counter's width and however it walks, so long as it stays below half the
+        /// range between readings, and whether the card shows it with a sign or without.
         #[test]
         fn any_walk_is_followed(
             bits in 8u32..=32,

@@ -55,7 +55,9 @@ const fn hint(code: i32) -> &'static str {
     match -code {
         108 => "; is the card plugged in and powered, and its number right?",
         109 => "; another program has the card: end it first",
-        986 => "; the library is there, the driver of this card is not: install it, or correct `card_type`",
+        986 => {
+            "; the library is there, the driver of this card is not: install it, or correct `card_type`"
+        }
         _ => "",
     }
 }

@@ -1,7 +1,8 @@
 //! The HIL library's functions as safe methods. All `unsafe` of the project is in this file.
 //!
-//! Types and order of the arguments are those of the vendor's `hil.h`: `t_error` and `t_int` are `i32`, `t_uint32` is `u32`,
-//! `t_double` is `f64`, `t_boolean` one byte, cards are pointers nobody looks behind, enums have 32 bits; a result below zero is an error.
+//! Types and order of the arguments are those of the vendor's `hil.h`: `t_error` and `t_int` are
+//! `i32`, `t_uint32` is `u32`, `t_double` is `f64`, `t_boolean` one byte, cards are pointers nobody
+//! looks behind, enums have 32 bits; a result below zero is an error.
 
 // The one file that talks to a foreign library. Each block says what it relies on.
 #![allow(unsafe_code)]
@@ -35,8 +36,9 @@ macro_rules! functions {
             fn read(library: &Library, file: &Path) -> Result<Self, QuanserError> {
                 Ok(Self {
                     $($name: {
-                        // SAFETY: the signature is that of the function of this name in the vendor's header. The pointer is kept beside
-                        // the library in `Hil` and never leaves it, so it does not outlive the code it points to.
+                        // SAFETY: the signature is that of the function of this name in the
+                        // vendor's header. The pointer is kept beside the library in `Hil` and
+                        // never leaves it, so it does not outlive the code it points to.
                         let found = unsafe { library.get(concat!(stringify!($name), "\0").as_bytes()) };
                         *found.map_err(|_| QuanserError::NoFunction {
                             library: file.display().to_string(),
@@ -86,12 +88,15 @@ pub(super) struct Hil {
 impl Hil {
     /// Loads the library of this name.
     pub(super) fn load(file: &Path) -> Result<Self, QuanserError> {
-        // SAFETY: loading runs the library's own initialisation. The name is one of the vendor's library or was given by whoever owns
-        // the machine; as with any program's libraries, that code is trusted.
+        // SAFETY: loading runs the library's own initialisation. The name is one of the vendor's
+        // library or was given by whoever owns the machine; as with any program's libraries, that
+        // code is trusted.
         let library = unsafe { Library::new(file) }.map_err(|error| {
             let said = Source(&error).to_string();
             let absent = said.contains("No such file");
-            QuanserError::NoLibrary { tried: if absent { file.display().to_string() } else { said } }
+            QuanserError::NoLibrary {
+                tried: if absent { file.display().to_string() } else { said },
+            }
         })?;
         let functions = Functions::read(&library, file)?;
         Ok(Self { functions, file: file.to_owned(), _library: library })
@@ -105,23 +110,30 @@ impl Hil {
     /// Opens a card.
     pub(super) fn open(self, card_type: &CStr, identifier: &CStr) -> Result<Card, QuanserError> {
         let mut raw: RawCard = ptr::null_mut();
-        // SAFETY: both texts end with a zero byte and live through the call, `raw` is a valid place for one pointer.
-        let code =
-            unsafe { (self.functions.hil_open)(card_type.as_ptr(), identifier.as_ptr(), &raw mut raw) };
+        // SAFETY: both texts end with a zero byte and live through the call, `raw` is a valid place
+        // for one pointer.
+        let code = unsafe {
+            (self.functions.hil_open)(card_type.as_ptr(), identifier.as_ptr(), &raw mut raw)
+        };
         self.checked("hil_open", code)?;
         Ok(Card { raw, hil: self })
     }
 
     /// The vendor's result as ours.
     fn checked(&self, call: &'static str, code: i32) -> Result<i32, QuanserError> {
-        if code >= 0 { Ok(code) } else { Err(QuanserError::Call { call, code, text: self.message(code) }) }
+        if code >= 0 {
+            Ok(code)
+        } else {
+            Err(QuanserError::Call { call, code, text: self.message(code) })
+        }
     }
 
     /// The vendor's text for a code.
     fn message(&self, code: i32) -> String {
         let mut buffer = [0u8; 1024];
-        // SAFETY: no locale is allowed and means the system's; the buffer has the length that is told, and the last byte is kept back so that a
-        // text of full length still ends with a zero.
+        // SAFETY: no locale is allowed and means the system's; the buffer has the length that is
+        // told, and the last byte is kept back so that a text of full length still ends with a
+        // zero.
         unsafe {
             (self.functions.msg_get_error_messageA)(
                 ptr::null(),
@@ -130,7 +142,8 @@ impl Hil {
                 buffer.len() - 1,
             )
         };
-        let text = CStr::from_bytes_until_nul(&buffer).map_or_else(|_| "".into(), CStr::to_string_lossy);
+        let text =
+            CStr::from_bytes_until_nul(&buffer).map_or_else(|_| "".into(), CStr::to_string_lossy);
         if text.trim().is_empty() {
             "the vendor has no text for it".to_owned()
         } else {
@@ -186,8 +199,9 @@ pub(super) struct Card {
     hil: Hil,
 }
 
-// SAFETY: the pointer is only a handle. The HIL library lets any thread use a card, one at a time; `Card` cannot be shared (it is not
-// `Sync`, and every call takes it by `&mut`), so there is never more than one.
+// SAFETY: the pointer is only a handle. The HIL library lets any thread use a card, one at a time;
+// `Card` cannot be shared (it is not `Sync`, and every call takes it by `&mut`), so there is never
+// more than one.
 unsafe impl Send for Card {}
 
 impl Card {
@@ -202,7 +216,8 @@ impl Card {
         }
         let (channels, above): (Vec<u32>, Vec<f64>) = inputs.iter().copied().unzip();
         let below: Vec<f64> = above.iter().map(|limit| -limit).collect();
-        // SAFETY: the card is open; all three lists have the length that is told and live through the call.
+        // SAFETY: the card is open; all three lists have the length that is told and live through
+        // the call.
         let code = unsafe {
             (self.hil.functions.hil_set_analog_input_ranges)(
                 self.raw,
@@ -216,24 +231,33 @@ impl Card {
     }
 
     /// Sets the range of the output, +- `limit` [V].
-    pub(super) fn set_output_range(&mut self, channel: u32, limit: f64) -> Result<(), QuanserError> {
+    pub(super) fn set_output_range(
+        &mut self,
+        channel: u32,
+        limit: f64,
+    ) -> Result<(), QuanserError> {
         let (set, below) = (self.hil.functions.hil_set_analog_output_ranges, -limit);
-        // SAFETY: the card is open; one channel, one lower and one upper limit, each of which lives through the call.
-        let code = unsafe { set(self.raw, &raw const channel, 1, &raw const below, &raw const limit) };
+        // SAFETY: the card is open; one channel, one lower and one upper limit, each of which lives
+        // through the call.
+        let code =
+            unsafe { set(self.raw, &raw const channel, 1, &raw const below, &raw const limit) };
         self.checked("hil_set_analog_output_ranges", code).map(drop)
     }
 
     /// Lets the encoder count four a period, from zero.
     pub(super) fn set_encoder(&mut self, channel: u32) -> Result<(), QuanserError> {
-        let Functions { hil_set_encoder_quadrature_mode, hil_set_encoder_counts, .. } = self.hil.functions;
+        let Functions { hil_set_encoder_quadrature_mode, hil_set_encoder_counts, .. } =
+            self.hil.functions;
         let mode = QUADRATURE_4X;
         // SAFETY: the card is open; one channel and one mode, which live through the call.
-        let code =
-            unsafe { hil_set_encoder_quadrature_mode(self.raw, &raw const channel, 1, &raw const mode) };
+        let code = unsafe {
+            hil_set_encoder_quadrature_mode(self.raw, &raw const channel, 1, &raw const mode)
+        };
         self.checked("hil_set_encoder_quadrature_mode", code)?;
         let zero = 0i32;
         // SAFETY: as above, with one count.
-        let code = unsafe { hil_set_encoder_counts(self.raw, &raw const channel, 1, &raw const zero) };
+        let code =
+            unsafe { hil_set_encoder_counts(self.raw, &raw const channel, 1, &raw const zero) };
         self.checked("hil_set_encoder_counts", code).map(drop)
     }
 
@@ -245,7 +269,10 @@ impl Card {
                 "hil_watchdog_set_analog_expiration_state",
                 self.hil.functions.hil_watchdog_set_analog_expiration_state,
             ),
-            ("hil_set_analog_termination_state", self.hil.functions.hil_set_analog_termination_state),
+            (
+                "hil_set_analog_termination_state",
+                self.hil.functions.hil_set_analog_termination_state,
+            ),
         ] {
             // SAFETY: the card is open; one channel and one voltage, which live through the call.
             let code = unsafe { set(self.raw, &raw const channel, 1, &raw const zero) };
@@ -263,13 +290,21 @@ impl Card {
     }
 
     /// Reads every channel and puts `volts` out [V].
-    pub(super) fn read_write(&mut self, exchange: &mut Exchange, volts: f64) -> Result<(), QuanserError> {
+    pub(super) fn read_write(
+        &mut self,
+        exchange: &mut Exchange,
+        volts: f64,
+    ) -> Result<(), QuanserError> {
         let Exchange { inputs, encoder, output, volts: read, counts } = exchange;
         let none: Channels = ptr::null();
-        let (input_channels, input_volts) =
-            if inputs.is_empty() { (none, ptr::null_mut()) } else { (inputs.as_ptr(), read.as_mut_ptr()) };
-        // SAFETY: the card is open. `Exchange` keeps lists of channels and places for their values of equal length; they live through the call.
-        // What is not used is null with a length of zero, as the vendor wants it.
+        let (input_channels, input_volts) = if inputs.is_empty() {
+            (none, ptr::null_mut())
+        } else {
+            (inputs.as_ptr(), read.as_mut_ptr())
+        };
+        // SAFETY: the card is open. `Exchange` keeps lists of channels and places for their values
+        // of equal length; they live through the call. What is not used is null with a length of
+        // zero, as the vendor wants it.
         let code = unsafe {
             (self.hil.functions.hil_read_write)(
                 self.raw,

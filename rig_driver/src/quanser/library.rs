@@ -6,13 +6,18 @@ use super::QuanserError;
 use super::hil::Hil;
 
 /// Names under which installations have it.
-const NAMES: [&str; 4] =
-    ["libhil.so", "libhil.so.1", "/opt/quanser/lib/libhil.so", "/opt/quanser/hil_sdk/lib/libhil.so"];
+const NAMES: [&str; 4] = [
+    "libhil.so",
+    "libhil.so.1",
+    "/opt/quanser/lib/libhil.so",
+    "/opt/quanser/hil_sdk/lib/libhil.so",
+];
 
 /// Looks for a HIL library that loads, without opening a card. Returns its name.
 ///
 /// # Errors
-/// [`QuanserError::NoLibrary`] tells what was tried; [`QuanserError::NoFunction`] that it is no HIL library.
+/// [`QuanserError::NoLibrary`] tells what was tried; [`QuanserError::NoFunction`] that it is no HIL
+/// library.
 pub fn find_library() -> Result<PathBuf, QuanserError> {
     load(None).map(|hil| hil.name().to_owned())
 }

@@ -1,9 +1,11 @@
-//! Quanser's data acquisition cards through the vendor's HIL library, which is loaded while the program runs.
+//! Quanser's data acquisition cards through the vendor's HIL library, which is loaded while the
+//! program runs.
 //!
-//! Nothing of the vendor is needed to build. Without the library [`QuanserRig::open`] says what to install.
+//! Nothing of the vendor is needed to build. Without the library [`QuanserRig::open`] says what to
+//! install.
 //!
-//! It was tested against a stand-in library that records calls, fails at any of them and keeps a card with its own watchdog in a
-//! process of its own. **It has not been run on a real card.**
+//! It was tested against a stand-in library that records calls, fails at any of them and keeps a
+//! card with its own watchdog in a process of its own. **It has not been run on a real card.**
 
 mod counter;
 mod error;

@@ -40,7 +40,8 @@ pub struct QuanserOptions {
     pub card: String,
     /// Channel of the encoder.
     pub encoder_channel: u32,
-    /// Counts a turn of the load in four-fold quadrature; below zero if it counts backwards, not zero.
+    /// Counts a turn of the load in four-fold quadrature; below zero if it counts backwards, not
+    /// zero.
     pub encoder_counts_per_turn: f64,
     /// Bits of the card's counter, from 8 to 32.
     pub encoder_bits: u32,
@@ -52,19 +53,22 @@ pub struct QuanserOptions {
     pub torque: Option<AnalogInput>,
     /// Channel of the output to the amplifier.
     pub output_channel: u32,
-    /// Motor volts a volt of the card, not zero: gain of the amplifier, below zero if it or the motor's wiring turns the sign.
+    /// Motor volts a volt of the card, not zero: gain of the amplifier, below zero if it or the
+    /// motor's wiring turns the sign.
     pub amplifier_gain: f64,
     /// Largest magnitude of the motor voltage [V], above zero, and at the card at most 10.
     pub voltage_limit: f64,
     /// Period of the control cycle [s], above zero and at most 10 ms.
     pub period: f64,
-    /// Time after which the card's watchdog puts the motor at zero volts [s], from two periods to 8 s.
+    /// Time after which the card's watchdog puts the motor at zero volts [s], from two periods to 8
+    /// s.
     pub watchdog_timeout: f64,
 }
 
 impl Default for QuanserOptions {
-    /// A Q2-USB with an SRV-02 in high gear: encoder 0, tachometer on input 0, torque sensor on input 1, amplifier of gain 1 on
-    /// output 0, 1 kHz, watchdog of 20 ms. Which input carries what depends on the wiring: see `frictionlab rig check`.
+    /// A Q2-USB with an SRV-02 in high gear: encoder 0, tachometer on input 0, torque sensor on
+    /// input 1, amplifier of gain 1 on output 0, 1 kHz, watchdog of 20 ms. Which input carries what
+    /// depends on the wiring: see `frictionlab rig check`.
     fn default() -> Self {
         Self {
             library: None,
@@ -102,7 +106,10 @@ impl QuanserOptions {
         let scale = |value: f64| value != 0.0 && value.is_finite();
         for (names, input) in [
             (["tachometer.scale", "tachometer.offset", "tachometer.range"], &self.tachometer),
-            (["potentiometer.scale", "potentiometer.offset", "potentiometer.range"], &self.potentiometer),
+            (
+                ["potentiometer.scale", "potentiometer.offset", "potentiometer.range"],
+                &self.potentiometer,
+            ),
             (["torque.scale", "torque.offset", "torque.range"], &self.torque),
         ] {
             let Some(input) = input else { continue };
@@ -179,7 +186,10 @@ mod tests {
         for (wrong, name) in [
             (QuanserOptions { tachometer: input(0.0, 10.0), ..good.clone() }, "tachometer.scale"),
             (QuanserOptions { torque: input(1.0, 11.0), ..good.clone() }, "torque.range"),
-            (QuanserOptions { encoder_counts_per_turn: 0.0, ..good.clone() }, "encoder_counts_per_turn"),
+            (
+                QuanserOptions { encoder_counts_per_turn: 0.0, ..good.clone() },
+                "encoder_counts_per_turn",
+            ),
             (QuanserOptions { encoder_bits: 33, ..good.clone() }, "encoder_bits"),
             (QuanserOptions { amplifier_gain: f64::NAN, ..good.clone() }, "amplifier_gain"),
             (QuanserOptions { voltage_limit: 12.0, ..good.clone() }, "voltage_limit"),

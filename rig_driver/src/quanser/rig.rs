@@ -9,11 +9,13 @@ use crate::{Measurement, Rig, RigError};
 
 /// A servo on a Quanser card. It has not been run on a real one.
 ///
-/// One exchange with the card a cycle, at its beginning: all inputs are read, and the voltage of the cycle before goes out. That
-/// is one whole period of delay, always the same, and half the traffic on the USB. Zero volts never wait: they are written at once.
+/// One exchange with the card a cycle, at its beginning: all inputs are read, and the voltage of
+/// the cycle before goes out. That is one whole period of delay, always the same, and half the
+/// traffic on the USB. Zero volts never wait: they are written at once.
 ///
-/// Three things put the motor at zero volts when this program cannot: the card's watchdog, reloaded every cycle, when cycles cease; the
-/// termination states, when the program ends; and dropping this value, after a panic too.
+/// Three things put the motor at zero volts when this program cannot: the card's watchdog, reloaded
+/// every cycle, when cycles cease; the termination states, when the program ends; and dropping this
+/// value, after a panic too.
 #[derive(Debug)]
 pub struct QuanserRig {
     card: Card,
@@ -39,13 +41,18 @@ impl QuanserRig {
     /// Opens the card with the motor at zero volts.
     ///
     /// # Errors
-    /// [`RigError::OutOfRange`] names a parameter; [`RigError::Quanser`] says what is missing or which call the card refused.
+    /// [`RigError::OutOfRange`] names a parameter; [`RigError::Quanser`] says what is missing or
+    /// which call the card refused.
     pub fn open(options: QuanserOptions) -> Result<Self, RigError> {
         options.check()?;
-        let text = |name, text: &str| CString::new(text).map_err(|_| QuanserError::ZeroByte { name });
-        let (card_type, card) = (text("card_type", &options.card_type)?, text("card", &options.card)?);
-        let inputs: Vec<AnalogInput> =
-            [options.tachometer, options.potentiometer, options.torque].into_iter().flatten().collect();
+        let text =
+            |name, text: &str| CString::new(text).map_err(|_| QuanserError::ZeroByte { name });
+        let (card_type, card) =
+            (text("card_type", &options.card_type)?, text("card", &options.card)?);
+        let inputs: Vec<AnalogInput> = [options.tachometer, options.potentiometer, options.torque]
+            .into_iter()
+            .flatten()
+            .collect();
         let exchange = Exchange::new(
             inputs.iter().map(|input| input.channel).collect(),
             options.encoder_channel,
@@ -69,7 +76,8 @@ impl QuanserRig {
             saturated: false,
             failed: None,
         };
-        let ranges: Vec<(u32, f64)> = inputs.iter().map(|input| (input.channel, input.range)).collect();
+        let ranges: Vec<(u32, f64)> =
+            inputs.iter().map(|input| (input.channel, input.range)).collect();
         let Self { card, options, .. } = &mut rig;
         card.set_output_range(options.output_channel, 10.0)?;
         card.write(options.output_channel, 0.0)?;
@@ -92,7 +100,8 @@ impl QuanserRig {
         if card.reload_watchdog()? {
             Ok(())
         } else {
-            Err(QuanserError::WatchdogExpired { timeout: options.watchdog_timeout.to_string() }.into())
+            Err(QuanserError::WatchdogExpired { timeout: options.watchdog_timeout.to_string() }
+                .into())
         }
     }
 
@@ -137,7 +146,8 @@ impl QuanserRig {
     /// Keeps the failure, the first one, and tries to leave zero volts.
     fn fail(&mut self, error: RigError) {
         (self.pending, self.output) = (0.0, 0.0);
-        // What failed is told; that this fails too would tell nothing new, and the watchdog is not reloaded any more.
+        // What failed is told; that this fails too would tell nothing new, and the watchdog is not
+        // reloaded any more.
         let _ = self.card.write(self.options.output_channel, 0.0);
         self.failed.get_or_insert(error);
     }
@@ -158,7 +168,8 @@ impl Rig for QuanserRig {
     }
 
     fn measure(&mut self) -> Measurement {
-        // The exchange puts `pending` out; until then the voltage of the exchange before was at the motor.
+        // The exchange puts `pending` out; until then the voltage of the exchange before was at the
+        // motor.
         let applied_before = self.output;
         self.output = self.pending;
         if self.failed.is_none() {
@@ -167,7 +178,8 @@ impl Rig for QuanserRig {
                 Err(error) => self.fail(error),
             }
         }
-        let expired = matches!(&self.failed, Some(RigError::Quanser(QuanserError::WatchdogExpired { .. })));
+        let expired =
+            matches!(&self.failed, Some(RigError::Quanser(QuanserError::WatchdogExpired { .. })));
         self.last.cycle = self.cycle;
         self.last.voltage_asked = self.asked;
         self.last.voltage_applied = applied_before;
@@ -213,8 +225,9 @@ impl Rig for QuanserRig {
 
 impl Drop for QuanserRig {
     fn drop(&mut self) {
-        // Nobody is left to be told. The watchdog is stopped only if zero volts were written: else it shall expire. Closing the
-        // card, which comes next, writes the termination states once more.
+        // Nobody is left to be told. The watchdog is stopped only if zero volts were written: else
+        // it shall expire. Closing the card, which comes next, writes the termination states once
+        // more.
         let zero = self.card.write(self.options.output_channel, 0.0);
         let terminated = self.card.write_termination_states();
         if zero.is_ok() && terminated.is_ok() {

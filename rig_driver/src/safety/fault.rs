@@ -86,16 +86,27 @@ pub struct FaultRule {
     pub reaction: Reaction,
 }
 
-const fn rule(fault: Fault, name: &'static str, when: &'static str, reaction: Reaction) -> FaultRule {
+const fn rule(
+    fault: Fault,
+    name: &'static str,
+    when: &'static str,
+    reaction: Reaction,
+) -> FaultRule {
     FaultRule { fault, name, when, reaction }
 }
 
-/// Every fault with what it does. No fault ramps the voltage down: a ramp needs a driver that still works.
+/// Every fault with what it does. No fault ramps the voltage down: a ramp needs a driver that still
+/// works.
 pub const FAULTS: [FaultRule; 26] = {
     use Fault as F;
     use Reaction::{Cut, ZeroUntilCleared, ZeroWhileItLasts};
     [
-        rule(F::VoltageBeyondLimit, "voltage beyond limit", "the voltage asked for is above `voltage`", Cut),
+        rule(
+            F::VoltageBeyondLimit,
+            "voltage beyond limit",
+            "the voltage asked for is above `voltage`",
+            Cut,
+        ),
         rule(
             F::VoltageTooSteep,
             "voltage too steep",
@@ -114,7 +125,12 @@ pub const FAULTS: [FaultRule; 26] = {
             "the last command is older than `command_age`",
             ZeroWhileItLasts,
         ),
-        rule(F::CycleLate, "cycle late", "the cycle before took longer than `cycle_late`", ZeroWhileItLasts),
+        rule(
+            F::CycleLate,
+            "cycle late",
+            "the cycle before took longer than `cycle_late`",
+            ZeroWhileItLasts,
+        ),
         rule(F::CommandLost, "command lost", "no command for `command_lost`", ZeroUntilCleared),
         rule(
             F::CycleLost,
@@ -188,7 +204,12 @@ pub const FAULTS: [FaultRule; 26] = {
             "the safety layer is active, but the node is not: a request to it was given up, or the node leaves",
             ZeroUntilCleared,
         ),
-        rule(F::BackEnd, "back end", "the back end reports a fault or refuses a voltage", ZeroUntilCleared),
+        rule(
+            F::BackEnd,
+            "back end",
+            "the back end reports a fault or refuses a voltage",
+            ZeroUntilCleared,
+        ),
         rule(
             F::MotionAtZero,
             "motion at zero volts",
@@ -268,7 +289,9 @@ impl fmt::Display for FaultReport {
         write!(f, "{fault} at {time:.3} s: ")?;
         match fault {
             Fault::VoltageBeyondLimit => write!(f, "{value:.3} V asked for, {limit} V allowed"),
-            Fault::VoltageTooSteep => write!(f, "{value:.3} V asked for, {limit:.3} V allowed in this cycle"),
+            Fault::VoltageTooSteep => {
+                write!(f, "{value:.3} V asked for, {limit:.3} V allowed in this cycle")
+            }
             Fault::EndOfTravel | Fault::TravelExceeded => write!(
                 f,
                 "the encoder is at {value:.4} rad, the travel ends at {limit} rad; turn the shaft back by hand, check the encoder's sign (`frictionlab rig check`), then clear"
@@ -296,7 +319,10 @@ impl fmt::Display for FaultReport {
                 "the winding is at {value:.1} degrees C by its model, {limit} are allowed; let it cool, then clear and activate"
             ),
             Fault::ReadingNotFinite => {
-                write!(f, "a sensor reads {value}; check its wiring and scaling, then clear and activate")
+                write!(
+                    f,
+                    "a sensor reads {value}; check its wiring and scaling, then clear and activate"
+                )
             }
             Fault::SensorsDisagree => write!(
                 f,
@@ -373,7 +399,8 @@ mod tests {
     #[test]
     fn a_latched_fault_says_what_was_seen_what_is_allowed_and_how_to_go_on() {
         for rule in FAULTS.iter().filter(|rule| rule.reaction == Reaction::ZeroUntilCleared) {
-            let text = FaultReport { fault: rule.fault, time: 1.0, value: 3.25, limit: 2.0 }.to_string();
+            let text =
+                FaultReport { fault: rule.fault, time: 1.0, value: 3.25, limit: 2.0 }.to_string();
             assert!(text.starts_with(rule.name) && text.len() > 60, "{text}");
         }
     }

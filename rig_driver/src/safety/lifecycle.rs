@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// State of the driver. The motor is at zero volts in every one but [`Active`](State::Active).
 ///
-/// To ROS 2, unconfigured, inactive, active and finalized are the states of a managed node; faulted and emergency-stopped
-/// are inactive there.
+/// To ROS 2, unconfigured, inactive, active and finalized are the states of a managed node; faulted
+/// and emergency-stopped are inactive there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum State {
@@ -224,7 +224,9 @@ mod tests {
                     (State::Inactive, Event::Asked(Activate)) => Some(State::Active),
                     (State::Inactive, Event::Asked(CleanUp))
                     | (State::EmergencyStopped, Event::Asked(Clear)) => Some(State::Unconfigured),
-                    (State::Inactive | State::Active | State::Faulted, Event::Fault) => Some(State::Faulted),
+                    (State::Inactive | State::Active | State::Faulted, Event::Fault) => {
+                        Some(State::Faulted)
+                    }
                     _ => None,
                 };
                 assert_eq!(after.ok(), expected, "{state} on {event:?}");
@@ -235,7 +237,10 @@ mod tests {
     #[test]
     fn no_transition_stands_twice_in_the_table() {
         for (i, rule) in TRANSITIONS.iter().enumerate() {
-            let twin = TRANSITIONS.iter().skip(i + 1).find(|r| r.from == rule.from && r.event == rule.event);
+            let twin = TRANSITIONS
+                .iter()
+                .skip(i + 1)
+                .find(|r| r.from == rule.from && r.event == rule.event);
             assert_eq!(twin, None, "{rule:?}");
         }
     }

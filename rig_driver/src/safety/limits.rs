@@ -16,10 +16,11 @@ pub struct SafetyLimits {
     pub velocity: f64,
     /// Where the shaft may be; none for a shaft that may turn for ever.
     pub travel: Option<Travel>,
-    /// Oldest command that still counts [s], above zero and at most [`OLDEST_COMMAND`](Self::OLDEST_COMMAND).
+    /// Oldest command that still counts [s], above zero and at most
+    /// [`OLDEST_COMMAND`](Self::OLDEST_COMMAND).
     pub command_age: f64,
-    /// Time without a command after which the motor has to be activated again [s], not below `command_age` and at most
-    /// [`LONGEST_LOSS`](Self::LONGEST_LOSS).
+    /// Time without a command after which the motor has to be activated again [s], not below
+    /// `command_age` and at most [`LONGEST_LOSS`](Self::LONGEST_LOSS).
     pub command_lost: f64,
     /// Longest cycle after which the motor goes on at once [s], above the period.
     pub cycle_late: f64,
@@ -27,7 +28,8 @@ pub struct SafetyLimits {
     pub cycle_lost: f64,
     /// Temperature model of the winding; none to go without.
     pub motor: Option<MotorThermal>,
-    /// Whether the shaft has to stand still where the motor has zero volts; none where a load or a hand may turn it.
+    /// Whether the shaft has to stand still where the motor has zero volts; none where a load or a
+    /// hand may turn it.
     pub standstill: Option<Standstill>,
     /// What the sensors are held to.
     pub sensors: SensorChecks,
@@ -45,7 +47,8 @@ pub struct Travel {
     pub margin: f64,
 }
 
-/// When a shaft that turns at zero volts is a fault. What still loses a tenth of its speed in 0.1 s coasts and is none.
+/// When a shaft that turns at zero volts is a fault. What still loses a tenth of its speed in 0.1 s
+/// coasts and is none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Standstill {
@@ -55,9 +58,11 @@ pub struct Standstill {
     pub velocity: f64,
 }
 
-/// The winding as one thermal mass: `C dT/dt = i^2 R_a - (T - T_ambient) / R_th`, with the time constant `R_th C`.
+/// The winding as one thermal mass: `C dT/dt = i^2 R_a - (T - T_ambient) / R_th`, with the time
+/// constant `R_th C`.
 ///
-/// It begins at ambient temperature unless it is told better ([`Supervised::warm`](super::Supervised::warm)), as the node tells it.
+/// It begins at ambient temperature unless it is told better
+/// ([`Supervised::warm`](super::Supervised::warm)), as the node tells it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorThermal {
@@ -75,7 +80,8 @@ pub struct MotorThermal {
     pub limit: f64,
 }
 
-/// How well encoder and tachometer have to agree over a window: `|w_t - w_e| <= absolute + relative |w_e|`.
+/// How well encoder and tachometer have to agree over a window:
+/// `|w_t - w_e| <= absolute + relative |w_e|`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Agreement {
@@ -91,19 +97,22 @@ pub struct Agreement {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorChecks {
-    /// Encoder against tachometer; none on a rig that has only one of them, or whose signs are still to be found.
+    /// Encoder against tachometer; none on a rig that has only one of them, or whose signs are
+    /// still to be found.
     pub agreement: Option<Agreement>,
     /// End of the torque sensor's range [N m], above zero; none on a rig without one.
     pub torque_range: Option<f64>,
-    /// Cycles after which a noisy channel that never changes counts as frozen, two or more; none for ideal sensors.
+    /// Cycles after which a noisy channel that never changes counts as frozen, two or more; none
+    /// for ideal sensors.
     pub frozen_cycles: Option<u32>,
 }
 
 impl Default for SafetyLimits {
-    /// The SRV-02 of the thesis with its motor's nominal 6 V, and its tachometer's range as speed limit.
+    /// The SRV-02 of the thesis with its motor's nominal 6 V, and its tachometer's range as speed
+    /// limit.
     ///
-    /// The thermal constants are assumed (24 K/W, 20 s, 100 degrees C: a stalled motor at 6 V is stopped after about
-    /// 0.26 of a time constant); take those of your motor's data sheet.
+    /// The thermal constants are assumed (24 K/W, 20 s, 100 degrees C: a stalled motor at 6 V is
+    /// stopped after about 0.26 of a time constant); take those of your motor's data sheet.
     fn default() -> Self {
         Self {
             voltage: 6.0,
@@ -133,13 +142,15 @@ impl Default for SafetyLimits {
 }
 
 impl SafetyLimits {
-    /// Largest `command_age` [s]: so long after the last command the motor is at zero volts, whatever is set.
+    /// Largest `command_age` [s]: so long after the last command the motor is at zero volts,
+    /// whatever is set.
     pub const OLDEST_COMMAND: f64 = 0.1;
-    /// Largest `command_lost`, `cycle_late` and `cycle_lost` of a real rig [s]: after so long it has to be activated again, whatever is set.
+    /// Largest `command_lost`, `cycle_late` and `cycle_lost` of a real rig [s]: after so long it
+    /// has to be activated again, whatever is set.
     pub const LONGEST_LOSS: f64 = 1.0;
 
-    /// Limits for a simulated rig: its own voltage limit, a speed its drive cannot reach by itself, its motor's constants, and checks
-    /// of only those sensors that have ranges and noise.
+    /// Limits for a simulated rig: its own voltage limit, a speed its drive cannot reach by itself,
+    /// its motor's constants, and checks of only those sensors that have ranges and noise.
     #[must_use]
     pub fn for_simulation(options: &SimulationOptions) -> Self {
         let Self { motor, sensors, standstill, .. } = Self::default();
@@ -162,7 +173,8 @@ impl SafetyLimits {
                     .filter(|range| range.is_finite())
                     .map(|range| range - 0.5 * options.sensors.torque.resolution),
                 frozen_cycles: sensors.frozen_cycles.filter(|_| {
-                    let dithered = |channel: &crate::Channel| channel.noise > 0.3 * channel.resolution;
+                    let dithered =
+                        |channel: &crate::Channel| channel.noise > 0.3 * channel.resolution;
                     dithered(&options.sensors.tachometer) && dithered(&options.sensors.torque)
                 }),
                 ..sensors
@@ -171,11 +183,13 @@ impl SafetyLimits {
         }
     }
 
-    /// The voltage limit [V] of a rig with a voltage range of `range` [V]: what was `asked` for, else the usual 6 V. The usual limit and what lies below it are
-    /// cut to a range that is smaller.
+    /// The voltage limit [V] of a rig with a voltage range of `range` [V]: what was `asked` for,
+    /// else the usual 6 V. The usual limit and what lies below it are cut to a range that is
+    /// smaller.
     ///
     /// # Errors
-    /// [`RigError::BeyondRange`] if more was asked for than the rig can put out; [`RigError::OutOfRange`] if it is no limit.
+    /// [`RigError::BeyondRange`] if more was asked for than the rig can put out;
+    /// [`RigError::OutOfRange`] if it is no limit.
     pub fn voltage_within(asked: Option<f64>, range: f64) -> Result<f64, RigError> {
         let usual = Self::default().voltage;
         let limit = asked.unwrap_or(usual);
@@ -189,7 +203,8 @@ impl SafetyLimits {
         Ok(limit.min(range))
     }
 
-    /// The same without the check of encoder against tachometer: while signs and gains are still to be found.
+    /// The same without the check of encoder against tachometer: while signs and gains are still to
+    /// be found.
     #[must_use]
     pub const fn before_calibration(mut self) -> Self {
         self.sensors.agreement = None;
@@ -206,7 +221,9 @@ impl SafetyLimits {
         if !above_zero(period) {
             return error("period", period, "a finite number above zero");
         }
-        for (name, value) in [("voltage", self.voltage), ("slew", self.slew), ("velocity", self.velocity)] {
+        for (name, value) in
+            [("voltage", self.voltage), ("slew", self.slew), ("velocity", self.velocity)]
+        {
             if !above_zero(value) {
                 return error(name, value, "a finite number above zero");
             }
@@ -215,7 +232,11 @@ impl SafetyLimits {
             return error("command_age", self.command_age, "above 0 and at most 0.1 s");
         }
         if !(self.command_lost >= self.command_age && self.command_lost <= Self::LONGEST_LOSS) {
-            return error("command_lost", self.command_lost, "at least command_age and at most 1 s");
+            return error(
+                "command_lost",
+                self.command_lost,
+                "at least command_age and at most 1 s",
+            );
         }
         if self.cycle_late.is_nan() || self.cycle_late <= period {
             return error("cycle_late", self.cycle_late, "longer than the period");
@@ -259,13 +280,21 @@ impl SafetyLimits {
         }
         if let Some(Agreement { window, absolute, relative }) = self.sensors.agreement {
             if !(window >= period && window <= 10.0) {
-                return error("sensors.agreement.window", window, "at least the period and at most 10 s");
+                return error(
+                    "sensors.agreement.window",
+                    window,
+                    "at least the period and at most 10 s",
+                );
             }
             if !above_zero(absolute) {
                 return error("sensors.agreement.absolute", absolute, "a finite number above zero");
             }
             if !(relative >= 0.0 && relative.is_finite()) {
-                return error("sensors.agreement.relative", relative, "a finite number, zero or more");
+                return error(
+                    "sensors.agreement.relative",
+                    relative,
+                    "a finite number, zero or more",
+                );
             }
         }
         if let Some(range) = self.sensors.torque_range
@@ -311,11 +340,17 @@ mod tests {
                 "travel.max",
             ),
             (
-                SafetyLimits { standstill: Some(Standstill { after: 0.0, velocity: 1.0 }), ..limits },
+                SafetyLimits {
+                    standstill: Some(Standstill { after: 0.0, velocity: 1.0 }),
+                    ..limits
+                },
                 "standstill.after",
             ),
             (
-                SafetyLimits { standstill: Some(Standstill { after: 1.0, velocity: f64::NAN }), ..limits },
+                SafetyLimits {
+                    standstill: Some(Standstill { after: 1.0, velocity: f64::NAN }),
+                    ..limits
+                },
                 "standstill.velocity",
             ),
             (motor(|motor| motor.limit = 30.0), "motor.limit"),

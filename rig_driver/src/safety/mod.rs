@@ -1,11 +1,12 @@
 //! The safety layer: what stands between any controller and any motor.
 //!
-//! [`SafetySupervisor`] is the whole of it and pure: readings, commands and times come in as numbers, a voltage comes out. [`Supervised`]
-//! puts it around a back end. It trusts neither side: a command may be late, too large, too steep or no number; readings may be
-//! frozen, saturated or in contradiction.
+//! [`SafetySupervisor`] is the whole of it and pure: readings, commands and times come in as
+//! numbers, a voltage comes out. [`Supervised`] puts it around a back end. It trusts neither side:
+//! a command may be late, too large, too steep or no number; readings may be frozen, saturated or
+//! in contradiction.
 //!
-//! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does ([`FAULTS`]). `docs/safety.md` shows both; a
-//! test holds it to the tables.
+//! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does
+//! ([`FAULTS`]). `docs/safety.md` shows both; a test holds it to the tables.
 
 mod fault;
 mod lifecycle;

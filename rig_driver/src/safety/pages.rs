@@ -30,7 +30,8 @@ pub fn transition_table() -> String {
     for state in State::ALL {
         text += &format!("| {state} |");
         for &event in &events {
-            text += &super::next(state, event).map_or_else(|_| " - |".to_owned(), |to| format!(" {to} |"));
+            text += &super::next(state, event)
+                .map_or_else(|_| " - |".to_owned(), |to| format!(" {to} |"));
         }
         text.push('\n');
     }
@@ -68,8 +69,11 @@ mod tests {
     /// They stand in the documentation as they are made here; `UPDATE_DOCS=1` writes them anew.
     #[test]
     fn the_documentation_shows_the_tables_of_the_code() {
-        let made =
-            [("states", state_diagram()), ("transitions", transition_table()), ("faults", fault_table())];
+        let made = [
+            ("states", state_diagram()),
+            ("transitions", transition_table()),
+            ("faults", fault_table()),
+        ];
         hold("docs/safety.md", &made);
         hold("README.md", &made[2..]);
     }
@@ -80,12 +84,17 @@ mod tests {
         let update = std::env::var_os("UPDATE_DOCS").is_some();
         for (name, made) in tables {
             let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
-            let from = text.find(&begin).expect("the page marks where the table begins") + begin.len();
+            let from =
+                text.find(&begin).expect("the page marks where the table begins") + begin.len();
             let to = text.find(&end).expect("the page marks where the table ends");
             if update {
                 text.replace_range(from..to, made);
             } else {
-                assert_eq!(&text[from..to], made, "{page}, {name}: run the test with UPDATE_DOCS=1");
+                assert_eq!(
+                    &text[from..to],
+                    made,
+                    "{page}, {name}: run the test with UPDATE_DOCS=1"
+                );
             }
         }
         if update {

@@ -50,8 +50,12 @@ impl SensorMonitor {
 
     /// Takes in one cycle. `broken` says that a cycle was late: means over it say nothing.
     pub(super) fn check(&mut self, seen: &Measurement, broken: bool) -> Option<Finding> {
-        let readings =
-            [seen.encoder_position, seen.tachometer_velocity, seen.torque, seen.motor_current.unwrap_or(0.0)];
+        let readings = [
+            seen.encoder_position,
+            seen.tachometer_velocity,
+            seen.torque,
+            seen.motor_current.unwrap_or(0.0),
+        ];
         if let Some(&wrong) = readings.iter().find(|reading| !reading.is_finite()) {
             return Some((Fault::ReadingNotFinite, wrong, 0.0));
         }
@@ -66,7 +70,11 @@ impl SensorMonitor {
         }
         if let Some(cycles) = self.checks.frozen_cycles {
             if self.tachometer.count(seen.tachometer_velocity) >= cycles {
-                return Some((Fault::TachometerFrozen, seen.tachometer_velocity, f64::from(cycles)));
+                return Some((
+                    Fault::TachometerFrozen,
+                    seen.tachometer_velocity,
+                    f64::from(cycles),
+                ));
             }
             // A rig without a torque sensor has nothing that could freeze.
             if self.checks.torque_range.is_some() && self.torque.count(seen.torque) >= cycles {

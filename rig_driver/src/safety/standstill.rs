@@ -12,14 +12,16 @@ const LOST: f64 = 0.1;
 
 /// Watches the shaft while the motor has zero volts.
 ///
-/// It is armed while the motor may move, and after that until the shaft has come to rest once: then a hand may turn it.
+/// It is armed while the motor may move, and after that until the shaft has come to rest once: then
+/// a hand may turn it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StandstillMonitor {
     limits: Option<Standstill>,
     armed: bool,
     /// How long the motor has had zero volts [s].
     zero_for: f64,
-    /// Length of the present window [s], integral of the tachometer over it [rad], encoder at its beginning [rad].
+    /// Length of the present window [s], integral of the tachometer over it [rad], encoder at its
+    /// beginning [rad].
     window: Option<(f64, f64, f64)>,
     /// Speed in the window before, where it was too fast [rad/s].
     before: Option<f64>,
@@ -30,8 +32,9 @@ impl StandstillMonitor {
         Self { limits, armed: false, zero_for: 0.0, window: None, before: None }
     }
 
-    /// Takes a cycle that began `gap` [s] after the one before, with `volts` on the motor since then; `moves` says whether the motor may
-    /// move, `late` that the gap was too long to say anything.
+    /// Takes a cycle that began `gap` [s] after the one before, with `volts` on the motor since
+    /// then; `moves` says whether the motor may move, `late` that the gap was too long to say
+    /// anything.
     pub(super) fn check(
         &mut self,
         gap: f64,
@@ -84,7 +87,8 @@ mod tests {
 
     const LIMITS: Standstill = Standstill { after: 0.5, velocity: 0.5 };
 
-    /// A shaft that turns with `speed` at each time [s], with `volts` and leave to move; when a fault is found.
+    /// A shaft that turns with `speed` at each time [s], with `volts` and leave to move; when a
+    /// fault is found.
     fn found(seconds: f64, run: impl Fn(f64) -> (f64, f64, bool)) -> Option<f64> {
         let mut monitor = StandstillMonitor::new(Some(LIMITS));
         let (mut position, mut time) = (0.0, 0.0);
@@ -108,10 +112,15 @@ mod tests {
 
     #[test]
     fn a_motor_that_goes_on_at_zero_volts_is_found_in_three_quarters_of_a_second() {
-        // A driver stage that keeps the voltage of before; in either direction, while active and after it was stopped.
+        // A driver stage that keeps the voltage of before; in either direction, while active and
+        // after it was stopped.
         for (speed, moves) in [(3.0, true), (-3.0, true), (0.6, false), (9.0, false)] {
-            let time = found(5.0, |time| (speed, if time < 1.0 { 2.0 } else { 0.0 }, time < 1.0 || moves));
-            assert!(time.is_some_and(|time| (1.65..1.75).contains(&time)), "{speed} rad/s: {time:?}");
+            let time =
+                found(5.0, |time| (speed, if time < 1.0 { 2.0 } else { 0.0 }, time < 1.0 || moves));
+            assert!(
+                time.is_some_and(|time| (1.65..1.75).contains(&time)),
+                "{speed} rad/s: {time:?}"
+            );
         }
         // One that starts by itself while the motor may move.
         assert!(found(9.0, |time| (if time < 4.0 { 0.0 } else { 2.0 }, 0.0, true)).is_some());
@@ -138,7 +147,8 @@ mod tests {
     }
 
     proptest! {
-        /// What coasts is no alarm, however it was driven before: by friction alone, by the motor's own braking, or by both, down to rest.
+        /// What coasts is no alarm, however it was driven before: by friction alone, by the motor's
+        /// own braking, or by both, down to rest.
         #[test]
         fn what_coasts_raises_no_alarm(speed in -10.0..10.0f64, constant in 0.02..0.9f64, deceleration in 0.0..5.0f64) {
             let coast = |time: f64| {

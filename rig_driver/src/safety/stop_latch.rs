@@ -1,15 +1,18 @@
-//! The emergency stop as a latch: one word that people press and that everything which moves the motor reads.
+//! The emergency stop as a latch: one word that people press and that everything which moves the
+//! motor reads.
 
 use std::sync::{
     Arc,
     atomic::{AtomicU64, Ordering::SeqCst},
 };
 
-/// An emergency stop. It is pressed before anything else is done, read before every voltage and around every transition, and cleared only after it was seen at
-/// zero volts. Clones are one. Nothing here waits or locks.
+/// An emergency stop. It is pressed before anything else is done, read before every voltage and
+/// around every transition, and cleared only after it was seen at zero volts. Clones are one.
+/// Nothing here waits or locks.
 ///
-/// Presses are counted, so that one that comes while another is being cleared is not cleared with it. Every access is sequentially consistent: what can
-/// happen is any order of the accesses and nothing else, and a test goes through all of them.
+/// Presses are counted, so that one that comes while another is being cleared is not cleared with
+/// it. Every access is sequentially consistent: what can happen is any order of the accesses and
+/// nothing else, and a test goes through all of them.
 #[derive(Debug, Clone, Default)]
 pub struct StopLatch(Arc<Counts>);
 
@@ -42,7 +45,8 @@ impl StopLatch {
         self.newest() > cleared
     }
 
-    /// Notes that the motor is at zero volts because of `press`, or of a newer one, and stays there.
+    /// Notes that the motor is at zero volts because of `press`, or of a newer one, and stays
+    /// there.
     pub fn note_seen(&self, press: u64) {
         self.0.seen.fetch_max(press, SeqCst);
     }
@@ -53,7 +57,8 @@ impl StopLatch {
         self.0.seen.load(SeqCst) >= press
     }
 
-    /// Clears every press up to `press`, which must have been seen. Returns whether none holds the motor any more.
+    /// Clears every press up to `press`, which must have been seen. Returns whether none holds the
+    /// motor any more.
     #[must_use]
     pub fn clear(&self, press: u64) -> bool {
         if self.was_seen(press) {

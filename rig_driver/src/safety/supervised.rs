@@ -5,8 +5,9 @@ use crate::{Measurement, Rig, RigError, Truth};
 
 /// A rig whose every voltage goes through a [`SafetySupervisor`].
 ///
-/// Its clock is the rig's own ([`Measurement::time`]) until [`tell_time`](Rig::tell_time) was called; then it is the
-/// caller's, and cycles that come late are seen. Dropped, by whatever way, it leaves zero volts.
+/// Its clock is the rig's own ([`Measurement::time`]) until [`tell_time`](Rig::tell_time) was
+/// called; then it is the caller's, and cycles that come late are seen. Dropped, by whatever way,
+/// it leaves zero volts.
 #[derive(Debug, Clone)]
 pub struct Supervised<R: Rig> {
     rig: R,
@@ -18,10 +19,12 @@ pub struct Supervised<R: Rig> {
 }
 
 impl<R: Rig> Supervised<R> {
-    /// The rig in state unconfigured: its motor does not move before it is configured and activated.
+    /// The rig in state unconfigured: its motor does not move before it is configured and
+    /// activated.
     ///
     /// # Errors
-    /// [`RigError::OutOfRange`] names the limit that cannot be; [`RigError::BeyondRange`] says that the rig cannot put the voltage out.
+    /// [`RigError::OutOfRange`] names the limit that cannot be; [`RigError::BeyondRange`] says that
+    /// the rig cannot put the voltage out.
     pub fn new(rig: R, limits: SafetyLimits) -> Result<Self, RigError> {
         let range = rig.voltage_range();
         if limits.voltage > range {
@@ -70,12 +73,13 @@ impl<R: Rig> Supervised<R> {
         self.may_move
     }
 
-    /// Does what is asked for; leaving active puts the motor at zero volts at once and takes the back end's leave to move away. An emergency stop goes to the
-    /// back end whatever the state, each time that it is asked for.
+    /// Does what is asked for; leaving active puts the motor at zero volts at once and takes the
+    /// back end's leave to move away. An emergency stop goes to the back end whatever the state,
+    /// each time that it is asked for.
     ///
     /// # Errors
-    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or what the back end says. After an error the supervisor
-    /// holds zero volts none the less.
+    /// [`RigError::Refused`] or [`RigError::Safety`] as [`SafetySupervisor::request`] has it, or
+    /// what the back end says. After an error the supervisor holds zero volts none the less.
     pub fn request(&mut self, request: Request) -> Result<State, RigError> {
         let outcome = self.supervisor.request(request);
         if request == Request::EmergencyStop {
@@ -107,14 +111,16 @@ impl<R: Rig> Supervised<R> {
         self.settle();
     }
 
-    /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it comes over a network: its age counts.
+    /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it
+    /// comes over a network: its age counts.
     pub fn command(&mut self, stamp: f64, volts: f64) {
         self.asked = if volts.is_finite() { volts } else { 0.0 };
         self.supervisor.command(stamp, volts);
     }
 
-    /// Drives the motor for the coming period with the newest [`command`](Self::command), as far as the supervisor allows it. A fault is no error here: the
-    /// motor is at zero volts, and [`supervisor`](Self::supervisor) says why.
+    /// Drives the motor for the coming period with the newest [`command`](Self::command), as far as
+    /// the supervisor allows it. A fault is no error here: the motor is at zero volts, and
+    /// [`supervisor`](Self::supervisor) says why.
     ///
     /// # Errors
     /// What the back end says to the voltage.
@@ -136,7 +142,8 @@ impl<R: Rig> Supervised<R> {
         let _ = self.rig.deactivate();
     }
 
-    /// Has the back end rest, once, where the supervisor does not let the motor move any more: a fault that latches here deactivates the device too.
+    /// Has the back end rest, once, where the supervisor does not let the motor move any more: a
+    /// fault that latches here deactivates the device too.
     fn rest(&mut self) -> Result<(), RigError> {
         if self.may_move && !self.supervisor.state().moves() {
             self.may_move = false;

@@ -9,11 +9,13 @@ use crate::{Measurement, RigError};
 /// Cycles in a row above the speed limit that count: one reading may be a spark of the brushes.
 const OVERSPEED_CYCLES: u32 = 3;
 
-/// Stands between a controller and a motor. Pure: time comes in as numbers [s] on one clock that does not run backwards.
+/// Stands between a controller and a motor. Pure: time comes in as numbers [s] on one clock that
+/// does not run backwards.
 ///
-/// Once a cycle: [`cycle`](Self::cycle) with the readings, [`command`](Self::command) if there is a new one, and
-/// [`output`](Self::output), whose voltage goes to the motor. In a loop in lock-step all three carry the same time; where commands come
-/// over a network, `command` carries the time at which the command was made, and its age counts.
+/// Once a cycle: [`cycle`](Self::cycle) with the readings, [`command`](Self::command) if there is a
+/// new one, and [`output`](Self::output), whose voltage goes to the motor. In a loop in lock-step
+/// all three carry the same time; where commands come over a network, `command` carries the time at
+/// which the command was made, and its age counts.
 #[derive(Debug, Clone)]
 pub struct SafetySupervisor {
     limits: SafetyLimits,
@@ -117,7 +119,8 @@ impl SafetySupervisor {
     /// Does what is asked for, if the table of transitions has it.
     ///
     /// # Errors
-    /// [`RigError::Refused`] with what the state allows; [`RigError::Safety`] if a fault was to be cleared whose cause is still there.
+    /// [`RigError::Refused`] with what the state allows; [`RigError::Safety`] if a fault was to be
+    /// cleared whose cause is still there.
     pub fn request(&mut self, request: Request) -> Result<State, RigError> {
         let to = next(self.state, Event::Asked(request))?;
         if request == Request::Clear {
@@ -125,7 +128,10 @@ impl SafetySupervisor {
                 && report.fault == Fault::MotorHot
                 && !winding.has_cooled()
             {
-                return Err(RigError::Safety(FaultReport { value: winding.temperature(), ..report }));
+                return Err(RigError::Safety(FaultReport {
+                    value: winding.temperature(),
+                    ..report
+                }));
             }
             self.latched = None;
             self.sensors.restart();
@@ -190,7 +196,9 @@ impl SafetySupervisor {
             self.fault(fault, value, limit);
         }
         let (applied, moves, late) = (self.applied, self.state.moves(), self.cycle_late.is_some());
-        if let Some((fault, value, limit)) = self.standstill.check(gap.max(0.0), applied, seen, moves, late) {
+        if let Some((fault, value, limit)) =
+            self.standstill.check(gap.max(0.0), applied, seen, moves, late)
+        {
             self.fault(fault, value, limit);
         }
         self.check_motion(seen);
@@ -211,7 +219,9 @@ impl SafetySupervisor {
         self.position = seen.encoder_position;
         if let Some(travel) = self.limits.travel {
             let end = if self.position > travel.max { travel.max } else { travel.min };
-            if self.position > travel.max + travel.margin || self.position < travel.min - travel.margin {
+            if self.position > travel.max + travel.margin
+                || self.position < travel.min - travel.margin
+            {
                 self.fault(Fault::TravelExceeded, self.position, end);
             }
         }
@@ -228,14 +238,16 @@ impl SafetySupervisor {
         self.applied = 0.0;
     }
 
-    /// Takes a command of `volts` [V] that was made at `stamp` [s]. One from the future counts as made now.
+    /// Takes a command of `volts` [V] that was made at `stamp` [s]. One from the future counts as
+    /// made now.
     pub fn command(&mut self, stamp: f64, volts: f64) {
         if !(volts.is_finite() && stamp.is_finite()) {
             self.fault(Fault::CommandNotFinite, if volts.is_finite() { stamp } else { volts }, 0.0);
             return;
         }
         if self.state.moves() {
-            // Before the first cycle too: a stamp ahead would let a command count for as long as it is ahead.
+            // Before the first cycle too: a stamp ahead would let a command count for as long as it
+            // is ahead.
             let stamp = stamp.min(self.now());
             // An old command that comes late does not replace a newer one.
             if self.command.is_none_or(|before| stamp >= before.stamp) {
@@ -244,7 +256,8 @@ impl SafetySupervisor {
         }
     }
 
-    /// The voltage for the coming period [V]: within the limits, and zero in every state but active.
+    /// The voltage for the coming period [V]: within the limits, and zero in every state but
+    /// active.
     pub fn output(&mut self) -> f64 {
         let (before, now) = (self.applied, self.now.unwrap_or(0.0));
         let mut note = None;
@@ -268,7 +281,8 @@ impl SafetySupervisor {
             self.fault(Fault::CommandLost, age, limits.command_lost);
             return 0.0;
         }
-        let mut late = |fault, value, limit| *note = Some(FaultReport { fault, time: now, value, limit });
+        let mut late =
+            |fault, value, limit| *note = Some(FaultReport { fault, time: now, value, limit });
         if age > limits.command_age {
             late(Fault::CommandLate, age, limits.command_age);
             return 0.0;
@@ -317,10 +331,13 @@ impl SafetySupervisor {
         if let Some(report) = &self.held_back {
             match report.fault.rule().reaction {
                 Reaction::Cut => seen.saturated = true,
-                Reaction::ZeroWhileItLasts | Reaction::ZeroUntilCleared => seen.watchdog_expired = true,
+                Reaction::ZeroWhileItLasts | Reaction::ZeroUntilCleared => {
+                    seen.watchdog_expired = true
+                }
             }
         }
-        let lost = |report: &FaultReport| matches!(report.fault, Fault::CommandLost | Fault::CycleLost);
+        let lost =
+            |report: &FaultReport| matches!(report.fault, Fault::CommandLost | Fault::CycleLost);
         seen.watchdog_expired |= self.latched.as_ref().is_some_and(lost);
         seen.fault |= matches!(self.state, State::Faulted | State::EmergencyStopped);
     }

@@ -5,7 +5,8 @@ use super::{MotorThermal, SafetyLimits};
 /// Hottest rise that is told apart [K]: copper has long melted.
 const HOTTEST: f64 = 2000.0;
 
-/// The winding's temperature over time. Whatever comes in, it is a finite number and never below ambient: what cannot be counts as what heats most.
+/// The winding's temperature over time. Whatever comes in, it is a finite number and never below
+/// ambient: what cannot be counts as what heats most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Winding {
     motor: MotorThermal,
@@ -21,18 +22,21 @@ impl Winding {
         Self { motor, voltage, rise: 0.0 }
     }
 
-    /// Advances by `dt` [s] with `volts` on a shaft at `velocity` [rad/s]. The larger one of the current that was measured and the one
-    /// that follows from the voltage heats.
+    /// Advances by `dt` [s] with `volts` on a shaft at `velocity` [rad/s]. The larger one of the
+    /// current that was measured and the one that follows from the voltage heats.
     ///
-    /// A shaft that is driven by no more than the limit cannot generate more than the limit, so no current is above twice what the limit drives through the
-    /// winding at rest. A velocity that is no number counts as rest, where the motor is hottest; one beyond what the limit can reach never as cooler than that. A
-    /// current that is no number counts as not measured; a step that is none, or goes backwards, as none.
+    /// A shaft that is driven by no more than the limit cannot generate more than the limit, so no
+    /// current is above twice what the limit drives through the winding at rest. A velocity that is
+    /// no number counts as rest, where the motor is hottest; one beyond what the limit can reach
+    /// never as cooler than that. A current that is no number counts as not measured; a step that
+    /// is none, or goes backwards, as none.
     pub(super) fn advance(&mut self, dt: f64, volts: f64, velocity: f64, measured: Option<f64>) {
         if dt.is_nan() || dt <= 0.0 {
             return;
         }
-        let MotorThermal { armature_resistance, back_emf, thermal_resistance, time_constant, .. } =
-            self.motor;
+        let MotorThermal {
+            armature_resistance, back_emf, thermal_resistance, time_constant, ..
+        } = self.motor;
         let limit = self.voltage;
         let volts = if volts.is_nan() { limit } else { volts.clamp(-limit, limit) };
         let generated = back_emf * if velocity.is_finite() { velocity } else { 0.0 };
@@ -71,13 +75,15 @@ impl Winding {
 }
 
 impl SafetyLimits {
-    /// The winding's rise above ambient that is assumed where nobody knows it [K]: the hottest from which a motor that was too hot may go on.
+    /// The winding's rise above ambient that is assumed where nobody knows it [K]: the hottest from
+    /// which a motor that was too hot may go on.
     #[must_use]
     pub fn assumed_rise(&self) -> f64 {
         self.motor.map_or(0.0, |motor| (motor.limit - 10.0 - motor.ambient).max(0.0))
     }
 
-    /// The rise that is left of `rise` [K] after `seconds` without a current. A time that is no number or negative cools nothing.
+    /// The rise that is left of `rise` [K] after `seconds` without a current. A time that is no
+    /// number or negative cools nothing.
     #[must_use]
     pub fn cooled_rise(&self, rise: f64, seconds: f64) -> f64 {
         let seconds = if seconds > 0.0 { seconds } else { 0.0 };
@@ -88,7 +94,8 @@ impl SafetyLimits {
     #[must_use]
     pub fn heated_rise(&self, rise: f64, seconds: f64) -> f64 {
         self.motor.map_or(0.0, |motor| {
-            let steady = (self.voltage * self.voltage / motor.armature_resistance * motor.thermal_resistance)
+            let steady = (self.voltage * self.voltage / motor.armature_resistance
+                * motor.thermal_resistance)
                 .min(HOTTEST);
             let left = (-seconds / motor.time_constant).exp();
             rise.max(steady + (rise - steady) * left)
@@ -115,12 +122,17 @@ mod tests {
             winding.advance(1e-3, 6.0, 0.0, None);
             let t = 1e-3 * f64::from(step);
             let expected = 25.0 + steady * (1.0 - (-t / 20.0).exp());
-            assert!((winding.temperature() - expected).abs() < 0.02, "{t} s: {}", winding.temperature());
+            assert!(
+                (winding.temperature() - expected).abs() < 0.02,
+                "{t} s: {}",
+                winding.temperature()
+            );
         }
     }
 
     #[test]
-    fn a_turning_motor_is_cooler_than_a_stalled_one_and_a_measured_current_counts_if_it_is_larger() {
+    fn a_turning_motor_is_cooler_than_a_stalled_one_and_a_measured_current_counts_if_it_is_larger()
+    {
         let motor = limits().motor.unwrap();
         let warmed = |velocity, measured| {
             let mut winding = Winding::new(motor, 6.0);
@@ -132,7 +144,8 @@ mod tests {
         assert!(warmed(0.0, Some(5.0)) > warmed(0.0, None));
     }
 
-    /// One absurd reading made the temperature infinite, and the next one made it not a number, which is above no limit.
+    /// One absurd reading made the temperature infinite, and the next one made it not a number,
+    /// which is above no limit.
     #[test]
     fn an_absurd_reading_does_not_blind_the_model() {
         let mut winding = Winding::new(limits().motor.unwrap(), 6.0);

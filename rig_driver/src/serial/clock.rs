@@ -2,7 +2,8 @@
 
 use rig_protocol::Measurement;
 
-/// How far cycles and clock may contradict each other: so many periods, and this part of the time that passed.
+/// How far cycles and clock may contradict each other: so many periods, and this part of the time
+/// that passed.
 const PERIODS: u64 = 2;
 const PART: u64 = 8;
 
@@ -32,7 +33,8 @@ impl DeviceClock {
         Self { period_us: period_us.into(), before: None, fresh: true, cycle: 0, elapsed_us: 0 }
     }
 
-    /// A new session: cycles and time go on one period after the last measurement, since nobody knows how long the line was gone.
+    /// A new session: cycles and time go on one period after the last measurement, since nobody
+    /// knows how long the line was gone.
     pub(super) fn rejoin(&mut self, period_us: u32) {
         (self.period_us, self.before) = (period_us.into(), None);
     }
@@ -45,9 +47,11 @@ impl DeviceClock {
         self.elapsed_us
     }
 
-    /// Takes the next measurement. Says whether its clock contradicts its cycles; time goes on by the cycles then.
+    /// Takes the next measurement. Says whether its clock contradicts its cycles; time goes on by
+    /// the cycles then.
     ///
-    /// A device's clock may have 32 bits, which wrap after 71.6 minutes, or 64: what fits the cycles is believed.
+    /// A device's clock may have 32 bits, which wrap after 71.6 minutes, or 64: what fits the
+    /// cycles is believed.
     pub(super) fn advance(&mut self, now: &Measurement) -> Option<Jump> {
         let Some((cycle, time_us)) = self.before.replace((now.cycle, now.time_us)) else {
             if !std::mem::take(&mut self.fresh) {
@@ -98,13 +102,18 @@ mod tests {
             let mut clock = DeviceClock::new(1000);
             for minute in 0..1200u64 {
                 let cycle = minute * 60_000;
-                assert_eq!(clock.advance(&at(cycle, (cycle * 1000 + 123) & bits)), None, "minute {minute}");
+                assert_eq!(
+                    clock.advance(&at(cycle, (cycle * 1000 + 123) & bits)),
+                    None,
+                    "minute {minute}"
+                );
                 assert_eq!((clock.cycle(), clock.elapsed_us()), (cycle, cycle * 1000));
             }
         }
     }
 
-    /// The cycle's number wraps after 49.7 days; a gap of any length before the next measurement changes nothing.
+    /// The cycle's number wraps after 49.7 days; a gap of any length before the next measurement
+    /// changes nothing.
     #[test]
     fn the_cycles_number_goes_on_where_it_wraps() {
         let mut clock = DeviceClock::new(1000);
@@ -114,7 +123,10 @@ mod tests {
         for gap in [1, 5, 100, 1, 1_000_000] {
             cycle += gap;
             assert_eq!(clock.advance(&at(cycle, cycle * 1000)), None);
-            assert_eq!((clock.cycle(), clock.elapsed_us()), (cycle - first, (cycle - first) * 1000));
+            assert_eq!(
+                (clock.cycle(), clock.elapsed_us()),
+                (cycle - first, (cycle - first) * 1000)
+            );
         }
     }
 

@@ -131,7 +131,8 @@ pub enum SerialError {
 }
 
 impl SerialError {
-    /// Whether it is the line that failed, or the time on this machine, and neither the motor nor somebody else's wish: the line may be opened anew.
+    /// Whether it is the line that failed, or the time on this machine, and neither the motor nor
+    /// somebody else's wish: the line may be opened anew.
     #[must_use]
     pub const fn is_of_the_line(&self) -> bool {
         matches!(

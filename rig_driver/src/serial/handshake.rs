@@ -61,14 +61,23 @@ pub(super) fn handshake(port: &Port, baud: u32, patience: Duration) -> Result<Ag
             while let Some(byte) = bytes.next() {
                 match decoder.push(*byte) {
                     Ok(Some(DeviceMessage::Hello(hello))) if hello.answers == Some(number) => {
-                        // A hello that answers has both numbers, which was checked when it was read.
+                        // A hello that answers has both numbers, which was checked when it was
+                        // read.
                         if let Some(session) = hello.session {
-                            return Ok(Agreed { session, hello, decoder, rest: bytes.copied().collect() });
+                            return Ok(Agreed {
+                                session,
+                                hello,
+                                decoder,
+                                rest: bytes.copied().collect(),
+                            });
                         }
                     }
                     Ok(Some(DeviceMessage::Measurement(_))) => held = true,
                     Err(Rejection::Version(theirs)) => {
-                        return Err(SerialError::WrongVersion { path: port.path().to_owned(), theirs });
+                        return Err(SerialError::WrongVersion {
+                            path: port.path().to_owned(),
+                            theirs,
+                        });
                     }
                     // From an earlier session, or the rest of a frame from before.
                     Ok(_) | Err(_) => {}

@@ -1,4 +1,5 @@
-//! The latency timer of FTDI's USB serial chips: they hold bytes back for up to 16 ms unless told not to.
+//! The latency timer of FTDI's USB serial chips: they hold bytes back for up to 16 ms unless told
+//! not to.
 
 use std::{
     fmt, fs,
@@ -11,7 +12,8 @@ const WANTED: u32 = 1;
 /// What is known of a port's latency.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Latency {
-    /// The port has no latency timer: a USB device of its own (ttyACM), a UART of the board, a pseudo-terminal.
+    /// The port has no latency timer: a USB device of its own (ttyACM), a UART of the board, a
+    /// pseudo-terminal.
     NoTimer,
     /// The timer stands at 1 ms already.
     Low,
@@ -34,10 +36,11 @@ pub enum Latency {
 }
 
 impl Latency {
-    /// Sets the latency timer of `port` to 1 ms where there is one. `sysfs` is `/sys`, but in tests.
+    /// Sets the latency timer of `port` to 1 ms where there is one. `sysfs` is `/sys`, but in
+    /// tests.
     ///
-    /// The serial driver's own flag `ASYNC_LOW_LATENCY` sets the same timer; it needs an `ioctl` for which there is no safe
-    /// wrapper, so that the advice names the program that does it.
+    /// The serial driver's own flag `ASYNC_LOW_LATENCY` sets the same timer; it needs an `ioctl`
+    /// for which there is no safe wrapper, so that the advice names the program that does it.
     #[must_use]
     pub fn lower(port: &Path, sysfs: &Path) -> Self {
         // A link such as /dev/serial/by-id/... leads to the device's own name.
@@ -59,8 +62,10 @@ impl Latency {
         match (before, written, read()) {
             (Ok(from), Ok(()), Ok(now)) if now <= WANTED => Self::Lowered { from },
             (before, written, now) => {
-                let reason =
-                    written.err().or(now.err()).unwrap_or_else(|| "it did not take the value".into());
+                let reason = written
+                    .err()
+                    .or(now.err())
+                    .unwrap_or_else(|| "it did not take the value".into());
                 Self::High { milliseconds: before.ok(), timer, port, reason }
             }
         }

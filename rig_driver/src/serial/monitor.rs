@@ -1,4 +1,5 @@
-//! Whether the device does what this driver sent, and nobody else's bidding. Pure: measurements and times come in.
+//! Whether the device does what this driver sent, and nobody else's bidding. Pure: measurements and
+//! times come in.
 
 use rig_protocol::{Hello, Measurement, State};
 
@@ -7,13 +8,15 @@ use crate::safety::Fault;
 
 /// Commands that are remembered: those that may still be on their way.
 const SENT: usize = 1024;
-/// Frames of somebody else within a second that are no fault yet: one that was late at a change of hosts is harmless.
+/// Frames of somebody else within a second that are no fault yet: one that was late at a change of
+/// hosts is harmless.
 const FOREIGN: u16 = 2;
 /// Cycles in a row in which the motor has another voltage than asked for.
 const DIFFERING: u32 = 3;
 /// By how much the device may run ahead of the time here at once [s].
 const AHEAD: f64 = 0.25;
-/// Time of a session in which it is learned how late measurements are [s]: the first may have waited for this side.
+/// Time of a session in which it is learned how late measurements are [s]: the first may have
+/// waited for this side.
 const LEARNING: f64 = 1.0;
 /// By which part its clock may be slower than the one here, and a jump still be seen at once.
 const SLOWER: f64 = 0.1;
@@ -78,7 +81,12 @@ impl LineMonitor {
     }
 
     /// A measurement came at `now` [s]; `jump` is what its clock has against its cycles.
-    pub(super) fn heard(&mut self, device: &Measurement, now: f64, jump: Option<Jump>) -> Option<Finding> {
+    pub(super) fn heard(
+        &mut self,
+        device: &Measurement,
+        now: f64,
+        jump: Option<Jump>,
+    ) -> Option<Finding> {
         let before = self.before.replace(*device);
         // Every check sees every measurement.
         let found = [
@@ -86,7 +94,9 @@ impl LineMonitor {
             self.voltage(device, before.as_ref()),
             self.refusals(device),
             self.time(device, before.as_ref(), now),
-            jump.map(|jump| (Fault::CycleJump, jump.by_us as f64 / 1e6, jump.allowed_us as f64 / 1e6)),
+            jump.map(|jump| {
+                (Fault::CycleJump, jump.by_us as f64 / 1e6, jump.allowed_us as f64 / 1e6)
+            }),
         ];
         found.into_iter().flatten().next()
     }
@@ -98,9 +108,12 @@ impl LineMonitor {
             _ if number == 0 => device.voltage_asked == 0,
             Some((sequence, voltage)) if sequence == number => device.voltage_asked == voltage,
             // Too long ago to know its voltage: an echo that stands still is as it was.
-            Some((sequence, _)) if sequence.wrapping_sub(number) < 1 << 31 => before.is_none_or(|before| {
-                before.command_sequence != number || before.voltage_asked == device.voltage_asked
-            }),
+            Some((sequence, _)) if sequence.wrapping_sub(number) < 1 << 31 => {
+                before.is_none_or(|before| {
+                    before.command_sequence != number
+                        || before.voltage_asked == device.voltage_asked
+                })
+            }
             _ => false,
         };
         (!known).then(|| (Fault::UnknownEcho, number.into(), self.last.into()))
@@ -109,12 +122,14 @@ impl LineMonitor {
     /// The motor had the voltage that was asked for in the cycle before.
     fn voltage(&mut self, device: &Measurement, before: Option<&Measurement>) -> Option<Finding> {
         let before = before.filter(|before| device.cycle.wrapping_sub(before.cycle) == 1)?;
-        let driven = before.state == State::Active && !before.expired && before.command_sequence != 0;
+        let driven =
+            before.state == State::Active && !before.expired && before.command_sequence != 0;
         let asked = if driven { before.voltage_asked } else { 0 };
         let difference = (i32::from(device.voltage_applied) - i32::from(asked)).abs();
         self.differing = if difference > self.band { self.differing + 1 } else { 0 };
         let volts = |counts: i32| f64::from(counts) * self.volts_per_count;
-        (self.differing >= DIFFERING).then(|| (Fault::VoltageDiffers, volts(difference), volts(self.band)))
+        (self.differing >= DIFFERING)
+            .then(|| (Fault::VoltageDiffers, volts(difference), volts(self.band)))
     }
 
     /// Refusals within a second.
@@ -131,18 +146,26 @@ impl LineMonitor {
         if refusals.1 > FOREIGN {
             return Some((Fault::ForeignFrames, refusals.1.into(), FOREIGN.into()));
         }
-        (u32::from(refusals.0) > most).then(|| (Fault::CommandsRefused, refusals.0.into(), most.into()))
+        (u32::from(refusals.0) > most)
+            .then(|| (Fault::CommandsRefused, refusals.0.into(), most.into()))
     }
 
-    /// The device does not run ahead of the time here. That it is late is no jump: what waits in a buffer is late.
-    fn time(&mut self, device: &Measurement, before: Option<&Measurement>, now: f64) -> Option<Finding> {
+    /// The device does not run ahead of the time here. That it is late is no jump: what waits in a
+    /// buffer is late.
+    fn time(
+        &mut self,
+        device: &Measurement,
+        before: Option<&Measurement>,
+        now: f64,
+    ) -> Option<Finding> {
         let cycles = before.map_or(0, |before| device.cycle.wrapping_sub(before.cycle));
         let passed = f64::from(cycles) * self.period;
         self.device_time += passed;
         let late = now - self.device_time;
         let least = *self.least_late.get_or_insert(late);
         let ahead = least - late;
-        // By the device's time: of a host that was stopped, none passes while it reads what waited for it.
+        // By the device's time: of a host that was stopped, none passes while it reads what waited
+        // for it.
         self.least_late = Some(late.min(least + SLOWER * passed));
         let learned = self.device_time - passed > LEARNING;
         (learned && ahead > AHEAD).then_some((Fault::CycleJump, ahead, AHEAD))
@@ -190,7 +213,8 @@ mod tests {
             };
             let session = answer.session.unwrap();
             let monitor = LineMonitor::new(&hello());
-            let mut bench = Self { device, monitor, session, sequence: 0, now: 0.0, waiting: Vec::new() };
+            let mut bench =
+                Self { device, monitor, session, sequence: 0, now: 0.0, waiting: Vec::new() };
             let origin = bench.origin();
             bench.device.receive(&HostMessage::Activate(origin)).unwrap();
             bench
@@ -208,7 +232,8 @@ mod tests {
             HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us: 20_000 })
         }
 
-        /// A cycle, and the measurement as `change` makes it; `heard` says whether it comes through.
+        /// A cycle, and the measurement as `change` makes it; `heard` says whether it comes
+        /// through.
         fn cycle(&mut self, heard: bool, change: impl Fn(&mut Measurement)) -> Option<Finding> {
             self.now += 1e-3;
             self.device.tick(Inputs::default());
@@ -271,7 +296,8 @@ mod tests {
             }
         }
 
-        /// A forged command is told, whatever its number and voltage: they are not those of a command that was sent.
+        /// A forged command is told, whatever its number and voltage: they are not those of a
+        /// command that was sent.
         #[test]
         fn a_forged_command_is_an_unknown_echo(ahead in 1..1000u32, voltage in 1..600i16) {
             let mut bench = Bench::new();
@@ -286,7 +312,8 @@ mod tests {
         }
     }
 
-    /// Drives for two seconds, with the measurements as `change` makes them: what is found first, and in which cycle.
+    /// Drives for two seconds, with the measurements as `change` makes them: what is found first,
+    /// and in which cycle.
     fn find(change: impl Fn(&mut Measurement, u32)) -> Option<(Fault, u32)> {
         let mut bench = Bench::new();
         (0..2000).find_map(|cycle| {
@@ -334,7 +361,8 @@ mod tests {
         assert_eq!(find(|seen, cycle| seen.cycle += if cycle < 70 { 0 } else { 1000 }), None);
     }
 
-    /// A host that was stopped for a minute finds a few old measurements and then new ones: no jump.
+    /// A host that was stopped for a minute finds a few old measurements and then new ones: no
+    /// jump.
     #[test]
     fn a_host_that_was_stopped_sees_no_jump() {
         let mut bench = Bench::new();

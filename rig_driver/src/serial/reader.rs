@@ -24,7 +24,8 @@ use super::{
 const WAIT: Duration = Duration::from_millis(20);
 /// Pause between two attempts to open a port that is gone.
 const RETRY: Duration = Duration::from_millis(100);
-/// Measurements of another session in a row that say that the device has another host: one may come late from before.
+/// Measurements of another session in a row that say that the device has another host: one may come
+/// late from before.
 const OTHERS: u32 = 3;
 
 /// What the thread tells.
@@ -77,7 +78,8 @@ pub(super) struct Reader {
     pub(super) patience: Duration,
     pub(super) events: SyncSender<Event>,
     pub(super) counts: Arc<Mutex<Counts>>,
-    /// The counts as they are; `counts` shows them whenever nobody looks at it, so that the thread never waits for who does.
+    /// The counts as they are; `counts` shows them whenever nobody looks at it, so that the thread
+    /// never waits for who does.
     pub(super) present: Cell<Counts>,
     pub(super) stop: Arc<AtomicBool>,
 }
@@ -161,7 +163,8 @@ impl Reader {
                 self.count(|counts| counts.others += 1);
                 last.others += 1;
                 let path = self.path.clone();
-                return (last.others >= OTHERS).then_some(End::Gone(SerialError::TakenOver { path }));
+                return (last.others >= OTHERS)
+                    .then_some(End::Gone(SerialError::TakenOver { path }));
             }
             Ok(Some(DeviceMessage::Measurement(measurement))) => {
                 last.others = 0;
@@ -178,7 +181,8 @@ impl Reader {
                 Event::Measurement(measurement, Instant::now())
             }
             Ok(Some(DeviceMessage::Fault(report))) => Event::Fault(report),
-            // A device that speaks up by itself has just started. An answer to our hello that came twice has its session.
+            // A device that speaks up by itself has just started. An answer to our hello that came
+            // twice has its session.
             Ok(Some(DeviceMessage::Hello(hello))) => {
                 return hello.session.is_none().then_some(End::Restarted);
             }
@@ -204,8 +208,9 @@ impl Reader {
             counts.rejections = Rejections::default();
         });
         while !self.stop.load(Ordering::Relaxed) {
-            let again = Port::open(&self.path, self.baud)
-                .and_then(|port| handshake(&port, self.baud, self.patience).map(|agreed| (port, agreed)));
+            let again = Port::open(&self.path, self.baud).and_then(|port| {
+                handshake(&port, self.baud, self.patience).map(|agreed| (port, agreed))
+            });
             match again {
                 Ok((port, agreed)) => return Some((Arc::new(port), agreed)),
                 Err(_) => thread::sleep(RETRY),

@@ -11,7 +11,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rig_protocol::{FaultReport, Hello, HostMessage, Message, Origin, Session, State, VoltageCommand};
+use rig_protocol::{
+    FaultReport, Hello, HostMessage, Message, Origin, Session, State, VoltageCommand,
+};
 
 use super::{
     Latency, LinkStatistics, SerialError, SerialOptions,
@@ -29,11 +31,14 @@ use crate::{
     safety::{self, Fault},
 };
 
-/// Measurements that wait to be used: an eighth of a second at 1 kHz. What is older is of no use to a loop.
+/// Measurements that wait to be used: an eighth of a second at 1 kHz. What is older is of no use to
+/// a loop.
 const QUEUE: usize = 128;
-/// Longest time between two frames to a device that is not driven: it is to know that its host is alive.
+/// Longest time between two frames to a device that is not driven: it is to know that its host is
+/// alive.
 const SIGN_OF_LIFE: Duration = Duration::from_millis(20);
-/// Longest wait for the acknowledgement of an emergency stop. The thread that drives is in it, with the motor at zero volts.
+/// Longest wait for the acknowledgement of an emergency stop. The thread that drives is in it, with
+/// the motor at zero volts.
 const STOPS_WITHIN: Duration = Duration::from_millis(20);
 
 /// The line to the device, as far as the loop knows.
@@ -82,11 +87,12 @@ pub struct SerialRig {
 }
 
 impl SerialRig {
-    /// Opens the port, lowers its latency timer where it has one, and says hello to the device, whose motor is at zero
-    /// volts from then on.
+    /// Opens the port, lowers its latency timer where it has one, and says hello to the device,
+    /// whose motor is at zero volts from then on.
     ///
     /// # Errors
-    /// [`SerialError`] if the port does not open, another program has it, nothing answers, or the device speaks another version.
+    /// [`SerialError`] if the port does not open, another program has it, nothing answers, or the
+    /// device speaks another version.
     pub fn open(path: &Path, options: SerialOptions) -> Result<Self, SerialError> {
         options.check()?;
         let port = Arc::new(Port::open(path, options.baud)?);
@@ -187,7 +193,8 @@ impl SerialRig {
         }
     }
 
-    /// The session that the device has granted; none while the line is down. It is no secret, and no proof of anything: see `PROTOCOL.md`.
+    /// The session that the device has granted; none while the line is down. It is no secret, and
+    /// no proof of anything: see `PROTOCOL.md`.
     #[must_use]
     pub const fn session(&self) -> Option<Session> {
         match &self.link {
@@ -196,7 +203,8 @@ impl SerialRig {
         }
     }
 
-    /// Keeps the device active while there is no voltage to command. Its host's silence would make it inactive.
+    /// Keeps the device active while there is no voltage to command. Its host's silence would make
+    /// it inactive.
     ///
     /// # Errors
     /// [`SerialError::Disconnected`] if the line is gone.
@@ -223,7 +231,11 @@ impl SerialRig {
     /// Sees to it that what was told to stop says so. `state` is what a new measurement shows.
     fn see_to_the_stop(&mut self, state: Option<State>) {
         let now = Instant::now();
-        if self.stopping.is_none() && state == Some(State::Active) && !self.active && !self.activating {
+        if self.stopping.is_none()
+            && state == Some(State::Active)
+            && !self.active
+            && !self.activating
+        {
             // Nobody here let the motor move.
             self.stopping = Some(Stopping::new(false, now - AGAIN));
         }
@@ -280,7 +292,8 @@ impl SerialRig {
         }
     }
 
-    /// Sends a message until a measurement shows the state that it asks for, or one in which it cannot be had.
+    /// Sends a message until a measurement shows the state that it asks for, or one in which it
+    /// cannot be had.
     fn request(
         &mut self,
         message: impl Fn(Origin) -> HostMessage,
@@ -305,7 +318,9 @@ impl SerialRig {
             }
             if state.is_some_and(&hopeless) || Instant::now() >= end {
                 return Err(match self.newest {
-                    Some((device, ..)) => SerialError::NotActive { state: device.state, cause: device.cause },
+                    Some((device, ..)) => {
+                        SerialError::NotActive { state: device.state, cause: device.cause }
+                    }
                     None => self.silent(),
                 });
             }
@@ -324,7 +339,9 @@ impl SerialRig {
                 }
                 Err(RecvTimeoutError::Timeout) => return Ok(false),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(SerialError::Thread { reason: "the serial reader has ended".into() });
+                    return Err(SerialError::Thread {
+                        reason: "the serial reader has ended".into(),
+                    });
                 }
             }
         }
@@ -366,7 +383,11 @@ impl SerialRig {
                 // The numbers of a session begin anew; a new session is at zero volts.
                 (self.sequence, self.newest, self.active) = (0, None, false);
                 self.stopping = self.stopping.filter(|stopping| stopping.emergency);
-                if restarted { Err(SerialError::Restarted { path: self.path.clone() }) } else { Ok(false) }
+                if restarted {
+                    Err(SerialError::Restarted { path: self.path.clone() })
+                } else {
+                    Ok(false)
+                }
             }
         }
     }
@@ -428,7 +449,8 @@ impl Rig for SerialRig {
             self.statistics.skipped += u64::from(measured && fresh);
             fresh |= measured;
         }
-        // Who comes late to a full queue finds only old ones in it; the device would refuse the answer.
+        // Who comes late to a full queue finds only old ones in it; the device would refuse the
+        // answer.
         fresh &= self.age().is_some_and(|age| age < 0.5 * self.options.validity);
         if fresh || self.next(end)? {
             self.waited = true;
@@ -445,8 +467,8 @@ impl Rig for SerialRig {
         .into())
     }
 
-    /// The newest measurement. Without a [`wait`](Rig::wait) before, it waits itself; if no cycle comes, the
-    /// measurement is the last one, marked as a fault.
+    /// The newest measurement. Without a [`wait`](Rig::wait) before, it waits itself; if no cycle
+    /// comes, the measurement is the last one, marked as a fault.
     fn measure(&mut self) -> Measurement {
         let failed = !self.waited && self.wait().is_err();
         (self.waited, self.seen) = (false, true);
@@ -468,13 +490,17 @@ impl Rig for SerialRig {
             // A motor that may not move has zero volts already.
             (Link::Up(..), _) if voltage == 0 && volts.is_finite() => return Ok(()),
             (Link::Up(..), Some((device, ..))) => {
-                return Err(SerialError::NotActive { state: device.state, cause: device.cause }.into());
+                return Err(
+                    SerialError::NotActive { state: device.state, cause: device.cause }.into()
+                );
             }
             (Link::Up(..), None) => return Err(self.silent().into()),
         };
         let validity_us = (self.options.validity * 1e6).round() as u32;
         self.statistics.commands += 1;
-        self.send(|origin| HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us }))?;
+        self.send(|origin| {
+            HostMessage::Voltage(VoltageCommand { origin, answers, voltage, validity_us })
+        })?;
         if volts.is_finite() { Ok(()) } else { Err(RigError::VoltageNotFinite(volts)) }
     }
 
@@ -503,13 +529,15 @@ impl Rig for SerialRig {
         Ok(())
     }
 
-    /// Tells the device to rest, without waiting for it to say so; if it does not within 0.1 s, that is a fault.
+    /// Tells the device to rest, without waiting for it to say so; if it does not within 0.1 s,
+    /// that is a fault.
     fn halt(&mut self) -> Result<(), RigError> {
         Ok(self.stop(false)?)
     }
 
-    /// Latches an emergency stop in the device. Waits up to 20 ms for a measurement that shows it; the device is told again every 10 ms
-    /// until one does, and if none does within 0.1 s, that is a fault.
+    /// Latches an emergency stop in the device. Waits up to 20 ms for a measurement that shows it;
+    /// the device is told again every 10 ms until one does, and if none does within 0.1 s, that is
+    /// a fault.
     fn emergency_stop(&mut self) -> Result<(), RigError> {
         self.stop(true)?;
         let end = Instant::now() + STOPS_WITHIN;
@@ -523,8 +551,8 @@ impl Rig for SerialRig {
         Err(SerialError::StopNotAcknowledged { path: self.path.clone(), milliseconds }.into())
     }
 
-    /// Clears what is latched in the device, a voltage here that was not a number, and what was found out about the line. The motor stays at zero
-    /// volts until activated.
+    /// Clears what is latched in the device, a voltage here that was not a number, and what was
+    /// found out about the line. The motor stays at zero volts until activated.
     fn clear(&mut self) -> Result<(), RigError> {
         (self.fault, self.finding, self.stopping) = (false, None, None);
         self.monitor.restart();
@@ -542,7 +570,8 @@ impl Rig for SerialRig {
 }
 
 impl Drop for SerialRig {
-    /// Leaves the motor at zero volts, and says so to the device rather than wait for the command's end.
+    /// Leaves the motor at zero volts, and says so to the device rather than wait for the command's
+    /// end.
     fn drop(&mut self) {
         // The line may be gone; the device knows what to do then.
         let _ = self.send(|_| HostMessage::Deactivate);

@@ -16,7 +16,8 @@ pub(super) struct Scaling {
     /// The encoder's count of the measurement before, of the same session.
     before: Option<i32>,
     encoder: i64,
-    /// Time [us] and encoder count of the last measurements, the present one at `cycle % DIFFERENCE` of this session.
+    /// Time [us] and encoder count of the last measurements, the present one at
+    /// `cycle % DIFFERENCE` of this session.
     earlier: [Option<(u64, i64)>; DIFFERENCE],
     place: usize,
 }
@@ -39,12 +40,13 @@ impl Scaling {
 
     /// Period of the device's cycle [s].
     pub(super) fn period(&self) -> f64 {
-        // Divided, so that 100 us are the same number as 1e-4 s in a limit: 100 * 1e-6 is below it by a bit.
+        // Divided, so that 100 us are the same number as 1e-4 s in a limit: 100 * 1e-6 is below it
+        // by a bit.
         f64::from(self.hello.period_us) / 1e6
     }
 
-    /// A new session: cycles and time go on one period after the last measurement, since nobody knows how long the line
-    /// was gone; the encoder counts as the device says.
+    /// A new session: cycles and time go on one period after the last measurement, since nobody
+    /// knows how long the line was gone; the encoder counts as the device says.
     pub(super) fn rejoin(&mut self, hello: Hello) {
         self.hello = hello;
         self.clock.rejoin(hello.period_us);
@@ -65,8 +67,14 @@ impl Scaling {
         (counts.clamp(-limit, limit) as i16, counts.abs() > limit)
     }
 
-    /// The device's measurement in SI units, and whether its clock contradicts its cycles; `asked` is the voltage that the controller asked for [V].
-    pub(super) fn scaled(&mut self, now: &Counts, asked: f64, cut: bool) -> (Measurement, Option<Jump>) {
+    /// The device's measurement in SI units, and whether its clock contradicts its cycles; `asked`
+    /// is the voltage that the controller asked for [V].
+    pub(super) fn scaled(
+        &mut self,
+        now: &Counts,
+        asked: f64,
+        cut: bool,
+    ) -> (Measurement, Option<Jump>) {
         let jump = self.clock.advance(now);
         self.encoder = match self.before.replace(now.readings.encoder) {
             Some(before) => self.encoder + i64::from(now.readings.encoder.wrapping_sub(before)),
@@ -89,7 +97,9 @@ impl Scaling {
             },
             potentiometer_position: of(readings.potentiometer, self.hello.potentiometer_per_count),
             torque: of(readings.torque, self.hello.torque_per_count),
-            motor_current: channels.current.then(|| of(readings.current, self.hello.current_per_count)),
+            motor_current: channels
+                .current
+                .then(|| of(readings.current, self.hello.current_per_count)),
             voltage_asked: asked,
             voltage_applied: f64::from(now.voltage_applied) * f64::from(self.hello.volts_per_count),
             saturated: now.saturated || cut,
@@ -105,8 +115,12 @@ impl Scaling {
         self.place = (self.place + 1) % DIFFERENCE;
         let oldest = self.earlier.get_mut(self.place).and_then(|place| place.replace(now));
         // Until the ring has gone round, its first entry serves.
-        match oldest.or_else(|| self.earlier.iter().flatten().min_by_key(|(time, _)| *time).copied()) {
-            Some((time, count)) if time < now.0 => (now.1 - count) as f64 / ((now.0 - time) as f64 * 1e-6),
+        match oldest
+            .or_else(|| self.earlier.iter().flatten().min_by_key(|(time, _)| *time).copied())
+        {
+            Some((time, count)) if time < now.0 => {
+                (now.1 - count) as f64 / ((now.0 - time) as f64 * 1e-6)
+            }
             _ => 0.0,
         }
     }
@@ -129,7 +143,8 @@ mod tests {
         Counts { cycle, time_us, readings, voltage_applied: -250, ..measured() }
     }
 
-    const ALL: Channels = Channels { tachometer: true, potentiometer: true, torque: true, current: true };
+    const ALL: Channels =
+        Channels { tachometer: true, potentiometer: true, torque: true, current: true };
 
     #[test]
     fn counts_become_si_units_and_time_begins_at_zero() {
@@ -172,16 +187,21 @@ mod tests {
     /// 2 counts a cycle of 1 ms are 2000 counts/s, pi rad/s at 4000 counts a turn.
     #[test]
     fn without_a_tachometer_the_encoder_gives_the_velocity() {
-        let mut scaling = Scaling::new(Hello { tachometer_per_count: 0.0, ..hello(Channels::default()) });
+        let mut scaling =
+            Scaling::new(Hello { tachometer_per_count: 0.0, ..hello(Channels::default()) });
         let first = scaling.scaled(&counts(0, 0), 0.0, false).0;
         assert_eq!((first.tachometer_velocity, first.motor_current), (0.0, None));
         for cycle in 1..40u16 {
             let seen = scaling.scaled(&counts(cycle.into(), 2 * i32::from(cycle)), 0.0, false).0;
-            assert!((seen.tachometer_velocity - std::f64::consts::PI).abs() < 1e-9, "cycle {cycle}");
+            assert!(
+                (seen.tachometer_velocity - std::f64::consts::PI).abs() < 1e-9,
+                "cycle {cycle}"
+            );
         }
     }
 
-    /// Every period that a device may have lies within the ranges that others hold it to, the ends included.
+    /// Every period that a device may have lies within the ranges that others hold it to, the ends
+    /// included.
     #[test]
     fn a_period_of_100_us_is_100_us() {
         for (period_us, seconds) in [(100, 1e-4), (300, 3e-4), (1000, 1e-3), (10_000, 0.01)] {

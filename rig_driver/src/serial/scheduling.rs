@@ -10,11 +10,14 @@ use thread_priority::{
     thread_schedule_policy_param,
 };
 
-/// Gives `reader` the calling thread's real-time class and priority, if the caller has one: what the control thread waits for is then not held
-/// up by what it overtakes. Says whether the reader has the caller's class now; an ordinary caller changes nothing.
+/// Gives `reader` the calling thread's real-time class and priority, if the caller has one: what
+/// the control thread waits for is then not held up by what it overtakes. Says whether the reader
+/// has the caller's class now; an ordinary caller changes nothing.
 #[cfg(unix)]
 pub(super) fn follow(reader: &JoinHandle<()>) -> bool {
-    let Ok((policy, parameters)) = thread_schedule_policy_param(thread_native_id()) else { return false };
+    let Ok((policy, parameters)) = thread_schedule_policy_param(thread_native_id()) else {
+        return false;
+    };
     if !matches!(policy, ThreadSchedulePolicy::Realtime(_)) {
         return true;
     }
@@ -58,7 +61,9 @@ mod tests {
             let priority = ThreadPriority::Crossplatform(ThreadPriorityValue::try_from(7).unwrap());
             match set_thread_priority_and_policy(thread_native_id(), priority, policy) {
                 Ok(()) => assert!(follow(&reader)),
-                Err(error) => println!("no real-time class is granted here ({error:?}): both stay ordinary"),
+                Err(error) => {
+                    println!("no real-time class is granted here ({error:?}): both stay ordinary")
+                }
             }
             ask.send(()).unwrap();
             assert_eq!(told.recv().unwrap(), class());

@@ -6,8 +6,8 @@ use rig_protocol::State;
 
 /// Time between two requests for a change of state.
 pub(super) const AGAIN: Duration = Duration::from_millis(10);
-/// Time in which a stop has to be acknowledged by a measurement, and measurements that have to have come in it: on a line that is silent nothing
-/// can be acknowledged, which is an error of its own.
+/// Time in which a stop has to be acknowledged by a measurement, and measurements that have to have
+/// come in it: on a line that is silent nothing can be acknowledged, which is an error of its own.
 pub(super) const PATIENCE: Duration = Duration::from_millis(100);
 const MEASUREMENTS: u32 = 20;
 

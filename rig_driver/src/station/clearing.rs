@@ -31,7 +31,8 @@ pub(crate) enum NotCleared {
 pub(crate) enum ClearStep {
     /// Have the node deactivate.
     Deactivate,
-    /// Have the node clean up: whoever stopped the machine may have changed it, so it is configured anew.
+    /// Have the node clean up: whoever stopped the machine may have changed it, so it is configured
+    /// anew.
     CleanUp,
     /// It is over.
     Done(Result<(), NotCleared>),

@@ -1,4 +1,5 @@
-//! The control thread's part: requests, the stop and the permission, in every cycle before a voltage is put out.
+//! The control thread's part: requests, the stop and the permission, in every cycle before a
+//! voltage is put out.
 
 use super::Station;
 use crate::{
@@ -16,7 +17,8 @@ pub(crate) struct Checked {
 }
 
 impl Station {
-    /// Does a request that has begun. It is no error that a motor which is to rest does so already; and nothing is activated under a stop.
+    /// Does a request that has begun. It is no error that a motor which is to rest does so already;
+    /// and nothing is activated under a stop.
     pub(crate) fn carry_out<R: Rig>(
         &self,
         rig: &mut Supervised<R>,
@@ -25,13 +27,16 @@ impl Station {
         let state = rig.supervisor().state();
         match request {
             Request::Deactivate if !state.moves() => Ok(state),
-            Request::Activate if self.latch.is_set() => Err(RigError::NotActive(State::EmergencyStopped)),
+            Request::Activate if self.latch.is_set() => {
+                Err(RigError::NotActive(State::EmergencyStopped))
+            }
             _ => rig.request(request),
         }
     }
 
-    /// Looks at stop and permission. To be called right before the voltage of a cycle is put out, whatever came of everything before. `heard` is the newest press
-    /// that the back end has acknowledged; the control thread keeps it.
+    /// Looks at stop and permission. To be called right before the voltage of a cycle is put out,
+    /// whatever came of everything before. `heard` is the newest press that the back end has
+    /// acknowledged; the control thread keeps it.
     pub(crate) fn check<R: Rig>(&self, rig: &mut Supervised<R>, heard: &mut u64) -> Checked {
         let permitted = self.permission.is_given();
         let set = self.latch.is_set();

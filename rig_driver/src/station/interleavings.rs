@@ -1,8 +1,10 @@
-//! Every order in which stop, transitions, clearing, faults, a slow back end and given-up requests can follow each other.
+//! Every order in which stop, transitions, clearing, faults, a slow back end and given-up requests
+//! can follow each other.
 //!
-//! The world below is the node's logic as it is, with people and threads replaced by a list of what can happen next. The search takes every entry of that list in
-//! every state that can be reached, until there is no new one: exhaustive within the budgets, which bound how often people ask. All shared accesses are sequentially
-//! consistent, so that orders of steps are all that can differ.
+//! The world below is the node's logic as it is, with people and threads replaced by a list of what
+//! can happen next. The search takes every entry of that list in every state that can be reached,
+//! until there is no new one: exhaustive within the budgets, which bound how often people ask. All
+//! shared accesses are sequentially consistent, so that orders of steps are all that can differ.
 
 use std::{
     collections::HashSet,
@@ -10,8 +12,8 @@ use std::{
 };
 
 use super::{
-    Checked, ClearStep, Clearing, Desk, Hands, Kind, NodePhase, Permission, Presence, Progress, Reason,
-    Station, Stopped, Walk,
+    Checked, ClearStep, Clearing, Desk, Hands, Kind, NodePhase, Permission, Presence, Progress,
+    Reason, Station, Stopped, Walk,
 };
 use crate::{
     Measurement, Rig, RigError,
@@ -105,7 +107,8 @@ impl Hands for Bench {
             ..SafetyLimits::default()
         };
         let rig = Supervised::new(Motor::default(), limits).unwrap();
-        self.thread = Some(Thread { rig, at: At::Measure, heard: 0, checked: None, cycles: 0, ends: false });
+        self.thread =
+            Some(Thread { rig, at: At::Measure, heard: 0, checked: None, cycles: 0, ends: false });
         (self.mail, self.answer) = (None, None);
         Ok(())
     }
@@ -251,10 +254,28 @@ impl World {
             )
         });
         (
-            (self.station.latch.counts(), self.station.permission.word(), self.station.desk.numbers()),
+            (
+                self.station.latch.counts(),
+                self.station.permission.word(),
+                self.station.desk.numbers(),
+            ),
             (self.station.presence(), self.phase, self.before, &self.walk, thread),
-            (self.bench.opened, self.bench.mail, &self.bench.answer, &self.asked, self.clearing, self.budget),
-            (self.held, self.since_press, self.at_rest, self.given_up, self.held_at_step, self.withdrawn),
+            (
+                self.bench.opened,
+                self.bench.mail,
+                &self.bench.answer,
+                &self.asked,
+                self.clearing,
+                self.budget,
+            ),
+            (
+                self.held,
+                self.since_press,
+                self.at_rest,
+                self.given_up,
+                self.held_at_step,
+                self.withdrawn,
+            ),
             (self.moved, self.cleared),
         )
             .hash(&mut hasher);
@@ -375,10 +396,15 @@ impl World {
         let held = std::mem::replace(&mut self.held_at_step, self.held);
         let Progress::Done(outcome) = progress else { return };
         if outcome.is_ok() && matches!(self.phase, Phase::On(Kind::Configure | Kind::Activate)) {
-            assert!(!held, "a transition succeeds although a stop was answered before its last look");
+            assert!(
+                !held,
+                "a transition succeeds although a stop was answered before its last look"
+            );
         }
 
-        if let (Err(Reason::NoAnswer { begun: false }), [last, _]) = (&outcome, self.station.desk.numbers()) {
+        if let (Err(Reason::NoAnswer { begun: false }), [last, _]) =
+            (&outcome, self.station.desk.numbers())
+        {
             self.withdrawn = last;
         }
         let Phase::On(kind) = self.phase else { panic!("no transition is under way") };
@@ -387,7 +413,8 @@ impl World {
             (Kind::Activate, true) => NodePhase::Active,
             (Kind::CleanUp, true) | (Kind::Configure, false) => NodePhase::Unconfigured,
             (Kind::Activate, false) => NodePhase::Inactive,
-            // The node cannot say that it moves when it does not know: the rig is closed, as `recover` does.
+            // The node cannot say that it moves when it does not know: the rig is closed, as
+            // `recover` does.
             (Kind::Deactivate | Kind::CleanUp, false) => {
                 self.begin(For::Anybody, Kind::CleanUp);
                 return;
@@ -404,8 +431,8 @@ impl World {
             Phase::On(_) if matches!(self.walk, Some((For::Clearing, _))) => return,
             Phase::On(_) => NodePhase::Between,
         };
-        let unseen =
-            self.station.presence() == Presence::Running && !self.station.latch.was_seen(clearing.press());
+        let unseen = self.station.presence() == Presence::Running
+            && !self.station.latch.was_seen(clearing.press());
         let step = clearing.step(&self.station, phase);
         assert!(!unseen || matches!(step, ClearStep::Done(Err(_))));
         let kind = match step {
@@ -441,13 +468,16 @@ impl World {
                 At::Take
             }
             At::Take => match self.bench.mail.take() {
-                Some((number, request)) if station.desk.begin(number) => At::Perform(number, request),
+                Some((number, request)) if station.desk.begin(number) => {
+                    At::Perform(number, request)
+                }
                 _ => At::Check,
             },
             At::Perform(number, request) => {
                 assert_ne!(number, self.withdrawn, "a request that was withdrawn is done");
                 let answer = station.carry_out(&mut thread.rig, request);
-                self.bench.answer = Some((number, answer.map(drop).map_err(|error| error.to_string())));
+                self.bench.answer =
+                    Some((number, answer.map(drop).map_err(|error| error.to_string())));
                 At::Take
             }
             At::Check => {
@@ -480,13 +510,16 @@ impl World {
             *count += 1;
             assert!(*count <= 1, "more than the cycle that had begun moves after a press");
         }
-        if let Phase::Primary(NodePhase::Unconfigured | NodePhase::Inactive | NodePhase::Finalized)
+        if let Phase::Primary(
+            NodePhase::Unconfigured | NodePhase::Inactive | NodePhase::Finalized,
+        )
         | Phase::On(Kind::Configure | Kind::CleanUp) = self.phase
         {
             self.at_rest += 1;
             assert!(self.at_rest <= 1, "the motor moves while the node rests");
             // An activation that a press ends may end before the cycle that had begun.
-            let cut_short = self.given_up || self.since_press.is_some() || self.station.permission.has_left();
+            let cut_short =
+                self.given_up || self.since_press.is_some() || self.station.permission.has_left();
             assert!(cut_short, "the node rests only after the motor does");
         }
     }
@@ -524,7 +557,8 @@ fn search(budget: Budget) -> Found {
             found.moved_after_clearing |= next.cleared && !moved && next.moved;
             found.stopped_while_opening |=
                 world.station.presence() == Presence::Opening && !world.held && next.held;
-            let latched = next.bench.thread.as_ref().and_then(|thread| thread.rig.supervisor().latched());
+            let latched =
+                next.bench.thread.as_ref().and_then(|thread| thread.rig.supervisor().latched());
             found.permission_withdrawn |=
                 latched.is_some_and(|report| report.fault == Fault::PermissionWithdrawn);
             if seen.insert(next.key()) {
@@ -539,7 +573,8 @@ fn search(budget: Budget) -> Found {
 const NONE: Budget =
     Budget { transitions: 0, stops: 0, clears: 0, faults: 0, give_ups: 0, deaf: 0, leaves: 0 };
 
-/// From unconfigured to active takes two transitions; with four, or five after a clearing, every way there is goes through.
+/// From unconfigured to active takes two transitions; with four, or five after a clearing, every
+/// way there is goes through.
 #[test]
 fn no_order_of_stop_transitions_and_clearing_moves_the_motor_after_the_stops_answer() {
     let found = search(Budget { transitions: 4, stops: 2, clears: 1, ..NONE });
@@ -567,7 +602,8 @@ fn nor_in_longer_stories() {
     if std::env::var_os("FRICTION_FULL").is_none() {
         return;
     }
-    let found = search(Budget { transitions: 4, stops: 2, clears: 1, faults: 1, give_ups: 1, ..NONE });
+    let found =
+        search(Budget { transitions: 4, stops: 2, clears: 1, faults: 1, give_ups: 1, ..NONE });
     println!("{found:?}");
     assert!(found.moved_after_clearing);
 }

@@ -1,8 +1,10 @@
-//! What people ask of a rig, and what its control thread does about it: the node's logic without ROS, clocks and threads.
+//! What people ask of a rig, and what its control thread does about it: the node's logic without
+//! ROS, clocks and threads.
 //!
-//! Everything that is shared is in [`Station`], and every access to it is one atomic, sequentially consistent step. The transitions
-//! ([`Walk`]), the clearing of a stop ([`Clearing`]) and the control thread's part of a cycle ([`Checked`]) are machines that take one step when they are told to: the
-//! node steps them by clock and thread, and a test in every order there is.
+//! Everything that is shared is in [`Station`], and every access to it is one atomic, sequentially
+//! consistent step. The transitions ([`Walk`]), the clearing of a stop ([`Clearing`]) and the
+//! control thread's part of a cycle ([`Checked`]) are machines that take one step when they are
+//! told to: the node steps them by clock and thread, and a test in every order there is.
 
 mod clearing;
 mod cycle;
@@ -80,7 +82,8 @@ impl Station {
 
     /// The answer to a press, once there is one.
     pub(crate) fn stopped(&self, press: u64) -> Option<Stopped> {
-        // A thread that is there after this has read the latch, or will before it puts a voltage out.
+        // A thread that is there after this has read the latch, or will before it puts a voltage
+        // out.
         match self.presence() {
             _ if self.latch.was_seen(press) => Some(Stopped::AtZeroVolts),
             Presence::Absent => Some(Stopped::NoRig),

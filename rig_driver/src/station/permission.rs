@@ -6,7 +6,8 @@ const RESTS: u8 = 0;
 const MOVES: u8 = 1;
 const LEFT: u8 = 2;
 
-/// Given by the node when it activates, taken when it does anything else; the control thread reads it before every voltage.
+/// Given by the node when it activates, taken when it does anything else; the control thread reads
+/// it before every voltage.
 #[derive(Debug, Default)]
 pub(crate) struct Permission(AtomicU8);
 

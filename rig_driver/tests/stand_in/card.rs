@@ -1,6 +1,8 @@
-//! The card of the stand-in library, in a process of its own: an output and a watchdog that go on when the driver is gone.
+//! The card of the stand-in library, in a process of its own: an output and a watchdog that go on
+//! when the driver is gone.
 //!
-//! Reads lines from its input, answers each with a number, and writes into the log what the output is.
+//! Reads lines from its input, answers each with a number, and writes into the log what the output
+//! is.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, Write};
@@ -57,7 +59,8 @@ impl Card {
 fn main() {
     let log = std::env::args().nth(1).expect("the log's name");
     let log = OpenOptions::new().append(true).open(log).expect("the log opens");
-    // Without the driver's help the output would stay as it is: only the watchdog and the states it was given zero it.
+    // Without the driver's help the output would stay as it is: only the watchdog and the states it
+    // was given zero it.
     let mut card = Card {
         log,
         volts: 9.0,

@@ -1,8 +1,10 @@
-//! A stand-in for the vendor's HIL library, built by the tests with `rustc`. It writes every call into a file, can refuse any of them,
-//! and can hand its card to a process of its own (`card.rs`), which outlives a driver that is killed.
+//! A stand-in for the vendor's HIL library, built by the tests with `rustc`. It writes every call
+//! into a file, can refuse any of them, and can hand its card to a process of its own (`card.rs`),
+//! which outlives a driver that is killed.
 //!
-//! What it does stands in the card's identifier: `log=FILE`, `fail=FUNCTION@N` (the Nth call of it), `expired=N` (the watchdog
-//! has expired at the Nth reload), `card=PROGRAM`; parted by semicolons.
+//! What it does stands in the card's identifier: `log=FILE`, `fail=FUNCTION@N` (the Nth call of
+//! it), `expired=N` (the watchdog has expired at the Nth reload), `card=PROGRAM`; parted by
+//! semicolons.
 
 #![allow(non_snake_case, unsafe_code, unused_unsafe)]
 

@@ -58,7 +58,9 @@ impl Bench {
 
     /// Gives an order.
     pub fn order(&mut self, order: &str) {
-        writeln!(self.orders, "{order}").and_then(|()| self.orders.flush()).expect("the emulator listens");
+        writeln!(self.orders, "{order}")
+            .and_then(|()| self.orders.flush())
+            .expect("the emulator listens");
     }
 
     /// The books so far.
@@ -69,7 +71,8 @@ impl Bench {
         serde_json::from_str(&line).expect("JSON")
     }
 
-    /// Waits until the device has gone through `cycles` more cycles, on its own clock. Returns the books then.
+    /// Waits until the device has gone through `cycles` more cycles, on its own clock. Returns the
+    /// books then.
     pub fn pass(&mut self, cycles: u64) -> Value {
         let end = self.status()["books"]["cycles"].as_u64().expect("a number") + cycles;
         loop {
@@ -81,7 +84,8 @@ impl Bench {
         }
     }
 
-    /// Ends the emulator. Returns the books, in which the motor has never had a voltage that it should not have had.
+    /// Ends the emulator. Returns the books, in which the motor has never had a voltage that it
+    /// should not have had.
     pub fn finish(mut self) -> Value {
         let status = self.status();
         drop(self.orders);

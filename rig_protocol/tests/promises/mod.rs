@@ -1,7 +1,10 @@
-//! The device's promises as books of their own, written from `PROTOCOL.md` and not from the device's code: which message is taken, and what
-//! voltage the motor has. Tests put the same events to a device and to these books.
+//! The device's promises as books of their own, written from `PROTOCOL.md` and not from the
+//! device's code: which message is taken, and what voltage the motor has. Tests put the same events
+//! to a device and to these books.
 
-use rig_protocol::{Channels, Hello, HostMessage, Inputs, Name, Origin, Session, VoltageCommand, WINDOW};
+use rig_protocol::{
+    Channels, Hello, HostMessage, Inputs, Name, Origin, Session, VoltageCommand, WINDOW,
+};
 
 /// Largest voltage [count].
 pub const LIMIT: i16 = 1000;
@@ -76,7 +79,8 @@ impl Promises {
         }
     }
 
-    /// A message comes. Says whether it is to be obeyed. Where it is a hello, `granted` is the session that the device named.
+    /// A message comes. Says whether it is to be obeyed. Where it is a hello, `granted` is the
+    /// session that the device named.
     pub fn says(&mut self, message: &HostMessage, granted: Option<Session>) -> bool {
         let (origin, possible) = match *message {
             HostMessage::Hello { number } => return self.greeted(number, granted),
@@ -95,9 +99,9 @@ impl Promises {
                 (origin, self.active && age >= 0 && age < validity)
             }
             HostMessage::Activate(origin) => (origin, !self.latched),
-            HostMessage::Heartbeat(origin) | HostMessage::Clear(origin) | HostMessage::Close(origin) => {
-                (origin, true)
-            }
+            HostMessage::Heartbeat(origin)
+            | HostMessage::Clear(origin)
+            | HostMessage::Close(origin) => (origin, true),
         };
         if self.owner.map(|(_, session)| session) != Some(origin.session) {
             self.foreign += 1;
@@ -138,7 +142,10 @@ impl Promises {
                 return false;
             }
             (None, Some(granted)) => {
-                assert!(self.owner.is_none_or(|(_, session)| session != granted), "the same session twice");
+                assert!(
+                    self.owner.is_none_or(|(_, session)| session != granted),
+                    "the same session twice"
+                );
                 (self.owner, self.last) = (Some((number, granted)), 0);
             }
             (None, None) => panic!("a hello that nothing speaks against was not answered"),

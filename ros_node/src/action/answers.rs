@@ -29,8 +29,19 @@ pub(crate) struct Answers {
 
 impl Answers {
     /// Those of the action of that absolute name.
-    pub(crate) fn new(action: &str, logger: Logger, hearers: Arc<Hearers>, runtime: Handle) -> Arc<Self> {
-        Arc::new(Self { action: action.to_owned(), logger, hearers, runtime, held: Mutex::default() })
+    pub(crate) fn new(
+        action: &str,
+        logger: Logger,
+        hearers: Arc<Hearers>,
+        runtime: Handle,
+    ) -> Arc<Self> {
+        Arc::new(Self {
+            action: action.to_owned(),
+            logger,
+            hearers,
+            runtime,
+            held: Mutex::default(),
+        })
     }
 
     /// Calls `send` at once if the client hears the answer, and else as soon as it does.

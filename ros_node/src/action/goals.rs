@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use ros2_client::{
     RmwRequestId,
-    action::{CancelGoalResponse, GetResultResponse, GoalEndStatus, GoalId, GoalInfo, GoalStatusEnum},
+    action::{
+        CancelGoalResponse, GetResultResponse, GoalEndStatus, GoalId, GoalInfo, GoalStatusEnum,
+    },
     action_msgs::{CancelGoalResponseEnum, GoalStatus, GoalStatusArray},
     builtin_interfaces::Time,
 };
@@ -68,7 +70,8 @@ impl<R: Clone + Default> Goals<R> {
         self.records.insert(id, record);
         let finished = self.records.iter().filter(|(_, record)| record.result.is_some());
         if finished.clone().count() > KEPT
-            && let Some(oldest) = finished.min_by_key(|(_, record)| record.number).map(|(id, _)| *id)
+            && let Some(oldest) =
+                finished.min_by_key(|(_, record)| record.number).map(|(id, _)| *id)
         {
             self.records.remove(&oldest);
         }
@@ -105,13 +108,19 @@ impl<R: Clone + Default> Goals<R> {
         CancelGoalResponse { return_code, goals_canceling }
     }
 
-    /// The result for whoever asks; none yet if the goal is not finished, then the answer comes with [`finish`](Self::finish).
+    /// The result for whoever asks; none yet if the goal is not finished, then the answer comes
+    /// with [`finish`](Self::finish).
     pub(super) fn result(&mut self, id: GoalId, to: RmwRequestId) -> Option<GetResultResponse<R>> {
         let Some(record) = self.records.get_mut(&id) else {
-            return Some(GetResultResponse { status: GoalStatusEnum::Unknown, result: R::default() });
+            return Some(GetResultResponse {
+                status: GoalStatusEnum::Unknown,
+                result: R::default(),
+            });
         };
         match &record.result {
-            Some(result) => Some(GetResultResponse { status: record.status, result: result.clone() }),
+            Some(result) => {
+                Some(GetResultResponse { status: record.status, result: result.clone() })
+            }
             None => {
                 record.waiting.push(to);
                 None
@@ -189,7 +198,8 @@ mod tests {
     #[test]
     fn cancel_requests_mean_what_rcl_says() {
         let (goals, first, second) = goals();
-        let asks = |goal_id, nanos| goals.matching(&Wanted { goal_id, stamp: Time::from_nanos(nanos) });
+        let asks =
+            |goal_id, nanos| goals.matching(&Wanted { goal_id, stamp: Time::from_nanos(nanos) });
         assert_eq!(asks(GoalId::ZERO, 0).len(), 2, "everything");
         assert_eq!(asks(GoalId::ZERO, 10), [first], "everything up to then");
         assert_eq!(asks(second, 0), [second], "one");
@@ -207,7 +217,10 @@ mod tests {
         assert_eq!(goals.statuses().status_list[0].status, GoalStatusEnum::Canceling);
         assert_eq!(goals.cancel(&one(second), &[]).return_code, CancelGoalResponseEnum::Rejected);
         goals.finish(first, GoalEndStatus::Canceled, 0);
-        assert_eq!(goals.cancel(&one(first), &[]).return_code, CancelGoalResponseEnum::GoalTerminated);
+        assert_eq!(
+            goals.cancel(&one(first), &[]).return_code,
+            CancelGoalResponseEnum::GoalTerminated
+        );
         let unknown = one(GoalId::new_random());
         assert_eq!(goals.cancel(&unknown, &[]).return_code, CancelGoalResponseEnum::UnknownGoal);
     }

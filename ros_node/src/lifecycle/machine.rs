@@ -137,7 +137,8 @@ struct Inner {
 }
 
 impl Lifecycle {
-    /// Makes `node` a managed one, in state unconfigured, and offers its five services and its event.
+    /// Makes `node` a managed one, in state unconfigured, and offers its five services and its
+    /// event.
     ///
     /// # Errors
     /// [`RosNodeError::Create`] if the middleware refuses.
@@ -163,13 +164,17 @@ impl Lifecycle {
         node.serve::<GetState>("~/get_state", move |_| GetStateResponse {
             current_state: lifecycle.phase().message(),
         })?;
-        node.serve::<GetAvailableStates>("~/get_available_states", |_| GetAvailableStatesResponse {
-            available_states: Phase::ALL.iter().map(|phase| phase.message()).collect(),
+        node.serve::<GetAvailableStates>("~/get_available_states", |_| {
+            GetAvailableStatesResponse {
+                available_states: Phase::ALL.iter().map(|phase| phase.message()).collect(),
+            }
         })?;
         let lifecycle = this.clone();
         node.serve::<GetAvailableTransitions>("~/get_available_transitions", move |_| {
             let phase = lifecycle.phase();
-            GetAvailableTransitionsResponse { available_transitions: described(|row| row.start == phase) }
+            GetAvailableTransitionsResponse {
+                available_transitions: described(|row| row.start == phase),
+            }
         })?;
         node.serve::<GetAvailableTransitions>("~/get_transition_graph", |_| {
             GetAvailableTransitionsResponse { available_transitions: described(|_| true) }
@@ -184,8 +189,9 @@ impl Lifecycle {
         Phase::ALL.into_iter().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
     }
 
-    /// Whether the node is to configure and activate itself, given its parameter `autostart`: in a process's first life, and in a later one if
-    /// it was active when the middleware died. What was stopped stays stopped.
+    /// Whether the node is to configure and activate itself, given its parameter `autostart`: in a
+    /// process's first life, and in a later one if it was active when the middleware died. What was
+    /// stopped stays stopped.
     #[must_use]
     pub fn starts_itself(&self, autostart: bool) -> bool {
         autostart && (self.0.before == 0 || self.0.before == Phase::Active as u8)
@@ -199,7 +205,8 @@ impl Lifecycle {
         self.change(0, requested.label())
     }
 
-    /// Asks for a transition by number or label, as `change_state` does. Waits for one that is under way.
+    /// Asks for a transition by number or label, as `change_state` does. Waits for one that is
+    /// under way.
     fn change(&self, id: u8, label: &str) -> Result<Phase, String> {
         let mut managed = self.0.managed.lock().unwrap_or_else(PoisonError::into_inner);
         let from = self.phase();
@@ -207,9 +214,12 @@ impl Lifecycle {
             let possible: Vec<&str> =
                 TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
             let asked = if label.is_empty() { id.to_string() } else { quoted(label).into_owned() };
-            let possible = if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
-            let reason =
-                format!("the node is {} and cannot `{asked}`; from here it can: {possible}", from.label());
+            let possible =
+                if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
+            let reason = format!(
+                "the node is {} and cannot `{asked}`; from here it can: {possible}",
+                from.label()
+            );
             self.0.logger.error(&reason);
             return Err(reason);
         };
@@ -219,22 +229,29 @@ impl Lifecycle {
             None => self.walk(managed.as_mut(), first),
         };
         match &outcome {
-            Ok(phase) => {
-                self.0.logger.info(&format!("{}: {} to {}", first.label, from.label(), phase.label()))
+            Ok(phase) => self.0.logger.info(&format!(
+                "{}: {} to {}",
+                first.label,
+                from.label(),
+                phase.label()
+            )),
+            Err(reason) => {
+                self.0.logger.error(&format!("{} did not succeed: {reason}", first.label))
             }
-            Err(reason) => self.0.logger.error(&format!("{} did not succeed: {reason}", first.label)),
         }
         outcome
     }
 
-    /// A sentence about the node of the same name that was there before, if there is one: this one does not work beside it.
+    /// A sentence about the node of the same name that was there before, if there is one: this one
+    /// does not work beside it.
     #[must_use]
     pub fn elder(&self) -> Option<String> {
         self.0.twins.found().filter(|twin| twin.elder).map(|twin| twin.to_string())
     }
 
-    /// Brings the node out of its work when it is heard that one of its name was there before, and tells of one that has come later. On a busy network the
-    /// first may be heard a moment after this node began to work.
+    /// Brings the node out of its work when it is heard that one of its name was there before, and
+    /// tells of one that has come later. On a busy network the first may be heard a moment after
+    /// this node began to work.
     async fn look_for_twins(&self) {
         let mut told = None;
         loop {
@@ -246,9 +263,10 @@ impl Lifecycle {
             if twin.as_ref().is_some_and(|twin| twin.elder) {
                 // What the node does on its way may take its time.
                 tokio::task::block_in_place(|| {
-                    for (phase, requested) in
-                        [(Phase::Active, Requested::Deactivate), (Phase::Inactive, Requested::CleanUp)]
-                    {
+                    for (phase, requested) in [
+                        (Phase::Active, Requested::Deactivate),
+                        (Phase::Inactive, Requested::CleanUp),
+                    ] {
                         if self.phase() == phase {
                             // The log says what does not succeed.
                             let _ = self.request(requested);
@@ -260,7 +278,8 @@ impl Lifecycle {
         }
     }
 
-    /// Takes the transition, does what belongs to it, and takes the one that its outcome leads to, up to a primary state.
+    /// Takes the transition, does what belongs to it, and takes the one that its outcome leads to,
+    /// up to a primary state.
     fn walk(&self, managed: &mut dyn Managed, first: &'static Transition) -> Result<Phase, String> {
         let mut step = first;
         let mut reason = None;
@@ -307,6 +326,8 @@ impl Lifecycle {
     }
 }
 
-fn described(wanted: impl Fn(&Transition) -> bool) -> Vec<msgs::lifecycle_msgs::TransitionDescription> {
+fn described(
+    wanted: impl Fn(&Transition) -> bool,
+) -> Vec<msgs::lifecycle_msgs::TransitionDescription> {
     TRANSITIONS.iter().filter(|row| wanted(row)).map(Transition::description).collect()
 }

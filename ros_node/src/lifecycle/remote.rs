@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use msgs::lifecycle_msgs::{
-    ChangeState, ChangeStateRequest, ChangeStateResponse, GetState, GetStateRequest, GetStateResponse,
-    Transition,
+    ChangeState, ChangeStateRequest, ChangeStateResponse, GetState, GetStateRequest,
+    GetStateResponse, Transition,
 };
 
 use super::{Phase, Requested};
@@ -43,10 +43,12 @@ impl RemoteLifecycle {
         Ok(phase.unwrap_or(Phase::Unknown))
     }
 
-    /// Leads it to `goal`, which is unconfigured, inactive or active, by as many transitions as it takes.
+    /// Leads it to `goal`, which is unconfigured, inactive or active, by as many transitions as it
+    /// takes.
     ///
     /// # Errors
-    /// [`RosNodeError::Refused`] if the node does not make a transition; [`RosNodeError::NoAnswer`].
+    /// [`RosNodeError::Refused`] if the node does not make a transition;
+    /// [`RosNodeError::NoAnswer`].
     pub fn lead_to(&self, goal: Phase, patience: Duration) -> Result<(), RosNodeError> {
         for _ in 0..TRANSITIONS_AT_MOST {
             let is = self.phase(patience)?;
@@ -59,7 +61,8 @@ impl RemoteLifecycle {
                 _ => return Err(self.refused(format!("it is {}", is.label()))),
             };
             let label = step.label().to_owned();
-            // Not to be sent twice: the second would find the node elsewhere. A lost answer shows in the next state.
+            // Not to be sent twice: the second would find the node elsewhere. A lost answer shows
+            // in the next state.
             let request = ChangeStateRequest { transition: Transition { id: 0, label } };
             if let Ok(answer) = self.change.call(request, patience)
                 && !answer.success

@@ -106,12 +106,14 @@ const fn row(id: u8, label: &'static str, start: Phase, goal: Phase) -> Transiti
     Transition { id, label, start, goal }
 }
 
-/// Every transition there is. People ask for those that begin in a primary state; the others are what the node's answer leads to.
-/// Numbers, names and order are those of `rcl_lifecycle`'s default state machine; the names that people ask for are those of its graph, where all three ways to shut down are called `shutdown`.
+/// Every transition there is. People ask for those that begin in a primary state; the others are
+/// what the node's answer leads to. Numbers, names and order are those of `rcl_lifecycle`'s default
+/// state machine; the names that people ask for are those of its graph, where all three ways to
+/// shut down are called `shutdown`.
 pub const TRANSITIONS: [Transition; 25] = {
     use Phase::{
-        Activating, Active, CleaningUp, Configuring, Deactivating, ErrorProcessing, Finalized, Inactive,
-        ShuttingDown, Unconfigured,
+        Activating, Active, CleaningUp, Configuring, Deactivating, ErrorProcessing, Finalized,
+        Inactive, ShuttingDown, Unconfigured,
     };
     const SUCCESS: &str = "transition_success";
     const FAILURE: &str = "transition_failure";
@@ -145,11 +147,16 @@ pub const TRANSITIONS: [Transition; 25] = {
     ]
 };
 
-/// The transition of that number, or of that label where the number is zero or does not fit, that begins in `from`.
+/// The transition of that number, or of that label where the number is zero or does not fit, that
+/// begins in `from`.
 #[must_use]
 pub fn find(from: Phase, id: u8, label: &str) -> Option<&'static Transition> {
     let mut here = TRANSITIONS.iter().filter(|row| row.start == from);
-    if label.is_empty() { here.find(|row| row.id == id) } else { here.find(|row| row.label == label) }
+    if label.is_empty() {
+        here.find(|row| row.id == id)
+    } else {
+        here.find(|row| row.label == label)
+    }
 }
 
 #[cfg(test)]
@@ -160,11 +167,18 @@ mod tests {
     fn from_each_working_state_there_is_one_way_for_each_answer() {
         for phase in Phase::ALL.into_iter().filter(|phase| *phase as u8 >= 10) {
             for answer in ["transition_success", "transition_failure", "transition_error"] {
-                let ways = TRANSITIONS.iter().filter(|row| row.start == phase && row.label == answer).count();
+                let ways = TRANSITIONS
+                    .iter()
+                    .filter(|row| row.start == phase && row.label == answer)
+                    .count();
                 assert_eq!(ways, 1, "{phase:?} {answer}");
             }
         }
-        assert!(TRANSITIONS.iter().all(|row| row.start != Phase::Finalized && row.start != Phase::Unknown));
+        assert!(
+            TRANSITIONS
+                .iter()
+                .all(|row| row.start != Phase::Finalized && row.start != Phase::Unknown)
+        );
     }
 
     #[test]

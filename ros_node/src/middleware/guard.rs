@@ -1,6 +1,7 @@
 //! What ends a process whose middleware is stuck or takes the machine's memory.
 //!
-//! It begins with the first participant and lasts as long as the process: leaving waits for the middleware's threads too.
+//! It begins with the first participant and lasts as long as the process: leaving waits for the
+//! middleware's threads too.
 
 use std::{
     collections::BTreeMap,
@@ -16,15 +17,19 @@ use super::{
 };
 use crate::ending;
 
-/// Processor time that a thread may take without once waiting for anything, while the process grows by [`GROWTH`].
+/// Processor time that a thread may take without once waiting for anything, while the process grows
+/// by [`GROWTH`].
 const STUCK: Duration = Duration::from_secs(1);
 /// Growth of the process that no messages explain [bytes].
 const GROWTH: u64 = 256 << 20;
-/// The same time where the process does not grow: on a machine that has no time for it, or in a flood, a thread has no reason to wait for long.
+/// The same time where the process does not grow: on a machine that has no time for it, or in a
+/// flood, a thread has no reason to wait for long.
 const STUCK_ANYHOW: Duration = Duration::from_secs(20);
-/// Time for the motor to come to rest, and for what is recorded, once a thread is stuck. Then the process ends: no thread can be made to.
+/// Time for the motor to come to rest, and for what is recorded, once a thread is stuck. Then the
+/// process ends: no thread can be made to.
 const LAST_WORDS: Duration = Duration::from_secs(3);
-/// Growth of the process since it joined at which it ends at once [bytes], unless [`LIMIT`] says another.
+/// Growth of the process since it joined at which it ends at once [bytes], unless [`LIMIT`] says
+/// another.
 const MEMORY: u64 = 2 << 30;
 /// The variable of the environment with that growth [MiB].
 const LIMIT: &str = "FRICTION_MEMORY";
@@ -81,7 +86,9 @@ fn guard(limit: u64, most: u64) {
             if since.elapsed() >= LAST_WORDS {
                 ending::force(
                     CODE,
-                    &format!("{lost}; the process ends, with the motor at zero volts: start it again"),
+                    &format!(
+                        "{lost}; the process ends, with the motor at zero volts: start it again"
+                    ),
                 );
             }
         } else if let Some(now) = threads() {
@@ -101,7 +108,9 @@ fn guard(limit: u64, most: u64) {
             let seconds = LEAVING.as_secs();
             ending::force(
                 CODE,
-                &format!("the middleware did not let go within {seconds} s; the process ends by force"),
+                &format!(
+                    "the middleware did not let go within {seconds} s; the process ends by force"
+                ),
             );
         }
     }
@@ -132,7 +141,8 @@ impl Seen {
     }
 }
 
-/// A participant's leave. From [`begin`](Self::begin) until it is dropped the middleware has a stated time, then the process ends.
+/// A participant's leave. From [`begin`](Self::begin) until it is dropped the middleware has a
+/// stated time, then the process ends.
 pub(crate) struct Leave(u64);
 
 impl Leave {
@@ -144,13 +154,19 @@ impl Leave {
 
     /// Its time begins.
     pub(crate) fn begin(&self) {
-        LEAVE.lock().unwrap_or_else(PoisonError::into_inner).push((self.0, Instant::now() + LEAVING));
+        LEAVE
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((self.0, Instant::now() + LEAVING));
     }
 }
 
 impl Drop for Leave {
     fn drop(&mut self) {
-        LEAVE.lock().unwrap_or_else(PoisonError::into_inner).retain(|(number, _)| *number != self.0);
+        LEAVE
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .retain(|(number, _)| *number != self.0);
     }
 }
 
@@ -160,7 +176,11 @@ mod tests {
 
     #[test]
     fn a_thread_is_stuck_that_computes_and_never_waits() {
-        let told = |waits, taken_ms| Told { name: "x".into(), waits, taken: Duration::from_millis(taken_ms) };
+        let told = |waits, taken_ms| Told {
+            name: "x".into(),
+            waits,
+            taken: Duration::from_millis(taken_ms),
+        };
         const SMALL: u64 = 1 << 20;
         let mut seen = Seen::first(&told(5, 100_000), SMALL);
         assert!(!seen.again(&told(5, 100_999), GROWTH + SMALL), "not for long");
@@ -173,6 +193,9 @@ mod tests {
 
     #[test]
     fn the_limit_is_two_gibibytes_unless_the_environment_says_another() {
-        assert_eq!([limit(None), limit(Some("x")), limit(Some(" 512 "))], [2 << 30, 2 << 30, 512 << 20]);
+        assert_eq!(
+            [limit(None), limit(Some("x")), limit(Some(" 512 "))],
+            [2 << 30, 2 << 30, 512 << 20]
+        );
     }
 }

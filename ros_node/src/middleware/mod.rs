@@ -1,9 +1,10 @@
 //! Whether the middleware still lives.
 //!
-//! RustDDS 0.15 works in two threads of its own. Both end for good when their wait is interrupted (the process was stopped and
-//! continued, the machine was suspended), and a panic ends them too. The process then goes on deaf: it hears no new participant, or nothing
-//! at all, and is told nothing. And a damaged HEARTBEAT that announces billions of messages keeps one of them busy with listing what is missing, two
-//! gigabytes a second. So the threads are looked after from outside.
+//! RustDDS 0.15 works in two threads of its own. Both end for good when their wait is interrupted
+//! (the process was stopped and continued, the machine was suspended), and a panic ends them too.
+//! The process then goes on deaf: it hears no new participant, or nothing at all, and is told
+//! nothing. And a damaged HEARTBEAT that announces billions of messages keeps one of them busy with
+//! listing what is missing, two gigabytes a second. So the threads are looked after from outside.
 
 mod guard;
 mod threads;
@@ -24,7 +25,8 @@ const SETTLED: u32 = 5;
 pub enum Lost {
     /// A thread of that name has ended.
     Ended(String),
-    /// A thread of that name computes without end. The process ends by itself, with code 1, a moment after this was noticed.
+    /// A thread of that name computes without end. The process ends by itself, with code 1, a
+    /// moment after this was noticed.
     Stuck(String),
 }
 
@@ -45,7 +47,8 @@ impl fmt::Display for Lost {
     }
 }
 
-/// Sets `stop` when `wished` is set or the middleware is lost; returns how. Ends when `stop` is set.
+/// Sets `stop` when `wished` is set or the middleware is lost; returns how. Ends when `stop` is
+/// set.
 ///
 /// Where the system does not list a process's threads under `/proc`, none is ever missed.
 fn watch(wished: &Stop, stop: &Stop) -> Option<Lost> {
@@ -66,7 +69,8 @@ fn watch(wished: &Stop, stop: &Stop) -> Option<Lost> {
     lost
 }
 
-/// Watches the middleware's threads from a thread of its own. For programs that join by themselves; [`run`](crate::run) does it for its body.
+/// Watches the middleware's threads from a thread of its own. For programs that join by themselves;
+/// [`run`](crate::run) does it for its body.
 pub struct Watch {
     stop: Stop,
     thread: Option<thread::JoinHandle<Option<Lost>>>,
@@ -80,7 +84,9 @@ impl Watch {
     pub fn start(wished: &Stop) -> Result<Self, std::io::Error> {
         let stop = Stop::default();
         let (wished, told) = (wished.clone(), stop.clone());
-        let thread = thread::Builder::new().name("middleware".into()).spawn(move || watch(&wished, &told))?;
+        let thread = thread::Builder::new()
+            .name("middleware".into())
+            .spawn(move || watch(&wished, &told))?;
         Ok(Self { stop, thread: Some(thread) })
     }
 

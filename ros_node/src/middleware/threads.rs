@@ -15,7 +15,8 @@ pub(super) struct Told {
     pub(super) taken: Duration,
 }
 
-/// The middleware's threads in this process, by their number. `None` if the system does not tell now: it has no file left, or no `/proc`.
+/// The middleware's threads in this process, by their number. `None` if the system does not tell
+/// now: it has no file left, or no `/proc`.
 pub(super) fn threads() -> Option<BTreeMap<u32, Told>> {
     let mut all = BTreeMap::new();
     for task in fs::read_dir("/proc/self/task").ok()? {
@@ -24,7 +25,9 @@ pub(super) fn threads() -> Option<BTreeMap<u32, Told>> {
         if !name.starts_with(NAME) {
             continue;
         }
-        let (Some(status), Some(schedstat)) = (read(&folder, "status")?, read(&folder, "schedstat")?) else {
+        let (Some(status), Some(schedstat)) =
+            (read(&folder, "status")?, read(&folder, "schedstat")?)
+        else {
             continue;
         };
         let id = folder.file_name()?.to_str()?.parse().ok()?;
@@ -35,7 +38,8 @@ pub(super) fn threads() -> Option<BTreeMap<u32, Told>> {
     Some(all)
 }
 
-/// A file of a thread; `Some(None)` if the thread has ended meanwhile or keeps no such file, `None` if it cannot be read for another reason.
+/// A file of a thread; `Some(None)` if the thread has ended meanwhile or keeps no such file, `None`
+/// if it cannot be read for another reason.
 fn read(folder: &Path, file: &str) -> Option<Option<String>> {
     /// No such process: its folder was still there.
     const ENDED: i32 = 3;
@@ -52,13 +56,20 @@ fn read(folder: &Path, file: &str) -> Option<Option<String>> {
 pub(super) fn memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    kilobytes.and_then(|told| told.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()).unwrap_or_default()
+    kilobytes
+        .and_then(|told| told.trim().strip_suffix("kB")?.trim().parse::<u64>().ok())
+        .unwrap_or_default()
         << 10
 }
 
 /// How often a thread has waited, from its `status`.
 fn waits(status: &str) -> Option<u64> {
-    status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?.trim().parse().ok()
+    status
+        .lines()
+        .find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?
+        .trim()
+        .parse()
+        .ok()
 }
 
 /// Processor time that a thread has taken, from its `schedstat`.

@@ -31,8 +31,13 @@ pub struct Declaration {
 }
 
 impl Declaration {
-    /// A parameter of the type of its default. The description says what it is, with the unit in brackets.
-    pub fn new(name: impl Into<String>, default: ParameterValue, description: impl Into<String>) -> Self {
+    /// A parameter of the type of its default. The description says what it is, with the unit in
+    /// brackets.
+    pub fn new(
+        name: impl Into<String>,
+        default: ParameterValue,
+        description: impl Into<String>,
+    ) -> Self {
         Self {
             name: name.into(),
             default,
@@ -60,7 +65,11 @@ impl Declaration {
     }
 
     /// A text.
-    pub fn text(name: impl Into<String>, default: impl Into<String>, description: impl Into<String>) -> Self {
+    pub fn text(
+        name: impl Into<String>,
+        default: impl Into<String>,
+        description: impl Into<String>,
+    ) -> Self {
         Self::new(name, ParameterValue::String(default.into()), description)
     }
 
@@ -163,25 +172,41 @@ impl Declaration {
             ));
         }
         match (&value, self.range) {
-            (ParameterValue::Double(x), ValueRange::Double(low, high)) if !(low..=high).contains(x) => {
+            (ParameterValue::Double(x), ValueRange::Double(low, high))
+                if !(low..=high).contains(x) =>
+            {
                 return Err(format!("{name} must be {}, but is {x}", self.allowed()));
             }
             (ParameterValue::DoubleArray(all), ValueRange::Double(low, high)) => {
                 if let Some(x) = all.iter().find(|x| !(low..=high).contains(*x)) {
-                    return Err(format!("each of {name} must be {}, but one is {x}", self.allowed()));
+                    return Err(format!(
+                        "each of {name} must be {}, but one is {x}",
+                        self.allowed()
+                    ));
                 }
             }
             (ParameterValue::Double(x), _) if !x.is_finite() => {
                 return Err(format!("{name} must be a finite number, but is {x}"));
             }
-            (ParameterValue::Integer(n), ValueRange::Integer(low, high)) if !(low..=high).contains(n) => {
+            (ParameterValue::Integer(n), ValueRange::Integer(low, high))
+                if !(low..=high).contains(n) =>
+            {
                 return Err(format!("{name} must be {}, but is {n}", self.allowed()));
             }
-            (ParameterValue::String(text), _) if !self.choices.is_empty() && !self.choices.contains(text) => {
-                return Err(format!("{name} must be {}, but is `{}`", self.constraints, quoted(text)));
+            (ParameterValue::String(text), _)
+                if !self.choices.is_empty() && !self.choices.contains(text) =>
+            {
+                return Err(format!(
+                    "{name} must be {}, but is `{}`",
+                    self.constraints,
+                    quoted(text)
+                ));
             }
             (ParameterValue::String(text), _) if text.len() > TEXT => {
-                return Err(format!("{name} must have at most {TEXT} bytes, but has {}", text.len()));
+                return Err(format!(
+                    "{name} must have at most {TEXT} bytes, but has {}",
+                    text.len()
+                ));
             }
             _ => {}
         }

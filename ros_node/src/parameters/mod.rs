@@ -1,7 +1,8 @@
 //! Declared parameters: each with a type, a description, a range and a reason when it says no.
 //!
-//! The rules are rclcpp's: a parameter keeps its type, undeclared ones cannot be set, and a set is checked as a whole before anything
-//! changes. The six services and `/parameter_events` are in [`services`]; [`RemoteParameters`] asks another node.
+//! The rules are rclcpp's: a parameter keeps its type, undeclared ones cannot be set, and a set is
+//! checked as a whole before anything changes. The six services and `/parameter_events` are in
+//! [`services`]; [`RemoteParameters`] asks another node.
 
 mod declaration;
 mod remote;

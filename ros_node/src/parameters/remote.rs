@@ -5,7 +5,8 @@ use std::{collections::BTreeMap, time::Duration};
 use ros2_client::{
     parameters::raw,
     rcl_interfaces::{
-        GetParametersRequest, GetParametersResponse, SetParametersAtomicallyResponse, SetParametersRequest,
+        GetParametersRequest, GetParametersResponse, SetParametersAtomicallyResponse,
+        SetParametersRequest,
     },
 };
 

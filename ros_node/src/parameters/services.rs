@@ -11,9 +11,9 @@ use ros2_client::{
     parameters::raw,
     rcl_interfaces::{
         DescribeParametersRequest, DescribeParametersResponse, GetParameterTypesRequest,
-        GetParameterTypesResponse, GetParametersRequest, GetParametersResponse, ListParametersRequest,
-        ListParametersResponse, ListParametersResult, SetParametersAtomicallyResponse, SetParametersRequest,
-        SetParametersResponse,
+        GetParameterTypesResponse, GetParametersRequest, GetParametersResponse,
+        ListParametersRequest, ListParametersResponse, ListParametersResult,
+        SetParametersAtomicallyResponse, SetParametersRequest, SetParametersResponse,
     },
 };
 use serde::{Deserialize, Serialize};
@@ -43,13 +43,15 @@ struct Inner {
 }
 
 impl Parameters {
-    /// Declares the parameters of `node`, and `use_sim_time`; takes what the command line gives for them; offers the services and tells `/parameter_events`.
+    /// Declares the parameters of `node`, and `use_sim_time`; takes what the command line gives for
+    /// them; offers the services and tells `/parameter_events`.
     ///
-    /// `judge` sees all values, and which of them change, before they count; what it returns as an error is the reason that people read. It is called once before this
-    /// function returns.
+    /// `judge` sees all values, and which of them change, before they count; what it returns as an
+    /// error is the reason that people read. It is called once before this function returns.
     ///
     /// # Errors
-    /// [`RosNodeError::Parameter`] or [`RosNodeError::Parameters`] if what the command line gives cannot be; [`RosNodeError::Create`].
+    /// [`RosNodeError::Parameter`] or [`RosNodeError::Parameters`] if what the command line gives
+    /// cannot be; [`RosNodeError::Create`].
     pub fn declare(
         node: &RosNode,
         mut declared: Vec<Declaration>,
@@ -81,8 +83,9 @@ impl Parameters {
             },
         })?;
         for unknown in store.undeclared(&given) {
-            node.logger()
-                .warn(&format!("the parameter {unknown} was given, but {name} has none of that name"));
+            node.logger().warn(&format!(
+                "the parameter {unknown} was given, but {name} has none of that name"
+            ));
         }
         let shown = clock.clone();
         node.subscribe_on("/clock", Qos::DEFAULT, move |message: msgs::rosgraph_msgs::Clock| {
@@ -94,14 +97,16 @@ impl Parameters {
             "ParameterEvent",
             Qos { depth: 1000, ..Qos::DEFAULT },
         )?;
-        let parameters = Self(Arc::new(Inner { store: Mutex::new(store), events, node: name, clock }));
+        let parameters =
+            Self(Arc::new(Inner { store: Mutex::new(store), events, node: name, clock }));
         parameters.serve(node)?;
         parameters.tell_all();
         Ok(parameters)
     }
 
-    /// What every node of ROS 2 has: `use_sim_time` alone, with the six services, so that whoever asks all nodes for their parameters need not wait for this one. They
-    /// answer for as long as the node is there.
+    /// What every node of ROS 2 has: `use_sim_time` alone, with the six services, so that whoever
+    /// asks all nodes for their parameters need not wait for this one. They answer for as long as
+    /// the node is there.
     ///
     /// # Errors
     /// As for [`declare`](Self::declare).
@@ -127,7 +132,10 @@ impl Parameters {
     /// The reason, for people.
     pub fn set(&self, changes: &[Change]) -> Result<(), String> {
         self.0.store().set(changes)?;
-        self.tell(changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect(), Vec::new());
+        self.tell(
+            changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect(),
+            Vec::new(),
+        );
         Ok(())
     }
 
@@ -162,10 +170,17 @@ impl Parameters {
             },
         )?;
         let this = self.clone();
-        node.raw_serve("~/get_parameters", package, "GetParameters", move |asked: GetParametersRequest| {
-            let store = this.0.store();
-            GetParametersResponse { values: asked.names.iter().map(|name| store.raw(name)).collect() }
-        })?;
+        node.raw_serve(
+            "~/get_parameters",
+            package,
+            "GetParameters",
+            move |asked: GetParametersRequest| {
+                let store = this.0.store();
+                GetParametersResponse {
+                    values: asked.names.iter().map(|name| store.raw(name)).collect(),
+                }
+            },
+        )?;
         let this = self.clone();
         node.raw_serve(
             "~/get_parameter_types",
@@ -191,10 +206,16 @@ impl Parameters {
             },
         )?;
         let this = self.clone();
-        node.raw_serve("~/set_parameters", package, "SetParameters", move |asked: SetParametersRequest| {
-            let results = changes(asked).into_iter().map(|change| this.set(&[change]).into()).collect();
-            SetParametersResponse { results }
-        })?;
+        node.raw_serve(
+            "~/set_parameters",
+            package,
+            "SetParameters",
+            move |asked: SetParametersRequest| {
+                let results =
+                    changes(asked).into_iter().map(|change| this.set(&[change]).into()).collect();
+                SetParametersResponse { results }
+            },
+        )?;
         let this = self.clone();
         node.raw_serve(
             "~/set_parameters_atomically",

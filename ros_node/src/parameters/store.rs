@@ -10,8 +10,8 @@ use ros2_client::{
 use super::{Declaration, Values};
 use crate::limits::quoted;
 
-/// Judges values as a whole before they count, and takes them over if they are good: the values, and the names of those that change. What it
-/// returns as an error is the reason that people read.
+/// Judges values as a whole before they count, and takes them over if they are good: the values,
+/// and the names of those that change. What it returns as an error is the reason that people read.
 pub type Judge = Box<dyn FnMut(&Values, &BTreeSet<String>) -> Result<(), String> + Send>;
 
 /// One value to set.
@@ -31,8 +31,8 @@ pub struct ParameterStore {
 }
 
 impl ParameterStore {
-    /// Declares parameters, with `given` values in place of the defaults. Those of `given` that are not declared are left out, see
-    /// [`undeclared`](Self::undeclared).
+    /// Declares parameters, with `given` values in place of the defaults. Those of `given` that are
+    /// not declared are left out, see [`undeclared`](Self::undeclared).
     ///
     /// # Errors
     /// Name and reason of the first value that cannot be; an empty name if they do not go together.
@@ -45,13 +45,16 @@ impl ParameterStore {
         for parameter in &declared {
             let value = match given.get(&parameter.name) {
                 None => parameter.default.clone(),
-                Some(value) => parameter.accept(value).map_err(|reason| (parameter.name.clone(), reason))?,
+                Some(value) => {
+                    parameter.accept(value).map_err(|reason| (parameter.name.clone(), reason))?
+                }
             };
             values.0.insert(parameter.name.clone(), value);
         }
         let all = values.0.keys().cloned().collect();
         judge(&values, &all).map_err(|reason| (String::new(), reason))?;
-        let declared = declared.into_iter().map(|parameter| (parameter.name.clone(), parameter)).collect();
+        let declared =
+            declared.into_iter().map(|parameter| (parameter.name.clone(), parameter)).collect();
         Ok(Self { declared, values, judge })
     }
 
@@ -91,8 +94,8 @@ impl ParameterStore {
         Ok(())
     }
 
-    /// Names by prefix and depth, as `list_parameters` has it: depth 0 for all of them, else at most so many names joined by dots behind the
-    /// prefix; and the prefixes of what is listed.
+    /// Names by prefix and depth, as `list_parameters` has it: depth 0 for all of them, else at
+    /// most so many names joined by dots behind the prefix; and the prefixes of what is listed.
     #[must_use]
     pub fn list(&self, prefixes: &[String], depth: u64) -> (Vec<String>, Vec<String>) {
         let shallow = |rest: &str| depth == 0 || (rest.matches('.').count() as u64) < depth;
@@ -105,8 +108,9 @@ impl ParameterStore {
                     return shallow(name);
                 }
                 prefixes.iter().any(|prefix| {
-                    name.strip_prefix(prefix.as_str())
-                        .is_some_and(|rest| rest.is_empty() || (rest.starts_with('.') && shallow(rest)))
+                    name.strip_prefix(prefix.as_str()).is_some_and(|rest| {
+                        rest.is_empty() || (rest.starts_with('.') && shallow(rest))
+                    })
                 })
             })
             .cloned()
@@ -126,7 +130,9 @@ impl ParameterStore {
 
     /// A type as it travels.
     pub(super) fn kind(&self, name: &str) -> u8 {
-        self.values.get(name).map_or(ParameterType::NotSet as u8, |value| value.to_parameter_type() as u8)
+        self.values
+            .get(name)
+            .map_or(ParameterType::NotSet as u8, |value| value.to_parameter_type() as u8)
     }
 
     /// A descriptor as it travels; of type not set for what is not declared.
@@ -190,20 +196,26 @@ mod tests {
             ("other", V::Boolean(false), "not declared"),
         ] {
             let before = store.values().clone();
-            let said = store.set(&[change("seed", V::Integer(5)), change(name, value)]).unwrap_err();
+            let said =
+                store.set(&[change("seed", V::Integer(5)), change(name, value)]).unwrap_err();
             assert!(said.contains(reason), "{name}: {said}");
             assert_eq!(*store.values(), before, "a set is whole or nothing");
         }
-        store.set(&[change("lag.t_i", V::Double(1e-5)), change("lag.k_p", V::Double(0.0))]).unwrap();
+        store
+            .set(&[change("lag.t_i", V::Double(1e-5)), change("lag.k_p", V::Double(0.0))])
+            .unwrap();
         assert_eq!(store.values().double("lag.t_i"), 1e-5);
     }
 
     #[test]
     fn values_given_at_the_start_are_held_to_the_same_rules() {
-        let declared =
-            || vec![Declaration::double("a", 1.0, "").range(ValueRange::Double(0.0, 2.0)).read_only()];
-        let given = |value| BTreeMap::from([("a".to_owned(), value), ("b".to_owned(), V::Integer(1))]);
-        let good = ParameterStore::new(declared(), &given(V::Double(2.0)), Box::new(|_, _| Ok(()))).unwrap();
+        let declared = || {
+            vec![Declaration::double("a", 1.0, "").range(ValueRange::Double(0.0, 2.0)).read_only()]
+        };
+        let given =
+            |value| BTreeMap::from([("a".to_owned(), value), ("b".to_owned(), V::Integer(1))]);
+        let good = ParameterStore::new(declared(), &given(V::Double(2.0)), Box::new(|_, _| Ok(())))
+            .unwrap();
         assert_eq!(good.values().double("a"), 2.0);
         assert_eq!(good.undeclared(&given(V::Double(2.0))), ["b"]);
         let bad = ParameterStore::new(declared(), &given(V::Double(3.0)), Box::new(|_, _| Ok(())));

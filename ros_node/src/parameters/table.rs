@@ -6,7 +6,8 @@ use crate::ParameterValue;
 /// A table with a line for each declaration: name, type, default, what it is, what it may be.
 #[must_use]
 pub fn markdown_table(declared: &[Declaration]) -> String {
-    let mut text = String::from("| parameter | type | default | what | allowed |\n|---|---|---|---|---|\n");
+    let mut text =
+        String::from("| parameter | type | default | what | allowed |\n|---|---|---|---|---|\n");
     for parameter in declared {
         let default = match parameter.default_value() {
             ParameterValue::Boolean(value) => value.to_string(),

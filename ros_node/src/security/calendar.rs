@@ -15,19 +15,30 @@ pub(super) fn to_text(seconds: i64) -> String {
     let date = of_year - (153 * month + 2) / 5 + 1;
     let month = if month < 10 { month + 3 } else { month - 9 };
     let year = year + era * 400 + i64::from(month <= 2);
-    format!("{year:04}-{month:02}-{date:02}T{:02}:{:02}:{:02}", rest / 3600, rest / 60 % 60, rest % 60)
+    format!(
+        "{year:04}-{month:02}-{date:02}T{:02}:{:02}:{:02}",
+        rest / 3600,
+        rest / 60 % 60,
+        rest % 60
+    )
 }
 
 /// Seconds since 1970 of a time, which may end in `Z` or a distance to UTC as in `+01:00`.
 pub(super) fn from_text(text: &str) -> Option<i64> {
-    let number = |from: usize, to: usize| text.get(from..to)?.parse::<i64>().ok().filter(|n| *n >= 0);
+    let number =
+        |from: usize, to: usize| text.get(from..to)?.parse::<i64>().ok().filter(|n| *n >= 0);
     let marks = [(4, "-"), (7, "-"), (10, "T"), (13, ":"), (16, ":")];
     if marks.iter().any(|(at, mark)| text.get(*at..at + 1) != Some(*mark)) {
         return None;
     }
     let (year, month, date) = (number(0, 4)?, number(5, 7)?, number(8, 10)?);
     let (hour, minute, second) = (number(11, 13)?, number(14, 16)?, number(17, 19)?);
-    if !(1..=12).contains(&month) || !(1..=31).contains(&date) || hour > 23 || minute > 59 || second > 60 {
+    if !(1..=12).contains(&month)
+        || !(1..=31).contains(&date)
+        || hour > 23
+        || minute > 59
+        || second > 60
+    {
         return None;
     }
     let zone = match text.get(19..)? {

@@ -1,4 +1,5 @@
-//! Looks at the files of an enclave before the middleware does, and says in sentences what is wrong with them.
+//! Looks at the files of an enclave before the middleware does, and says in sentences what is wrong
+//! with them.
 
 use std::{
     collections::BTreeSet,
@@ -51,7 +52,8 @@ pub fn examine(folder: &Path, now: SystemTime) -> Result<Credentials, String> {
             .map_err(|error| format!("{} cannot be read: {error}", folder.join(file).display()))
     };
     let certificate = |file: &str| {
-        X509::from_pem(&read(file)?).map_err(|error| format!("{file} is no certificate in PEM: {error}"))
+        X509::from_pem(&read(file)?)
+            .map_err(|error| format!("{file} is no certificate in PEM: {error}"))
     };
     let (authority, identity) = (certificate("identity_ca.cert.pem")?, certificate("cert.pem")?);
     let subject = name_of(identity.subject_name());
@@ -84,7 +86,8 @@ pub fn examine(folder: &Path, now: SystemTime) -> Result<Credentials, String> {
         .map_err(|error| format!("governance.p7s: {error}"))?;
     let grants = read_permissions(&content("permissions.p7s", &read("permissions.p7s")?, &signer)?)
         .map_err(|error| format!("permissions.p7s: {error}"))?;
-    let of_subject: Vec<&Grant> = grants.iter().filter(|grant| same_name(&grant.subject, &subject)).collect();
+    let of_subject: Vec<&Grant> =
+        grants.iter().filter(|grant| same_name(&grant.subject, &subject)).collect();
     let grant = of_subject
         .iter()
         .find(|grant| grant.valid.0 <= now && now < grant.valid.1)
@@ -124,14 +127,19 @@ impl Credentials {
     /// # Errors
     /// A sentence.
     pub fn for_domain(self, domain: u16) -> Result<Self, String> {
-        let within = |ranges: &[(u16, u16)]| ranges.iter().any(|(from, to)| (*from..=*to).contains(&domain));
+        let within =
+            |ranges: &[(u16, u16)]| ranges.iter().any(|(from, to)| (*from..=*to).contains(&domain));
         if !self.rules.iter().any(|rule| within(&rule.domains)) || !within(&self.grant.domains) {
             return Err(format!(
                 "it does not count in ROS domain {domain}: use one of its domains ({}), or make a keystore with --domain {domain}",
                 self.grant
                     .domains
                     .iter()
-                    .map(|(from, to)| if from == to { from.to_string() } else { format!("{from} to {to}") })
+                    .map(|(from, to)| if from == to {
+                        from.to_string()
+                    } else {
+                        format!("{from} to {to}")
+                    })
                     .collect::<Vec<_>>()
                     .join(", ")
             ));
@@ -167,7 +175,9 @@ fn usable(key: &PKeyRef<Public>, file: &str, rsa: bool) -> Result<(), String> {
     if curve == Some(Nid::X9_62_PRIME256V1) || (rsa && key.id() == Id::RSA && key.bits() == 2048) {
         return Ok(());
     }
-    Err(format!("{file} has a key that this middleware does not use; expected one on the curve prime256v1"))
+    Err(format!(
+        "{file} has a key that this middleware does not use; expected one on the curve prime256v1"
+    ))
 }
 
 /// The text of a signed document, if that authority signed it.
@@ -178,7 +188,8 @@ fn content(file: &str, signed: &[u8], authority: &X509) -> Result<String, String
     authorities.push(authority.clone()).map_err(broken)?;
     let nobody = X509StoreBuilder::new().map_err(broken)?.build();
     let mut content = Vec::new();
-    // The authority is trusted because it lies in the enclave; certificates in the document are not.
+    // The authority is trusted because it lies in the enclave; certificates in the document are
+    // not.
     let flags = Pkcs7Flags::NOVERIFY | Pkcs7Flags::NOINTERN | Pkcs7Flags::TEXT;
     signature.verify(&authorities, &nobody, text.as_deref(), Some(&mut content), flags).map_err(|_| {
         format!("{file} is not signed by permissions_ca.cert.pem, or was changed after it was signed")
@@ -188,7 +199,8 @@ fn content(file: &str, signed: &[u8], authority: &X509) -> Result<String, String
 
 fn seconds(time: &Asn1TimeRef) -> Result<i64, String> {
     let since = Asn1Time::from_unix(0).and_then(|epoch| epoch.diff(time));
-    let since = since.map_err(|error| format!("a date in a certificate cannot be read: {error}"))?;
+    let since =
+        since.map_err(|error| format!("a date in a certificate cannot be read: {error}"))?;
     Ok(i64::from(since.days) * DAY + i64::from(since.secs))
 }
 
@@ -203,7 +215,8 @@ fn name_of(name: &X509NameRef) -> String {
 
 /// The order of the parts differs between programs.
 fn same_name(one: &str, other: &str) -> bool {
-    let parts = |name: &str| name.split(',').map(|part| part.trim().to_owned()).collect::<BTreeSet<_>>();
+    let parts =
+        |name: &str| name.split(',').map(|part| part.trim().to_owned()).collect::<BTreeSet<_>>();
     parts(one) == parts(other)
 }
 
@@ -254,8 +267,13 @@ mod tests {
         }
         let soon = examine(&keys.join("enclaves/viewer"), at(NOW + 90 * DAY)).unwrap();
         assert!(soon.notes[0].contains("it ends on"), "{:?}", soon.notes);
-        let again =
-            make(&Order { folder: &keys, policy: &Default::default(), domains: &[], now: NOW, days: 1 });
+        let again = make(&Order {
+            folder: &keys,
+            policy: &Default::default(),
+            domains: &[],
+            now: NOW,
+            days: 1,
+        });
         assert!(again.unwrap_err().to_string().contains("there already"));
         let hidden = fs::read_dir(folder.path()).unwrap().count();
         assert_eq!(hidden, 1, "nothing unfinished is left");
@@ -271,8 +289,10 @@ mod tests {
         keystore(&ours);
         keystore(&theirs);
         let enclave = ours.join("enclaves/controller");
-        let whole: Vec<_> =
-            super::super::FILES.iter().map(|file| (*file, fs::read(enclave.join(file)).unwrap())).collect();
+        let whole: Vec<_> = super::super::FILES
+            .iter()
+            .map(|file| (*file, fs::read(enclave.join(file)).unwrap()))
+            .collect();
         let refused = |file: &str, content: &[u8], said: &str| {
             fs::write(enclave.join(file), content).unwrap();
             let error = examine(&enclave, at(NOW)).expect_err(file);
@@ -307,7 +327,8 @@ mod tests {
     fn what_is_over_is_refused_and_permissions_that_outlive_the_certificate_are_told() {
         let folder = tempfile::tempdir().unwrap();
         let authority = Authority::new(folder.path(), &[0], (0, NOW + 99 * DAY)).unwrap();
-        let (past, present, future) = ((0, NOW - 1), (0, NOW + 50 * DAY), (NOW + 1, NOW + 50 * DAY));
+        let (past, present, future) =
+            ((0, NOW - 1), (0, NOW + 50 * DAY), (NOW + 1, NOW + 50 * DAY));
         let rights = Default::default();
         for (name, certificate, permissions, said) in [
             ("/a", past, present, "cert.pem expired"),
@@ -316,7 +337,8 @@ mod tests {
             ("/d", present, future, "is the clock right"),
         ] {
             authority.enclave(name, &rights, certificate, permissions).unwrap();
-            let error = examine(&folder.path().join("enclaves").join(&name[1..]), at(NOW)).unwrap_err();
+            let error =
+                examine(&folder.path().join("enclaves").join(&name[1..]), at(NOW)).unwrap_err();
             assert!(error.contains(said), "{name}: {error}");
         }
         authority.enclave("/e", &rights, present, (0, NOW + 60 * DAY)).unwrap();

@@ -31,7 +31,8 @@ impl Enclave {
     pub fn of(keystore: &Path, name: &str) -> Result<Self, String> {
         let parts = name.strip_prefix('/').unwrap_or_default();
         let is_part = |part: &str| {
-            !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+            !part.is_empty()
+                && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
         };
         if name != "/" && !parts.split('/').all(is_part) {
             return Err(format!(
@@ -60,9 +61,15 @@ mod tests {
     fn an_enclave_is_a_folder_below_the_keystore_and_nothing_else() {
         let keystore = Path::new("/keys");
         assert_eq!(Enclave::of(keystore, "/").unwrap().folder, Path::new("/keys/enclaves"));
-        assert_eq!(Enclave::of(keystore, "/lab/rig").unwrap().folder, Path::new("/keys/enclaves/lab/rig"));
+        assert_eq!(
+            Enclave::of(keystore, "/lab/rig").unwrap().folder,
+            Path::new("/keys/enclaves/lab/rig")
+        );
         for wrong in ["", "rig", "/rig/", "//rig", "/../private", "/a b", "/a/./b"] {
-            assert!(Enclave::of(keystore, wrong).unwrap_err().contains("as in /rig_driver"), "{wrong}");
+            assert!(
+                Enclave::of(keystore, wrong).unwrap_err().contains("as in /rig_driver"),
+                "{wrong}"
+            );
         }
     }
 }

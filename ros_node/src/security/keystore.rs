@@ -1,8 +1,10 @@
-//! Makes a keystore as `ros2 security` lays it out: `public/` for everybody, `private/` for whoever signs, `enclaves/` with a folder for each program.
+//! Makes a keystore as `ros2 security` lays it out: `public/` for everybody, `private/` for whoever
+//! signs, `enclaves/` with a folder for each program.
 //!
-//! Everything in it ends at the same time: permissions outlive no certificate. A keystore that ends is replaced by a new one with a new authority,
-//! never prolonged: the middleware does not look at the dates of other participants' certificates, but a certificate of
-//! another authority is nobody's.
+//! Everything in it ends at the same time: permissions outlive no certificate. A keystore that ends
+//! is replaced by a new one with a new authority, never prolonged: the middleware does not look at
+//! the dates of other participants' certificates, but a certificate of another authority is
+//! nobody's.
 
 use std::{
     fs::{self, DirBuilder, OpenOptions},
@@ -108,7 +110,8 @@ impl Authority {
         for part in ["public", "private", "enclaves"] {
             private_folder(&folder.join(part))?;
         }
-        let authority = Self { folder: folder.to_owned(), domains: domains.to_vec(), key, certificate };
+        let authority =
+            Self { folder: folder.to_owned(), domains: domains.to_vec(), key, certificate };
         write(&folder.join("public/ca.cert.pem"), &authority.certificate.to_pem()?)?;
         write(&folder.join("private/ca.key.pem"), &authority.key.private_key_to_pem_pkcs8()?)?;
         for role in ["identity_ca", "permissions_ca"] {
@@ -166,7 +169,8 @@ impl Authority {
     }
 }
 
-/// A key on the curve prime256v1, the only one that both RustDDS and the others read, and its certificate, signed by the authority or by itself.
+/// A key on the curve prime256v1, the only one that both RustDDS and the others read, and its
+/// certificate, signed by the authority or by itself.
 fn identity(
     name: &str,
     valid: (i64, i64),
@@ -184,7 +188,9 @@ fn identity(
     let serial = serial.to_asn1_integer()?;
     builder.set_serial_number(&serial)?;
     builder.set_subject_name(&subject)?;
-    builder.set_issuer_name(authority.map_or(&subject, |authority| authority.certificate.subject_name()))?;
+    builder.set_issuer_name(
+        authority.map_or(&subject, |authority| authority.certificate.subject_name()),
+    )?;
     builder.set_pubkey(&key)?;
     let (from, to) = (Asn1Time::from_unix(valid.0)?, Asn1Time::from_unix(valid.1)?);
     builder.set_not_before(&from)?;

@@ -1,13 +1,18 @@
-//! DDS Security as ROS 2 has it (SROS 2): who may join a domain, and who may write and read what there.
+//! DDS Security as ROS 2 has it (SROS 2): who may join a domain, and who may write and read what
+//! there.
 //!
-//! [`Wish`] is what the environment asks for. [`Wish::protection`] turns it into a [`Protection`], or into an error: a program that was asked to be secured
-//! and cannot be does not start. It never runs in the clear without having been told to.
+//! [`Wish`] is what the environment asks for. [`Wish::protection`] turns it into a [`Protection`],
+//! or into an error: a program that was asked to be secured and cannot be does not start. It never
+//! runs in the clear without having been told to.
 //!
 //! With the feature `security`:
-//! - `credentials` looks at an enclave's files before the middleware does, and says what is wrong with them in sentences;
-//! - `keystore` makes a keystore with its certificates, and `permissions` what each enclave may do, from a policy.
+//! - `credentials` looks at an enclave's files before the middleware does, and says what is wrong
+//!   with them in sentences;
+//! - `keystore` makes a keystore with its certificates, and `permissions` what each enclave may do,
+//!   from a policy.
 //!
-//! [`policy`] is the policy for the laboratory's own graph; it is made from the table of interfaces.
+//! [`policy`] is the policy for the laboratory's own graph; it is made from the table of
+//! interfaces.
 
 #[cfg(feature = "security")]
 mod calendar;
@@ -34,7 +39,8 @@ use crate::{Arguments, RosNodeError};
 /// Whether this program was built with DDS Security.
 pub const BUILT: bool = cfg!(feature = "security");
 
-/// The participant as the environment and the command line's enclave ask for it, and what is to be said of it.
+/// The participant as the environment and the command line's enclave ask for it, and what is to be
+/// said of it.
 pub(crate) fn protect(
     builder: DomainParticipantBuilder,
     domain: u16,
@@ -59,10 +65,14 @@ fn secured(
 ) -> Result<DomainParticipantBuilder, RosNodeError> {
     credentials::examine(&enclave.folder, std::time::SystemTime::now())
         .and_then(|credentials| credentials.for_domain(domain))
-        .map_err(|error| RosNodeError::Security(format!("the enclave {}: {error}", enclave.name)))?;
+        .map_err(|error| {
+            RosNodeError::Security(format!("the enclave {}: {error}", enclave.name))
+        })?;
     // The key is stored without a password, as ROS 2 does it: the folder's rights protect it.
-    let files =
-        rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(&enclave.folder, String::new());
+    let files = rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(
+        &enclave.folder,
+        String::new(),
+    );
     Ok(builder.builtin_security(files))
 }
 

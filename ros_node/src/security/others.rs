@@ -29,7 +29,8 @@ pub enum Standing {
 pub struct Other {
     /// What it calls itself; empty where it says nothing. Nobody proves this name.
     pub name: String,
-    /// Whether it offers to prove who it is; only a process in the clear is told of those who do not.
+    /// Whether it offers to prove who it is; only a process in the clear is told of those who do
+    /// not.
     pub offers_security: bool,
     /// How it stands, if this process is secured and the middleware told.
     pub standing: Option<Standing>,
@@ -57,10 +58,12 @@ impl Others {
                 }
             }),
             #[cfg(feature = "security")]
-            Event::Authentication { participant, status } => change(prefix(participant), &|other| {
-                other.offers_security = true;
-                other.standing = Some(standing(&format!("{status:?}")));
-            }),
+            Event::Authentication { participant, status } => {
+                change(prefix(participant), &|other| {
+                    other.offers_security = true;
+                    other.standing = Some(standing(&format!("{status:?}")));
+                })
+            }
             Event::ParticipantLost { id, .. } => _ = known.remove(&prefix(id)),
             _ => {}
         }

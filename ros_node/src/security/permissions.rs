@@ -26,7 +26,8 @@ pub type Policy = BTreeMap<String, (Rights, Rights)>;
 /// # Errors
 /// What is not understood, with its line.
 pub fn read_policy(text: &str) -> Result<Policy, String> {
-    let document = Document::parse(text).map_err(|error| format!("the policy is no XML: {error}"))?;
+    let document =
+        Document::parse(text).map_err(|error| format!("the policy is no XML: {error}"))?;
     let at = |node: Node| document.text_pos_at(node.range().start).row;
     let mut policy = Policy::new();
     for enclave in document.descendants().filter(|node| node.has_tag_name("enclave")) {
@@ -47,7 +48,12 @@ pub fn read_policy(text: &str) -> Result<Policy, String> {
                     let rights = match attribute.value() {
                         "ALLOW" => &mut *allowed,
                         "DENY" => &mut *denied,
-                        other => return Err(format!("line {}: `{other}`; expected ALLOW or DENY", at(list))),
+                        other => {
+                            return Err(format!(
+                                "line {}: `{other}`; expected ALLOW or DENY",
+                                at(list)
+                            ));
+                        }
                     };
                     for name in &names {
                         rights.add(list.tag_name().name(), attribute.name(), name).ok_or_else(|| {
@@ -65,7 +71,8 @@ pub fn read_policy(text: &str) -> Result<Policy, String> {
     }
     if policy.is_empty() {
         return Err(
-            "the policy names no enclave; expected <policy><enclaves><enclave path=\"/name\">".to_owned()
+            "the policy names no enclave; expected <policy><enclaves><enclave path=\"/name\">"
+                .to_owned(),
         );
     }
     Ok(policy)
@@ -85,8 +92,8 @@ impl Rights {
     /// Adds what ROS needs for that, as topics of DDS; `None` if there is no such right.
     fn add(&mut self, list: &str, what: &str, name: &str) -> Option<()> {
         let asks = |service: String| (format!("rq{service}Request"), format!("rr{service}Reply"));
-        let goals =
-            ["send_goal", "cancel_goal", "get_result"].map(|part| asks(format!("{name}/_action/{part}")));
+        let goals = ["send_goal", "cancel_goal", "get_result"]
+            .map(|part| asks(format!("{name}/_action/{part}")));
         let tells = ["feedback", "status"].map(|part| format!("rt{name}/_action/{part}"));
         match (list, what) {
             ("topics", "publish") => _ = self.publish.insert(format!("rt{name}")),
@@ -134,10 +141,9 @@ const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<dds xmlns:xsi=\
      xsi:noNamespaceSchemaLocation=\"http://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_";
 
 fn domain_list(domains: &[u16], indent: &str) -> String {
-    domains
-        .iter()
-        .fold(format!("{indent}<domains>\n"), |text, id| text + &format!("{indent}  <id>{id}</id>\n"))
-        + &format!("{indent}</domains>\n")
+    domains.iter().fold(format!("{indent}<domains>\n"), |text, id| {
+        text + &format!("{indent}  <id>{id}</id>\n")
+    }) + &format!("{indent}</domains>\n")
 }
 
 /// The permissions of an enclave, valid from one time to another, in seconds since 1970.
@@ -179,8 +185,8 @@ pub fn permissions(
     text + "      <default>DENY</default>\n    </grant>\n  </permissions>\n</dds>\n"
 }
 
-/// The rules of the domains: nobody unauthenticated, everything encrypted, and each message with a code of its own for each reader, so that a reader
-/// of a topic cannot write in its writer's name.
+/// The rules of the domains: nobody unauthenticated, everything encrypted, and each message with a
+/// code of its own for each reader, so that a reader of a topic cannot write in its writer's name.
 #[must_use]
 pub fn governance(domains: &[u16]) -> String {
     format!(
@@ -222,7 +228,8 @@ pub struct Grant {
 /// # Errors
 /// What is not understood.
 pub fn read_permissions(text: &str) -> Result<Vec<Grant>, String> {
-    let document = Document::parse(text).map_err(|error| format!("the permissions are no XML: {error}"))?;
+    let document =
+        Document::parse(text).map_err(|error| format!("the permissions are no XML: {error}"))?;
     document.descendants().filter(|node| node.has_tag_name("grant")).map(read_grant).collect()
 }
 
@@ -233,17 +240,22 @@ fn text_of<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
 fn read_grant(grant: Node) -> Result<Grant, String> {
     let time = |name: &str| {
         let text = text_of(grant, name).unwrap_or_default();
-        from_text(text)
-            .ok_or_else(|| format!("`{text}` is no time for {name}; expected as in 2026-01-31T00:00:00"))
+        from_text(text).ok_or_else(|| {
+            format!("`{text}` is no time for {name}; expected as in 2026-01-31T00:00:00")
+        })
     };
     let mut rights = Rights::default();
     let mut domains = Vec::new();
     for rule in grant.children().filter(|node| node.has_tag_name("allow_rule")) {
         domains.extend(read_domains(rule));
-        for (what, into) in [("publish", &mut rights.publish), ("subscribe", &mut rights.subscribe)] {
+        for (what, into) in [("publish", &mut rights.publish), ("subscribe", &mut rights.subscribe)]
+        {
             let lists = rule.children().filter(|node| node.has_tag_name(what));
-            let topics = lists.flat_map(|list| list.descendants()).filter(|node| node.has_tag_name("topic"));
-            into.extend(topics.filter_map(|topic| topic.text()).map(|topic| topic.trim().to_owned()));
+            let topics =
+                lists.flat_map(|list| list.descendants()).filter(|node| node.has_tag_name("topic"));
+            into.extend(
+                topics.filter_map(|topic| topic.text()).map(|topic| topic.trim().to_owned()),
+            );
         }
     }
     Ok(Grant {
@@ -256,7 +268,9 @@ fn read_grant(grant: Node) -> Result<Grant, String> {
 }
 
 fn read_domains(rule: Node) -> Vec<(u16, u16)> {
-    let Some(domains) = rule.children().find(|node| node.has_tag_name("domains")) else { return Vec::new() };
+    let Some(domains) = rule.children().find(|node| node.has_tag_name("domains")) else {
+        return Vec::new();
+    };
     let number = |text: Option<&str>| text.and_then(|text| text.trim().parse().ok());
     domains
         .children()
@@ -285,7 +299,8 @@ pub struct Rules {
 /// # Errors
 /// What is not understood.
 pub fn read_governance(text: &str) -> Result<Vec<Rules>, String> {
-    let document = Document::parse(text).map_err(|error| format!("the governance is no XML: {error}"))?;
+    let document =
+        Document::parse(text).map_err(|error| format!("the governance is no XML: {error}"))?;
     let rules = document.descendants().filter(|node| node.has_tag_name("domain_rule"));
     Ok(rules.map(|rule| Rules { domains: read_domains(rule), open: open(rule) }).collect())
 }
@@ -296,10 +311,15 @@ fn open(rule: Node) -> Vec<String> {
     };
     let mut open = Vec::new();
     if !is(rule, "allow_unauthenticated_participants", "false") {
-        open.push("participants that prove nothing may join (allow_unauthenticated_participants)".to_owned());
+        open.push(
+            "participants that prove nothing may join (allow_unauthenticated_participants)"
+                .to_owned(),
+        );
     }
     if !is(rule, "enable_join_access_control", "true") {
-        open.push("joining is not checked against permissions (enable_join_access_control)".to_owned());
+        open.push(
+            "joining is not checked against permissions (enable_join_access_control)".to_owned(),
+        );
     }
     for topic in rule.descendants().filter(|node| node.has_tag_name("topic_rule")) {
         let name = text_of(topic, "topic_expression").unwrap_or("?");
@@ -310,7 +330,9 @@ fn open(rule: Node) -> Vec<String> {
                 open.push(format!("topics `{name}` may be {say} by everybody who joined ({what})"));
             }
         }
-        if is(topic, "metadata_protection_kind", "NONE") && is(topic, "data_protection_kind", "NONE") {
+        if is(topic, "metadata_protection_kind", "NONE")
+            && is(topic, "data_protection_kind", "NONE")
+        {
             open.push(format!(
                 "topics `{name}` travel in the clear (metadata_protection_kind, data_protection_kind)"
             ));
@@ -332,7 +354,11 @@ pub fn fits(pattern: &str, topic: &str) -> bool {
         None => topic.is_empty(),
         Some('*') => {
             let rest = &pattern[1..];
-            topic.char_indices().map(|(at, _)| at).chain([topic.len()]).any(|at| fits(rest, &topic[at..]))
+            topic
+                .char_indices()
+                .map(|(at, _)| at)
+                .chain([topic.len()])
+                .any(|at| fits(rest, &topic[at..]))
         }
         Some(first) => {
             let mut left = topic.chars();
@@ -357,7 +383,9 @@ mod tests {
             </profile></profiles></enclave></enclaves></policy>"#;
         let policy = read_policy(text).unwrap();
         let (allowed, denied) = &policy["/a"];
-        for topic in ["rt/lab/x", "rr/lab/n/sReply", "rq/tRequest", "rq/lab/go/_action/send_goalRequest"] {
+        for topic in
+            ["rt/lab/x", "rr/lab/n/sReply", "rq/tRequest", "rq/lab/go/_action/send_goalRequest"]
+        {
             assert!(allowed.publish.contains(topic), "{topic}: {allowed:?}");
         }
         for topic in [
@@ -376,7 +404,8 @@ mod tests {
         assert_eq!(grant.domains, [(0, 0), (7, 7)]);
         assert!(grant.allowed.publish.contains("ros_discovery_info") && !grant.allows_the_rest);
         assert!(
-            grant.allowed.publish.is_superset(&allowed.publish) && !grant.allowed.publish.contains("rt/y")
+            grant.allowed.publish.is_superset(&allowed.publish)
+                && !grant.allowed.publish.contains("rt/y")
         );
     }
 
@@ -386,7 +415,10 @@ mod tests {
             ("<policy>", "no XML"),
             ("<policy/>", "no enclave"),
             ("<p><enclave/></p>", "without a path"),
-            ("<p><enclave path='/a'><profile><topics publish='MAYBE'/></profile></enclave></p>", "MAYBE"),
+            (
+                "<p><enclave path='/a'><profile><topics publish='MAYBE'/></profile></enclave></p>",
+                "MAYBE",
+            ),
             (
                 "<p><enclave path='/a'><profile><topics call='ALLOW'><topic>x</topic></topics></profile></enclave></p>",
                 "topics call",

@@ -1,6 +1,8 @@
-//! Who may do what in the laboratory's graph, as a policy of SROS 2, made from the table of interfaces.
+//! Who may do what in the laboratory's graph, as a policy of SROS 2, made from the table of
+//! interfaces.
 //!
-//! Enclaves: one for each node, `/live` for all of them in one process, `/operator` who leads them, and `/viewer` who looks and may stop.
+//! Enclaves: one for each node, `/live` for all of them in one process, `/operator` who leads them,
+//! and `/viewer` who looks and may stop.
 
 use std::fmt::Write as _;
 
@@ -22,7 +24,8 @@ const STOP: &str = "rig_driver/emergency_stop";
 /// Two topics that every node writes.
 const SAID_BY_ALL: [&str; 2] = ["/rosout", "/parameter_events"];
 
-/// What one node does, by SROS 2's words; names are relative to the namespace unless they begin with a slash.
+/// What one node does, by SROS 2's words; names are relative to the namespace unless they begin
+/// with a slash.
 #[derive(Default)]
 struct Profile {
     node: &'static str,
@@ -58,7 +61,11 @@ fn relative(topic: &str) -> String {
 }
 
 fn topics_where(keep: impl Fn(&interfaces::TopicInterface) -> bool) -> Vec<String> {
-    interfaces::topics().iter().filter(|topic| keep(topic)).map(|topic| relative(topic.name)).collect()
+    interfaces::topics()
+        .iter()
+        .filter(|topic| keep(topic))
+        .map(|topic| relative(topic.name))
+        .collect()
 }
 
 fn of_node(node: &'static str) -> Profile {
@@ -69,11 +76,16 @@ fn of_node(node: &'static str) -> Profile {
         publish: topics_where(|topic| topic.publishers.contains(&node)),
         subscribe: topics_where(|topic| topic.subscribers.contains(&node)),
         reply: own.chain(every).map(|name| format!("~/{name}")).collect(),
-        execute: ACTIONS.iter().filter(|of| of.node == node).map(|of| format!("~/{}", of.name)).collect(),
+        execute: ACTIONS
+            .iter()
+            .filter(|of| of.node == node)
+            .map(|of| format!("~/{}", of.name))
+            .collect(),
         ..Profile::default()
     };
     if node == "experiment_runner" {
-        // It leads the others through experiments: it answers measurements with references, or with voltages, and changes states and parameters.
+        // It leads the others through experiments: it answers measurements with references, or with
+        // voltages, and changes states and parameters.
         profile.publish.extend(["reference".to_owned(), "motor_voltage".to_owned()]);
         profile.subscribe = topics_where(|_| true);
         profile.subscribe.push("rig_driver/transition_event".to_owned());
@@ -88,7 +100,8 @@ fn of_node(node: &'static str) -> Profile {
 /// Requests to the nodes that `node` names, of the services that `service` names.
 fn services_of(node: impl Fn(&str) -> bool, service: impl Fn(&str) -> bool) -> Vec<String> {
     let own = SERVICES.iter().map(|of| (of.node, of.name));
-    let every = NODES.iter().flat_map(|node| EVERY_NODE.iter().map(move |(name, ..)| (*node, *name)));
+    let every =
+        NODES.iter().flat_map(|node| EVERY_NODE.iter().map(move |(name, ..)| (*node, *name)));
     own.chain(every)
         .filter(|(of, name)| node(of) && service(name))
         .map(|(of, name)| format!("{of}/{name}"))
@@ -129,7 +142,8 @@ fn operator() -> Profile {
 
 fn viewer() -> Profile {
     let mut profile = looker("viewer");
-    profile.request = services_of(|_| true, |name| LOOKS.contains(&name) || name == "list_experiments");
+    profile.request =
+        services_of(|_| true, |name| LOOKS.contains(&name) || name == "list_experiments");
     profile.request.push(STOP.to_owned());
     profile
 }
@@ -165,7 +179,8 @@ fn enclave(text: &mut String, name: &str, namespace: &str, profiles: &[Profile])
 mod tests {
     use super::*;
 
-    /// The repository shows the policy as a file, for `ros2 security` and for reading; `UPDATE_DOCS=1` writes it anew.
+    /// The repository shows the policy as a file, for `ros2 security` and for reading;
+    /// `UPDATE_DOCS=1` writes it anew.
     #[test]
     fn the_file_shows_this_policy() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("policy.xml");
@@ -201,9 +216,11 @@ mod tests {
     /// The sentence of the issue, as a table: who moves the motor, and everybody who may stop it.
     #[test]
     fn only_controller_and_runner_command_and_everybody_who_asks_may_stop() {
-        let publishes = |enclave: &str, topic: &str| allowed(enclave, "publish").iter().any(|of| of == topic);
-        let requests =
-            |enclave: &str, of: &str| allowed(enclave, "request").iter().any(|service| service == of);
+        let publishes =
+            |enclave: &str, topic: &str| allowed(enclave, "publish").iter().any(|of| of == topic);
+        let requests = |enclave: &str, of: &str| {
+            allowed(enclave, "request").iter().any(|service| service == of)
+        };
         for enclave in ["rig_driver", "friction_observer", "operator", "viewer"] {
             assert!(!publishes(enclave, "motor_voltage"), "{enclave}");
         }

@@ -1,4 +1,5 @@
-//! Whether and how a program is to be secured, from the environment as ROS 2 reads it, but never silently without.
+//! Whether and how a program is to be secured, from the environment as ROS 2 reads it, but never
+//! silently without.
 
 use std::{
     env,
@@ -65,10 +66,12 @@ impl Protection {
 }
 
 impl Wish {
-    /// Reads `ROS_SECURITY_ENABLE`, `ROS_SECURITY_STRATEGY`, `ROS_SECURITY_KEYSTORE` and `ROS_SECURITY_ENCLAVE_OVERRIDE`.
+    /// Reads `ROS_SECURITY_ENABLE`, `ROS_SECURITY_STRATEGY`, `ROS_SECURITY_KEYSTORE` and
+    /// `ROS_SECURITY_ENCLAVE_OVERRIDE`.
     ///
     /// # Errors
-    /// [`RosNodeError::Environment`]: a value that ROS would take for "no", though somebody meant "yes", is refused here.
+    /// [`RosNodeError::Environment`]: a value that ROS would take for "no", though somebody meant
+    /// "yes", is refused here.
     pub fn from_environment() -> Result<Self, RosNodeError> {
         let read = |name| env::var_os(name).map(|value| value.to_string_lossy().into_owned());
         Self::from_values(
@@ -79,7 +82,8 @@ impl Wish {
         )
     }
 
-    /// Like [`from_environment`](Self::from_environment), from values that stand for the four variables in their order.
+    /// Like [`from_environment`](Self::from_environment), from values that stand for the four
+    /// variables in their order.
     ///
     /// # Errors
     /// [`RosNodeError::Environment`].
@@ -95,27 +99,42 @@ impl Wish {
         let enabled = match enable {
             None | Some("" | "false") => false,
             Some("true") => true,
-            Some(value) => return wrong("ROS_SECURITY_ENABLE", "`true` or `false`, in small letters", value),
+            Some(value) => {
+                return wrong("ROS_SECURITY_ENABLE", "`true` or `false`, in small letters", value);
+            }
         };
         let strategy = match strategy {
             None | Some("" | "Permissive") => Strategy::Permissive,
             Some("Enforce") => Strategy::Enforce,
-            Some(value) => return wrong("ROS_SECURITY_STRATEGY", "`Enforce` or `Permissive`", value),
+            Some(value) => {
+                return wrong("ROS_SECURITY_STRATEGY", "`Enforce` or `Permissive`", value);
+            }
         };
-        let given = |value: Option<&str>| value.filter(|value| !value.is_empty()).map(str::to_owned);
-        Ok(Self { enabled, strategy, keystore: given(keystore).map(PathBuf::from), enclave: given(enclave) })
+        let given =
+            |value: Option<&str>| value.filter(|value| !value.is_empty()).map(str::to_owned);
+        Ok(Self {
+            enabled,
+            strategy,
+            keystore: given(keystore).map(PathBuf::from),
+            enclave: given(enclave),
+        })
     }
 
     /// How a program with that enclave on its command line is to be on the network.
     ///
     /// # Errors
-    /// [`RosNodeError::Security`] where security is asked for and cannot be had: the program lacks it; keystore or enclave are missing and the
-    /// strategy is to enforce; the enclave's name is none; it has a list of revoked certificates, which nobody would read.
+    /// [`RosNodeError::Security`] where security is asked for and cannot be had: the program lacks
+    /// it; keystore or enclave are missing and the strategy is to enforce; the enclave's name is
+    /// none; it has a list of revoked certificates, which nobody would read.
     pub fn protection(&self, enclave: Option<&str>) -> Result<Protection, RosNodeError> {
         self.protection_if(BUILT, enclave)
     }
 
-    fn protection_if(&self, built: bool, enclave: Option<&str>) -> Result<Protection, RosNodeError> {
+    fn protection_if(
+        &self,
+        built: bool,
+        enclave: Option<&str>,
+    ) -> Result<Protection, RosNodeError> {
         if !self.enabled {
             return Ok(Protection::Off(None));
         }
@@ -178,9 +197,13 @@ mod tests {
         }
         for unclear in ["True", "TRUE", "1", "yes", " true"] {
             let error = Wish::from_values(Some(unclear), None, None, None).unwrap_err();
-            assert!(error.is_bad_input() && error.to_string().contains("ROS_SECURITY_ENABLE"), "{error}");
+            assert!(
+                error.is_bad_input() && error.to_string().contains("ROS_SECURITY_ENABLE"),
+                "{error}"
+            );
         }
-        let error = Wish::from_values(Some("true"), Some("enforce"), None, None).unwrap_err().to_string();
+        let error =
+            Wish::from_values(Some("true"), Some("enforce"), None, None).unwrap_err().to_string();
         assert!(error.contains("`Enforce` or `Permissive`"), "{error}");
     }
 

@@ -11,7 +11,8 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{ATTEMPTS, Counts, Device, PATIENCE, children, moment, runs, signal, still};
 
-/// The driver wakes by itself, and the controller's dither gives the motor volts without anybody's reference.
+/// The driver wakes by itself, and the controller's dither gives the motor volts without anybody's
+/// reference.
 const PARAMETERS: &str = "\
 /**/rig_driver:
   ros__parameters:
@@ -40,7 +41,8 @@ enum Blow {
 }
 
 impl Launched {
-    /// Starts the group and waits until the loop of all nodes moves the motor; `None` where no network namespace can be had.
+    /// Starts the group and waits until the loop of all nodes moves the motor; `None` where no
+    /// network namespace can be had.
     pub fn start(device: &mut Device) -> Option<Self> {
         for attempt in 1.. {
             let mut group = Self::once(device)?;
@@ -100,8 +102,15 @@ impl Launched {
         }
     }
 
-    /// Some of the processes are killed or stopped, then the launcher is killed, and nobody is left.
-    pub fn round(&mut self, round: u32, device: &mut Device, random: &mut Pcg64Mcg, counts: &mut Counts) {
+    /// Some of the processes are killed or stopped, then the launcher is killed, and nobody is
+    /// left.
+    pub fn round(
+        &mut self,
+        round: u32,
+        device: &mut Device,
+        random: &mut Pcg64Mcg,
+        counts: &mut Counts,
+    ) {
         let launcher = ("launcher".to_owned(), self.launcher.id());
         let mut all: Vec<(String, u32)> =
             self.nodes.iter().map(|(name, pid)| (name.clone(), *pid)).chain([launcher]).collect();
@@ -134,7 +143,8 @@ impl Launched {
             moment(random);
             device.assert_safe(&what);
         }
-        // The launcher is gone now in any case; a node that stands still hears of it when it goes on.
+        // The launcher is gone now in any case; a node that stands still hears of it when it goes
+        // on.
         counts.kills += 1;
         self.kill_the_launcher();
         moment(random);

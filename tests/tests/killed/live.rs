@@ -49,7 +49,13 @@ impl Live {
     }
 
     /// Kills it at the latest at the end.
-    pub fn round(mut self, round: u32, device: &mut Device, random: &mut Pcg64Mcg, counts: &mut Counts) {
+    pub fn round(
+        mut self,
+        round: u32,
+        device: &mut Device,
+        random: &mut Pcg64Mcg,
+        counts: &mut Counts,
+    ) {
         round_of_one(self.0.id(), &format!("live, round {round}"), device, random, counts);
         self.0.wait().expect("it ends");
     }

@@ -16,10 +16,11 @@ pub mod serve;
 
 /// Longest wait for what must come on a machine that is busy with other tests.
 pub const PATIENCE: Duration = Duration::from_secs(60);
-/// `safety.command_age` in cycles of the device: what a dead controller's last command is worth to the driver.
+/// `safety.command_age` in cycles of the device: what a dead controller's last command is worth to
+/// the driver.
 const COMMAND_AGE: u64 = 20;
-/// How often something is started that does not come to drive: on a machine that is busy with other tests a driver gives up a line that is silent for
-/// .1 s.
+/// How often something is started that does not come to drive: on a machine that is busy with other
+/// tests a driver gives up a line that is silent for .1 s.
 pub const ATTEMPTS: u32 = 10;
 
 /// The emulated rig that all processes of a test drive one after the other.
@@ -45,7 +46,10 @@ impl Device {
 
     /// A name in the device's folder that is not there yet.
     pub fn new_folder(&self, stem: &str) -> PathBuf {
-        (0..).map(|n| self.folder().join(format!("{stem}-{n}"))).find(|path| !path.exists()).expect("a name")
+        (0..)
+            .map(|n| self.folder().join(format!("{stem}-{n}")))
+            .find(|path| !path.exists())
+            .expect("a name")
     }
 
     pub fn driven(&mut self) -> u64 {
@@ -81,7 +85,10 @@ impl Device {
         let books = &status["books"];
         assert_eq!(books["driven_without_permission"], 0, "{what}: {books}");
         for book in ["longest_drive_after_a_command", "longest_drive_after_a_measurement"] {
-            assert!(books[book].as_u64().is_some_and(|cycles| cycles <= self.validity), "{what}: {books}");
+            assert!(
+                books[book].as_u64().is_some_and(|cycles| cycles <= self.validity),
+                "{what}: {books}"
+            );
         }
     }
 
@@ -129,15 +136,16 @@ fn proc(pid: u32) -> PathBuf {
     Path::new("/proc").join(pid.to_string())
 }
 
-/// Sends a signal after which no thread of the process does anything, `-STOP` or `-KILL`, and waits until that is so: on a busy machine it takes a
-/// while. Whether the process was there.
+/// Sends a signal after which no thread of the process does anything, `-STOP` or `-KILL`, and waits
+/// until that is so: on a busy machine it takes a while. Whether the process was there.
 pub fn still(pid: u32, name: &str) -> bool {
     let there = signal(pid, name);
     let until = Instant::now() + PATIENCE;
     let acts = |thread: std::fs::DirEntry| {
         stat(&thread.path()).is_some_and(|(_, state)| !matches!(state, 'T' | 't' | 'Z' | 'X'))
     };
-    while std::fs::read_dir(proc(pid).join("task")).is_ok_and(|threads| threads.flatten().any(acts)) {
+    while std::fs::read_dir(proc(pid).join("task")).is_ok_and(|threads| threads.flatten().any(acts))
+    {
         assert!(Instant::now() < until, "{name} has no effect on {pid}");
         std::thread::sleep(Duration::from_micros(200));
     }
@@ -149,7 +157,8 @@ pub fn runs(pid: u32) -> bool {
     stat(&proc(pid)).is_some_and(|(_, state)| !matches!(state, 'Z' | 'X'))
 }
 
-/// Children of a process: number and program, or the node that it is, as in `frictionlab node rig_driver`.
+/// Children of a process: number and program, or the node that it is, as in
+/// `frictionlab node rig_driver`.
 pub fn children(pid: u32) -> Vec<(u32, String)> {
     let entries = std::fs::read_dir("/proc").expect("processes");
     entries
@@ -173,7 +182,13 @@ pub fn children(pid: u32) -> Vec<(u32, String)> {
 }
 
 /// One process that drives by itself: killed, or stopped and then continued or killed.
-pub fn round_of_one(pid: u32, what: &str, device: &mut Device, random: &mut Pcg64Mcg, counts: &mut Counts) {
+pub fn round_of_one(
+    pid: u32,
+    what: &str,
+    device: &mut Device,
+    random: &mut Pcg64Mcg,
+    counts: &mut Counts,
+) {
     counts.rounds += 1;
     moment(random);
     if random.random::<bool>() {

@@ -22,7 +22,8 @@ pub struct Served {
 }
 
 impl Served {
-    /// Starts both and waits until the experiment drives; `None` where no network namespace can be had.
+    /// Starts both and waits until the experiment drives; `None` where no network namespace can be
+    /// had.
     pub fn start(device: &mut Device) -> Option<Self> {
         let this = env::current_exe().expect("a test knows its program");
         let mut asking = tests::network::namespaced()?
@@ -48,7 +49,13 @@ impl Served {
     }
 
     /// Kills the server at the latest at the end.
-    pub fn round(mut self, round: u32, device: &mut Device, random: &mut Pcg64Mcg, counts: &mut Counts) {
+    pub fn round(
+        mut self,
+        round: u32,
+        device: &mut Device,
+        random: &mut Pcg64Mcg,
+        counts: &mut Counts,
+    ) {
         round_of_one(self.server, &format!("serve, round {round}"), device, random, counts);
         drop(self.asking.stdin.take());
         self.asking.wait().expect("it ends");
@@ -61,7 +68,8 @@ impl Drop for Served {
     }
 }
 
-/// Starts a server on the rig that [`RIG`] names, and asks it for an experiment, again when that has ended, until its own input ends.
+/// Starts a server on the rig that [`RIG`] names, and asks it for an experiment, again when that
+/// has ended, until its own input ends.
 pub fn ask_if_wished() {
     let Ok(rig) = env::var(RIG) else { return };
     let mut server = Command::new(tests::frictionlab().get_program())
@@ -71,9 +79,11 @@ pub fn ask_if_wished() {
         .spawn()
         .expect("the server starts");
     println!("the server is {}", server.id());
-    let participant = Participant::join(&Discovery::from_environment().expect("a domain")).expect("joins");
+    let participant =
+        Participant::join(&Discovery::from_environment().expect("a domain")).expect("joins");
     let node = participant.node("asking").expect("a node");
-    let start = node.client::<StartExperiment>("/experiment_runner/start_experiment").expect("a client");
+    let start =
+        node.client::<StartExperiment>("/experiment_runner/start_experiment").expect("a client");
     let setting = |name: &str, value: &str| Setting { name: name.into(), value: value.into() };
     let request = StartExperimentRequest {
         experiment: "position-tracking".into(),

@@ -25,13 +25,18 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    const ALL: [(Self, &'static str); 4] =
-        [(Self::Exact, "exact"), (Self::Rk4, "rk4"), (Self::Known, "known"), (Self::Chosen, "chosen")];
+    const ALL: [(Self, &'static str); 4] = [
+        (Self::Exact, "exact"),
+        (Self::Rk4, "rk4"),
+        (Self::Known, "known"),
+        (Self::Chosen, "chosen"),
+    ];
 }
 
 impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (_, text) = Self::ALL.into_iter().find(|(scheme, _)| scheme == self).unwrap_or(Self::ALL[0]);
+        let (_, text) =
+            Self::ALL.into_iter().find(|(scheme, _)| scheme == self).unwrap_or(Self::ALL[0]);
         f.pad(text)
     }
 }
@@ -66,11 +71,16 @@ pub struct Programs {
 
 impl Programs {
     pub fn build() -> Result<Self> {
-        let workspace =
-            Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask lies in the workspace")?;
-        // Its own target folder: other flags would rebuild everything in the shared one, to and fro.
-        let target =
-            env::current_exe()?.ancestors().nth(2).context("xtask lies in a target folder")?.join("native");
+        let workspace = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask lies in the workspace")?;
+        // Its own target folder: other flags would rebuild everything in the shared one, to and
+        // fro.
+        let target = env::current_exe()?
+            .ancestors()
+            .nth(2)
+            .context("xtask lies in a target folder")?
+            .join("native");
         Ok(Self { rust: build_rust(workspace, &target)?, c: build_c(workspace, &target)? })
     }
 
@@ -100,7 +110,8 @@ fn once(program: &Path, model: ModelName, steps: u64) -> Result<Run> {
 fn parse(text: &str, model: ModelName) -> Result<Run> {
     text.lines()
         .map(|line| {
-            let [name, scheme, nanoseconds, sum] = line.split_whitespace().collect::<Vec<_>>()[..] else {
+            let [name, scheme, nanoseconds, sum] = line.split_whitespace().collect::<Vec<_>>()[..]
+            else {
                 bail!("expected `model scheme nanoseconds sum`, got `{line}`");
             };
             ensure!(name == model.as_str(), "asked for {model}, got `{line}`");
@@ -113,7 +124,15 @@ fn build_rust(workspace: &Path, target: &Path) -> Result<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     succeed(
         Command::new(cargo)
-            .args(["build", "--quiet", "--release", "--package", "friction_model", "--example", "step_bench"])
+            .args([
+                "build",
+                "--quiet",
+                "--release",
+                "--package",
+                "friction_model",
+                "--example",
+                "step_bench",
+            ])
             .arg("--target-dir")
             .arg(target)
             .current_dir(workspace)
@@ -128,7 +147,9 @@ fn build_c(workspace: &Path, target: &Path) -> Result<PathBuf> {
     let compiler = env::var_os("CC").unwrap_or_else(|| "gcc".into());
     let folder = workspace.join("xtask/bench");
     let mut sources = fs::read_dir(&folder)
-        .and_then(|files| files.map(|file| file.map(|file| file.path())).collect::<Result<Vec<_>, _>>())
+        .and_then(|files| {
+            files.map(|file| file.map(|file| file.path())).collect::<Result<Vec<_>, _>>()
+        })
         .with_context(|| format!("reading {}", folder.display()))?;
     sources.retain(|path| path.extension().is_some_and(|extension| extension == "c"));
     sources.sort();
@@ -144,7 +165,9 @@ fn build_c(workspace: &Path, target: &Path) -> Result<PathBuf> {
 }
 
 fn succeed(command: &mut Command) -> Result<()> {
-    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    let status = command
+        .status()
+        .with_context(|| format!("starting {}", command.get_program().display()))?;
     ensure!(status.success(), "{} ended with {status}", command.get_program().display());
     Ok(())
 }
@@ -161,7 +184,9 @@ mod tests {
         assert!(parse("", model).unwrap().is_empty());
         assert!(parse("lugre rk4 1.5", model).unwrap_err().to_string().contains("`lugre rk4 1.5`"));
         assert!(parse("lugre euler 1.5 1", model).unwrap_err().to_string().contains("`euler`"));
-        assert!(parse("dahl rk4 1.5 1", model).unwrap_err().to_string().contains("asked for lugre"));
+        assert!(
+            parse("dahl rk4 1.5 1", model).unwrap_err().to_string().contains("asked for lugre")
+        );
         assert!(parse("lugre rk4 x 1", model).is_err());
     }
 }

@@ -50,7 +50,8 @@ pub struct Beside {
 }
 
 impl Comparison {
-    /// Whether the median of the ratio is at most `bar`; never where there is nothing to compare with.
+    /// Whether the median of the ratio is at most `bar`; never where there is nothing to compare
+    /// with.
     pub fn keeps(&self, bar: f64) -> bool {
         self.beside.as_ref().is_some_and(|beside| beside.ratio.median() <= bar)
     }
@@ -96,12 +97,15 @@ impl Rounds {
     /// # Errors
     /// When the sums of forces differ.
     pub fn comparisons(&self) -> Result<Vec<Comparison>> {
-        let compared = self.0.iter().filter(|((_, scheme), _)| matches!(scheme, Scheme::Exact | Scheme::Rk4));
+        let compared =
+            self.0.iter().filter(|((_, scheme), _)| matches!(scheme, Scheme::Exact | Scheme::Rk4));
         compared
             .map(|(&(model, scheme), pairs)| {
                 let rust = Quartiles::of(pairs.iter().map(|(rust, _)| rust.nanoseconds));
-                let pairs: Vec<_> = pairs.iter().filter_map(|&(rust, c)| Some((rust, c?))).collect();
-                let beside = if pairs.is_empty() { None } else { Some(beside(model, scheme, &pairs)?) };
+                let pairs: Vec<_> =
+                    pairs.iter().filter_map(|&(rust, c)| Some((rust, c?))).collect();
+                let beside =
+                    if pairs.is_empty() { None } else { Some(beside(model, scheme, &pairs)?) };
                 Ok(Comparison { model, scheme, rust, beside })
             })
             .collect()
@@ -118,7 +122,8 @@ impl Rounds {
         });
         pairs
             .map(|(model, known, chosen)| {
-                let pairs = || known.iter().zip(chosen).map(|((known, _), (chosen, _))| (known, chosen));
+                let pairs =
+                    || known.iter().zip(chosen).map(|((known, _), (chosen, _))| (known, chosen));
                 let same = pairs().all(|(known, chosen)| known.sum == chosen.sum);
                 ensure!(same, "{model}: the chosen model does not compute what the known one does");
                 Ok(Choice {
@@ -137,8 +142,8 @@ impl Rounds {
 /// `pairs` is not empty.
 fn beside(model: ModelName, scheme: Scheme, pairs: &[(Timing, Timing)]) -> Result<Beside> {
     let differences = pairs.iter().map(|(rust, c)| ((rust.sum - c.sum) / c.sum).abs());
-    let difference =
-        differences.fold(0.0, |worst: f64, d| if d.is_nan() { f64::INFINITY } else { worst.max(d) });
+    let difference = differences
+        .fold(0.0, |worst: f64, d| if d.is_nan() { f64::INFINITY } else { worst.max(d) });
     ensure!(
         difference <= 1e-9,
         "{model} ({scheme}): the sums of forces differ by {difference:.1e}; the two sides do not compute the same"
@@ -180,15 +185,17 @@ mod tests {
     fn the_ratio_is_the_median_over_rounds() {
         let pair = |rust, c| (run(Scheme::Rk4, rust, 1.0), run(Scheme::Rk4, c, 1.0));
         // One disturbed round does not matter.
-        let rows = rounds(&[pair(11.0, 10.0), pair(22.0, 20.0), pair(90.0, 10.0)]).comparisons().unwrap();
+        let rows =
+            rounds(&[pair(11.0, 10.0), pair(22.0, 20.0), pair(90.0, 10.0)]).comparisons().unwrap();
         assert!((rows[0].beside.as_ref().unwrap().ratio.median() - 1.1).abs() < 1e-12);
         assert!(rows[0].keeps(1.11) && !rows[0].keeps(1.09));
     }
 
     #[test]
     fn different_sums_are_no_comparison() {
-        let compare =
-            |rust, c| rounds(&[(run(Scheme::Exact, 1.0, rust), run(Scheme::Exact, 1.0, c))]).comparisons();
+        let compare = |rust, c| {
+            rounds(&[(run(Scheme::Exact, 1.0, rust), run(Scheme::Exact, 1.0, c))]).comparisons()
+        };
         let message = compare(1.0, 1.0 + 1e-8).unwrap_err().to_string();
         assert!(message.contains("do not compute the same"), "{message}");
         assert!(compare(f64::NAN, 1.0).is_err());
@@ -211,7 +218,8 @@ mod tests {
             run.insert(Scheme::Chosen, Timing { nanoseconds: chosen, sum });
             (run, Run::new())
         };
-        let rounds_of = |sum| rounds(&[round(5.0, 6.0, sum), round(8.0, 9.5, sum), round(5.0, 50.0, sum)]);
+        let rounds_of =
+            |sum| rounds(&[round(5.0, 6.0, sum), round(8.0, 9.5, sum), round(5.0, 50.0, sum)]);
         let rows = rounds_of(1.0).choices().unwrap();
         assert_eq!(rows[0].difference.median(), 1.5);
         assert!(rows[0].keeps(1.5) && !rows[0].keeps(1.4));

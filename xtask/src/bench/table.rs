@@ -16,11 +16,13 @@ impl Table {
     pub fn of_comparisons(rows: &[Comparison], bar: impl Fn(&Comparison) -> Option<f64>) -> Self {
         let head = ["model", "scheme", "Rust [ns]", "C [ns]", "Rust / C", "bar", "sums differ by"];
         let cells = rows.iter().map(|row| {
-            let (c, ratio, difference) =
-                row.beside.as_ref().map_or(("no peer".into(), String::new(), String::new()), |beside| {
+            let (c, ratio, difference) = row.beside.as_ref().map_or(
+                ("no peer".into(), String::new(), String::new()),
+                |beside| {
                     let difference = format!("{:.0e}", beside.difference);
                     (median(beside.c), spread(beside.ratio, 3), difference)
-                });
+                },
+            );
             let verdict = bar(row).map_or(String::new(), |bar| verdict(row.keeps(bar), bar, ""));
             vec![
                 row.model.to_string(),
@@ -54,7 +56,9 @@ impl Table {
     pub fn render(&self, markdown: bool) -> String {
         let lines = || once(&self.head).chain(&self.rows);
         let widths: Vec<usize> = (0..self.head.len())
-            .map(|column| lines().filter_map(|row| row.get(column)).map(|cell| cell.len()).max().unwrap_or(0))
+            .map(|column| {
+                lines().filter_map(|row| row.get(column)).map(|cell| cell.len()).max().unwrap_or(0)
+            })
             .collect();
         let line = |row: &[String]| {
             let cells: Vec<String> =
@@ -66,7 +70,10 @@ impl Table {
             }
         };
         let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
-        once(line(&self.head)).chain(once(line(&rule))).chain(self.rows.iter().map(|row| line(row))).collect()
+        once(line(&self.head))
+            .chain(once(line(&rule)))
+            .chain(self.rows.iter().map(|row| line(row)))
+            .collect()
     }
 }
 

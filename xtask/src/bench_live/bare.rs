@@ -20,15 +20,20 @@ const SECOND: u64 = 1_000_000_000;
 pub(super) fn run(period: Duration, cycles: u64) -> PeriodErrors {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let realtime = ThreadPriorityValue::try_from(PRIORITY).is_ok_and(|priority| {
-        set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(priority), policy)
-            .is_ok()
+        set_thread_priority_and_policy(
+            thread_native_id(),
+            ThreadPriority::Crossplatform(priority),
+            policy,
+        )
+        .is_ok()
     });
     let period = period.as_nanos() as u64;
     let mut errors = Vec::with_capacity(cycles as usize);
     let mut deadline = now() + period;
     let mut before = None;
     for _ in 0..cycles {
-        let until = Timespec { tv_sec: (deadline / SECOND) as _, tv_nsec: (deadline % SECOND) as _ };
+        let until =
+            Timespec { tv_sec: (deadline / SECOND) as _, tv_nsec: (deadline % SECOND) as _ };
         // A signal wakes the thread early.
         while clock_nanosleep_absolute(ClockId::Monotonic, &until) == Err(Errno::INTR) {}
         let start = now();

@@ -7,13 +7,15 @@ use serde_json::Value;
 /// Nodes of `launch`.
 const NODES: [&str; 4] = ["rig_driver", "friction_observer", "controller", "experiment_runner"];
 
-/// A figure's name, where it is in a publisher's report, what it is multiplied by, and its decimals.
+/// A figure's name, where it is in a publisher's report, what it is multiplied by, and its
+/// decimals.
 type Figure<'a> = (&'a str, &'a str, f64, usize);
 
 /// The table as Markdown; what could not be measured is left out of it.
 pub(super) fn markdown(report: &Value, minutes: f64, clients: u32) -> String {
-    let mut out =
-        String::from("| what | rclpy | live | to rclpy | launch | to rclpy |\n|---|---|---|---|---|---|\n");
+    let mut out = String::from(
+        "| what | rclpy | live | to rclpy | launch | to rclpy |\n|---|---|---|---|---|---|\n",
+    );
     let figures: [Figure; 13] = [
         ("rate, 1 reader [Hz]", "/one/rate_hz", 1.0, 1),
         ("lost, 1 reader [%]", "/one/lost", 100.0, 3),
@@ -30,7 +32,9 @@ pub(super) fn markdown(report: &Value, minutes: f64, clients: u32) -> String {
         ("later goals to their results [ms]", "/seconds/later_goal", 1e3, 2),
     ];
     for (name, at, factor, decimals) in figures {
-        let of = |who: &str| report[who].pointer(at).and_then(Value::as_f64).map(|number| factor * number);
+        let of = |who: &str| {
+            report[who].pointer(at).and_then(Value::as_f64).map(|number| factor * number)
+        };
         row(&mut out, name, of("rclpy"), of("live"), of("launch"), decimals);
     }
     let memory = format!("memory after {minutes} minutes [MB]");
@@ -48,7 +52,14 @@ pub(super) fn markdown(report: &Value, minutes: f64, clients: u32) -> String {
         let rclpy = of("rclpy", "rclpy");
         row(&mut out, name, rclpy, of("live", "live"), None, decimals);
         for node in NODES {
-            row(&mut out, &format!("the same of {node}"), rclpy, None, of("launch", node), decimals);
+            row(
+                &mut out,
+                &format!("the same of {node}"),
+                rclpy,
+                None,
+                of("launch", node),
+                decimals,
+            );
         }
     }
     out
@@ -62,8 +73,9 @@ fn row(
     launch: Option<f64>,
     decimals: usize,
 ) {
-    let number =
-        |number: Option<f64>| number.map_or_else(String::new, |number| format!("{number:.decimals$}"));
+    let number = |number: Option<f64>| {
+        number.map_or_else(String::new, |number| format!("{number:.decimals$}"))
+    };
     let ratio = |number: Option<f64>| match (number, rclpy) {
         (Some(number), Some(rclpy)) if rclpy.abs() > 1e-9 => format!("{:.2}", number / rclpy),
         _ => String::new(),
@@ -85,8 +97,14 @@ mod tests {
             "rclpy": of(2000.0, "rclpy"), "live": of(1000.0, "live"), "launch": of(500.0, "controller"),
         });
         let table = markdown(&report, 2.0, 100);
-        assert!(table.contains("99th percentile [us] | 2000 | 1000 | 0.50 | 500 | 0.25 |"), "{table}");
+        assert!(
+            table.contains("99th percentile [us] | 2000 | 1000 | 0.50 | 500 | 0.25 |"),
+            "{table}"
+        );
         assert!(table.contains("| lost, 1 reader [%] | 0.000 | 0.000 |  | 0.000 |  |"), "{table}");
-        assert!(table.contains("| the same of controller | 2010.0 |  |  | 510.0 | 0.25 |"), "{table}");
+        assert!(
+            table.contains("| the same of controller | 2010.0 |  |  | 510.0 | 0.25 |"),
+            "{table}"
+        );
     }
 }

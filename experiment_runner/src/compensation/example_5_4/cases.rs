@@ -10,7 +10,8 @@ use crate::compensation::limit_cycle::LimitCycle;
 use crate::progress::Progress;
 use crate::sequencer::run_in_order;
 
-/// Error injection with which the velocity rows come near the printed ones, each observer on its own plant.
+/// Error injection with which the velocity rows come near the printed ones, each observer on its
+/// own plant.
 pub const VELOCITY_INJECTION: f64 = 0.035;
 /// The same for the position rows.
 pub const POSITION_INJECTION: f64 = 0.002;
@@ -56,7 +57,8 @@ impl VelocityCase {
         let mut cases = vec![Self::NO_FRICTION, Self::on_proposed(None)];
         cases.extend(ExampleModel::PRINTED.map(|model| Self::on_proposed(Some(model))));
         cases.extend(
-            [ExampleModel::StiffGms, ExampleModel::StiffXiong].map(|model| Self::on_proposed(Some(model))),
+            [ExampleModel::StiffGms, ExampleModel::StiffXiong]
+                .map(|model| Self::on_proposed(Some(model))),
         );
         cases.extend(ExampleModel::PRINTED.map(Self::on_its_own));
         cases.extend([6.1, 4.7].map(Self::gain));
@@ -96,8 +98,9 @@ impl PositionCase {
         Self { plant: Some(model), observer: Some(model), injection: POSITION_INJECTION, duration }
     }
 
-    /// Every case: over 20 s, in which the printed ratio of the rows without an observer is met, the observers on one plant; over 50 s, which give the
-    /// printed row without friction, each on its own. Linear control with friction also runs for 100 s, where its limit cycle is read.
+    /// Every case: over 20 s, in which the printed ratio of the rows without an observer is met,
+    /// the observers on one plant; over 50 s, which give the printed row without friction, each on
+    /// its own. Linear control with friction also runs for 100 s, where its limit cycle is read.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut cases = Vec::new();
@@ -146,7 +149,8 @@ enum Job {
 }
 
 impl Example {
-    /// Runs every case, the velocity cases with each seed; all cases of one seed meet the same disturbance.
+    /// Runs every case, the velocity cases with each seed; all cases of one seed meet the same
+    /// disturbance.
     ///
     /// # Errors
     /// [`ModelError`] never for the parameters of the example.

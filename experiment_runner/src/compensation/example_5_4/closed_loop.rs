@@ -1,7 +1,7 @@
 //! A linear loop around friction, with an observer in it: everything integrated together by RK4.
 //!
-//! The observer is integrated in the same stages as the plant: with the plant's own model and no injection it cancels the friction
-//! exactly, as a continuous observer does, whatever the step.
+//! The observer is integrated in the same stages as the plant: with the plant's own model and no
+//! injection it cancels the friction exactly, as a continuous observer does, whatever the step.
 
 use friction_model::{ContinuousState, FrictionModel, State};
 
@@ -13,7 +13,8 @@ pub trait LinearPart<const A: usize> {
     /// Controlled output minus its reference [rad/s or rad].
     fn error(&self, x: &[f64; A]) -> f64;
 
-    /// Derivatives of the states while `friction` [N m] brakes and `estimate` [N m] is added to the command.
+    /// Derivatives of the states while `friction` [N m] brakes and `estimate` [N m] is added to the
+    /// command.
     fn rates(&self, x: &[f64; A], friction: f64, estimate: f64) -> [f64; A];
 }
 
@@ -68,9 +69,15 @@ where
     P: FrictionModel,
     O: FrictionModel<Continuous: Shift>,
 {
-    /// A loop at rest with the linear states `x`. `injection` is k of the observer: `-k e` in the derivative of each of its states,
-    /// with e the controlled output minus its reference.
-    pub fn new(linear: L, x: [f64; A], plant: Contact<P>, observer: Contact<O>, injection: f64) -> Self {
+    /// A loop at rest with the linear states `x`. `injection` is k of the observer: `-k e` in the
+    /// derivative of each of its states, with e the controlled output minus its reference.
+    pub fn new(
+        linear: L,
+        x: [f64; A],
+        plant: Contact<P>,
+        observer: Contact<O>,
+        injection: f64,
+    ) -> Self {
         Self { linear, x, plant, observer, injection }
     }
 
@@ -88,7 +95,11 @@ where
             let seen = observer.model.evaluate(o, &observer.state.memory, velocity);
             let injected = -*injection * linear.error(x);
             let estimate = seen.force + observer.damping * injected;
-            (linear.rates(x, friction.force, estimate), friction.rates, seen.rates.shifted(injected))
+            (
+                linear.rates(x, friction.force, estimate),
+                friction.rates,
+                seen.rates.shifted(injected),
+            )
         };
         let (x0, p0, o0) = (*x, plant.state.continuous, observer.state.continuous);
         let ahead = |(dx, dp, dy): &([f64; A], P::Continuous, O::Continuous), h: f64| {

@@ -1,4 +1,5 @@
-//! The thesis's example of observer-based compensation (section 5.4): a velocity loop under an output disturbance, and a step of position.
+//! The thesis's example of observer-based compensation (section 5.4): a velocity loop under an
+//! output disturbance, and a step of position.
 //!
 //! * [`closed_loop`]: plant, controller and observer integrated together.
 //! * [`models`]: the friction.

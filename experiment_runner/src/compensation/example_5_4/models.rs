@@ -59,14 +59,16 @@ const TAU: f64 = 0.002;
 /// The proposed model.
 pub(super) fn proposed() -> Result<Contact<Proposed>, ModelError> {
     let ((f_s, f_c, v_s, f_v), sigma) = (LEVELS, 60.0);
-    let parameters = ProposedParameters { f_s, f_c, v_s, delta: 2.0, sigma, tau: TAU, z_b: 0.001, f_v };
+    let parameters =
+        ProposedParameters { f_s, f_c, v_s, delta: 2.0, sigma, tau: TAU, z_b: 0.001, f_v };
     Ok(Contact::new(parameters.try_into()?, sigma))
 }
 
 /// LuGre.
 pub(super) fn lugre() -> Result<Contact<LuGre>, ModelError> {
     let ((f_s, f_c, v_s, f_v), sigma1) = (LEVELS, 20.0);
-    let parameters = LuGreParameters { f_s, f_c, v_s, delta: 2.0, sigma0: 1000.0, sigma1, v_d: None, f_v };
+    let parameters =
+        LuGreParameters { f_s, f_c, v_s, delta: 2.0, sigma0: 1000.0, sigma1, v_d: None, f_v };
     Ok(Contact::new(parameters.try_into()?, sigma1))
 }
 
@@ -136,7 +138,8 @@ macro_rules! with_contact {
             Some(model @ (ExampleModel::Xiong | ExampleModel::StiffXiong)) => {
                 let (stiffness, damping) =
                     if model == ExampleModel::Xiong { (2.5, 1.5) } else { (130.0, 15.0) };
-                let $contact = $crate::compensation::example_5_4::models::xiong(stiffness, damping)?;
+                let $contact =
+                    $crate::compensation::example_5_4::models::xiong(stiffness, damping)?;
                 $body
             }
         }

@@ -8,9 +8,11 @@ use super::velocity::ExampleRun;
 use crate::compensation::limit_cycle::LimitCycle;
 use crate::tracking::SquareMean;
 
-/// `J theta'' = u - F`, `u = P e + I int e + D e' + F^` with `e = 1 - theta`; the axis starts at rest at 0.
+/// `J theta'' = u - F`, `u = P e + I int e + D e' + F^` with `e = 1 - theta`; the axis starts at
+/// rest at 0.
 ///
-/// The thesis does not say J; the loop is stable for J < D P / I = 0.0125 kg m^2 only, and J = 0.0023 gives its printed figure without friction.
+/// The thesis does not say J; the loop is stable for J < D P / I = 0.0125 kg m^2 only, and J =
+/// 0.0023 gives its printed figure without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionExample {
     /// Inertia J [kg m^2].
@@ -23,7 +25,8 @@ pub struct PositionExample {
     pub d: f64,
     /// Length of a run [s].
     pub duration: f64,
-    /// Integration step [s]; beyond 2.78 J / sigma = 0.1 ms RK4 is unstable while the bristles stick.
+    /// Integration step [s]; beyond 2.78 J / sigma = 0.1 ms RK4 is unstable while the bristles
+    /// stick.
     pub step: f64,
 }
 
@@ -34,8 +37,8 @@ impl Default for PositionExample {
 }
 
 impl PositionExample {
-    /// One run: friction `plant` on the axis, `observer` in the loop with the injection gain `injection`; the figures, and the limit cycle of
-    /// the last three fifths if there is one.
+    /// One run: friction `plant` on the axis, `observer` in the loop with the injection gain
+    /// `injection`; the figures, and the limit cycle of the last three fifths if there is one.
     ///
     /// # Errors
     /// [`ModelError`] never for the parameters of the example, which a test builds.

@@ -40,8 +40,8 @@ fn an_exact_observer_cancels_the_friction_exactly() {
     }
 }
 
-/// Proposed < LuGre < none < GMS < Xiong with every seed: the printed soft parameters of the last two make things worse than none. With the stiffness
-/// of the plant they are better.
+/// Proposed < LuGre < none < GMS < Xiong with every seed: the printed soft parameters of the last
+/// two make things worse than none. With the stiffness of the plant they are better.
 #[test]
 fn on_one_plant_the_soft_observers_are_worse_than_none() {
     let order = [
@@ -59,12 +59,12 @@ fn on_one_plant_the_soft_observers_are_worse_than_none() {
     assert!((3.0..12.0).contains(&relative(ExampleModel::StiffGms)));
 }
 
-/// On plants of their own models with k = .035 the observers come to .617, .798, .890 and .989 of the error without friction; proportional gain
-/// alone does the same.
+/// On plants of their own models with k = .035 the observers come to .617, .798, .890 and .989 of
+/// the error without friction; proportional gain alone does the same.
 #[test]
 fn the_order_of_table_5_1_is_that_of_proportional_gain() {
-    let relative =
-        ExampleModel::PRINTED.map(|model| example().relative(&VelocityCase::on_its_own(model)).unwrap());
+    let relative = ExampleModel::PRINTED
+        .map(|model| example().relative(&VelocityCase::on_its_own(model)).unwrap());
     for (found, expected) in relative.iter().zip([0.617, 0.798, 0.890, 0.989]) {
         assert!((found / expected - 1.0).abs() < 0.06, "{relative:?}");
     }
@@ -75,8 +75,8 @@ fn the_order_of_table_5_1_is_that_of_proportional_gain() {
     }
 }
 
-/// 66.9e-4 and 655e-4 over 50 s, 167e-4 and 1129e-4 over 20 s; with the proposed model as plant 277e-4, 30186e-4 and 23851e-4 under the observers
-/// over LuGre, GMS and Xiong.
+/// 66.9e-4 and 655e-4 over 50 s, 167e-4 and 1129e-4 over 20 s; with the proposed model as plant
+/// 277e-4, 30186e-4 and 23851e-4 under the observers over LuGre, GMS and Xiong.
 #[test]
 fn the_position_example_is_as_independently_computed() {
     let mse = |case: PositionCase| 1e4 * example().position(&case).unwrap().0.mse;
@@ -93,7 +93,8 @@ fn the_position_example_is_as_independently_computed() {
     ] {
         assert!((found / expected - 1.0).abs() < 5e-3, "{found}, not {expected}");
     }
-    let own = |model| mse(PositionCase::on_its_own(model, 50.0)) / mse(PositionCase::no_friction(50.0));
+    let own =
+        |model| mse(PositionCase::on_its_own(model, 50.0)) / mse(PositionCase::no_friction(50.0));
     assert!((own(ExampleModel::Proposed) - 0.446).abs() < 5e-3);
     assert!((own(ExampleModel::LuGre) - 0.98).abs() < 0.01);
 }
@@ -102,5 +103,8 @@ fn the_position_example_is_as_independently_computed() {
 #[test]
 fn the_linear_loop_ends_in_its_limit_cycle() {
     let cycle = example().position(&PositionCase::on_proposed(None, 100.0)).unwrap().1.unwrap();
-    assert!((cycle.amplitude - 0.190).abs() < 2e-3 && (cycle.period - 17.7).abs() < 0.1, "{cycle:?}");
+    assert!(
+        (cycle.amplitude - 0.190).abs() < 2e-3 && (cycle.period - 17.7).abs() < 0.1,
+        "{cycle:?}"
+    );
 }

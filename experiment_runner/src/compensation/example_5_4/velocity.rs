@@ -12,8 +12,9 @@ use crate::tracking::SquareMean;
 /// `J w' = u - F`, output `w + d`, `u = -(P e + I int e) + F^` with `e = w + d`, `d = H(s) n` with
 /// `H(s) = (1/40) s^2 / (s + 0.2)^4` (thesis eq. 5.77).
 ///
-/// The thesis says neither J nor how its white noise was sampled. J = 1 kg m^2 is well determined by its printed errors; the noise,
-/// of unit variance, is held for half a second, which they leave open between 0.5 and 2 s.
+/// The thesis says neither J nor how its white noise was sampled. J = 1 kg m^2 is well determined
+/// by its printed errors; the noise, of unit variance, is held for half a second, which they leave
+/// open between 0.5 and 2 s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityExample {
     /// Inertia J [kg m^2].
@@ -46,7 +47,8 @@ pub struct ExampleRun {
 }
 
 impl VelocityExample {
-    /// One run: friction `plant` on the axis, `observer` in the loop with the injection gain `injection`, noise of `seed`.
+    /// One run: friction `plant` on the axis, `observer` in the loop with the injection gain
+    /// `injection`, noise of `seed`.
     ///
     /// # Errors
     /// [`ModelError`] never for the parameters of the example, which a test builds.
@@ -123,7 +125,8 @@ mod tests {
     #[test]
     fn the_disturbance_is_filtered_as_printed() {
         let axis = Axis { inertia: 1.0, p: 0.0, i: 0.0, noise: 1.0 };
-        // Static response of the controllable form: a = 1/.0016, all else zero, so that a constant noise gives no disturbance.
+        // Static response of the controllable form: a = 1/.0016, all else zero, so that a constant
+        // noise gives no disturbance.
         let rest = [1.0 / 0.0016, 0.0, 0.0, 0.0, 0.0, 0.0];
         assert!(axis.rates(&rest, 0.0, 0.0).iter().all(|rate| rate.abs() < 1e-12));
         assert_eq!(axis.error(&rest), 0.0);

@@ -1,7 +1,9 @@
 //! Errors of what the compensation believes, drawn at random.
 //!
-//! Every number of a model and every constant of the drive is multiplied by its own factor, even in `[1 - e, 1 + e]`. A factor is a pure function of seed, draw and the name of what it
-//! multiplies. So it depends neither on the threads nor on which models and techniques are compared, and all techniques over a model meet the same errors.
+//! Every number of a model and every constant of the drive is multiplied by its own factor, even in
+//! `[1 - e, 1 + e]`. A factor is a pure function of seed, draw and the name of what it multiplies.
+//! So it depends neither on the threads nor on which models and techniques are compared, and all
+//! techniques over a model meet the same errors.
 //!
 //! Conditions between parameters are kept in this order:
 //! * shares that add up to one (lists of pure numbers) are divided by their new sum;
@@ -18,7 +20,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sharing {
-    /// Parameters of one name have one factor in every model, as if all were identified from one recording
+    /// Parameters of one name have one factor in every model, as if all were identified from one
+    /// recording
     #[default]
     Common,
     /// Every model has factors of its own
@@ -36,7 +39,8 @@ pub struct BeliefErrors {
     pub seed: u64,
 }
 
-/// Times a set is drawn before its model is given up. The conditions that remain hold in at least a third of the draws of every model.
+/// Times a set is drawn before its model is given up. The conditions that remain hold in at least a
+/// third of the draws of every model.
 const ATTEMPTS: u32 = 1000;
 
 impl BeliefErrors {
@@ -111,7 +115,8 @@ impl BeliefErrors {
 
     /// FNV-1a over seed, draw and name; the generator's own seeding mixes it further.
     fn hash(&self, draw: u32, what: &str) -> u64 {
-        let bytes = self.seed.to_le_bytes().into_iter().chain(draw.to_le_bytes()).chain(what.bytes());
+        let bytes =
+            self.seed.to_le_bytes().into_iter().chain(draw.to_le_bytes()).chain(what.bytes());
         bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
         })
@@ -135,7 +140,8 @@ mod tests {
         };
         let (a, b, next) = (of("f_s", 0), of("f_c", 0), of("f_s", 1));
         assert!(a.iter().all(|x| x.abs() <= 1.0));
-        let mean = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / f64::from(n);
+        let mean =
+            |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>() / f64::from(n);
         let bound = 4.0 / f64::from(n).sqrt();
         assert!(mean(&a, &vec![1.0; a.len()]).abs() < bound / 3f64.sqrt());
         assert!((mean(&a, &a) - 1.0 / 3.0).abs() < 0.3 * bound);
@@ -152,7 +158,9 @@ mod tests {
         for name in ModelName::ALL {
             let model = AnyModel::test_bed(name);
             for draw in 0..200 {
-                let drawn = ERRORS.model(draw, &model).unwrap_or_else(|e| panic!("{name}, draw {draw}: {e}"));
+                let drawn = ERRORS
+                    .model(draw, &model)
+                    .unwrap_or_else(|e| panic!("{name}, draw {draw}: {e}"));
                 assert_ne!(drawn, model, "{name}");
                 if let (Some(f_s), Some(f_c)) = (drawn.parameter("f_s"), drawn.parameter("f_c")) {
                     assert!(f_s >= f_c, "{name}: {f_s} {f_c}");
@@ -161,7 +169,8 @@ mod tests {
                     let (before, after) =
                         (model.parameters().values(row.name), drawn.parameters().values(row.name));
                     for (before, after) in before.iter().zip(&after) {
-                        // Levels that changed places and shares that were normalised go a little further.
+                        // Levels that changed places and shares that were normalised go a little
+                        // further.
                         assert!(
                             (after - before).abs() <= 0.5 * before.abs(),
                             "{name}.{}: {before} became {after}",
@@ -177,7 +186,8 @@ mod tests {
     fn models_share_errors_only_if_asked() {
         let ratio = |errors: &BeliefErrors, name| {
             let model = AnyModel::test_bed(name);
-            errors.model(3, &model).unwrap().parameter("f_v").unwrap() / model.parameter("f_v").unwrap()
+            errors.model(3, &model).unwrap().parameter("f_v").unwrap()
+                / model.parameter("f_v").unwrap()
         };
         let both = |errors| (ratio(&errors, ModelName::LuGre), ratio(&errors, ModelName::Proposed));
         let (a, b) = both(ERRORS);
@@ -190,7 +200,10 @@ mod tests {
     fn without_errors_everything_is_as_it_was() {
         let exact = BeliefErrors { fraction: 0.0, ..ERRORS };
         for name in [ModelName::Stribeck, ModelName::LuGre, ModelName::Proposed] {
-            assert_eq!(exact.model(5, &AnyModel::test_bed(name)).unwrap(), AnyModel::test_bed(name));
+            assert_eq!(
+                exact.model(5, &AnyModel::test_bed(name)).unwrap(),
+                AnyModel::test_bed(name)
+            );
         }
         assert_eq!(exact.drive(5, &NominalDrive::SRV02), NominalDrive::SRV02);
     }

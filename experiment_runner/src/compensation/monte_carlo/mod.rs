@@ -1,4 +1,5 @@
-//! What compensation is worth when what it believes is wrong: every technique over every model, many times, with parameters drawn at random.
+//! What compensation is worth when what it believes is wrong: every technique over every model,
+//! many times, with parameters drawn at random.
 //!
 //! * [`task`]: what has to be followed.
 //! * [`errors`]: the errors of the beliefs, and how they are drawn.

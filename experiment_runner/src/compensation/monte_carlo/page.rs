@@ -22,13 +22,16 @@ pub fn page(study: &Study) -> Page {
             Sharing::Own => "every model has factors of its own",
         },
         match study.setting {
-            Setting::Physical => "Friction is a torque, and the sensors have noise and converter steps",
+            Setting::Physical =>
+                "Friction is a torque, and the sensors have noise and converter steps",
             Setting::Thesis =>
                 "As in the thesis's simulations friction in N m is taken off the volts and the sensors are ideal",
         }
     ))];
     if study.stopped {
-        blocks.push(Block::Note("Stopped before the end: the figures rest on fewer draws.".to_owned()));
+        blocks.push(Block::Note(
+            "Stopped before the end: the figures rest on fewer draws.".to_owned(),
+        ));
     }
     for cell in &study.cells {
         blocks.push(Block::Heading(format!(
@@ -78,8 +81,15 @@ fn worth(study: &Study, cell: &Cell) -> Table {
             let ratio = &worth.mse_ratio;
             let mut row = vec![arm.to_string()];
             row.extend(
-                [ratio.p5, ratio.p25, ratio.median, ratio.p75, ratio.p95, worth.max_error_ratio.median]
-                    .map(|value| format!("{value:.2}")),
+                [
+                    ratio.p5,
+                    ratio.p25,
+                    ratio.median,
+                    ratio.p75,
+                    ratio.p95,
+                    worth.max_error_ratio.median,
+                ]
+                .map(|value| format!("{value:.2}")),
             );
             row.extend([format!("{:.1}", 100.0 * worth.worse), format!("{:.3}", worth.effort)]);
             row
@@ -163,9 +173,15 @@ fn rankings(study: &Study, cell: &Cell) -> impl Iterator<Item = Table> {
             numbers::count(ranking.orders, "order"),
             100.0 / ranking.standings.len() as f64
         ),
-        columns: ["model", "first [%]", "standard error [%]", "mean place", "behind the best, median"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: [
+            "model",
+            "first [%]",
+            "standard error [%]",
+            "mean place",
+            "behind the best, median",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows: ranking
             .standings
             .iter()

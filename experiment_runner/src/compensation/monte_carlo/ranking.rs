@@ -103,18 +103,27 @@ mod tests {
     #[test]
     fn places_and_orders_are_counted() {
         let trial = |mse: f64| Trial { mse, max_error: 1.0, effort: 1.0 };
-        let draws: Vec<Vec<Trial>> =
-            [[9.0, 1.0, 2.0, 4.0], [9.0, 3.0, 2.0, 4.0], [9.0, 1.0, 3.0, 5.0], [9.0, 1.0, 2.0, 6.0]]
-                .iter()
-                .map(|row| row.iter().map(|&mse| trial(mse)).collect())
-                .collect();
+        let draws: Vec<Vec<Trial>> = [
+            [9.0, 1.0, 2.0, 4.0],
+            [9.0, 3.0, 2.0, 4.0],
+            [9.0, 1.0, 3.0, 5.0],
+            [9.0, 1.0, 2.0, 6.0],
+        ]
+        .iter()
+        .map(|row| row.iter().map(|&mse| trial(mse)).collect())
+        .collect();
         let arms = vec![
             Arm::None,
             Arm::observer(ModelName::LuGre),
             Arm::observer(ModelName::Proposed),
             Arm::Model(Means::Feedforward, ModelName::Dahl),
         ];
-        let cell = Cell { task: Task::PositionTracking, plant: ModelName::LuGre, floor: trial(1.0), draws };
+        let cell = Cell {
+            task: Task::PositionTracking,
+            plant: ModelName::LuGre,
+            floor: trial(1.0),
+            draws,
+        };
         let study = Study {
             program_version: "",
             arms,

@@ -87,7 +87,8 @@ pub enum Setting {
     /// Friction as a torque, sensors with noise and steps, the derivative of the measurement
     #[default]
     Physical,
-    /// As the thesis's own simulations behave: friction in N m taken off the volts, ideal sensors, the derivative of the error
+    /// As the thesis's own simulations behave: friction in N m taken off the volts, ideal sensors,
+    /// the derivative of the error
     Thesis,
 }
 
@@ -135,15 +136,25 @@ impl StudyOptions {
         let mut cells = Vec::with_capacity(self.tasks.len() * self.plants.len());
         for &task in &self.tasks {
             let floor = self.without_friction(task, 0)?;
-            cells.extend(self.plants.iter().map(|&plant| Cell { task, plant, floor, draws: Vec::new() }));
+            cells.extend(self.plants.iter().map(|&plant| Cell {
+                task,
+                plant,
+                floor,
+                draws: Vec::new(),
+            }));
         }
-        let places: Vec<(Task, ModelName)> = cells.iter().map(|cell| (cell.task, cell.plant)).collect();
+        let places: Vec<(Task, ModelName)> =
+            cells.iter().map(|cell| (cell.task, cell.plant)).collect();
         // All cells of a draw before the next draw: a study that is stopped has as many of each.
-        let jobs: Vec<(u32, usize)> =
-            (0..self.draws).flat_map(|draw| (0..places.len()).map(move |cell| (draw, cell))).collect();
+        let jobs: Vec<(u32, usize)> = (0..self.draws)
+            .flat_map(|draw| (0..places.len()).map(move |cell| (draw, cell)))
+            .collect();
         let work = |&(draw, cell): &(u32, usize)| {
             let (task, plant) = places[cell];
-            self.arms.iter().map(|&arm| self.trial(task, plant, arm, draw)).collect::<Result<Vec<_>, _>>()
+            self.arms
+                .iter()
+                .map(|&arm| self.trial(task, plant, arm, draw))
+                .collect::<Result<Vec<_>, _>>()
         };
         let completion = run_in_order(&jobs, self.workers, cancel, work, |&(_, cell), trials| {
             cells[cell].draws.push(trials);

@@ -29,15 +29,23 @@ impl From<TrackingRun> for Trial {
 }
 
 impl StudyOptions {
-    /// Runs `task` on a plant of the test bed's friction `plant`, compensated by `arm` with what is believed in `draw`.
+    /// Runs `task` on a plant of the test bed's friction `plant`, compensated by `arm` with what is
+    /// believed in `draw`.
     ///
     /// # Errors
     /// [`StudyError`] if the beliefs cannot be drawn or the loop cannot be put together.
-    pub fn trial(&self, task: Task, plant: ModelName, arm: Arm, draw: u32) -> Result<Trial, StudyError> {
+    pub fn trial(
+        &self,
+        task: Task,
+        plant: ModelName,
+        arm: Arm,
+        draw: u32,
+    ) -> Result<Trial, StudyError> {
         self.run(task, AnyModel::test_bed(plant), arm, draw)
     }
 
-    /// The linear controller alone on a plant without friction: what is left of the error when compensation is perfect.
+    /// The linear controller alone on a plant without friction: what is left of the error when
+    /// compensation is perfect.
     ///
     /// # Errors
     /// [`StudyError`] if the loop cannot be put together.
@@ -46,12 +54,15 @@ impl StudyOptions {
         self.run(task, none, Arm::None, draw)
     }
 
-    /// Time that the study takes on this machine [s], by one run of each task; nothing where it is no matter.
+    /// Time that the study takes on this machine [s], by one run of each task; nothing where it is
+    /// no matter.
     ///
     /// # Errors
     /// [`StudyError`] if a loop cannot be put together.
     pub fn expected_seconds(&self) -> Result<Option<f64>, StudyError> {
-        let (Some(&plant), Some(&arm)) = (self.plants.first(), self.arms.last()) else { return Ok(None) };
+        let (Some(&plant), Some(&arm)) = (self.plants.first(), self.arms.last()) else {
+            return Ok(None);
+        };
         let mut once = 0.0;
         for &task in &self.tasks {
             let started = Instant::now();
@@ -64,7 +75,13 @@ impl StudyOptions {
         Ok(Some(seconds).filter(|seconds| *seconds > 30.0))
     }
 
-    fn run(&self, task: Task, friction: AnyModel, arm: Arm, draw: u32) -> Result<Trial, StudyError> {
+    fn run(
+        &self,
+        task: Task,
+        friction: AnyModel,
+        arm: Arm,
+        draw: u32,
+    ) -> Result<Trial, StudyError> {
         let mut bed = TestBed { friction, ..bench(self.setting) };
         // Techniques without a model are given the cheapest one, which they do not look at.
         let model = match arm.model() {
@@ -72,10 +89,12 @@ impl StudyOptions {
             None => AnyModel::test_bed(ModelName::Coulomb),
         };
         bed.estimator.drive = self.errors.drive(draw, &bed.estimator.drive);
-        bed.controller.compensation.volts_per_newton_metre = bed.estimator.drive.volts_per_newton_metre;
+        bed.controller.compensation.volts_per_newton_metre =
+            bed.estimator.drive.volts_per_newton_metre;
         let protocol = task.protocol();
         let seed = self.errors.noise_seed(draw);
-        let control = bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), seed, 0)?;
+        let control =
+            bed.control_loop(protocol.mode, protocol.reference, &model, arm.means(), seed, 0)?;
         Ok(TrackingJob { arm, repetition: draw }.run(&protocol, control, |_| {})?.into())
     }
 }

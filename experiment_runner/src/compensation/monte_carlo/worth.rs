@@ -75,13 +75,14 @@ impl Cell {
     /// Mean square alone divided by mean square compensated, ordered.
     #[must_use]
     pub fn ratios(&self, arm: usize) -> Vec<f64> {
-        let mut ratios: Vec<f64> = self.pairs(arm).map(|(alone, with)| alone.mse / with.mse).collect();
+        let mut ratios: Vec<f64> =
+            self.pairs(arm).map(|(alone, with)| alone.mse / with.mse).collect();
         ratios.sort_by(f64::total_cmp);
         ratios
     }
 
-    /// The most that any compensation without a plant inverse could be worth on the average: mean square alone divided by that
-    /// without friction.
+    /// The most that any compensation without a plant inverse could be worth on the average: mean
+    /// square alone divided by that without friction.
     #[must_use]
     pub fn ceiling(&self) -> f64 {
         self.worth(0).mse.median / self.floor.mse

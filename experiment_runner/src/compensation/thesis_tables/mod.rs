@@ -97,21 +97,28 @@ pub fn compute(
                 "6.5" => vec![simulated(&matrix, ThesisTask::VelocityTracking, printed)],
                 "6.6" => vec![simulated(&matrix, ThesisTask::VelocityRegulation, printed)],
                 "6.7" => vec![simulated(&matrix, ThesisTask::PositionTracking, printed)],
-                number => vec![column(printed, "simulated rig, physical units, with noise", |scheme| {
-                    measured.cell(number, scheme)
-                })],
+                number => {
+                    vec![column(printed, "simulated rig, physical units, with noise", |scheme| {
+                        measured.cell(number, scheme)
+                    })]
+                }
             };
             FilledTable { printed: *printed, columns }
         })
         .collect();
-    let whole =
-        |table: &FilledTable| table.columns.iter().all(|column| column.cells.iter().any(Option::is_some));
-    let complete = tables.iter().all(whole) && matrix.len() == ThesisTask::ALL.len() * matrix::MODELS.len();
+    let whole = |table: &FilledTable| {
+        table.columns.iter().all(|column| column.cells.iter().any(Option::is_some))
+    };
+    let complete =
+        tables.iter().all(whole) && matrix.len() == ThesisTask::ALL.len() * matrix::MODELS.len();
     Ok(ThesisTables { tables, matrix, example, complete })
 }
 
 fn column(printed: &PrintedTable, title: &str, cell: impl Fn(Scheme) -> Option<Cell>) -> Column {
-    Column { title: title.to_owned(), cells: printed.rows.iter().map(|row| cell(row.scheme)).collect() }
+    Column {
+        title: title.to_owned(),
+        cells: printed.rows.iter().map(|row| cell(row.scheme)).collect(),
+    }
 }
 
 /// The example's parameters of a model that the thesis compares.
@@ -153,7 +160,9 @@ fn position_columns(example: &Example, printed: &PrintedTable) -> Vec<Column> {
             let case = match scheme {
                 Scheme::NoFriction => PositionCase::no_friction(duration),
                 Scheme::Linear => PositionCase::on_proposed(None, duration),
-                Scheme::Observer(name) if own => PositionCase::on_its_own(example_model(name)?, duration),
+                Scheme::Observer(name) if own => {
+                    PositionCase::on_its_own(example_model(name)?, duration)
+                }
                 Scheme::Observer(name) => PositionCase::on_proposed(example_model(name), duration),
             };
             let (run, _) = example.position(&case)?;

@@ -31,13 +31,18 @@ pub fn text(found: &ThesisTables) -> String {
     for (table, noted) in tables.chain(matrices) {
         text += &format!("\n{}\n", table.title);
         let width = |column: usize| {
-            let cells = table.rows.iter().filter_map(|row| row.get(column)).chain(table.columns.get(column));
+            let cells = table
+                .rows
+                .iter()
+                .filter_map(|row| row.get(column))
+                .chain(table.columns.get(column));
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
         };
         for row in std::iter::once(&table.columns).chain(&table.rows) {
             for (index, cell) in row.iter().enumerate() {
                 let pad = " ".repeat(width(index).saturating_sub(cell.chars().count()));
-                text += &if index == 0 { format!("  {cell}{pad}") } else { format!("  {pad}{cell}") };
+                text +=
+                    &if index == 0 { format!("  {cell}{pad}") } else { format!("  {pad}{cell}") };
             }
             text.push('\n');
         }
@@ -62,16 +67,16 @@ fn filled(table: &FilledTable) -> Table {
     let printed = &table.printed;
     let with_max = printed.rows.iter().any(|row| row.max_error.is_some());
     let with_improvement = printed.improvement_of != ImprovementOf::Nothing;
-    let power = |exponent: i32| if exponent == 0 { String::new() } else { format!(" (×1e{exponent})") };
+    let power =
+        |exponent: i32| if exponent == 0 { String::new() } else { format!(" (×1e{exponent})") };
     let mut columns = vec!["scheme".to_owned()];
     let several = table.columns.len() > 1;
-    let mut heads =
-        |head: String| {
-            columns.push(format!("{head}, printed"));
-            columns.extend(table.columns.iter().map(|column| {
-                if several { format!("ours, {}", column.title) } else { format!("{head}, ours") }
-            }));
-        };
+    let mut heads = |head: String| {
+        columns.push(format!("{head}, printed"));
+        columns.extend(table.columns.iter().map(|column| {
+            if several { format!("ours, {}", column.title) } else { format!("{head}, ours") }
+        }));
+    };
     heads(format!("mse{}", power(printed.mse_exponent)));
     if with_max {
         heads(format!("max. error{}", power(printed.max_exponent)));
@@ -97,7 +102,12 @@ fn filled(table: &FilledTable) -> Table {
             cells.push(row.improvement.map_or("-".to_owned(), |value| value.to_string()));
             for column in &table.columns {
                 let cell = |index: Option<usize>| column.cells.get(index?).copied().flatten();
-                cells.push(improvement(printed.improvement_of, row, cell(Some(index)), cell(linear)));
+                cells.push(improvement(
+                    printed.improvement_of,
+                    row,
+                    cell(Some(index)),
+                    cell(linear),
+                ));
             }
         }
         cells
@@ -117,14 +127,23 @@ fn filled(table: &FilledTable) -> Table {
     }
 }
 
-fn improvement(of: ImprovementOf, row: &PrintedRow, ours: Option<Cell>, linear: Option<Cell>) -> String {
+fn improvement(
+    of: ImprovementOf,
+    row: &PrintedRow,
+    ours: Option<Cell>,
+    linear: Option<Cell>,
+) -> String {
     let (Some(ours), Some(linear)) = (ours, linear) else { return "-".to_owned() };
     let ratio = match of {
         ImprovementOf::Nothing => return "-".to_owned(),
         ImprovementOf::MaxError => ours.max_error / linear.max_error,
         ImprovementOf::Mse => ours.mse / linear.mse,
     };
-    if row.scheme == Scheme::Linear { "-".to_owned() } else { format!("{:.1}", 100.0 * (1.0 - ratio)) }
+    if row.scheme == Scheme::Linear {
+        "-".to_owned()
+    } else {
+        format!("{:.1}", 100.0 * (1.0 - ratio))
+    }
 }
 
 /// What the order of Table 5.1 comes from.
@@ -139,15 +158,19 @@ fn explained(found: &ThesisTables) -> Table {
             };
             let n = runs.len() as f64;
             let mse = runs.iter().map(|run| run.mse).sum::<f64>() / n;
-            let spread =
-                (runs.iter().map(|run| (run.mse - mse).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt();
+            let spread = (runs.iter().map(|run| (run.mse - mse).powi(2)).sum::<f64>()
+                / (n - 1.0).max(1.0))
+            .sqrt();
             vec![
                 name(case.plant),
                 name(case.observer),
                 format!("{}", case.injection),
                 format!("{}", case.p),
                 format!("{} ± {}", number(1e6 * mse), number(1e6 * spread)),
-                found.example.relative(case).map_or("-".to_owned(), |relative| format!("{relative:.3}")),
+                found
+                    .example
+                    .relative(case)
+                    .map_or("-".to_owned(), |relative| format!("{relative:.3}")),
             ]
         })
         .collect();

@@ -196,12 +196,19 @@ mod tests {
             for row in table.rows {
                 let Some(printed) = row.improvement else { continue };
                 let found = match table.improvement_of {
-                    ImprovementOf::MaxError => 1.0 - row.max_error.unwrap() / first.max_error.unwrap(),
+                    ImprovementOf::MaxError => {
+                        1.0 - row.max_error.unwrap() / first.max_error.unwrap()
+                    }
                     ImprovementOf::Mse => 1.0 - row.mse / first.mse,
                     ImprovementOf::Nothing => panic!("{}", table.number),
                 };
                 let misprint = table.number == "6.3" && row.scheme == GMS;
-                assert_eq!((100.0 * found - printed).abs() > 0.06, misprint, "{} {row:?}", table.number);
+                assert_eq!(
+                    (100.0 * found - printed).abs() > 0.06,
+                    misprint,
+                    "{} {row:?}",
+                    table.number
+                );
             }
         }
     }

@@ -38,15 +38,18 @@ impl RigRows {
             Scheme::Linear => Arm::None,
             Scheme::Observer(model) => Arm::observer(model),
         };
-        let runs: Vec<_> = self.0.iter().filter(|(table, run)| *table == number && run.arm == arm).collect();
+        let runs: Vec<_> =
+            self.0.iter().filter(|(table, run)| *table == number && run.arm == arm).collect();
         let mean = |of: fn(&TrackingRun) -> f64| {
             runs.iter().map(|(_, run)| of(run)).sum::<f64>() / runs.len() as f64
         };
-        (!runs.is_empty()).then(|| Cell { mse: mean(|run| run.mse), max_error: mean(|run| run.max_error) })
+        (!runs.is_empty())
+            .then(|| Cell { mse: mean(|run| run.mse), max_error: mean(|run| run.max_error) })
     }
 }
 
-/// What is driven: the references of section 6.5, without the inverse, so that the linear controller is the same in all rows.
+/// What is driven: the references of section 6.5, without the inverse, so that the linear
+/// controller is the same in all rows.
 fn protocol(task: ThesisTask) -> TrackingProtocol {
     TrackingProtocol { inverse: InverseUse::Off, repetitions: REPETITIONS, ..task.protocol() }
 }
@@ -56,7 +59,8 @@ pub(super) fn rig_seconds() -> f64 {
     TABLES.iter().map(|&(_, task)| protocol(task).rig_seconds(1 + MODELS.len())).sum()
 }
 
-/// Drives the simulated rig with the friction of the proposed model, in physical units, with the noise and steps of its sensors.
+/// Drives the simulated rig with the friction of the proposed model, in physical units, with the
+/// noise and steps of its sensors.
 pub(super) fn compute(
     seed: u64,
     workers: usize,
@@ -68,7 +72,9 @@ pub(super) fn compute(
         .iter()
         .flat_map(|&(number, task)| {
             let protocol = protocol(task);
-            TrackingJob::all(&protocol, &arms).into_iter().map(move |job| (number, protocol.clone(), job))
+            TrackingJob::all(&protocol, &arms)
+                .into_iter()
+                .map(move |job| (number, protocol.clone(), job))
         })
         .collect();
     let bed = TestBed {

@@ -5,8 +5,8 @@ use friction_ident::free_parameters::{FreeParameters, Handle, Side};
 use friction_ident::{Estimates, Identified};
 use friction_model::{AnyModel, AnyParameters};
 
-/// The half width of the band of the friction at each of `velocities` [N or N m]; none where the fit has no covariance of what
-/// matters there.
+/// The half width of the band of the friction at each of `velocities` [N or N m]; none where the
+/// fit has no covariance of what matters there.
 pub fn half_widths(found: &Identified, velocities: &[f64]) -> Option<Vec<f64>> {
     let estimates = covering(found)?;
     let handles = FreeParameters::new(&found.model, |_| true);
@@ -21,13 +21,21 @@ pub fn half_widths(found: &Identified, velocities: &[f64]) -> Option<Vec<f64>> {
         .collect();
     let factor = student_95(estimates.degrees_of_freedom);
     let half = |&velocity: &f64| {
-        let gradient: Vec<(usize, f64)> =
-            places.iter().map(|(row, handle)| (*row, slope(&found.model, handle, velocity))).collect();
+        let gradient: Vec<(usize, f64)> = places
+            .iter()
+            .map(|(row, handle)| (*row, slope(&found.model, handle, velocity)))
+            .collect();
         let variance: f64 = gradient
             .iter()
             .flat_map(|(i, a)| gradient.iter().map(move |(j, b)| (i, j, a * b)))
             .map(|(i, j, product)| {
-                product * estimates.covariance.get(*i).and_then(|row| row.get(*j)).copied().unwrap_or(0.0)
+                product
+                    * estimates
+                        .covariance
+                        .get(*i)
+                        .and_then(|row| row.get(*j))
+                        .copied()
+                        .unwrap_or(0.0)
             })
             .sum();
         factor * variance.max(0.0).sqrt()
@@ -45,7 +53,8 @@ fn covering(found: &Identified) -> Option<&Estimates> {
 
 /// Derivative of the steady state with respect to one parameter.
 fn slope(model: &AnyModel, handle: &Handle, velocity: f64) -> f64 {
-    let value = |parameters: &AnyParameters| parameters.values(handle.name).get(handle.element).copied();
+    let value =
+        |parameters: &AnyParameters| parameters.values(handle.name).get(handle.element).copied();
     let moved = |up: f64| -> Option<(f64, f64)> {
         let (mut forward, mut backward) = model.parameters().sides();
         let side = if handle.side == Side::Backward { &mut backward } else { &mut forward };
@@ -88,12 +97,14 @@ mod tests {
         let fit = fit_stribeck(&points, &StribeckOptions::default()).unwrap();
         let data = FrictionData { points, ..FrictionData::default() };
         let go = &mut |_, _: &_| ControlFlow::Continue(());
-        let found = identify_model(ModelName::Stribeck, &data, &StagedOptions::default(), go).unwrap();
+        let found =
+            identify_model(ModelName::Stribeck, &data, &StagedOptions::default(), go).unwrap();
         let velocities = [0.05, 0.1, 0.2, 0.5, 1.5];
         let halves = half_widths(&found, &velocities).unwrap();
         for (v, half) in velocities.into_iter().zip(halves) {
             let (low, high) = fit.band(v);
-            // The covariance of the staged fit counts neighbours that are alike; the shape of the band is the same.
+            // The covariance of the staged fit counts neighbours that are alike; the shape of the
+            // band is the same.
             let ratio = half / (0.5 * (high - low));
             assert!((0.5..2.0).contains(&ratio), "{ratio} at {v}");
         }

@@ -47,8 +47,11 @@ pub fn render(found: &FrictionIdentification) -> String {
             })
         })
         .collect();
-    let models: Map<String, Value> =
-        found.models.iter().map(|result| (result.found.name.as_str().to_owned(), model(result))).collect();
+    let models: Map<String, Value> = found
+        .models
+        .iter()
+        .map(|result| (result.found.name.as_str().to_owned(), model(result)))
+        .collect();
     let document = json!({
         "format": "frictionlab-friction-identification",
         "format_version": 1,

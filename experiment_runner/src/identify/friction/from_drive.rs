@@ -1,9 +1,11 @@
-//! What the errors of the drive's constants add to the parameters, where the friction is worked out of voltage, current or driving force.
+//! What the errors of the drive's constants add to the parameters, where the friction is worked out
+//! of voltage, current or driving force.
 //!
-//! The parameters' standard errors come from residuals, and an error that is the same in every sample leaves no residual. So each stage of the
-//! identification is done again with each constant higher by one standard error; how far a parameter moves is its standard deviation by that
-//! constant. The joint refinement begins at the model found, with the constants as they are and with each of them moved: both then end in the same
-//! valley, and the difference is the constant's.
+//! The parameters' standard errors come from residuals, and an error that is the same in every
+//! sample leaves no residual. So each stage of the identification is done again with each constant
+//! higher by one standard error; how far a parameter moves is its standard deviation by that
+//! constant. The joint refinement begins at the model found, with the constants as they are and
+//! with each of them moved: both then end in the same valley, and the difference is the constant's.
 
 use std::collections::BTreeMap;
 
@@ -18,8 +20,9 @@ pub struct FromDrive {
 }
 
 impl FromDrive {
-    /// Compares what `refit` finds in `data` with what it finds in the `moved` recordings of each constant; `found` is the whole identification.
-    /// None where there is nothing to move, or a refit was stopped.
+    /// Compares what `refit` finds in `data` with what it finds in the `moved` recordings of each
+    /// constant; `found` is the whole identification. None where there is nothing to move, or a
+    /// refit was stopped.
     ///
     /// # Errors
     /// Those of the refit.
@@ -44,10 +47,9 @@ impl FromDrive {
         }
         // What the data do not determine moves by chance.
         let doubtful = |name: &str| {
-            found
-                .estimates
-                .get(name)
-                .is_none_or(|e| matches!(e.verdict, friction_ident::Verdict::NotIdentifiable { .. }))
+            found.estimates.get(name).is_none_or(|e| {
+                matches!(e.verdict, friction_ident::Verdict::NotIdentifiable { .. })
+            })
         };
         moves.retain(|name, _| !doubtful(name));
         Ok(Some(Self { moves }))

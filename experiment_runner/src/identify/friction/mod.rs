@@ -1,7 +1,10 @@
-//! Identification of friction models from recordings of friction: what `frictionlab identify` does with steady points, bags and several files.
+//! Identification of friction models from recordings of friction: what `frictionlab identify` does
+//! with steady points, bags and several files.
 //!
-//! [`run`] works out everything; [`document`] is the JSON, [`page`] and [`pictures`] the HTML, [`parameters`] the ROS parameter file, [`terminal`]
-//! the text; [`thesis_tables`] holds the thesis's printed figures, [`band`] the uncertainty of a fitted curve, [`from_drive`] what the drive's constants add to it, [`wording`] what all of them say alike.
+//! [`run`] works out everything; [`document`] is the JSON, [`page`] and [`pictures`] the HTML,
+//! [`parameters`] the ROS parameter file, [`terminal`] the text; [`thesis_tables`] holds the
+//! thesis's printed figures, [`band`] the uncertainty of a fitted curve, [`from_drive`] what the
+//! drive's constants add to it, [`wording`] what all of them say alike.
 
 pub mod band;
 pub mod document;
@@ -83,7 +86,8 @@ pub struct ModelResult {
 }
 
 impl ModelResult {
-    /// Root mean square error by which it is judged: on the recordings held out where there are any [N or N m].
+    /// Root mean square error by which it is judged: on the recordings held out where there are any
+    /// [N or N m].
     pub fn error(&self) -> f64 {
         self.held_out.unwrap_or(self.fit).all
     }
@@ -161,7 +165,8 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// The model to use: of the first and those that cannot be told from it the one with the fewest parameters, the better one of two alike.
+    /// The model to use: of the first and those that cannot be told from it the one with the fewest
+    /// parameters, the better one of two alike.
     pub fn chosen(&self) -> Option<&ModelResult> {
         let first = self.models.first()?;
         let tied = self.models.iter().skip(1).filter(|result| result.tie());
@@ -175,9 +180,9 @@ impl FrictionIdentification {
 
     /// Recordings held out: steady points, and stretches without a gap.
     pub fn recordings_held_out(&self) -> usize {
-        self.held_out
-            .as_ref()
-            .map_or(0, |data| data.points.len() + data.pre_sliding.len() + data.lag.len() + data.mixed.len())
+        self.held_out.as_ref().map_or(0, |data| {
+            data.points.len() + data.pre_sliding.len() + data.lag.len() + data.mixed.len()
+        })
     }
 
     /// Samples and points fitted to, of one kind.

@@ -1,4 +1,5 @@
-//! `identification.html` of friction models as data: tables and pictures for [`crate::report::render_page`].
+//! `identification.html` of friction models as data: tables and pictures for
+//! [`crate::report::render_page`].
 
 use super::thesis_tables;
 use super::{Errors, FrictionIdentification, KINDS, ModelResult, Source, pictures, wording};
@@ -53,7 +54,12 @@ pub fn page(found: &FrictionIdentification, thesis: bool) -> Page {
         title: "Identified friction".to_owned(),
         subtitle: format!(
             "{}; frictionlab {}",
-            found.files.iter().map(|file| file.path.display().to_string()).collect::<Vec<_>>().join(", "),
+            found
+                .files
+                .iter()
+                .map(|file| file.path.display().to_string())
+                .collect::<Vec<_>>()
+                .join(", "),
             env!("CARGO_PKG_VERSION")
         ),
         blocks,
@@ -93,7 +99,8 @@ fn comparison(found: &FrictionIdentification) -> Table {
 /// The errors on each kind of recording.
 fn by_kind(found: &FrictionIdentification) -> Table {
     type Of = fn(&ModelResult) -> Option<Errors>;
-    let sets: [(&str, Of); 2] = [("fit", |result| Some(result.fit)), ("held out", |result| result.held_out)];
+    let sets: [(&str, Of); 2] =
+        [("fit", |result| Some(result.fit)), ("held out", |result| result.held_out)];
     // A column for each kind that either has.
     let columns: Vec<(String, Of, usize)> = sets
         .into_iter()
@@ -159,17 +166,17 @@ fn parameters(result: &ModelResult) -> Table {
 
 /// Correlations of the last fit of several parameters.
 fn correlation(result: &ModelResult) -> Option<Table> {
-    let stage = result.found.stages.iter().rev().find(|stage| stage.estimates.parameters.len() > 1)?;
+    let stage =
+        result.found.stages.iter().rev().find(|stage| stage.estimates.parameters.len() > 1)?;
     let names: Vec<String> = stage.estimates.parameters.iter().map(|p| p.name.clone()).collect();
     let rows = names
         .iter()
         .zip(&stage.estimates.correlation)
         .enumerate()
         .map(|(row, (name, values))| {
-            let cells = values
-                .iter()
-                .enumerate()
-                .map(|(column, value)| if column > row { String::new() } else { format!("{value:.2}") });
+            let cells = values.iter().enumerate().map(|(column, value)| {
+                if column > row { String::new() } else { format!("{value:.2}") }
+            });
             std::iter::once(name.clone()).chain(cells).collect()
         })
         .collect();
@@ -235,7 +242,11 @@ fn how(found: &FrictionIdentification) -> String {
         "Friction is {}. The static characteristic comes from constant velocities, the stiffness from pre-sliding, {damping}, the lag from velocity that \
          varies one way{}. Each model runs in its fixed-step form along the measured motion.",
         found.settings.preparation.torque.describe(),
-        if staged.joint { "; then all parameters are refined together over all recordings" } else { "" }
+        if staged.joint {
+            "; then all parameters are refined together over all recordings"
+        } else {
+            ""
+        }
     )
 }
 
@@ -288,7 +299,9 @@ fn outliers(found: &FrictionIdentification) -> Option<Table> {
             all.len(),
             all.len().min(SHOWN)
         ),
-        columns: ["file", "channel", "time [s]", "measured", "replaced by"].map(str::to_owned).to_vec(),
+        columns: ["file", "channel", "time [s]", "measured", "replaced by"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: all.into_iter().take(SHOWN).collect(),
         highlight: None,
     })

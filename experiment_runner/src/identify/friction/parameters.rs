@@ -1,4 +1,5 @@
-//! `parameters.yaml`: every identified model as a ROS 2 parameter file, as `run`, `live` and the observer read it.
+//! `parameters.yaml`: every identified model as a ROS 2 parameter file, as `run`, `live` and the
+//! observer read it.
 
 use std::fmt::Write;
 
@@ -14,7 +15,8 @@ use crate::commented_yaml;
 #[error("the parameters cannot be written as YAML: {0}")]
 pub struct ParametersError(String);
 
-/// The file as text; `model` is the chosen one. Behind each value stands whether these recordings identified it.
+/// The file as text; `model` is the chosen one. Behind each value stands whether these recordings
+/// identified it.
 ///
 /// # Errors
 /// [`ParametersError`] if a model cannot be described, which no model built from finite numbers is.
@@ -24,13 +26,15 @@ pub fn render(found: &FrictionIdentification) -> Result<String, ParametersError>
     if let Some(first) = found.chosen() {
         parameters.insert("model".to_owned(), Value::from(first.found.name.as_str()));
     }
-    let mut names: Vec<&str> = found.models.iter().map(|result| result.found.name.as_str()).collect();
+    let mut names: Vec<&str> =
+        found.models.iter().map(|result| result.found.name.as_str()).collect();
     names.sort_unstable();
-    let by_name = |name: &str| found.models.iter().find(|result| result.found.name.as_str() == name);
+    let by_name =
+        |name: &str| found.models.iter().find(|result| result.found.name.as_str() == name);
     for result in names.iter().filter_map(|name| by_name(name)) {
         let name = result.found.name.as_str();
-        let mut described =
-            serde_json::to_value(result.found.model).map_err(|error| ParametersError(error.to_string()))?;
+        let mut described = serde_json::to_value(result.found.model)
+            .map_err(|error| ParametersError(error.to_string()))?;
         if let Some(both) = described.get_mut("asymmetric").and_then(Value::as_object_mut) {
             asymmetric.append(both);
         } else if let Some(plain) = described.get_mut(name) {
@@ -49,7 +53,11 @@ pub fn render(found: &FrictionIdentification) -> Result<String, ParametersError>
 fn origin(found: &FrictionIdentification, path: &str) -> String {
     let mut parts = path.split('.').skip(2).filter(|part| *part != "asymmetric");
     let (Some(model), Some(first)) = (parts.next(), parts.next()) else {
-        return if path.ends_with(".model") { "the model chosen".to_owned() } else { String::new() };
+        return if path.ends_with(".model") {
+            "the model chosen".to_owned()
+        } else {
+            String::new()
+        };
     };
     let Some(result) = model.parse().ok().and_then(|name: ModelName| found.model(name)) else {
         return String::new();
@@ -57,7 +65,9 @@ fn origin(found: &FrictionIdentification, path: &str) -> String {
     let estimate = |name: &str| result.found.estimates.get(name);
     // A model for each direction names its parameters `f_s.forward`.
     let known = match parts.next() {
-        Some(parameter) => estimate(&format!("{parameter}.{first}")).or_else(|| estimate(parameter)),
+        Some(parameter) => {
+            estimate(&format!("{parameter}.{first}")).or_else(|| estimate(parameter))
+        }
         None => estimate(first),
     };
     known.map_or_else(|| "not among the parameters identified".to_owned(), said)
@@ -67,7 +77,11 @@ fn said(estimate: &Estimate) -> String {
     match &estimate.verdict {
         Verdict::Identified => {
             let (_, error) = wording::value(estimate);
-            if error.is_empty() { "identified".to_owned() } else { format!("identified, +- {error}") }
+            if error.is_empty() {
+                "identified".to_owned()
+            } else {
+                format!("identified, +- {error}")
+            }
         }
         Verdict::NotIdentifiable { .. } => "not identifiable from these recordings".to_owned(),
         Verdict::Given { source } => format!("not estimated: {source}"),
@@ -76,11 +90,17 @@ fn said(estimate: &Estimate) -> String {
 
 /// Where it comes from, and how sure the chosen model's parameters are.
 fn header(found: &FrictionIdentification) -> String {
-    let mut text = format!("# Friction models fitted by frictionlab {} to", env!("CARGO_PKG_VERSION"));
+    let mut text =
+        format!("# Friction models fitted by frictionlab {} to", env!("CARGO_PKG_VERSION"));
     for file in &found.files {
         // A path must not end the comment it stands in. Writing to a string cannot fail.
-        let path: String =
-            file.path.display().to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let path: String = file
+            .path
+            .display()
+            .to_string()
+            .chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
         let _ = write!(text, " {path}");
     }
     text.push_str(".\n");
@@ -89,10 +109,20 @@ fn header(found: &FrictionIdentification) -> String {
             let (value, error) = wording::value(estimate);
             let plus = if error.is_empty() { String::new() } else { format!(" +- {error}") };
             let added = wording::from_drive(first, estimate);
-            let plus = if added.is_empty() { plus } else { format!("{plus}, from the drive +- {added}") };
-            let unit = if estimate.unit.is_empty() { String::new() } else { format!(" {}", estimate.unit) };
-            let doubt = if estimate.is_identified() { "" } else { ", not identified by these recordings" };
-            let _ = writeln!(text, "# {}.{}: {value}{plus}{unit}{doubt}", first.found.name, estimate.name);
+            let plus =
+                if added.is_empty() { plus } else { format!("{plus}, from the drive +- {added}") };
+            let unit = if estimate.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {}", estimate.unit)
+            };
+            let doubt =
+                if estimate.is_identified() { "" } else { ", not identified by these recordings" };
+            let _ = writeln!(
+                text,
+                "# {}.{}: {value}{plus}{unit}{doubt}",
+                first.found.name, estimate.name
+            );
         }
     }
     text

@@ -1,4 +1,5 @@
-//! The pictures: Stribeck curves with bands, loops of pre-sliding and lag, residuals, errors of each kind.
+//! The pictures: Stribeck curves with bands, loops of pre-sliding and lag, residuals, errors of
+//! each kind.
 
 use friction_ident::output_error::predict;
 use friction_ident::starting_model::breakaway_reach;
@@ -121,7 +122,8 @@ fn recording(
         _ => (time(), "time [s]".to_owned(), "Mixed motion"),
     };
     let path = matches!(kind, StretchKind::PreSliding | StretchKind::Lag);
-    // Of a motion that repeats one cycle is shown, and of what is measured the mean over some neighbours.
+    // Of a motion that repeats one cycle is shown, and of what is measured the mean over some
+    // neighbours.
     let cycle = if path { one_cycle(&x) } else { 0..stretch.len() };
     let half = if path { cycle.len() / 200 } else { 0 };
     let course = |values: &[f64]| moving_mean(&values[cycle.clone()], half);
@@ -149,7 +151,9 @@ fn recording(
         (true, true) => {
             format!(" Shown is one cycle of it, each point the mean of {} samples.", 2 * half + 1)
         }
-        (true, false) if half > 0 => format!(" Each point is the mean of {} samples.", 2 * half + 1),
+        (true, false) if half > 0 => {
+            format!(" Each point is the mean of {} samples.", 2 * half + 1)
+        }
         _ => String::new(),
     };
     Some(Figure {
@@ -186,7 +190,11 @@ pub fn residuals(found: &FrictionIdentification) -> Option<Figure> {
         traces.push(match longest {
             Some(stretch) => {
                 let time = (0..stretch.len()).map(|k| k as f64 * stretch.time_step).collect();
-                let off = predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect();
+                let off = predict(model, stretch)
+                    .iter()
+                    .zip(&stretch.friction)
+                    .map(|(p, f)| p - f)
+                    .collect();
                 line(name, time, off, LineStyle::Solid)
             }
             None => Trace::Points {
@@ -212,8 +220,9 @@ pub fn residuals(found: &FrictionIdentification) -> Option<Figure> {
 /// Bars: error of each model on each kind of recording, held out where there is any.
 pub fn errors(found: &FrictionIdentification) -> Option<Figure> {
     let of = |result: &ModelResult| result.held_out.unwrap_or(result.fit);
-    let present: Vec<usize> =
-        (0..KINDS.len()).filter(|&k| found.models.iter().any(|r| of(r).kinds[k].is_some())).collect();
+    let present: Vec<usize> = (0..KINDS.len())
+        .filter(|&k| found.models.iter().any(|r| of(r).kinds[k].is_some()))
+        .collect();
     let bars = |result: &ModelResult| Trace::Categories {
         name: result.found.name.as_str().to_owned(),
         x: present.iter().map(|&k| KINDS[k].describe().to_owned()).collect(),

@@ -1,19 +1,23 @@
-//! The work: sorts the recordings, identifies every model, tries it on the others, puts the models in order.
+//! The work: sorts the recordings, identifies every model, tries it on the others, puts the models
+//! in order.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use friction_ident::information::{Difference, Information, Standing, paired_difference, paired_ratio};
+use friction_ident::information::{
+    Difference, Information, Standing, paired_difference, paired_ratio,
+};
 use friction_ident::staged::residuals;
 use friction_ident::{
-    DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch, identify_model,
-    refine_jointly,
+    DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch,
+    identify_model, refine_jointly,
 };
 use friction_model::ModelName;
 
 use super::from_drive::{FromDrive, by_name};
 use super::{
-    Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source, wording,
+    Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source,
+    wording,
 };
 use crate::progress::Progress;
 use crate::recording::stretches::FrictionRecording;
@@ -24,8 +28,8 @@ const BLOCKS: usize = 20;
 /// A difference of BIC that is worth mentioning (Kass and Raftery 1995).
 const BIC_NOTICEABLE: f64 = 2.0;
 
-/// Identifies every model of `settings` from `files` and tries it on `validation`. Once `cancel` is set every search stops where it is, and what
-/// there is by then is the result.
+/// Identifies every model of `settings` from `files` and tries it on `validation`. Once `cancel` is
+/// set every search stops where it is, and what there is by then is the result.
 ///
 /// # Errors
 /// [`FrictionError`] if not one model could be identified.
@@ -48,7 +52,11 @@ pub fn identify(
     let work = |name: &ModelName| {
         let mut watch = |stage, step: &friction_ident::bounded::Step| {
             progress.stage(wording::progress(*name, stage, step.sum));
-            if cancel.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if cancel.load(Ordering::Relaxed) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         };
         let found = identify_model(*name, &data, &settings.staged, &mut watch).and_then(|found| {
             let refit = |data: &_| {
@@ -67,19 +75,21 @@ pub fn identify(
         progress.advance(1.0);
         Ok::<_, std::convert::Infallible>(found)
     };
-    let Ok(completion) = run_in_order(&settings.models, settings.workers, cancel, work, |name, found| {
-        match found {
-            Ok(found) => models.push(found),
-            Err(error) => refused.push((*name, error)),
-        }
-        Ok(())
-    });
+    let Ok(completion) =
+        run_in_order(&settings.models, settings.workers, cancel, work, |name, found| {
+            match found {
+                Ok(found) => models.push(found),
+                Err(error) => refused.push((*name, error)),
+            }
+            Ok(())
+        });
     let interrupted = cancel.load(Ordering::Relaxed)
         && (completion != Completion::All || models.iter().any(|(model, _)| model.stopped));
     if models.is_empty() {
         return Err(match refused.into_iter().next() {
             Some((model, source)) => {
-                let files: Vec<_> = files.iter().map(|file| file.path.display().to_string()).collect();
+                let files: Vec<_> =
+                    files.iter().map(|file| file.path.display().to_string()).collect();
                 FrictionError::Refused { model, files: files.join(", "), source }
             }
             None => FrictionError::Nothing,
@@ -119,8 +129,10 @@ pub fn identify(
 
 /// Sorts the stretches of all files by what they show.
 fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec<String>) {
-    let points: Vec<SteadyPoint> = files.iter().flat_map(|file| file.points.iter().copied()).collect();
-    let stretches: Vec<Stretch> = files.iter().flat_map(|file| file.stretches.iter().cloned()).collect();
+    let points: Vec<SteadyPoint> =
+        files.iter().flat_map(|file| file.points.iter().copied()).collect();
+    let stretches: Vec<Stretch> =
+        files.iter().flat_map(|file| file.stretches.iter().cloned()).collect();
     let data = FrictionData::sort(points, stretches, reach);
     let mut notes = Vec::new();
     if data.pre_sliding.is_empty() {
@@ -132,7 +144,8 @@ fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec
     (data, notes)
 }
 
-/// The recordings as they were if each constant of the drive were higher by one standard error. They sort as the others do: their motion is the same.
+/// The recordings as they were if each constant of the drive were higher by one standard error.
+/// They sort as the others do: their motion is the same.
 fn moved(
     files: &[FrictionRecording],
     reach: Option<f64>,
@@ -143,7 +156,9 @@ fn moved(
         .map(|&constant| {
             let (mut points, mut stretches) = (Vec::new(), Vec::new());
             for file in files {
-                if let Some(error) = file.drive_errors.iter().find(|error| error.constant == constant) {
+                if let Some(error) =
+                    file.drive_errors.iter().find(|error| error.constant == constant)
+                {
                     let (more_points, more_stretches) = error.moved(&file.points, &file.stretches);
                     points.extend(more_points);
                     stretches.extend(more_stretches);
@@ -154,10 +169,12 @@ fn moved(
         .collect()
 }
 
-/// How far the contact bends, from stretches that turn back and forth and whose friction stays well below the level at which it slides.
+/// How far the contact bends, from stretches that turn back and forth and whose friction stays well
+/// below the level at which it slides.
 fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Option<f64> {
-    let root_mean_square =
-        |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
+    let root_mean_square = |values: &[f64]| {
+        (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+    };
     let stretches = || files.clone().flat_map(|file| &file.stretches);
     let level = files
         .clone()
@@ -165,15 +182,21 @@ fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Opti
         .map(|point| point.torque.abs())
         .chain(stretches().map(|stretch| root_mean_square(&stretch.friction)))
         .fold(f64::NAN, f64::max);
-    let slowest_level =
-        files.clone().flat_map(|file| &file.points).map(|point| point.torque.abs()).fold(level, f64::min);
+    let slowest_level = files
+        .clone()
+        .flat_map(|file| &file.points)
+        .map(|point| point.torque.abs())
+        .fold(level, f64::min);
     let reaches = stretches()
-        .filter(|stretch| root_mean_square(&stretch.friction) < 0.8 * slowest_level && turns(stretch))
+        .filter(|stretch| {
+            root_mean_square(&stretch.friction) < 0.8 * slowest_level && turns(stretch)
+        })
         .map(|stretch| {
             let travel = stretch.travel();
-            let (low, high) = travel
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+            let (low, high) =
+                travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
+                    (low.min(x), high.max(x))
+                });
             high - low
         });
     reaches
@@ -192,10 +215,11 @@ fn turns(stretch: &Stretch) -> bool {
     f64::min(forward, backward) > 0.2 * f64::max(forward, backward)
 }
 
-/// Information criteria over one and the same number of independent samples: that of the model that leaves least. Its own for each would compare models by
-/// how much of a pattern they leave.
+/// Information criteria over one and the same number of independent samples: that of the model that
+/// leaves least. Its own for each would compare models by how much of a pattern they leave.
 fn on_common_ground(models: &mut [(Identified, Option<FromDrive>)]) {
-    let least = models.iter().map(|(model, _)| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
+    let least =
+        models.iter().map(|(model, _)| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
     let Some(least) = least else { return };
     let share = least.effective_samples / least.samples.max(1) as f64;
     for (model, _) in models {
@@ -216,8 +240,9 @@ fn ranked(
             let here = residuals(&found.model, data);
             let there = held_out.map(|data| residuals(&found.model, data));
             let fit = Errors::of(&found.model, data, &here);
-            let tried =
-                held_out.zip(there.as_ref()).map(|(data, there)| Errors::of(&found.model, data, there));
+            let tried = held_out
+                .zip(there.as_ref())
+                .map(|(data, there)| Errors::of(&found.model, data, there));
             let score = match tried {
                 Some(tried) => tried.all,
                 None => found.information.bic,
@@ -239,7 +264,9 @@ fn ranked(
         .collect();
     // The sort is stable: equals keep the order in which they were asked for.
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first = scored.first().map(|(score, residuals, result)| (*score, residuals.clone(), result.error()));
+    let first = scored
+        .first()
+        .map(|(score, residuals, result)| (*score, residuals.clone(), result.error()));
     let Some((best_score, best, best_error)) = first else { return Vec::new() };
     scored
         .into_iter()
@@ -250,7 +277,8 @@ fn ranked(
                 result.ratio = paired_ratio(&residuals, &best, BLOCKS);
                 let within = match criterion {
                     Criterion::HeldOut => {
-                        result.difference.is_tie() && (result.ratio.is_tie() || result.ratio.mean < 0.0)
+                        result.difference.is_tie()
+                            && (result.ratio.is_tie() || result.ratio.mean < 0.0)
                     }
                     Criterion::Bic => score - best_score < BIC_NOTICEABLE,
                 };
@@ -290,7 +318,8 @@ mod tests {
     #[test]
     fn pre_sliding_is_told_by_its_friction() {
         let points = vec![SteadyPoint::new(0.5, 0.1), SteadyPoint::new(1.0, 0.12)];
-        let found = reach([recording(points.clone(), vec![swing(0.004), swing(2.0)])].iter()).unwrap();
+        let found =
+            reach([recording(points.clone(), vec![swing(0.004), swing(2.0)])].iter()).unwrap();
         assert!((found / 0.0044 - 1.0).abs() < 0.01, "{found}");
         assert_eq!(reach([recording(points, vec![swing(2.0)])].iter()), None);
     }

@@ -22,7 +22,11 @@ pub fn render(found: &FrictionIdentification) -> String {
         "model",
         "parameters",
         format!("fit [{unit}]"),
-        if held_out { format!(" {:>14}", format!("held out [{unit}]")) } else { format!(" {:>12}", "BIC") },
+        if held_out {
+            format!(" {:>14}", format!("held out [{unit}]"))
+        } else {
+            format!(" {:>12}", "BIC")
+        },
     );
     for (place, result) in found.models.iter().enumerate() {
         let information = result.found.information;
@@ -76,7 +80,9 @@ pub fn render(found: &FrictionIdentification) -> String {
             );
         }
     }
-    for note in found.notes.iter().chain(found.chosen().iter().flat_map(|chosen| &chosen.found.notes)) {
+    for note in
+        found.notes.iter().chain(found.chosen().iter().flat_map(|chosen| &chosen.found.notes))
+    {
         let _ = writeln!(text, "\nnote: {note}");
     }
     text

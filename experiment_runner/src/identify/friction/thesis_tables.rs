@@ -1,4 +1,5 @@
-//! The tables of the thesis's chapter 4 (4.2 to 4.11 and 4.13 to 4.16): its printed figures beside those found.
+//! The tables of the thesis's chapter 4 (4.2 to 4.11 and 4.13 to 4.16): its printed figures beside
+//! those found.
 
 mod printed;
 
@@ -12,7 +13,10 @@ pub use printed::{PRINTED, Printed, Row};
 
 /// The tables of the models that were identified.
 pub fn tables(found: &FrictionIdentification) -> Vec<Table> {
-    PRINTED.iter().filter_map(|printed| Some(table(found, found.model(printed.model)?, printed))).collect()
+    PRINTED
+        .iter()
+        .filter_map(|printed| Some(table(found, found.model(printed.model)?, printed)))
+        .collect()
 }
 
 fn table(found: &FrictionIdentification, result: &ModelResult, printed: &Printed) -> Table {
@@ -30,16 +34,27 @@ fn table(found: &FrictionIdentification, result: &ModelResult, printed: &Printed
         .collect();
     if let (Some(stage), Some((estimation, validation))) = (printed.stage, printed.mean_squares) {
         let kind = kind_of(stage);
-        let rms = result.found.stages.iter().find(|found| found.stage == stage).map(|found| found.rms);
-        let tried = found.held_out.as_ref().and_then(|data| rms_of_kind(&result.found.model, data, kind));
+        let rms =
+            result.found.stages.iter().find(|found| found.stage == stage).map(|found| found.rms);
+        let tried =
+            found.held_out.as_ref().and_then(|data| rms_of_kind(&result.found.model, data, kind));
         let square = |rms: Option<f64>| {
             rms.map_or("not in these recordings".to_owned(), |rms| format!("{:.4e}", rms * rms))
         };
-        rows.push(vec!["mse, estimation".to_owned(), estimation.to_owned(), square(rms), String::new()]);
+        rows.push(vec![
+            "mse, estimation".to_owned(),
+            estimation.to_owned(),
+            square(rms),
+            String::new(),
+        ]);
         rows.push(vec![
             "mse, validation".to_owned(),
             validation.to_owned(),
-            if found.held_out.is_some() { square(tried) } else { "no recording was held out".to_owned() },
+            if found.held_out.is_some() {
+                square(tried)
+            } else {
+                "no recording was held out".to_owned()
+            },
             String::new(),
         ]);
     }
@@ -68,14 +83,16 @@ fn kind_of(stage: Stage) -> StretchKind {
 
 /// What that stage found, or where it did not estimate the number what the model has in the end.
 fn ours(result: &ModelResult, stage: Option<Stage>, name: &str) -> String {
-    let of_stage = stage
-        .and_then(|stage| result.found.stages.iter().find(|found| found.stage == stage)?.estimates.get(name));
+    let of_stage = stage.and_then(|stage| {
+        result.found.stages.iter().find(|found| found.stage == stage)?.estimates.get(name)
+    });
     match of_stage.or_else(|| result.found.estimates.get(name)) {
         Some(estimate) => {
             let (value, error) = wording::value(estimate);
             let plus = if error.is_empty() { String::new() } else { format!(" ± {error}") };
             let doubt = if estimate.is_identified() { "" } else { " (not identified)" };
-            let held = if stage.is_some() && of_stage.is_none() { " (not of this stage)" } else { "" };
+            let held =
+                if stage.is_some() && of_stage.is_none() { " (not of this stage)" } else { "" };
             format!("{value}{plus}{doubt}{held}")
         }
         // The last share is what the others leave.
@@ -102,16 +119,30 @@ mod tests {
         for table in PRINTED {
             let parameters = AnyModel::test_bed(table.model).parameters();
             for row in table.rows {
-                let (name, place) = match row.name.strip_suffix(']').and_then(|name| name.split_once('[')) {
-                    Some((name, place)) => (name, place.parse::<usize>().unwrap()),
-                    None => (row.name, 0),
-                };
-                assert!(parameters.values(name).len() > place, "table {}: {}", table.number, row.name);
-                assert!(row.printed.parse::<f64>().is_ok(), "table {}: {}", table.number, row.printed);
+                let (name, place) =
+                    match row.name.strip_suffix(']').and_then(|name| name.split_once('[')) {
+                        Some((name, place)) => (name, place.parse::<usize>().unwrap()),
+                        None => (row.name, 0),
+                    };
+                assert!(
+                    parameters.values(name).len() > place,
+                    "table {}: {}",
+                    table.number,
+                    row.name
+                );
+                assert!(
+                    row.printed.parse::<f64>().is_ok(),
+                    "table {}: {}",
+                    table.number,
+                    row.printed
+                );
             }
         }
         let numbers: Vec<_> = PRINTED.iter().map(|table| table.number).collect();
         assert_eq!(numbers.len(), 14);
-        assert!(numbers.is_sorted_by_key(|number| number[2..].parse::<u32>().unwrap()), "{numbers:?}");
+        assert!(
+            numbers.is_sorted_by_key(|number| number[2..].parse::<u32>().unwrap()),
+            "{numbers:?}"
+        );
     }
 }

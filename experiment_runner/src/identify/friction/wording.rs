@@ -21,7 +21,8 @@ pub(super) fn progress(name: ModelName, stage: Stage, sum: f64) -> String {
     format!("{name} {stage} {sum:.2e}")
 }
 
-/// Value and standard error with as many digits as the error allows; the error is empty where there is none.
+/// Value and standard error with as many digits as the error allows; the error is empty where there
+/// is none.
 pub(super) fn value(estimate: &Estimate) -> (String, String) {
     match estimate.standard_error.filter(|error| *error > 1e-14 * estimate.value.abs()) {
         Some(error) => with_error(estimate.value, error),
@@ -32,7 +33,10 @@ pub(super) fn value(estimate: &Estimate) -> (String, String) {
 /// What the drive's constants add to a parameter's uncertainty; empty where nothing does.
 pub(super) fn from_drive(result: &ModelResult, estimate: &Estimate) -> String {
     let added = result.from_drive.as_ref().and_then(|from| from.of(&estimate.name));
-    added.map_or(String::new(), |added| if added == 0.0 { "0".to_owned() } else { format!("{added:.1e}") })
+    added.map_or(
+        String::new(),
+        |added| if added == 0.0 { "0".to_owned() } else { format!("{added:.1e}") },
+    )
 }
 
 /// The 95 % interval, open ends as such.
@@ -77,8 +81,9 @@ pub(super) fn place(found: &FrictionIdentification, place: usize, result: &Model
             undecided(&significant(result.error() / first), criterion, found.recordings_held_out())
         }
         (Standing::Worse, Criterion::HeldOut) => {
-            let times =
-                |errors: f64| significant((result.ratio.mean + errors * result.ratio.standard_error).exp());
+            let times = |errors: f64| {
+                significant((result.ratio.mean + errors * result.ratio.standard_error).exp())
+            };
             format!(
                 "worse: {} times the mean square in the usual block ({} to {})",
                 times(0.0),
@@ -138,7 +143,8 @@ pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
     })
 }
 
-/// Kinds that were fitted but are not among the recordings held out: the ranking knows nothing of them.
+/// Kinds that were fitted but are not among the recordings held out: the ranking knows nothing of
+/// them.
 pub(super) fn unseen_kinds(data: &FrictionData, held_out: &FrictionData) -> Option<String> {
     let count = FrictionIdentification::count;
     let unseen: Vec<&str> = KINDS
@@ -192,7 +198,10 @@ mod tests {
     fn a_large_error_is_said_with_the_reason_why_nothing_is_told_from_it() {
         for times in ["2.400", "15.00"] {
             let one = undecided(times, Criterion::HeldOut, 1);
-            assert!(one.contains("too few recordings to tell: 1 held out") && one.contains(times), "{one}");
+            assert!(
+                one.contains("too few recordings to tell: 1 held out") && one.contains(times),
+                "{one}"
+            );
             assert!(undecided(times, Criterion::HeldOut, 2).contains("2 held out"));
             assert!(undecided(times, Criterion::HeldOut, 40).contains("do not decide"));
             assert!(undecided(times, Criterion::Bic, 0).contains("too few independent samples"));

@@ -19,7 +19,8 @@ pub(super) fn steady_part(stretch: &Stretch) -> Option<Range<usize>> {
     };
     let last = part.end - 1;
     let mean = over(part.start, last - part.start);
-    // Over blocks the velocity may not wander, over short windows it may not swing: noise does neither, a lag experiment swings.
+    // Over blocks the velocity may not wander, over short windows it may not swing: noise does
+    // neither, a lag experiment swings.
     let blocks = (0..BLOCKS - 1).map(|block| over(part.start + block * size, size));
     let window = (size / 4).clamp(4, 50);
     let windows = (part.start..last - window).step_by(window).map(|k| over(k, window));

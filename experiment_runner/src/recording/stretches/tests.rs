@@ -54,7 +54,10 @@ fn a_lost_sample_is_filled_in_and_lost_ones_cut_the_run() {
     let found = without(1000..1010);
     assert_eq!(found.stretches.iter().map(Stretch::len).collect::<Vec<_>>(), [1000, 1990]);
     assert_eq!((found.irregularities.gaps, found.irregularities.missing), (1, 10));
-    assert_eq!(found.stretches.iter().map(|s| s.before).collect::<Vec<_>>(), [Before::Rested, Before::Slid]);
+    assert_eq!(
+        found.stretches.iter().map(|s| s.before).collect::<Vec<_>>(),
+        [Before::Rested, Before::Slid]
+    );
 }
 
 /// The velocity jumps where samples are lost; a filter that ran across would bend it on both sides.
@@ -75,8 +78,12 @@ fn no_filter_reaches_across_a_gap() {
 #[test]
 fn steady_points_need_no_time() {
     let found =
-        parsed("velocity_rad_s,torque_Nm,torque_deviation_Nm\n0.1,0.1,0.001\n-0.2,-0.11,0.002\n").unwrap();
-    assert_eq!(found.points[1], SteadyPoint { velocity: -0.2, torque: -0.11, deviation: Some(0.002) });
+        parsed("velocity_rad_s,torque_Nm,torque_deviation_Nm\n0.1,0.1,0.001\n-0.2,-0.11,0.002\n")
+            .unwrap();
+    assert_eq!(
+        found.points[1],
+        SteadyPoint { velocity: -0.2, torque: -0.11, deviation: Some(0.002) }
+    );
     assert!(found.stretches.is_empty());
     assert_eq!(parsed("velocity_m_s,force_N\n0.1,0.1\n").unwrap().points[0].deviation, None);
     for (text, said) in [
@@ -124,7 +131,8 @@ fn replaced_outliers_are_listed() {
     assert!(found.stretches[0].friction.iter().all(|f| *f < 0.2));
 }
 
-/// Friction from the voltage of a motor: `u` such that the inertia is accelerated and the friction overcome.
+/// Friction from the voltage of a motor: `u` such that the inertia is accelerated and the friction
+/// overcome.
 #[test]
 fn friction_is_found_from_the_voltage() {
     let (constant, resistance) = (0.5369, 2.6);
@@ -145,23 +153,30 @@ fn friction_is_found_from_the_voltage() {
         writeln!(text, "{t:.4},{:.12},{voltage:.12}", motion(t).0).unwrap();
     }
     let columns = Columns { force: Some("voltage_V".parse().unwrap()), ..Columns::default() };
-    let how = Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
+    let how =
+        Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
     let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap();
     let stretch = &found.stretches[0];
     for (f, v) in stretch.friction.iter().zip(&stretch.velocity).skip(30).take(1900) {
         assert!((f - 0.09 - 0.04 * v).abs() < 2e-5, "{f} at {v}");
     }
     let errors = &found.drive_errors;
-    assert_eq!(errors.iter().map(|e| e.constant).collect::<Vec<_>>(), TorqueSource::Voltage.constants());
-    let largest = errors[2].stretches[0][30..1900].iter().fold(0.0f64, |largest, e| largest.max(e.abs()));
+    assert_eq!(
+        errors.iter().map(|e| e.constant).collect::<Vec<_>>(),
+        TorqueSource::Voltage.constants()
+    );
+    let largest =
+        errors[2].stretches[0][30..1900].iter().fold(0.0f64, |largest, e| largest.max(e.abs()));
     assert!((largest / (2.6e-5 * 4.5) - 1.0).abs() < 0.01, "{largest}");
     // Without constants nothing is worked out.
     let how = Preparation { drive: None, ..how };
-    let message = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap_err().to_string();
+    let message =
+        parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap_err().to_string();
     assert!(message.contains("inertia"), "{message}");
 }
 
-/// At constant speed `F = (k/R)(u - k w)`; the error of R is a fraction of it, that of k less so (the back-EMF).
+/// At constant speed `F = (k/R)(u - k w)`; the error of R is a fraction of it, that of k less so
+/// (the back-EMF).
 #[test]
 fn steady_points_from_the_voltage_carry_the_errors_of_the_constants() {
     let drive = DriveConstants {
@@ -170,7 +185,8 @@ fn steady_points_from_the_voltage_carry_the_errors_of_the_constants() {
         inertia: Uncertain::relative(0.0026, 0.02),
     };
     let columns = Columns { force: Some("voltage_V".parse().unwrap()), ..Columns::default() };
-    let how = Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
+    let how =
+        Preparation { torque: TorqueSource::Voltage, drive: Some(drive), ..Preparation::default() };
     let text = "velocity_rad_s,voltage_V\n1.0,1.0\n-1.0,-1.0\n";
     let found = parse(Path::new("x.csv"), text.as_bytes(), &columns, &how).unwrap();
     for (point, sign) in found.points.iter().zip([1.0, -1.0]) {

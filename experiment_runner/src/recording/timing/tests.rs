@@ -57,7 +57,10 @@ fn one_late_cycle_is_put_in_its_place() {
     time[200] += 4e-4;
     let found = timing(&time);
     let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
-    assert_eq!((stretch.len(), found.irregularities.moved, found.irregularities.filled), (500, 1, 0));
+    assert_eq!(
+        (stretch.len(), found.irregularities.moved, found.irregularities.filled),
+        (500, 1, 0)
+    );
     for (k, t) in line(stretch, &time).into_iter().enumerate() {
         assert!((t - k as f64 * 1e-3).abs() < 1e-12, "{k}: {t}");
     }
@@ -96,18 +99,29 @@ fn a_longer_gap_cuts_the_recording_and_is_counted() {
     time.drain(200..203);
     let found = timing(&time);
     assert_eq!(found.stretches.iter().map(EvenStretch::len).collect::<Vec<_>>(), [200, 497, 291]);
-    assert_eq!(found.stretches.iter().map(|s| s.after_gap).collect::<Vec<_>>(), [false, true, true]);
+    assert_eq!(
+        found.stretches.iter().map(|s| s.after_gap).collect::<Vec<_>>(),
+        [false, true, true]
+    );
     let said = found.irregularities.describe().unwrap();
     assert!(said.contains("2 gaps, 12 samples missing; split into 3 stretches"), "{said}");
 }
 
 #[test]
 fn a_pause_is_no_loss() {
-    let time: Vec<f64> = cycles(300).into_iter().chain(cycles(300).iter().map(|t| t + 5.0)).collect();
+    let time: Vec<f64> =
+        cycles(300).into_iter().chain(cycles(300).iter().map(|t| t + 5.0)).collect();
     let found = timing(&time);
-    assert_eq!((found.stretches.len(), found.irregularities.pauses, found.irregularities.gaps), (2, 1, 0));
+    assert_eq!(
+        (found.stretches.len(), found.irregularities.pauses, found.irregularities.gaps),
+        (2, 1, 0)
+    );
     assert!(!found.stretches[1].after_gap);
-    assert_eq!(found.irregularities.describe(), None, "runs with pauses between them are as they should be");
+    assert_eq!(
+        found.irregularities.describe(),
+        None,
+        "runs with pauses between them are as they should be"
+    );
 }
 
 #[test]
@@ -116,7 +130,10 @@ fn repeated_stamps_are_dropped_and_counted() {
     time.insert(50, time[49]);
     time.insert(50, time[49]);
     let found = timing(&time);
-    assert_eq!((found.stretches.len(), found.stretches[0].len(), found.irregularities.repeated), (1, 100, 2));
+    assert_eq!(
+        (found.stretches.len(), found.stretches[0].len(), found.irregularities.repeated),
+        (1, 100, 2)
+    );
     assert!(found.irregularities.describe().unwrap().contains("2 repeated samples"));
 }
 
@@ -129,7 +146,8 @@ fn a_change_of_the_rate_tells_parts_apart() {
         }
     }
     let found = timing(&time);
-    let steps: Vec<f64> = found.stretches.iter().map(|s| (s.time_step * 1e5).round() / 1e5).collect();
+    let steps: Vec<f64> =
+        found.stretches.iter().map(|s| (s.time_step * 1e5).round() / 1e5).collect();
     assert_eq!(steps, [0.02, 0.001, 0.01, 0.001, 0.0015], "{:?}", found.irregularities);
     let fast = found.of_one_rate();
     assert_eq!(fast.stretches.len(), 2);
@@ -171,7 +189,8 @@ fn the_tolerance_has_a_sane_range() {
 }
 
 proptest! {
-    /// Whatever the steps are: nothing panics, every stretch is even, a straight line stays one, and its samples lie within the recording.
+    /// Whatever the steps are: nothing panics, every stretch is even, a straight line stays one,
+    /// and its samples lie within the recording.
     #[test]
     fn any_steps_become_even_stretches(steps in proptest::collection::vec(0u32..2000, 3..300)) {
         let mut time = vec![0.0];

@@ -29,7 +29,8 @@ fn bench() -> Bench {
     let told: Arc<Mutex<Vec<ExperimentStatus>>> = Arc::default();
     let hear = Arc::clone(&told);
     let announce = Box::new(move |status| hear.lock().unwrap().push(status));
-    let permissions = Permissions::new("/", vec![RigChoice::Simulated], root.path().join("runs"), None);
+    let permissions =
+        Permissions::new("/", vec![RigChoice::Simulated], root.path().join("runs"), None);
     let desk = Desk::new(permissions, UsualRig::default(), announce);
     Bench { root, desk, told }
 }
@@ -54,14 +55,22 @@ fn an_experiment_runs_to_its_end_and_everybody_is_told() {
     let asked = request("velocity-tracking", None, false);
     let started = desk.start(&asked, Arc::default(), Wait(end, feed)).unwrap();
     assert_eq!(started.run_id, "velocity-tracking-1");
-    assert_eq!(started.folder, fs::canonicalize(root.path()).unwrap().join("runs/velocity-tracking-1"));
+    assert_eq!(
+        started.folder,
+        fs::canonicalize(root.path()).unwrap().join("runs/velocity-tracking-1")
+    );
     let ended = ended.recv_timeout(Duration::from_secs(120)).unwrap();
     let result = outcome::result(&ended);
     assert!(result.success, "{}", result.message);
     assert!(Path::new(&result.report).is_file() && Path::new(&result.parameters_file).is_file());
     BagReader::open(Path::new(&result.bag_path)).unwrap();
     let mse = |row: &str| {
-        result.figures.iter().find(|figure| figure.row == row && figure.name == "mse").unwrap().value
+        result
+            .figures
+            .iter()
+            .find(|figure| figure.row == row && figure.name == "mse")
+            .unwrap()
+            .value
     };
     assert!(mse("lugre") < 0.5 * mse("none"), "{:?}", result.figures);
     assert!(fed.try_iter().count() > 0);
@@ -84,7 +93,8 @@ fn a_second_experiment_is_refused_with_the_first_ones_name_and_preemption_ends_t
     let refusal = desk.start(&second, Arc::default(), ()).unwrap_err();
     assert!(matches!(&refusal, Refusal::Busy { run_id, .. } if run_id == "position-tracking-1"));
     assert_eq!(outcome::refused(&refusal).outcome, msgs::friction_msgs::RunExperimentResult::BUSY);
-    let started = desk.start(&request("velocity-tracking", None, true), Arc::default(), ()).unwrap();
+    let started =
+        desk.start(&request("velocity-tracking", None, true), Arc::default(), ()).unwrap();
     assert_eq!(started.run_id, "velocity-tracking-1");
     let first = ended.recv_timeout(Duration::from_secs(60)).unwrap();
     assert_eq!(first.results.as_ref().unwrap().status, Status::Interrupted);
@@ -101,7 +111,8 @@ fn a_second_experiment_is_refused_with_the_first_ones_name_and_preemption_ends_t
 #[test]
 fn a_bad_request_leaves_nothing_behind() {
     let Bench { root, desk, .. } = bench();
-    let refused = |asked: ExperimentRequest| desk.start(&asked, Arc::default(), ()).unwrap_err().to_string();
+    let refused =
+        |asked: ExperimentRequest| desk.start(&asked, Arc::default(), ()).unwrap_err().to_string();
     assert!(refused(request("jump", None, false)).contains("jump"));
     let full = root.path().join("runs/full");
     fs::create_dir_all(&full).unwrap();
@@ -109,7 +120,8 @@ fn a_bad_request_leaves_nothing_behind() {
     assert!(refused(request("all", Some("full"), false)).contains("not empty"));
     assert!(refused(request("all", Some("full/precious.txt/run"), false)).contains("precious.txt"));
     let mut wild = request("all", None, false);
-    wild.overrides.push(msgs::friction_msgs::Setting { name: "voltage-limit".into(), value: "50".into() });
+    wild.overrides
+        .push(msgs::friction_msgs::Setting { name: "voltage-limit".into(), value: "50".into() });
     assert!(refused(wild).contains("voltage_limit"));
     assert_eq!(fs::read_dir(root.path().join("runs")).unwrap().count(), 1);
     assert_eq!(desk.abort(), None);

@@ -67,7 +67,8 @@ const NEVER: [&str; 14] = [
     "nothing_of_that_name",
 ];
 
-/// A sentence says what is allowed and how to allow more, in one line, and nothing of what is in a file.
+/// A sentence says what is allowed and how to allow more, in one line, and nothing of what is in a
+/// file.
 fn assert_sentence(refusal: &str, name: &str) {
     assert!(!refusal.contains("secret of") && !refusal.contains("root:x"), "{name}: {refusal}");
     assert!(!refusal.contains('\n'), "{name}: {refusal}");
@@ -131,11 +132,18 @@ fn nothing_is_written_outside_of_the_folder_of_runs() {
 #[test]
 fn only_the_rigs_that_were_given_are_driven() {
     let Machine { root: _root, permissions } = machine();
-    for name in
-        ["serial:/dev/ttyS0", "serial:/etc/passwd", "quanser", "quanser:0@tcpip://there:1", "nodes:/axis_2"]
-    {
+    for name in [
+        "serial:/dev/ttyS0",
+        "serial:/etc/passwd",
+        "quanser",
+        "quanser:0@tcpip://there:1",
+        "nodes:/axis_2",
+    ] {
         let refusal = permissions.rig(name.parse().unwrap()).unwrap_err().to_string();
-        assert!(refusal.contains("only simulated, nodes:/") && refusal.contains("--allow-rigs"), "{refusal}");
+        assert!(
+            refusal.contains("only simulated, nodes:/") && refusal.contains("--allow-rigs"),
+            "{refusal}"
+        );
     }
     assert_eq!(permissions.rig(RigChoice::Simulated).unwrap(), RigChoice::Simulated);
     let own = RigChoice::Nodes { namespace: Some("/".into()) };
@@ -161,7 +169,8 @@ fn a_strangers_request_is_refused_with_nothing_read_written_or_driven() {
         };
         desk.start(&asked, Arc::default(), ()).unwrap_err().to_string()
     };
-    for option in ["protocol", "parameters", "calibration", "drive", "plant-parameters", "--plant_parameters"]
+    for option in
+        ["protocol", "parameters", "calibration", "drive", "plant-parameters", "--plant_parameters"]
     {
         for name in NEVER {
             assert_sentence(&ask(option, name, None), name);
@@ -184,11 +193,17 @@ fn a_strangers_request_is_refused_with_nothing_read_written_or_driven() {
             overrides: vec![Setting { name: "drive".into(), value: "mine.yaml".into() }],
             ..Default::default()
         };
-        assert_sentence(&identification::identify(&asked, &permissions, &Arc::default()).message, name);
+        assert_sentence(
+            &identification::identify(&asked, &permissions, &Arc::default()).message,
+            name,
+        );
     }
     assert_eq!(listing(root.path()), before);
     // "ready", and nothing of an experiment.
-    assert_eq!(told.recv_timeout(Duration::from_secs(1)).map(|status| status.stage).as_deref(), Ok("idle"));
+    assert_eq!(
+        told.recv_timeout(Duration::from_secs(1)).map(|status| status.stage).as_deref(),
+        Ok("idle")
+    );
     assert!(told.try_recv().is_err());
 }
 

@@ -1,7 +1,9 @@
-//! One pass over the recordings: states, their derivatives with respect to the unknowns, and the normal equations.
+//! One pass over the recordings: states, their derivatives with respect to the unknowns, and the
+//! normal equations.
 //!
-//! With `q = (f_s - f_c) p`, `p = exp(-|v / v_s|^delta)` and `e = b - f_c`, each element obeys `e' = (r u / g) (q - e)`. In fast sliding `p` and `e` vanish, and so do
-//! all derivatives: such samples are known from the sums over the whole recording and cost nothing.
+//! With `q = (f_s - f_c) p`, `p = exp(-|v / v_s|^delta)` and `e = b - f_c`, each element obeys
+//! `e' = (r u / g) (q - e)`. In fast sliding `p` and `e` vanish, and so do all derivatives: such
+//! samples are known from the sums over the whole recording and cost nothing.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -12,7 +14,8 @@ use super::track::{Track, Tracks};
 
 /// Unknowns: f_s - f_c, f_c, ln v_s, f_v, ln rate, and LuGre's damping.
 pub(super) const UNKNOWNS: usize = 6;
-/// Exponent of the Stribeck curve beyond which the dip counts as gone, and the state that no longer counts, as a share of the level.
+/// Exponent of the Stribeck curve beyond which the dip counts as gone, and the state that no longer
+/// counts, as a share of the level.
 const GONE: f64 = 34.0;
 const SILENT: f64 = 1e-15;
 
@@ -104,8 +107,9 @@ struct Sample {
     drive: f64,
 }
 
-/// States of a group of elements with their derivatives with respect to f_s - f_c, ln v_s and ln rate. That with respect to f_c follows, because the state is
-/// homogeneous of first degree in f_s - f_c, f_c and the rate.
+/// States of a group of elements with their derivatives with respect to f_s - f_c, ln v_s and ln
+/// rate. That with respect to f_c follows, because the state is homogeneous of first degree in f_s
+/// - f_c, f_c and the rate.
 #[derive(Clone, Copy)]
 struct Group<L> {
     alpha: L,
@@ -113,7 +117,8 @@ struct Group<L> {
     damping: L,
     e: L,
     by: [L; 3],
-    /// What the present sample leaves for the next step: its part of the decay and of the input, and the inputs of the derivatives.
+    /// What the present sample leaves for the next step: its part of the decay and of the input,
+    /// and the inputs of the derivatives.
     decay: L,
     input: L,
     inputs: [L; 3],
@@ -128,9 +133,13 @@ impl<L: Lanes> Group<L> {
         let zero = L::splat(0.0);
         Self {
             alpha: L::from_fn(|lane| get(lane, |element| element.alpha)),
-            rate: L::from_fn(|lane| rate * elements.get(lane).map_or(first, |element| element.rate)),
-            damping: lugre
-                .map_or_else(|| L::from_fn(|lane| rate * get(lane, |element| element.damping)), L::splat),
+            rate: L::from_fn(|lane| {
+                rate * elements.get(lane).map_or(first, |element| element.rate)
+            }),
+            damping: lugre.map_or_else(
+                || L::from_fn(|lane| rate * get(lane, |element| element.damping)),
+                L::splat,
+            ),
             e: zero,
             by: [zero; 3],
             decay: zero,
@@ -195,7 +204,10 @@ impl<L: Lanes> Group<L> {
         let below = |x: L, limit: f64| (x * x).sum() < limit * limit;
         let [by_dip, by_v_s, by_rate] = self.by;
         let limit = SILENT * level;
-        below(self.e, limit) && below(by_dip, SILENT) && below(by_v_s, limit) && below(by_rate, limit)
+        below(self.e, limit)
+            && below(by_dip, SILENT)
+            && below(by_v_s, limit)
+            && below(by_rate, limit)
     }
 }
 
@@ -218,7 +230,8 @@ impl Trial {
         Sample { v, y, p, q, by_v_s, inverse_g, kappa, square, slope, drive }
     }
 
-    /// Runs over all recordings. `moving` receives what the lag adds to `f_c + f_v v` at every fitted sample.
+    /// Runs over all recordings. `moving` receives what the lag adds to `f_c + f_v v` at every
+    /// fitted sample.
     ///
     /// `None` where the unknowns are not allowed.
     pub fn pass<L: Lanes>(
@@ -233,8 +246,10 @@ impl Trial {
         }
         let inverse = (-self.delta * ln_v_s).exp();
         let damping = self.lugre.then_some(damping);
-        let mut groups: Vec<Group<L>> =
-            elements.chunks(L::COUNT).map(|chunk| Group::new(chunk, ln_rate.exp(), damping)).collect();
+        let mut groups: Vec<Group<L>> = elements
+            .chunks(L::COUNT)
+            .map(|chunk| Group::new(chunk, ln_rate.exp(), damping))
+            .collect();
         moving.clear();
         let mut sums = Sums::default();
         for track in &tracks.all {
@@ -263,7 +278,8 @@ impl Trial {
         let damping: f64 = groups.iter().map(|group| group.damping.sum()).sum();
         let Some(first) = track.rows.first() else { return };
         let mut now = self.sample(first, inverse);
-        let (e, by) = if self.from_rest { (dip, [1.0, 0.0, 0.0]) } else { (now.q, [now.p, now.by_v_s, 0.0]) };
+        let (e, by) =
+            if self.from_rest { (dip, [1.0, 0.0, 0.0]) } else { (now.q, [now.p, now.by_v_s, 0.0]) };
         groups.iter_mut().for_each(|group| group.set_out(&now, half, e, by));
         let mut before = first;
         let mut silent = false;
@@ -300,8 +316,8 @@ impl Trial {
                 let slip = now.kappa * (damping * now.q - damped);
                 let force = held + slip;
                 let [by_dip, by_v_s, by_rate] = through.map(L::sum);
-                let by_f_c =
-                    (held - now.kappa * damped - dip * by_dip - by_rate) / f_c - slip * now.inverse_g;
+                let by_f_c = (held - now.kappa * damped - dip * by_dip - by_rate) / f_c
+                    - slip * now.inverse_g;
                 let kept = damping * now.kappa - slip * now.inverse_g;
                 let (by_rate, by_damping) = if self.lugre {
                     let state = groups.first().map_or(0.0, |group| group.e.sum());
@@ -312,7 +328,10 @@ impl Trial {
                 moving.push(force);
                 let left = now.y - offset[0] - offset[1] * now.v - force;
                 let (by_dip, by_v_s) = (by_dip + kept * now.p, by_v_s + kept * now.by_v_s);
-                sums.add(&[by_dip, 1.0 + by_f_c, by_v_s, now.v, by_rate, by_damping, left, 0.0], &now);
+                sums.add(
+                    &[by_dip, 1.0 + by_f_c, by_v_s, now.v, by_rate, by_damping, left, 0.0],
+                    &now,
+                );
             }
             // Gone here, and nothing left of it in the states.
             silent = now.p == 0.0 && groups.iter().all(|group| group.is_silent(f_c));

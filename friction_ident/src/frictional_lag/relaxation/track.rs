@@ -5,7 +5,8 @@ use crate::frictional_lag::pass::Prepared;
 /// Samples that the coarse search is content with.
 const COARSE: usize = 1500;
 
-/// One recording: velocity, its power `|v|^delta`, its logarithmic derivative `v' / v` and what is left of the torque.
+/// One recording: velocity, its power `|v|^delta`, its logarithmic derivative `v' / v` and what is
+/// left of the torque.
 #[derive(Debug, Clone)]
 pub(super) struct Track {
     pub rows: Vec<[f64; 4]>,
@@ -28,16 +29,21 @@ impl Tracks {
             .iter()
             .map(|recording| {
                 let slopes = slope(&recording.speed, recording.dt);
-                let columns =
-                    recording.speed.iter().zip(&recording.power).zip(slopes.iter().zip(&recording.torque));
-                let rows = columns.map(|((&v, &power), (slope, &y))| [v, power, slope / v, y]).collect();
+                let columns = recording
+                    .speed
+                    .iter()
+                    .zip(&recording.power)
+                    .zip(slopes.iter().zip(&recording.torque));
+                let rows =
+                    columns.map(|((&v, &power), (slope, &y))| [v, power, slope / v, y]).collect();
                 Track { rows, dt: recording.dt, settle: data.settle }
             })
             .collect();
         Self { all, totals: data.totals }
     }
 
-    /// Every so-many-th row, so that about 1500 stay, not further apart than the lag `tau`. None where that would be all of them.
+    /// Every so-many-th row, so that about 1500 stay, not further apart than the lag `tau`. None
+    /// where that would be all of them.
     pub fn coarse(&self, tau: f64) -> Option<Self> {
         let finest = self.all.iter().map(|track| track.dt).fold(f64::INFINITY, f64::min);
         let stride = ((self.totals[0] as usize) / COARSE).min((tau / finest) as usize);
@@ -55,7 +61,10 @@ impl Tracks {
             .collect();
         let mut totals = [0.0; 6];
         for &[v, _, _, y] in all.iter().flat_map(|track| track.rows.iter().skip(track.settle)) {
-            totals.iter_mut().zip([1.0, v, v * v, y, v * y, y * y]).for_each(|(sum, term)| *sum += term);
+            totals
+                .iter_mut()
+                .zip([1.0, v, v * v, y, v * y, y * y])
+                .for_each(|(sum, term)| *sum += term);
         }
         Some(Self { all, totals })
     }
@@ -99,7 +108,8 @@ mod tests {
     #[test]
     fn polynomials_to_the_fourth_degree_have_their_derivatives() {
         let t = |k: usize| 0.3 * k as f64;
-        let v: Vec<f64> = (0..12).map(|k| 1.0 - t(k) + 0.5 * t(k).powi(3) - 0.2 * t(k).powi(4)).collect();
+        let v: Vec<f64> =
+            (0..12).map(|k| 1.0 - t(k) + 0.5 * t(k).powi(3) - 0.2 * t(k).powi(4)).collect();
         for (k, got) in slope(&v, 0.3).iter().enumerate() {
             let expected = -1.0 + 1.5 * t(k).powi(2) - 0.8 * t(k).powi(3);
             assert!((got - expected).abs() < 1e-10, "{k}: {got} {expected}");

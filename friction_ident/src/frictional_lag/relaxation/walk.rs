@@ -14,13 +14,14 @@ const SMALL: f64 = 1e-8;
 const ROUNDING: f64 = 1e-13;
 /// Longest step of the logarithms.
 const LONGEST: f64 = 1.0;
-/// Fall of the sum of squares, in variances of the residual, below which a step is made without another pass: a fifth of a standard error, of which the step
-/// leaves a hundredth or so.
+/// Fall of the sum of squares, in variances of the residual, below which a step is made without
+/// another pass: a fifth of a standard error, of which the step leaves a hundredth or so.
 const WORTH: f64 = 0.05;
 
 pub(super) type Vector = SVector<f64, UNKNOWNS>;
 
-/// Where the search ended: the last pass, and the step from there that was too small for another one.
+/// Where the search ended: the last pass, and the step from there that was too small for another
+/// one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub normal: Normal,
@@ -29,7 +30,8 @@ pub(super) struct Found {
     pub held: [bool; UNKNOWNS],
 }
 
-/// Downhill from `start` within `bounds` (lowest and highest value of each unknown; equal ones hold it). `pass` runs a trial; `usual` is the size of each unknown.
+/// Downhill from `start` within `bounds` (lowest and highest value of each unknown; equal ones hold
+/// it). `pass` runs a trial; `usual` is the size of each unknown.
 ///
 /// `None` where the start is not allowed.
 pub(super) fn walk(
@@ -50,13 +52,16 @@ pub(super) fn walk(
         let mut held: [bool; UNKNOWNS] = std::array::from_fn(|i| {
             let (low, high) = bounds[i];
             let x = trial.x[i];
-            low >= high || (x <= low && here.gradient[i] < 0.0) || (x >= high && here.gradient[i] > 0.0)
+            low >= high
+                || (x <= low && here.gradient[i] < 0.0)
+                || (x >= high && here.gradient[i] > 0.0)
         });
         let mut step = damped(&here, &held, mu).unwrap_or_else(Vector::zeros);
         // A bound in the way holds its unknown; the others go on without it.
         for _ in 0..UNKNOWNS {
             let outwards = |i: usize| {
-                (trial.x[i] <= bounds[i].0 && step[i] < 0.0) || (trial.x[i] >= bounds[i].1 && step[i] > 0.0)
+                (trial.x[i] <= bounds[i].0 && step[i] < 0.0)
+                    || (trial.x[i] >= bounds[i].1 && step[i] > 0.0)
             };
             let blocked: [bool; UNKNOWNS] = std::array::from_fn(|i| !held[i] && outwards(i));
             if !blocked.contains(&true) {
@@ -71,9 +76,12 @@ pub(super) fn walk(
         let moved = Vector::from_fn(|i, _| next[i] - trial.x[i]);
         let fall = 2.0 * here.gradient.dot(&moved) - moved.dot(&(here.matrix * moved));
         let small = (0..UNKNOWNS).all(|i| moved[i].abs() < SMALL * usual[i]);
-        let bent = (0..UNKNOWNS).any(|i| !held[i] && moved[i] != step[i] && trial.x[i] + step[i] != next[i]);
+        let bent = (0..UNKNOWNS)
+            .any(|i| !held[i] && moved[i] != step[i] && trial.x[i] + step[i] != next[i]);
         if small || !fall.is_finite() || (mu == 0.0 && !bent && fall < WORTH * here.sum / degrees) {
-            let held = std::array::from_fn(|i| held[i] || next[i] <= bounds[i].0 || next[i] >= bounds[i].1);
+            let held = std::array::from_fn(|i| {
+                held[i] || next[i] <= bounds[i].0 || next[i] >= bounds[i].1
+            });
             return Some(Found { normal: here, x: trial.x, step: moved, held });
         }
         let there = Trial { x: next, ..trial };

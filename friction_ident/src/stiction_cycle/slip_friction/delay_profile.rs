@@ -1,8 +1,9 @@
 //! The delay of the slip equation, and intervals that know it is not known.
 //!
-//! At each delay the equation is linear. The profile of its sum of squares over the delay gives the delay and its interval. A parameter's
-//! interval is that of its own profile, for which the delay is free: the union, over all delays within the limit, of what the limit leaves
-//! to the parameter there (Bates and Watts 1988, Nonlinear Regression Analysis, section 6.1).
+//! At each delay the equation is linear. The profile of its sum of squares over the delay gives the
+//! delay and its interval. A parameter's interval is that of its own profile, for which the delay
+//! is free: the union, over all delays within the limit, of what the limit leaves to the parameter
+//! there (Bates and Watts 1988, Nonlinear Regression Analysis, section 6.1).
 
 use super::{AtDelay, Sliding};
 use crate::IdentError;
@@ -15,8 +16,12 @@ const STEP: f64 = 0.1;
 
 const REMEDY: &str = "record motion that turns back and forth faster";
 
-/// The fit at the delay that explains most, from none to `longest` \[samples\]; its parameters with their profile intervals; the delay \[s\].
-pub fn over_delays(sliding: &Sliding, longest: f64) -> Result<(AtDelay, Estimates, Estimate), IdentError> {
+/// The fit at the delay that explains most, from none to `longest` \[samples\]; its parameters with
+/// their profile intervals; the delay \[s\].
+pub fn over_delays(
+    sliding: &Sliding,
+    longest: f64,
+) -> Result<(AtDelay, Estimates, Estimate), IdentError> {
     let coarse = nearest(sliding, (0..=longest.floor() as usize).map(|delay| delay as f64))?;
     let fine = (-9..=9).map(|tenths| coarse.delay + f64::from(tenths) * STEP);
     let best = nearest(sliding, fine.filter(|delay| (0.0..=longest).contains(delay)))?;
@@ -48,7 +53,8 @@ pub fn over_delays(sliding: &Sliding, longest: f64) -> Result<(AtDelay, Estimate
             let left = (degrees * (limit / level.max(f64::MIN_POSITIVE) - 1.0)).sqrt();
             let here = Estimates::linearised(&there.minimum, &unknowns, share);
             for (estimate, here) in estimates.parameters.iter_mut().zip(&here.parameters) {
-                if let (Some(interval), Some(error)) = (&mut estimate.interval, here.standard_error) {
+                if let (Some(interval), Some(error)) = (&mut estimate.interval, here.standard_error)
+                {
                     interval.low = interval.low.min(here.value - left * error);
                     interval.high = interval.high.max(here.value + left * error);
                 }
@@ -61,9 +67,13 @@ pub fn over_delays(sliding: &Sliding, longest: f64) -> Result<(AtDelay, Estimate
         let error = (interval.high - interval.low) / (2.0 * quantile);
         estimate.standard_error = Some(error);
         let relative_error = error / estimate.value.abs();
-        let remedy =
-            unknowns.iter().find(|unknown| unknown.name == estimate.name).map(|unknown| unknown.remedy);
-        if let (Verdict::Identified, true, Some(remedy)) = (&estimate.verdict, relative_error > 0.5, remedy) {
+        let remedy = unknowns
+            .iter()
+            .find(|unknown| unknown.name == estimate.name)
+            .map(|unknown| unknown.remedy);
+        if let (Verdict::Identified, true, Some(remedy)) =
+            (&estimate.verdict, relative_error > 0.5, remedy)
+        {
             estimate.verdict =
                 Verdict::NotIdentifiable { doubt: Doubt::LargeError { relative_error }, remedy };
         }
@@ -85,7 +95,13 @@ fn nearest(sliding: &Sliding, delays: impl Iterator<Item = f64>) -> Result<AtDel
 }
 
 /// All delays in samples but the result, which is in seconds.
-fn delay_estimate(best: f64, [low, high]: [f64; 2], longest: f64, quantile: f64, time_step: f64) -> Estimate {
+fn delay_estimate(
+    best: f64,
+    [low, high]: [f64; 2],
+    longest: f64,
+    quantile: f64,
+    time_step: f64,
+) -> Estimate {
     let error = (high - low) / (2.0 * quantile);
     let doubt = if best <= 0.0 || best >= longest {
         Some(Doubt::AtBound { bound: best * time_step })
@@ -106,7 +122,9 @@ fn delay_estimate(best: f64, [low, high]: [f64; 2], longest: f64, quantile: f64,
             high: high * time_step,
             method: IntervalMethod::Profile,
         }),
-        verdict: doubt
-            .map_or(Verdict::Identified, |doubt| Verdict::NotIdentifiable { doubt, remedy: REMEDY }),
+        verdict: doubt.map_or(Verdict::Identified, |doubt| Verdict::NotIdentifiable {
+            doubt,
+            remedy: REMEDY,
+        }),
     }
 }

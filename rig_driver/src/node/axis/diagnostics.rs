@@ -12,7 +12,8 @@ use super::{super::parameters::RigSettings, Axis, locked};
 use crate::station::Presence;
 
 impl Axis {
-    /// The limits in force, those of the rig that is open and not those that are set; and which of them wait for the next configuration.
+    /// The limits in force, those of the rig that is open and not those that are set; and which of
+    /// them wait for the next configuration.
     fn limits_in_force(&self, wanted: Option<&RigSettings>) -> Vec<KeyValue> {
         let value = |key: &str, value: String| KeyValue { key: key.to_owned(), value };
         let in_force = locked(&self.in_force);
@@ -26,8 +27,11 @@ impl Axis {
         let travel = limits.travel.map_or("not limited".to_owned(), |travel| {
             format!("{} to {}, margin {}", travel.min, travel.max, travel.margin)
         });
-        let cycle_lost =
-            if limits.cycle_lost < f64::MAX { limits.cycle_lost.to_string() } else { "never".to_owned() };
+        let cycle_lost = if limits.cycle_lost < f64::MAX {
+            limits.cycle_lost.to_string()
+        } else {
+            "never".to_owned()
+        };
         vec![
             value("rig in force", settings.name.clone()),
             value("voltage limit in force [V]", limits.voltage.to_string()),
@@ -42,7 +46,8 @@ impl Axis {
         ]
     }
 
-    /// Diagnostics; `wanted` is what the parameters say, `lagging` how many subscribers do not keep up.
+    /// Diagnostics; `wanted` is what the parameters say, `lagging` how many subscribers do not keep
+    /// up.
     pub(in super::super) fn diagnostics(
         &self,
         clock: &NodeClock,
@@ -56,8 +61,13 @@ impl Axis {
         let stale = counters.stale.load(Ordering::Relaxed);
         let (timing, ages, state, fault, rise) = {
             let mut seen = locked(&self.seen);
-            let told =
-                (seen.stopwatch.timing(overruns), seen.ages.timing(0), seen.state, seen.fault, seen.rise);
+            let told = (
+                seen.stopwatch.timing(overruns),
+                seen.ages.timing(0),
+                seen.state,
+                seen.fault,
+                seen.rise,
+            );
             seen.stopwatch.clear();
             seen.ages.clear();
             told
@@ -66,7 +76,8 @@ impl Axis {
         let (level, message) = match (fault, not_published + overruns) {
             _ if stop => (
                 DiagnosticStatus::ERROR,
-                "the emergency stop is set; clear_fault, configure and activate to go on".to_owned(),
+                "the emergency stop is set; clear_fault, configure and activate to go on"
+                    .to_owned(),
             ),
             (Some(report), _) => (DiagnosticStatus::ERROR, report.to_string()),
             (None, 0) => (DiagnosticStatus::OK, format!("{state}, in time")),

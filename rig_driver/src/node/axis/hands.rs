@@ -35,7 +35,8 @@ impl Hands for AxisHands<'_> {
             None => self.settings()?.open().map_err(|error| error.to_string())?,
         };
         if self.axis.clears_back_end.load(Ordering::Relaxed) {
-            // People cleared the stop; a device that holds one of its own, as a button, says so here.
+            // People cleared the stop; a device that holds one of its own, as a button, says so
+            // here.
             Rig::clear(&mut rig).map_err(|error| error.to_string())?;
             self.axis.clears_back_end.store(false, Ordering::Relaxed);
         }

@@ -13,13 +13,16 @@ use crate::{
     station::{ClearStep, Clearing, NodePhase, NotCleared, Stopped},
 };
 
-/// Longest time in which the control thread puts the motor at zero volts on an emergency stop. A rig that takes longer hangs, and people are told so.
+/// Longest time in which the control thread puts the motor at zero volts on an emergency stop. A
+/// rig that takes longer hangs, and people are told so.
 const STOPS: Duration = Duration::from_millis(500);
-/// Longest time for which clearing waits for a transition that is under way: less than the time after which callers ask again.
+/// Longest time for which clearing waits for a transition that is under way: less than the time
+/// after which callers ask again.
 const CLEARS: Duration = Duration::from_millis(800);
 
 impl Axis {
-    /// Stops the motor. It takes no lock, so that nothing that is under way can keep it: the press is the first thing, the answer the last.
+    /// Stops the motor. It takes no lock, so that nothing that is under way can keep it: the press
+    /// is the first thing, the answer the last.
     pub(in super::super) fn emergency_stop(&self) -> Result<String, String> {
         let press = self.station.latch.press();
         let stopped = self.await_stop(press, STOPS);
@@ -83,7 +86,9 @@ impl Axis {
                 ClearStep::Done(Ok(())) => {
                     self.clears_back_end.store(true, Ordering::Relaxed);
                     self.logger.info("the emergency stop is cleared");
-                    return Ok("the emergency stop is cleared; configure and activate to go on".to_owned());
+                    return Ok(
+                        "the emergency stop is cleared; configure and activate to go on".to_owned()
+                    );
                 }
                 ClearStep::Done(Err(NotCleared::UnderWay)) if begun.elapsed() < CLEARS => {
                     std::thread::sleep(LOOK);

@@ -1,4 +1,5 @@
-//! What strangers and a commander that went wrong may do to the motor: each row of [`ros_node::hostile`] that is the driver's.
+//! What strangers and a commander that went wrong may do to the motor: each row of
+//! [`ros_node::hostile`] that is the driver's.
 
 use ros_node::{
     hostile::{self, Effect},
@@ -42,7 +43,8 @@ struct Run {
     highest: f64,
 }
 
-/// The way of a message from the subscription to the motor, cycle by cycle: who sent it, its stamp, its place in the queue, the supervisor.
+/// The way of a message from the subscription to the motor, cycle by cycle: who sent it, its stamp,
+/// its place in the queue, the supervisor.
 fn run(
     in_memory: bool,
     mut hostile: impl FnMut(u64, u64) -> Vec<(WriterId, VoltageCommand)>,
@@ -146,16 +148,20 @@ fn effect(input: &str, from: &str) -> Effect {
             judged(run(false, |_, stamp| vec![(who, command(stamp, 1e308))], true), &quiet)
         }
         "a voltage with a stamp from the future" => {
-            let all =
-                |_, stamp| vec![(who, command(stamp + 1, 6.0)), (who, command(stamp + 10_000 * MS, 6.0))];
+            let all = |_, stamp| {
+                vec![(who, command(stamp + 1, 6.0)), (who, command(stamp + 10_000 * MS, 6.0))]
+            };
             judged(run(false, all, true), &quiet)
         }
         "a voltage with a stamp of no measurement" => {
-            let all = |_, stamp| vec![(who, command(stamp - 1, 6.0)), (who, command(stamp - MS + 1, -6.0))];
+            let all = |_, stamp| {
+                vec![(who, command(stamp - 1, 6.0)), (who, command(stamp - MS + 1, -6.0))]
+            };
             judged(run(false, all, true), &quiet)
         }
         "a voltage older than command_lost" => {
-            let all = |_, stamp| vec![(who, command(1, 6.0)), (who, command(stamp - 501 * MS, 6.0))];
+            let all =
+                |_, stamp| vec![(who, command(1, 6.0)), (who, command(stamp - 501 * MS, 6.0))];
             judged(run(false, all, true), &quiet)
         }
         "no voltage for command_lost" => judged(run(false, |_, _| Vec::new(), false), &quiet),

@@ -17,6 +17,7 @@ use super::SerialError;
 pub(super) enum Sent {
     /// All of them are on their way.
     All,
-    /// The system's buffer is full: the line does not carry what is sent, and the bytes are dropped.
+    /// The system's buffer is full: the line does not carry what is sent, and the bytes are
+    /// dropped.
     Full,
 }

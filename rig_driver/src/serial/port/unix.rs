@@ -11,7 +11,8 @@ use rustix::{
     fs::{FlockOperation, Mode, OFlags, flock, open},
     io::{Errno, read, write},
     termios::{
-        ControlModes, OptionalActions, QueueSelector, ioctl_tiocexcl, isatty, tcflush, tcgetattr, tcsetattr,
+        ControlModes, OptionalActions, QueueSelector, ioctl_tiocexcl, isatty, tcflush, tcgetattr,
+        tcsetattr,
     },
 };
 
@@ -40,12 +41,16 @@ impl Port {
         if flock(&fd, FlockOperation::NonBlockingLockExclusive).is_err() {
             return Err(SerialError::Busy { path });
         }
-        let settings =
-            |errno: Errno| SerialError::Settings { path: path.clone(), baud, reason: errno.to_string() };
+        let settings = |errno: Errno| SerialError::Settings {
+            path: path.clone(),
+            baud,
+            reason: errno.to_string(),
+        };
         let mut termios = tcgetattr(&fd).map_err(settings)?;
         termios.make_raw();
         termios.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD | ControlModes::CS8;
-        termios.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB | ControlModes::PARENB;
+        termios.control_modes -=
+            ControlModes::CRTSCTS | ControlModes::CSTOPB | ControlModes::PARENB;
         termios.set_speed(baud).map_err(settings)?;
         tcsetattr(&fd, OptionalActions::Now, &termios).map_err(settings)?;
         // A pseudo-terminal keeps the mark when its user is killed, a real port does not.
@@ -77,7 +82,10 @@ impl Port {
     }
 
     /// Reads what is there into `buffer`; nothing if there is nothing.
-    pub(in crate::serial) fn read<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], SerialError> {
+    pub(in crate::serial) fn read<'a>(
+        &self,
+        buffer: &'a mut [u8],
+    ) -> Result<&'a [u8], SerialError> {
         match read(&self.fd, &mut *buffer) {
             Ok(0) => Err(self.gone("end of file")),
             Ok(length) => Ok(buffer.get(..length).unwrap_or_default()),

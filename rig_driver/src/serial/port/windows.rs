@@ -1,4 +1,5 @@
-//! The port of a Windows system. It is opened for this program alone, which the system itself sees to.
+//! The port of a Windows system. It is opened for this program alone, which the system itself sees
+//! to.
 
 use std::{
     io::ErrorKind,
@@ -28,7 +29,8 @@ pub(in crate::serial) struct Port {
 }
 
 impl Port {
-    /// Opens `path`, as in `COM3`, raw at `baud`, 8N1 without flow control, and throws away what had come before.
+    /// Opens `path`, as in `COM3`, raw at `baud`, 8N1 without flow control, and throws away what
+    /// had come before.
     pub(in crate::serial) fn open(path: &Path, baud: u32) -> Result<Self, SerialError> {
         let path = path.to_owned();
         let settings = |mut settings: Settings| {
@@ -49,7 +51,11 @@ impl Port {
         port.set_read_timeout(LOOK)
             .and_then(|()| port.set_write_timeout(TAKE))
             .and_then(|()| port.discard_buffers())
-            .map_err(|error| SerialError::Settings { path: path.clone(), baud, reason: error.to_string() })?;
+            .map_err(|error| SerialError::Settings {
+                path: path.clone(),
+                baud,
+                reason: error.to_string(),
+            })?;
         Ok(Self { port, come: Mutex::default(), path })
     }
 
@@ -57,7 +63,8 @@ impl Port {
         &self.path
     }
 
-    /// Waits until there are bytes to read, but not longer than `time`, or [`LOOK`] where that is longer. Says whether there are.
+    /// Waits until there are bytes to read, but not longer than `time`, or [`LOOK`] where that is
+    /// longer. Says whether there are.
     pub(in crate::serial) fn wait(&self, time: Duration) -> Result<bool, SerialError> {
         let end = Instant::now() + time;
         let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
@@ -65,7 +72,8 @@ impl Port {
         while come.is_empty() {
             match self.port.read(&mut buffer) {
                 Ok(length) => come.extend_from_slice(buffer.get(..length).unwrap_or_default()),
-                Err(error) if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::Interrupted) => {}
                 Err(error) => return Err(self.gone(error)),
             }
             if Instant::now() >= end {
@@ -76,7 +84,10 @@ impl Port {
     }
 
     /// Reads what is there into `buffer`; nothing if there is nothing.
-    pub(in crate::serial) fn read<'a>(&self, buffer: &'a mut [u8]) -> Result<&'a [u8], SerialError> {
+    pub(in crate::serial) fn read<'a>(
+        &self,
+        buffer: &'a mut [u8],
+    ) -> Result<&'a [u8], SerialError> {
         let mut come = self.come.lock().unwrap_or_else(PoisonError::into_inner);
         let length = come.len().min(buffer.len());
         let read = buffer.get_mut(..length).unwrap_or_default();

@@ -33,7 +33,12 @@ pub struct Printed {
     pub mean_squares: Option<(&'static str, &'static str)>,
 }
 
-const fn row(symbol: &'static str, name: &'static str, printed: &'static str, remark: &'static str) -> Row {
+const fn row(
+    symbol: &'static str,
+    name: &'static str,
+    printed: &'static str,
+    remark: &'static str,
+) -> Row {
     Row { symbol, name, printed, remark }
 }
 
@@ -114,7 +119,12 @@ pub const PRINTED: &[Printed] = &[
         model: ModelName::Xiong,
         stage: Some(Stage::PreSliding),
         rows: &[
-            row("K_01", "k[0]", "10.9915", "fitted without slip: only the sum, 16.541, was identified"),
+            row(
+                "K_01",
+                "k[0]",
+                "10.9915",
+                "fitted without slip: only the sum, 16.541, was identified",
+            ),
             row("K_02", "k[1]", "2.7836", ""),
             row("K_03", "k[2]", "1.9866", ""),
             row("K_04", "k[3]", "0.7792", ""),
