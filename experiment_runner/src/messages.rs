@@ -7,10 +7,9 @@ use msgs::{
     topics,
 };
 
-use crate::{
-    bag::{BagError, BagWriter, TopicHandle},
-    cycle::CycleSample,
-};
+use recording::bag::{BagError, BagWriter, TopicHandle};
+
+use crate::cycle::CycleSample;
 
 /// Everything one cycle has to say.
 #[derive(Debug, Clone, PartialEq)]

@@ -109,7 +109,7 @@ impl TrackingJob {
 
 /// Mean of the square of equally spaced samples by the trapezoidal rule, and the largest magnitude.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct SquareMean {
+pub struct SquareMean {
     n: u64,
     sum: f64,
     first: f64,
@@ -119,7 +119,7 @@ pub(crate) struct SquareMean {
 
 impl SquareMean {
     /// Takes the next sample in.
-    pub(crate) fn add(&mut self, value: f64) {
+    pub fn add(&mut self, value: f64) {
         let square = value * value;
         if self.n == 0 {
             self.first = square;
@@ -131,12 +131,12 @@ impl SquareMean {
     }
 
     /// Largest magnitude so far.
-    pub(crate) const fn max(&self) -> f64 {
+    pub const fn max(&self) -> f64 {
         self.max
     }
 
     /// Mean of the squares so far.
-    pub(crate) fn mean(&self) -> f64 {
+    pub fn mean(&self) -> f64 {
         if self.n < 2 {
             self.sum
         } else {

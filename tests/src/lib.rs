@@ -26,7 +26,7 @@ pub mod wire;
 /// When it can neither be found nor built; the message says what was tried.
 pub fn frictionlab() -> Command {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    program(&PROGRAM, "FRICTIONLAB_BIN", "experiment_runner", "frictionlab")
+    program(&PROGRAM, "FRICTIONLAB_BIN", "frictionlab", "frictionlab")
 }
 
 /// The built `rig_emulator`, found as [`frictionlab`] is; `$RIG_EMULATOR_BIN` names it.

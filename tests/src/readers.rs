@@ -2,10 +2,9 @@
 
 use serde_json::Value;
 
-use crate::{
-    network::{ORDINARY_MTU, report, two_machines},
-    python,
-};
+use crate::network::{ORDINARY_MTU, report, two_machines};
+
+use crate::python;
 
 /// A loop in real time and what reads its topics.
 #[derive(Debug, Clone, Copy)]

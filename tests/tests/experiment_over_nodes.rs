@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::Stdio;
 
-use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::RigMeasurement;
+use recording::bag::BagReader;
 use serde_json::Value;
 use tests::network::namespaced;
 use tests::{frictionlab, python};

@@ -10,26 +10,26 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use experiment_runner::bag::{BagOptions, BagReader, BagWriter};
-use experiment_runner::drive::parameters::DriveConstants;
 use experiment_runner::models::Preset;
 use experiment_runner::models::file;
 use experiment_runner::protocol::Protocol;
-use experiment_runner::recording::{driven, table, trajectory};
-use experiment_runner::rig::read_calibration;
 use experiment_runner::run::{read_controller, read_parameter_file};
 use friction_ident::{
     AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues,
     condition, fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
 };
 use friction_model::ModelName;
+use identification::drive::parameters::DriveConstants;
 use msgs::friction_msgs::{ControllerState, ExperimentStatus, FrictionEstimate, RigMeasurement};
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
 use msgs::{RosMessage, cdr};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use recording::bag::{BagOptions, BagReader, BagWriter};
+use recording::{driven, table, trajectory};
 use rig_protocol::{Decoder, DeviceMessage, HostMessage, Message, Origin, Session, VoltageCommand};
+use rig_setup::read_calibration;
 
 /// Numbers and words that parsers stumble over.
 const EXTREME: [&str; 19] = [

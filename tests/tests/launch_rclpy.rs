@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 use std::process::Command;
 
-use experiment_runner::bag::BagReader;
 use msgs::interfaces::{ACTIONS, EVERY_NODE, NODES, SERVICES, topics};
+use recording::bag::BagReader;
 use serde_json::{Value, json};
 use tests::{
     network::{Place, session_at},

@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::{FrictionEstimate, Reference};
 use msgs::sensor_msgs::JointState;
+use recording::bag::BagReader;
 use serde_json::{Value, json};
 use tests::network::Place;
 use tests::python;

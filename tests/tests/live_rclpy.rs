@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::{FrictionEstimate, MotorVoltage};
 use msgs::sensor_msgs::JointState;
+use recording::bag::BagReader;
 use serde_json::Value;
 use tests::{network::namespaced, python};
 

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::RigMeasurement;
 use msgs::sensor_msgs::JointState;
+use recording::bag::BagReader;
 use serde_json::Value;
 use tests::network::namespaced;
 use tests::{frictionlab, python};
@@ -142,8 +142,7 @@ fn replayed(bag: &Path) {
 fn the_next_start_offers_to_recover_what_was_cut_off() {
     let folder = tempfile::tempdir().expect("a folder");
     let bag = folder.path().join("runs/live-1/bag");
-    let mut writer =
-        experiment_runner::bag::BagWriter::create(&bag, Default::default()).expect("a bag");
+    let mut writer = recording::bag::BagWriter::create(&bag, Default::default()).expect("a bag");
     writer.write("/joint_states", 1, &JointState::default()).expect("a write");
     writer.flush().expect("a flush");
     let bytes = std::fs::read(bag.join("bag_0.mcap")).expect("the file");

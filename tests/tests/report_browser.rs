@@ -3,11 +3,11 @@
 
 use std::path::{Path, PathBuf};
 
-use experiment_runner::report::figure::Block;
-use experiment_runner::report::render_page;
+use report::figure::Block;
+use report::render_page;
 use tests::browser::{Browser, Seen};
 
-#[path = "../../experiment_runner/examples/report_demo/page.rs"]
+#[path = "../../report/examples/report_demo/page.rs"]
 mod demonstration;
 
 fn browser() -> Option<Browser> {

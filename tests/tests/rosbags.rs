@@ -2,7 +2,6 @@
 
 use std::process::Command;
 
-use experiment_runner::bag::{BagOptions, BagWriter};
 use msgs::RosMessage;
 use msgs::diagnostic_msgs::{DiagnosticArray, DiagnosticStatus, KeyValue};
 use msgs::friction_msgs::{
@@ -15,6 +14,7 @@ use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
 use msgs::std_srvs::{TriggerRequest, TriggerResponse};
 use msgs::type_hashes;
+use recording::bag::{BagOptions, BagWriter};
 use serde_json::json;
 use tests::python;
 

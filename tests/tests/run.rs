@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use experiment_runner::bag::BagReader;
 use msgs::friction_msgs::ExperimentStatus;
 use msgs::sensor_msgs::JointState;
+use recording::bag::BagReader;
 use serde_json::Value;
 use tempfile::TempDir;
 use tests::frictionlab;

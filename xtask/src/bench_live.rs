@@ -182,15 +182,8 @@ pub(crate) fn build() -> Result<PathBuf> {
     let root =
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("xtask stands in the workspace")?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let arguments = [
-        "build",
-        "--release",
-        "--locked",
-        "--package",
-        "experiment_runner",
-        "--bin",
-        "frictionlab",
-    ];
+    let arguments =
+        ["build", "--release", "--locked", "--package", "frictionlab", "--bin", "frictionlab"];
     let status =
         Command::new(cargo).args(arguments).current_dir(root).status().context("starting cargo")?;
     ensure!(status.success(), "frictionlab could not be built; see above");

@@ -65,8 +65,7 @@ impl BenchMonteCarlo {
             .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let python = python_env::scipy()?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let package =
-            ["build", "--release", "--locked", "-p", "experiment_runner", "--no-default-features"];
+        let package = ["build", "--release", "--locked", "-p", "studies"];
         let example = ["--example", "monte_carlo_speed"];
         ensure!(
             Command::new(cargo).args(package).args(example).current_dir(root).status()?.success(),

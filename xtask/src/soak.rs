@@ -50,7 +50,7 @@ impl Soak {
         let python = python_env::prepare()?;
         python.rclpy.context("the soak needs the real rclpy")?;
         let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let packages = ["rig_driver", "friction_observer", "controller", "experiment_runner"];
+        let packages = ["rig_driver", "friction_observer", "controller", "frictionlab"];
         let built = Command::new(cargo)
             .args(["build", "--release", "--locked", "--bins"])
             .args(packages.iter().flat_map(|package| ["--package", package]))

@@ -86,8 +86,7 @@ impl Test {
                 "--release",
                 "--locked",
                 "--package",
-                "experiment_runner",
-                "--no-default-features",
+                "studies",
                 "--example",
                 "monte_carlo_bars",
             ];
@@ -127,16 +126,8 @@ fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
     ];
     cargo(root, &[&of_nodes[..], &features].concat(), environment)?;
     // Keystores from the command line.
-    let of_command = [
-        "test",
-        "--locked",
-        "-p",
-        "experiment_runner",
-        "--features",
-        "security",
-        "--lib",
-        "security",
-    ];
+    let of_command =
+        ["test", "--locked", "-p", "frictionlab", "--features", "security", "--lib", "security"];
     cargo(root, &of_command, environment)
 }
 

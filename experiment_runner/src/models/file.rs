@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::sheet::{explained, range};
 use super::{Preset, values};
-use crate::identify::parameters::number;
+use files::commented_yaml::number;
 
 /// A parameter file in YAML with every parameter of the model and what it means.
 #[must_use]

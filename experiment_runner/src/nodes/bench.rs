@@ -15,7 +15,7 @@ use ros_node::{Arguments, Discovery, ParameterValue, Participant, RosNodeError};
 
 use super::link::{Event, FINDING, Led, Link, PATIENCE, STOPPING};
 use super::nodes_loop::{NodesLoop, Task};
-use crate::rig::RigSetupError;
+use rig_setup::RigSetupError;
 
 /// Time over which the rig's period is measured.
 const LISTEN: Duration = Duration::from_millis(500);

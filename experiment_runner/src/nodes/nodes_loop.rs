@@ -14,8 +14,8 @@ use super::{Source, Whole};
 use crate::control_loop::RunningLoop;
 use crate::cycle::CycleSample;
 use crate::profile::Excitation;
-use crate::rig::REST;
 use crate::waveform::Waveform;
+use rig_setup::REST;
 
 /// Time without a whole cycle after which the run ends.
 const SILENCE: Duration = Duration::from_millis(500);

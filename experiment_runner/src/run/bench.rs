@@ -22,14 +22,14 @@ use crate::control_loop::{ControlLoop, EPOCH_NS, RunningLoop};
 use crate::nodes::{NodesBench, Task, Wanted};
 use crate::paced::Paced;
 use crate::profile::Excitation;
-use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::rig::{
-    BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent,
-};
-use crate::sequencer::{Completion, run_in_order};
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
+use rig_setup::{
+    BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent,
+};
+use work::progress::Progress;
+use work::sequencer::{Completion, run_in_order};
 
 /// The axis that a run drives.
 pub(super) enum Axis {

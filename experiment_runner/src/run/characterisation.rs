@@ -12,7 +12,7 @@ use crate::characterise::{
 };
 use crate::profile::{DrivenQuantity, Excitation, Profile};
 use crate::protocol::{Displacement, Kind, OnsetRule};
-use crate::sequencer::Completion;
+use work::sequencer::Completion;
 
 /// Samples of a stretch of varying velocity that its table holds at most.
 const TABLE_SAMPLES: usize = 20_000;

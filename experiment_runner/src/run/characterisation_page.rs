@@ -5,7 +5,7 @@ use friction_ident::TorqueSource;
 use super::characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
 use super::sequence_page::smoothed;
 use crate::characterise::Measured;
-use crate::report::figure::{Block, Figure, Panel, Table, Trace};
+use report::figure::{Block, Figure, Panel, Table, Trace};
 
 /// Sections of the experiments that were run.
 pub(super) fn blocks(found: &Characterisation, source: TorqueSource) -> Vec<Block> {

@@ -11,10 +11,10 @@ use rig_driver::Sensors;
 
 use super::options::tests::options;
 use super::*;
-use crate::bag::BagReader;
 use crate::characterise::Measured;
 use crate::constant_velocity::SteadyRun;
-use crate::progress::Progress;
+use recording::bag::BagReader;
+use work::progress::Progress;
 
 fn run(options: &RunOptions, folder: &Path) -> RunResults {
     let progress = Progress::new(options.rig_seconds(), true);

@@ -5,8 +5,8 @@ use controller::ControlMode;
 use super::results::Comparison;
 use super::trace::Trace;
 use crate::compensation::Arm;
-use crate::numbers;
-use crate::report::figure::{Figure, LineStyle, Panel, Table, Trace as Drawn};
+use report::figure::{Figure, LineStyle, Panel, Table, Trace as Drawn};
+use report::numbers;
 
 /// The figures of every compensation.
 pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {

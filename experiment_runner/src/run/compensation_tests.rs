@@ -7,9 +7,9 @@ use rig_driver::Sensors;
 use super::options::tests::options;
 use super::results::Status;
 use super::*;
-use crate::bag::BagReader;
 use crate::compensation::{Arm, Means};
-use crate::progress::Progress;
+use recording::bag::BagReader;
+use work::progress::Progress;
 
 fn run(options: &RunOptions, folder: &Path) -> Outcome {
     execute(options, folder, &Progress::new(1.0, true), &Arc::default()).unwrap()

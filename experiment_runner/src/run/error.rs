@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use friction_ident::IdentError;
 use rig_driver::RigError;
 
-use crate::bag::BagError;
 use crate::constant_velocity::SteadyError;
-use crate::output::OutputError;
-use crate::rig::RigSetupError;
 use crate::test_bed::TestBedError;
+use files::OutputError;
+use recording::bag::BagError;
+use rig_setup::RigSetupError;
 
 /// A run that could not be started or finished.
 #[derive(Debug, thiserror::Error)]

@@ -15,7 +15,7 @@ use crate::characterise::Channels;
 use crate::characterise::channels::block_means;
 use crate::profile::Excitation;
 use crate::protocol::Displacement;
-use crate::sequencer::Completion;
+use work::sequencer::Completion;
 
 /// Cycles of a run that a thinned bag holds at most.
 const KEPT_CYCLES: f64 = 10_000.0;

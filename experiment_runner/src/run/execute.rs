@@ -19,16 +19,16 @@ use super::results::{
 };
 use super::tracked::{Sorted, TrackedTask};
 use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
-use crate::bag;
-use crate::compensation::{Arm, thesis_tables};
+use crate::compensation::Arm;
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::control_loop::EPOCH_NS;
-use crate::output::{OutputError, is_empty_or_missing, write_all};
-use crate::progress::Progress;
 use crate::protocol::Kind;
-use crate::report::{linked, render_page};
-use crate::rig::RigChoice;
-use crate::sequencer::Completion;
+use files::{OutputError, is_empty_or_missing, write_all};
+use recording::bag;
+use report::{linked, render_page};
+use rig_setup::RigChoice;
+use work::progress::Progress;
+use work::sequencer::Completion;
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -194,9 +194,9 @@ pub fn execute_in(
     }
 
     let mut tables = None;
-    if options.thesis_tables && going {
-        let found = thesis_tables::compute(options.seed, options.workers, progress, cancel)?;
-        rig_seconds += thesis_tables::rig_seconds();
+    if let Some(appendix) = options.appendix.filter(|_| going) {
+        let found = (appendix.compute)(options.seed, options.workers, progress, cancel)?;
+        rig_seconds += (appendix.rig_seconds)();
         if !found.complete {
             status = Status::Interrupted;
         }
@@ -437,8 +437,8 @@ mod tests {
     use std::sync::atomic::Ordering;
 
     use super::*;
-    use crate::bag::BagReader;
     use crate::run::options::tests::options;
+    use recording::bag::BagReader;
 
     fn run(options: &RunOptions, folder: &Path) -> Result<Outcome, RunError> {
         execute(options, folder, &Progress::new(options.rig_seconds(), true), &Arc::default())

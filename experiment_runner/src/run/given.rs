@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 use super::origin::{Origin, Origins};
 use super::parameter_file::described;
 use super::{Compensators, ControllerParameters};
-use crate::commented_yaml;
+use files::commented_yaml;
 
 /// What parameter files say together.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -17,7 +17,7 @@ use serde_json::Value;
 use super::differences::differences;
 use super::results::{Reconnection, Session};
 use super::{RunError, RunOptions};
-use crate::output::OutputError;
+use files::OutputError;
 
 /// Name in the run's folder.
 const NAME: &str = "journal.jsonl";

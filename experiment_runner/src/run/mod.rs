@@ -4,6 +4,7 @@
 //! [`execute`] is what `frictionlab run` calls. The same options and seed give the same bag and the
 //! same figures, on any number of cores.
 
+mod appendix;
 mod bench;
 mod characterisation;
 mod characterisation_page;
@@ -37,6 +38,7 @@ pub mod terminal;
 mod trace;
 mod tracked;
 
+pub use appendix::{Appended, Appendix, Beside};
 pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
 pub use compensators::Compensators;
 pub use controller_parameters::ControllerParameters;
@@ -47,5 +49,5 @@ pub use journal::Journal;
 pub use options::{Experiment, Pace, ProfileUsed, RecordPolicy, RunOptions, shipped};
 pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
-pub(crate) use parameter_file::render_bed as render_parameter_file;
+pub use parameter_file::render_bed as render_parameter_file;
 pub use results::{Comparison, Identification, RunResults, Session, Status, TaskComparison};

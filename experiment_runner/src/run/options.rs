@@ -8,16 +8,16 @@ use serde::{Deserialize, Serialize};
 
 use super::{Compensators, Origins};
 use crate::characterise::TorqueReading;
-use crate::compensation::{Arm, Means, thesis_tables};
+use crate::compensation::{Arm, Means};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
     BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol,
     Kind, PreSlidingProtocol, Protocol, ProtocolError, SequenceProtocol, TrackingProtocol,
     VaryingVelocityProtocol,
 };
-use crate::rig::{RigChoice, RigDescription, RigLimits};
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
+use rig_setup::{RigChoice, RigDescription, RigLimits};
 
 /// Which experiments a run is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -230,8 +230,9 @@ pub struct RunOptions {
     pub torque: TorqueReading,
     /// Tasks that compensations are compared in.
     pub compensation: CompensationProtocol,
-    /// Whether the thesis's tables of compensation are computed too.
-    pub thesis_tables: bool,
+    /// What is computed besides.
+    #[serde(rename = "thesis_tables", serialize_with = "super::appendix::was_wanted")]
+    pub appendix: Option<super::Appendix>,
     /// Tracking of velocity.
     pub velocity_tracking: TrackingProtocol,
     /// Tracking of position.
@@ -286,8 +287,8 @@ impl RunOptions {
         if self.experiment.tracks_position() {
             seconds += self.position_tracking.rig_seconds(self.arms());
         }
-        if self.thesis_tables {
-            seconds += thesis_tables::rig_seconds();
+        if let Some(appendix) = self.appendix {
+            seconds += (appendix.rig_seconds)();
         }
         seconds
     }
@@ -351,7 +352,7 @@ pub(super) mod tests {
             drive_excitation: DriveExcitationProtocol::shipped().unwrap(),
             sequence: None,
             compensation: CompensationProtocol::shipped().unwrap().repeated(1),
-            thesis_tables: false,
+            appendix: None,
             torque: TorqueReading::new(
                 Default::default(),
                 &simulation.drive,

@@ -8,11 +8,11 @@ use super::comparison_page::{comparison_table, tracking_figure};
 use super::results::{Identification, RunResults, Status, mean_and_deviation};
 use super::trace::Trace;
 use crate::characterise::Measured;
-use crate::compensation::{Arm, thesis_tables};
+use crate::compensation::Arm;
 use crate::constant_velocity::SteadyRun;
-use crate::numbers;
-use crate::report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
-use crate::rig::RigChoice;
+use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
+use report::numbers;
+use rig_setup::RigChoice;
 
 /// The whole page.
 pub(super) fn build(
@@ -59,7 +59,7 @@ pub(super) fn build(
         blocks.push(Block::Table(comparison_table(&title, comparison)));
         blocks.push(Block::Figure(tracking_figure(&title, comparison.mode, of_task)));
     }
-    blocks.extend(results.thesis_tables.iter().flat_map(thesis_tables::page::blocks));
+    blocks.extend(results.thesis_tables.iter().flat_map(|found| found.blocks.clone()));
     blocks.push(Block::Heading("How this was made".to_owned()));
     blocks.push(Block::Text(how(results)));
     blocks.push(Block::Table(model_table(results, models)));

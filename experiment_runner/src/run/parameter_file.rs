@@ -11,9 +11,9 @@ use serde_json::{Map, Value, json};
 
 use super::origin::{Origin, Origins};
 use super::{Compensators, ControllerParameters, Identification, RunError, RunOptions};
-use crate::commented_yaml;
-use crate::rig::RigChoice;
 use crate::test_bed::TestBed;
+use files::commented_yaml;
+use rig_setup::RigChoice;
 
 /// The file: node name, then `ros__parameters`.
 #[derive(Debug, Serialize)]
@@ -41,7 +41,7 @@ struct RigNode<'a> {
 
 /// A parameter file as text, and where each of its values comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Written {
+pub struct Written {
     /// The file.
     pub text: String,
     /// Each value's origin.
@@ -70,7 +70,7 @@ pub(super) fn render(
 ///
 /// # Errors
 /// As for [`render`].
-pub(crate) fn render_bed(
+pub fn render_bed(
     (test_bed, models, chosen): (&TestBed, &Compensators, ModelName),
     origins: &Origins,
     found: Option<&Identification>,

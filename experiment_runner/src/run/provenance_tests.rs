@@ -12,9 +12,9 @@ use super::options::tests::options;
 use super::{
     Experiment, Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file,
 };
-use crate::bag::BagReader;
-use crate::progress::Progress;
 use crate::protocol::{Kind, Protocol, SequenceProtocol};
+use recording::bag::BagReader;
+use work::progress::Progress;
 
 /// As short as the curve allows: every experiment in all its stages, in a second or so.
 pub(super) fn short(experiment: Experiment) -> RunOptions {

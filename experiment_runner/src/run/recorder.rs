@@ -13,10 +13,10 @@ use msgs::std_msgs::Header;
 use msgs::topics;
 
 use super::{RunError, RunOptions};
-use crate::bag::{BagError, BagOptions, BagSummary, BagWriter};
 use crate::cycle::CycleSample;
 use crate::messages::{CycleTopics, EncodedCycle};
-use crate::rig::RigChoice;
+use recording::bag::{BagError, BagOptions, BagSummary, BagWriter};
+use rig_setup::RigChoice;
 
 /// Pause between two runs on the bag's time axis [ns]. The shaft is at rest then.
 const PAUSE_NS: u64 = 1_000_000_000;

@@ -5,8 +5,7 @@ use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::{Deserialize, Serialize};
 
-use super::{Characterisation, Origins, RunOptions};
-use crate::compensation::thesis_tables::ThesisTables;
+use super::{Appended, Characterisation, Origins, RunOptions};
 use crate::compensation::{Arm, LimitCycle};
 use crate::constant_velocity::SteadyRun;
 use crate::tracking::TrackingRun;
@@ -53,8 +52,8 @@ pub struct RunResults {
     pub position_tracking: Option<Comparison>,
     /// Compensations compared in each task of the compensation experiments.
     pub compensation: Vec<TaskComparison>,
-    /// The thesis's tables of compensation, with ours beside them.
-    pub thesis_tables: Option<ThesisTables>,
+    /// What was computed besides.
+    pub thesis_tables: Option<Appended>,
     /// The bag.
     pub bag: BagFigures,
     /// How long it took: the only part that differs between two runs with the same seed.

@@ -11,8 +11,8 @@ use serde_json::Value;
 use super::bench::stop_after;
 use super::provenance_tests::short;
 use super::{Beginning, Experiment, Journal, Outcome, RunError, RunOptions, Status, execute_in};
-use crate::bag::BagReader;
-use crate::progress::Progress;
+use recording::bag::BagReader;
+use work::progress::Progress;
 
 fn begun() -> Beginning {
     Beginning::Anew { force: false, words: Some(vec!["as".to_owned(), "given".to_owned()]) }

@@ -2,8 +2,8 @@
 
 use super::characterisation::Characterisation;
 use super::excited::MeanRecord;
-use crate::numbers;
-use crate::report::figure::{Block, Figure, LineStyle, Panel, Trace};
+use report::figure::{Block, Figure, LineStyle, Panel, Trace};
+use report::numbers;
 
 /// The section of the sequence; nothing where it was not driven.
 pub(super) fn blocks(name: &str, repetitions: u32, found: &Characterisation) -> Vec<Block> {
@@ -75,5 +75,5 @@ fn over_velocity(name: &str, record: &MeanRecord) -> Figure {
 /// Means over so many samples that some hundred are left: what a path shows is its course, not its
 /// noise.
 pub(super) fn smoothed(values: &[f64]) -> Vec<f64> {
-    crate::report::smooth::moving_mean(values, values.len() / 400)
+    report::smooth::moving_mean(values, values.len() / 400)
 }

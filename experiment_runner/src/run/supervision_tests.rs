@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::options::tests::options;
 use super::*;
-use crate::progress::Progress;
+use work::progress::Progress;
 
 fn figures(options: &RunOptions) -> serde_json::Value {
     let root = tempfile::tempdir().unwrap();

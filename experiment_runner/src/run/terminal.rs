@@ -2,8 +2,7 @@
 
 use super::{Characterisation, Comparison, Outcome};
 use crate::characterise::Measured;
-use crate::compensation::thesis_tables;
-use crate::numbers;
+use report::numbers;
 
 /// What was found, for the terminal.
 #[must_use]
@@ -34,7 +33,7 @@ pub fn summary(outcome: &Outcome) -> String {
     for (name, comparison) in results.comparisons() {
         text += &table(name, comparison);
     }
-    text += &results.thesis_tables.as_ref().map_or(String::new(), thesis_tables::page::text);
+    text += &results.thesis_tables.as_ref().map_or("", |found| &found.text);
     let megabytes = results.bag.bytes as f64 * 1e-6;
     text += &format!(
         "{}\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",

@@ -11,8 +11,8 @@ use super::trace::Trace;
 use super::{Compensators, Experiment, RunError, RunOptions};
 use crate::compensation::Arm;
 use crate::protocol::TrackingProtocol;
-use crate::sequencer::Completion;
 use crate::tracking::{TrackingJob, TrackingRun};
+use work::sequencer::Completion;
 
 /// One task of a run.
 #[derive(Debug, Clone)]

@@ -14,10 +14,10 @@ use msgs::std_msgs::Header;
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
-use crate::output::{Folder, OutputError};
-use crate::progress::Progress;
-use crate::rig::RigChoice;
 use crate::run::{self, RunError, RunOptions, RunResults};
+use files::{Folder, OutputError};
+use rig_setup::RigChoice;
+use work::progress::Progress;
 
 /// Time between two reports of a running experiment.
 const TICK: Duration = Duration::from_millis(250);

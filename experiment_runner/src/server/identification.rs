@@ -8,9 +8,9 @@ use msgs::friction_msgs::{EstimatedParameter, IdentifyRequest, IdentifyResponse,
 
 use super::permissions::Permissions;
 use super::{Refusal, request};
-use crate::cli::identify_friction::{self, Written};
-use crate::identify::friction::ModelResult;
-use crate::progress::Progress;
+use identification::asked::friction::{self, Written};
+use identification::friction::ModelResult;
+use work::progress::Progress;
 
 /// Identifies what is asked for and writes it down; an answer that says what was wrong if nothing
 /// could be. Ends early once `cancel` is set.
@@ -33,8 +33,9 @@ fn attempt(
 ) -> Result<IdentifyResponse, Refusal> {
     let args = request::identify_args(asked, permissions)?;
     let progress = Progress::counting(1, "models", true);
-    let Written { found, folder } = identify_friction::identify(&args, &progress, cancel)
-        .map_err(|error| Refusal::BadRequest(format!("{error:#}")))?;
+    let Written { found, folder } =
+        friction::identify(&args, permissions.besides().friction, &progress, cancel)
+            .map_err(|error| Refusal::BadRequest(format!("{error:#}")))?;
     let chosen =
         found.chosen().map(|result| result.found.name.as_str().to_owned()).unwrap_or_default();
     let stopped = if found.interrupted { "stopped before the end; " } else { "" };

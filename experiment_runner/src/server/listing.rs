@@ -7,8 +7,8 @@ use msgs::friction_msgs::{ExperimentDescription, ExperimentParameter};
 
 use super::permissions::Permissions;
 use super::request::{ExperimentRequest, NOT_OF_RUN, run_command};
-use crate::rig::RigChoice;
 use crate::run::Experiment;
+use rig_setup::RigChoice;
 
 /// Every experiment, with what it can be told and how long it takes.
 #[must_use]

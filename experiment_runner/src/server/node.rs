@@ -24,7 +24,9 @@ use super::desk::{Desk, Ended, UsualRig, Watcher};
 use super::permissions::{self, Permissions};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
-use crate::rig::RigChoice;
+use rig_setup::RigChoice;
+
+use crate::run::Beside;
 
 /// The parameters of the node.
 #[must_use]
@@ -61,9 +63,9 @@ pub fn declarations() -> Vec<Declaration> {
 ///
 /// # Errors
 /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
-pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
+pub fn run(participant: &Participant, stop: &Stop, beside: Beside) -> Result<(), RosNodeError> {
     let node = participant.node("experiment_runner")?;
-    let runner = ManagedRunner::new(&node)?;
+    let runner = ManagedRunner::new(&node, beside)?;
     while !stop.wait(Duration::from_secs(1)) {}
     node.logger().info("leaving");
     // The experiment ends and its result is sent before the node goes.
@@ -82,7 +84,7 @@ impl ManagedRunner {
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given does not fit.
-    pub fn new(node: &RosNode) -> Result<Self, RosNodeError> {
+    pub fn new(node: &RosNode, beside: Beside) -> Result<Self, RosNodeError> {
         let usual = UsualRig::default();
         let named = usual.clone();
         let axis = node.identity().namespace.clone();
@@ -106,7 +108,7 @@ impl ManagedRunner {
             permissions(&node.identity().namespace, &parameters).map_err(|reason| {
                 RosNodeError::Parameters { node: node.identity().qualified(), reason }
             })?;
-        let runner = Runner::new(node, permissions, usual)?;
+        let runner = Runner::new(node, permissions.and(beside), usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
         if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {

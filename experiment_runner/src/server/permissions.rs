@@ -6,8 +6,10 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use super::Refusal;
-use crate::input::{LARGEST_TABLE, LARGEST_TEXT};
-use crate::rig::RigChoice;
+use files::input::{LARGEST_TABLE, LARGEST_TEXT};
+use rig_setup::RigChoice;
+
+use crate::run::Beside;
 
 /// Largest bag of a request, all its files together [bytes].
 pub const LARGEST_BAG: u64 = 4 << 30;
@@ -27,6 +29,8 @@ pub struct Permissions {
     profile: Option<(RigChoice, PathBuf)>,
     runs: PathBuf,
     inputs: Option<PathBuf>,
+    /// What the program has besides.
+    beside: Beside,
 }
 
 /// What a file is to a request.
@@ -58,10 +62,28 @@ impl Permissions {
     /// in `inputs`.
     #[must_use]
     pub fn new(axis: &str, rigs: Vec<RigChoice>, runs: PathBuf, inputs: Option<PathBuf>) -> Self {
-        let mut permissions =
-            Self { axis: axis.to_owned(), rigs: Vec::new(), runs, inputs, profile: None };
+        let mut permissions = Self {
+            axis: axis.to_owned(),
+            rigs: Vec::new(),
+            runs,
+            inputs,
+            profile: None,
+            beside: Beside::default(),
+        };
         permissions.rigs = rigs.into_iter().map(|rig| permissions.of_this_axis(rig)).collect();
         permissions
+    }
+
+    /// The same for a program that has this besides.
+    #[must_use]
+    pub fn and(self, beside: Beside) -> Self {
+        Self { beside, ..self }
+    }
+
+    /// What the program has besides.
+    #[must_use]
+    pub const fn besides(&self) -> &Beside {
+        &self.beside
     }
 
     /// Where runs go that name no folder.

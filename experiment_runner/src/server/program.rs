@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use super::node;
+use crate::run::Beside;
 
 const ABOUT: &str = "\
 Experiments and identification of friction over ROS 2, one experiment at a time.
@@ -12,8 +13,15 @@ Offers the action ~/run_experiment and the services ~/start_experiment, ~/list_e
   experiment_runner --ros-args -p runs:=/data/runs";
 
 /// Runs the node as a program of its own; `given` are the words behind the program's name.
-pub fn program(given: Vec<String>) -> ExitCode {
+/// What it has `beside` experiments and identification comes from its author.
+pub fn program(given: Vec<String>, beside: Beside) -> ExitCode {
     // An experiment under way leaves a whole bag.
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
-    ros_node::run("experiment_runner", env!("CARGO_PKG_VERSION"), ABOUT, given, node::run)
+    ros_node::run(
+        "experiment_runner",
+        env!("CARGO_PKG_VERSION"),
+        ABOUT,
+        given,
+        move |participant, stop| node::run(participant, stop, beside),
+    )
 }

@@ -9,9 +9,11 @@ use rig_driver::safety::SafetyLimits;
 
 use super::Refusal;
 use super::permissions::Permissions;
-use crate::cli::{identify::IdentifyArgs, rig_profile::choose, run::RunArgs};
-use crate::rig::RigChoice;
+use crate::asked::RunArgs;
+use crate::asked::rig::choose;
 use crate::run::{Experiment, RunOptions};
+use identification::asked::IdentifyArgs;
+use rig_setup::RigChoice;
 
 /// Options of `frictionlab run` that a request has fields for, that are about the terminal, or that
 /// are for whoever starts the runner.
@@ -125,7 +127,8 @@ impl ExperimentRequest {
         args.rig_file = permissions.profile_of(&rig).map(Path::to_owned);
         args.rig = Some(rig);
         raises_no_limit(&args)?;
-        crate::cli::run::options(&args).map_err(|error| Refusal::BadRequest(format!("{error:#}")))
+        crate::asked::options(&args, permissions.besides())
+            .map_err(|error| Refusal::BadRequest(format!("{error:#}")))
     }
 }
 

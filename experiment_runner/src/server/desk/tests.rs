@@ -1,8 +1,8 @@
 //! One experiment at a time, and what everybody is told of it.
 
 use super::*;
-use crate::bag::BagReader;
 use crate::run::Status;
+use recording::bag::BagReader;
 
 /// Sends the end on.
 struct Wait(mpsc::Sender<Ended>, mpsc::Sender<RunExperimentFeedback>);

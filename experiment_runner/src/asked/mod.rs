@@ -1,0 +1,480 @@
+//! What is asked of a run: the options of `frictionlab run`, which a request to the node may give
+//! too, and what they stand for.
+
+pub mod rig;
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use controller::ControllerOptions;
+use friction_ident::TorqueSource;
+use friction_model::{AnyModel, ModelName};
+use friction_observer::EstimatorOptions;
+use identification::drive::parameters::DriveConstants;
+use rig_driver::{
+    Calibration, Drive, FrictionCoupling, HIGHEST_VOLTAGE, Sensors, SimulationOptions,
+    TimeConstant, VOLTAGE_RANGE,
+};
+use rig_setup::{RigChoice, read_calibration};
+use work::destination::ToFolder;
+use work::model_name::model_name;
+use work::saying::Saying;
+use work::{BadInput, drive_errors};
+
+use self::rig::{Chosen, choose};
+use crate::characterise::TorqueReading;
+use crate::compensation::Means;
+use crate::models::file;
+use crate::protocol::{
+    CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol,
+    TrackingProtocol,
+};
+use crate::run::{
+    Appendix, Beside, Experiment, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunOptions,
+    shipped,
+};
+use crate::test_bed::{TestBed, nominal_drive};
+
+/// Run experiments on the simulated test bed or a real rig
+///
+/// `frictionlab run` alone does the whole job: it drives the rig at 80 constant velocities (10
+/// repetitions, two sets), identifies the Stribeck curve, compensates with what it found and
+/// compares none, LuGre and the proposed model in velocity and position tracking. The output folder
+/// gets the bag, parameters.yaml, report.html and run.json.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// Go on with the run in this folder that was stopped, whatever stopped it. Its own options
+    /// count; what is measured is not measured again. A real rig is opened as for a run that begins
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = NOT_RESUMED)]
+    pub resume: Option<PathBuf>,
+    /// What to run [default: all, or the experiment of the protocol given]
+    #[arg(value_enum)]
+    pub experiment: Option<Experiment>,
+    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or
+    /// `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with their observer and
+    /// controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C
+    /// puts the motor at zero volts at once [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<RigChoice>,
+    /// Rig profile: address, calibration, limits and drive in one file
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    pub rig_file: Option<PathBuf>,
+    /// Correct a real rig's readings by the calibration.yaml of `frictionlab rig calibrate`
+    #[arg(long, value_name = "FILE")]
+    pub calibration: Option<PathBuf>,
+    /// The drive's constants: a drive.yaml of `frictionlab identify-drive` [default: the SRV-02's]
+    #[arg(long, value_name = "FILE", conflicts_with = "time_constant")]
+    pub drive: Option<PathBuf>,
+    /// Protocol of an experiment, as `frictionlab protocols` prints them; may be given several
+    /// times
+    #[arg(long, value_name = "FILE")]
+    pub protocol: Vec<PathBuf>,
+    /// Where the friction torque of experiments 1 to 4 is from: a rig without a torque sensor has
+    /// its voltage or current [default: sensor, or what the rig profile says that there is]
+    #[arg(long, value_enum, value_name = "SOURCE")]
+    pub torque_source: Option<TorqueSourceArg>,
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance,
+    /// inertia; they make the uncertainty of a torque from voltage or current
+    #[arg(long, value_name = "K,R,J", value_delimiter = ',', default_value = "1,2,2")]
+    pub drive_errors: Vec<f64>,
+    /// Where the results go.
+    #[command(flatten)]
+    pub to: ToFolder,
+    /// Seed of the sensors' noise; the same seed gives the same run
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Models that compensate, each compared with none at all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "lugre,proposed", value_parser = model_name)]
+    pub model: Vec<ModelName>,
+    /// By what means they compensate; `feedback` is the observer on the measured velocity
+    #[arg(
+        long,
+        value_enum,
+        value_name = "MEANS",
+        value_delimiter = ',',
+        default_value = "feedback"
+    )]
+    pub means: Vec<Means>,
+    /// The simulated plant's own friction model
+    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
+    pub plant: ModelName,
+    /// Parameters of the plant's friction: a file as `frictionlab models NAME --yaml` prints it.
+    /// With tau = 0.0111 the proposed model shows the lag of the thesis's figures, ten times that
+    /// of the test bed's set
+    #[arg(long, value_name = "FILE")]
+    pub plant_parameters: Option<PathBuf>,
+    /// Parameters of the compensating models and of the controller: a parameters.yaml of `run` or
+    /// `identify`, a controller.yaml of `design`. May be given several times; of a value that
+    /// several files have the last counts [default: the thesis's test bed]
+    #[arg(long, value_name = "FILE")]
+    pub parameters: Vec<PathBuf>,
+    /// A short protocol to try things out: 20 velocities of 6 s, 2 repetitions
+    #[arg(long)]
+    pub quick: bool,
+    /// Repetitions of every experiment [default: 10 at constant velocity, 5 in tracking]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repetitions: Option<u32>,
+    /// How much goes into the bag [default: thinned, and full on a real rig]
+    #[arg(long, value_enum)]
+    pub record: Option<RecordPolicy>,
+    /// Time constant of the drive: the thesis's chapter 6 and its data sheet disagree
+    /// [default: thesis]
+    #[arg(long, value_enum)]
+    pub time_constant: Option<TimeConstantArg>,
+    /// Friction as a torque, or taken off the volts as in the thesis's own simulations
+    #[arg(long, value_enum, default_value_t)]
+    pub friction: FrictionArg,
+    /// With `run compensation`: also Tables 5.1, 5.2 and 6.2 to 6.7 of the thesis, its figures
+    /// beside ours, and every model as plant under every model as observer
+    #[arg(long)]
+    pub thesis_tables: bool,
+    /// The older name of `--friction as-volts`
+    #[arg(long, conflicts_with = "friction", hide = true)]
+    pub thesis_units: bool,
+    /// Sensors without noise and steps, for studies of the models alone
+    #[arg(long)]
+    pub ideal_sensors: bool,
+    /// Motor voltage limit [V], at most the rig's own voltage range; 10 V for the simulated one
+    /// [default: that of the rig profile, else 6]
+    #[arg(long, value_name = "VOLTS")]
+    pub voltage_limit: Option<f64>,
+    /// Drive the simulated rig at the pace of the clock, one run after the other; ctrl-C then stops
+    /// it within a cycle
+    #[arg(long)]
+    pub real_time: bool,
+    /// Threads [default: all cores]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// What is told besides.
+    #[command(flatten)]
+    pub saying: Saying,
+}
+
+/// Options that a run that goes on has already.
+pub const NOT_RESUMED: [&str; 26] = [
+    "experiment",
+    "rig",
+    "rig_file",
+    "calibration",
+    "drive",
+    "protocol",
+    "torque_source",
+    "drive_errors",
+    "out",
+    "force",
+    "seed",
+    "model",
+    "means",
+    "plant",
+    "plant_parameters",
+    "parameters",
+    "quick",
+    "repetitions",
+    "record",
+    "time_constant",
+    "friction",
+    "thesis_tables",
+    "thesis_units",
+    "ideal_sensors",
+    "voltage_limit",
+    "real_time",
+];
+
+/// [`TorqueSource`] on the command line.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+pub enum TorqueSourceArg {
+    /// The torque sensor
+    #[default]
+    Sensor,
+    /// (A Km/Ra) (u - A Km w) - J w'
+    Voltage,
+    /// A Km i - J w'
+    Current,
+}
+
+/// [`TimeConstant`] on the command line.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+pub enum TimeConstantArg {
+    /// T = 0.02388 s
+    #[default]
+    Thesis,
+    /// T = 0.01734 s
+    Datasheet,
+}
+
+/// [`FrictionCoupling`] on the command line.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+pub enum FrictionArg {
+    /// As a torque: 4.84 V per N m
+    #[default]
+    Physical,
+    /// 1 V per N m: the thesis's units
+    AsVolts,
+}
+
+/// What the arguments ask for; nothing is driven or written.
+///
+/// # Errors
+/// [`BadInput`] names the option at fault.
+pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
+    let coupling = match (args.friction, args.thesis_units) {
+        (FrictionArg::Physical, false) => FrictionCoupling::Physical,
+        (FrictionArg::AsVolts, _) | (_, true) => FrictionCoupling::NewtonMetreAsVolt,
+    };
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
+    let rig = chosen.rig.clone();
+    let drive = drive(args, &chosen)?;
+    let calibration = calibration(&chosen, args.calibration.as_deref())?;
+    let limits = chosen.limits(args.voltage_limit);
+    let voltage_limit = limits.voltage.unwrap_or(SimulationOptions::default().voltage_limit);
+    let sensors = if args.ideal_sensors { Sensors::ideal() } else { Sensors::default() };
+    let simulation = SimulationOptions {
+        drive,
+        friction_coupling: coupling,
+        sensors,
+        voltage_limit,
+        // A real rig tells its own when it is opened, and nothing moves before.
+        voltage_range: if rig == RigChoice::Simulated { VOLTAGE_RANGE } else { HIGHEST_VOLTAGE },
+        ..Default::default()
+    };
+    let mut controller = ControllerOptions::default();
+    let Given { compensators, controller: gains, mut origins, .. } = given(&args.parameters)?;
+    gains.apply(&mut controller);
+    let option = |name: &str| Origin::Option { option: name.to_owned() };
+    match (&args.drive, args.time_constant) {
+        (Some(file), _) => {
+            origins.set("rig_driver.drive", Origin::File { file: file.display().to_string() });
+        }
+        (None, Some(TimeConstantArg::Datasheet)) => {
+            origins.set("rig_driver.drive", option("--time-constant"));
+        }
+        (None, Some(TimeConstantArg::Thesis)) => {}
+        (None, None) => chosen.drive_origin(&mut origins),
+    }
+    match args.voltage_limit {
+        Some(volts) if volts != SimulationOptions::default().voltage_limit => {
+            origins.set("rig_driver.voltage_limit", option("--voltage-limit"));
+        }
+        Some(_) => {}
+        None => chosen.limit_origin(&mut origins),
+    }
+    controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
+    let estimator =
+        EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
+    let mut constant_velocity = if args.quick {
+        ConstantVelocityProtocol::quick()
+    } else {
+        ConstantVelocityProtocol::default()
+    };
+    let mut velocity_tracking = TrackingProtocol::velocity();
+    let mut position_tracking = TrackingProtocol::position();
+    if args.quick {
+        (velocity_tracking.repetitions, position_tracking.repetitions) = (1, 1);
+    }
+    if let Some(repetitions) = args.repetitions {
+        constant_velocity.repetitions = repetitions;
+        (velocity_tracking.repetitions, position_tracking.repetitions) = (repetitions, repetitions);
+    }
+    let mut models = args.model.clone();
+    models.dedup();
+    let mut means = args.means.clone();
+    means.dedup();
+    let protocols = protocols(&args.protocol)?;
+    let experiment = experiment(args, &protocols)?;
+    let errors = drive_errors::fractions(&args.drive_errors)?;
+    let source = match args.torque_source {
+        Some(TorqueSourceArg::Sensor) => TorqueSource::Sensor,
+        Some(TorqueSourceArg::Voltage) => TorqueSource::Voltage,
+        Some(TorqueSourceArg::Current) => TorqueSource::Current,
+        None => chosen.torque_source().unwrap_or(TorqueSource::Sensor),
+    };
+    if source != TorqueSource::Sensor && coupling != FrictionCoupling::Physical {
+        let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
+        return Err(BadInput(why.to_owned()).into());
+    }
+    let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
+    let mut options = RunOptions {
+        experiment,
+        rig: rig.clone(),
+        rig_profile: chosen.profile.as_ref().map(|(file, profile)| ProfileUsed {
+            file: file.clone(),
+            description: profile.description.clone().filter(|_| chosen.of_real().is_some()),
+        }),
+        calibration,
+        limits,
+        test_bed: TestBed { simulation, friction: plant(args)?, controller, estimator },
+        models,
+        means,
+        compensators,
+        origins,
+        seed: args.seed,
+        pace: if args.real_time { Pace::RealTime } else { Pace::Offline },
+        record: args.record.unwrap_or(match rig {
+            RigChoice::Simulated => RecordPolicy::Thinned,
+            _ => RecordPolicy::Full,
+        }),
+        constant_velocity,
+        varying_velocity,
+        pre_sliding,
+        breakaway_rate,
+        drive_excitation: DriveExcitationProtocol::shipped()?,
+        sequence: None,
+        compensation: CompensationProtocol::shipped()?,
+        appendix: appendix(args, beside)?,
+        torque: TorqueReading::new(source, &drive, &sensors, errors),
+        velocity_tracking,
+        position_tracking,
+        workers: if args.real_time {
+            1
+        } else {
+            args.jobs
+                .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
+        },
+    };
+    if args.quick {
+        options.varying_velocity = options.varying_velocity.quick();
+        options.pre_sliding = options.pre_sliding.quick();
+        options.breakaway_rate = options.breakaway_rate.quick();
+        options.compensation = options.compensation.repeated(1);
+    }
+    if let Some(repetitions) = args.repetitions {
+        options.varying_velocity.repetitions = repetitions;
+        options.pre_sliding.repetitions = repetitions;
+        options.breakaway_rate.repetitions = repetitions;
+        options.drive_excitation.repetitions = repetitions;
+        options.compensation = options.compensation.repeated(repetitions);
+    }
+    // A file says everything itself: neither --quick nor --repetitions changes it.
+    protocols.into_iter().for_each(|protocol| options.set(protocol));
+    Ok(options)
+}
+
+/// The drive, as the file says or as the SRV-02 has it.
+fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Drive, BadInput> {
+    let Some(file) = &args.drive else {
+        if let Some(constants) = chosen.drive().filter(|_| args.time_constant.is_none()) {
+            return Drive::try_from(constants.parameters)
+                .map_err(|error| BadInput(error.to_string()));
+        }
+        return Ok(Drive::srv02(match args.time_constant.unwrap_or_default() {
+            TimeConstantArg::Thesis => TimeConstant::Thesis,
+            TimeConstantArg::Datasheet => TimeConstant::Datasheet,
+        }));
+    };
+    let say =
+        |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
+    let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
+    let DriveConstants { parameters } = DriveConstants::read(&text).map_err(say)?;
+    Drive::try_from(parameters).map_err(|e| say(e.to_string()))
+}
+
+/// The calibration of a real rig.
+pub fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibration>, BadInput> {
+    let rig = &chosen.rig;
+    let Some(file) = file else {
+        return Ok(chosen.of_real().and_then(|profile| profile.calibration));
+    };
+    if *rig == RigChoice::Simulated {
+        let why = "--calibration corrects a real rig; the simulated one's readings are true";
+        return Err(BadInput(why.to_owned()));
+    }
+    if matches!(rig, RigChoice::Nodes { .. }) {
+        let why = "--calibration corrects a rig that is opened here; the node rig_driver has it as parameters, `calibration.*`";
+        return Err(BadInput(why.to_owned()));
+    }
+    let say = |what: String| {
+        BadInput(format!("the calibration {} cannot be used: {what}", file.display()))
+    };
+    let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
+    read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
+}
+
+/// Reads the protocols.
+fn protocols(files: &[PathBuf]) -> Result<Vec<Protocol>, BadInput> {
+    let mut protocols: Vec<Protocol> = Vec::with_capacity(files.len());
+    for path in files {
+        let say = |what: String| {
+            BadInput(format!("the protocol {} cannot be driven: {what}", path.display()))
+        };
+        let text = files::input::text(path).map_err(|e| say(e.to_string()))?;
+        let protocol = Protocol::read(&text).map_err(|e| say(e.to_string()))?;
+        if protocols.iter().any(|other| other.kind() == protocol.kind()) {
+            return Err(say(format!(
+                "there is another for {}; give one of a kind",
+                protocol.kind().name()
+            )));
+        }
+        protocols.push(protocol);
+    }
+    Ok(protocols)
+}
+
+/// What is run: as asked for, or as the protocols say.
+fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadInput> {
+    let experiment = match (args.experiment, protocols) {
+        (Some(experiment), _) => experiment,
+        (None, []) => Experiment::All,
+        (None, [protocol]) => Experiment::of(protocol.kind()),
+        (None, _) => Experiment::Characterise,
+    };
+    if let Some(other) = protocols.iter().find(|protocol| !experiment.includes(protocol.kind())) {
+        return Err(BadInput(format!(
+            "`{}` does not run {}, for which a protocol is given; leave the name out, or the protocol",
+            experiment.as_str(),
+            other.kind().name()
+        )));
+    }
+    if args.thesis_tables && experiment != Experiment::Compensation {
+        let mend = "`frictionlab run compensation --thesis-tables` does";
+        return Err(BadInput(format!(
+            "`{}` does not compute the thesis's tables of compensation; {mend}",
+            experiment.as_str()
+        )));
+    }
+    if experiment == Experiment::Sequence && protocols.is_empty() {
+        let mend = "`frictionlab protocols sequence > mine.yaml` prints one to start from";
+        return Err(BadInput(format!(
+            "`run sequence` needs its protocol, --protocol FILE; {mend}"
+        )));
+    }
+    Ok(experiment)
+}
+
+/// The thesis's tables, where they are wanted.
+fn appendix(args: &RunArgs, beside: &Beside) -> Result<Option<Appendix>, BadInput> {
+    if args.thesis_tables && beside.run.is_none() {
+        let why = "the thesis's tables were asked for, but this program has none";
+        return Err(BadInput(why.to_owned()));
+    }
+    Ok(beside.run.filter(|_| args.thesis_tables))
+}
+
+/// The plant's friction.
+fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
+    let Some(path) = &args.plant_parameters else { return Ok(AnyModel::test_bed(args.plant)) };
+    let say = |what: String| {
+        BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()))
+    };
+    let text = files::input::text(path).map_err(|e| say(e.to_string()))?;
+    file::read(&text, Some(args.plant)).map_err(say)
+}
+
+/// What the parameter files say together, later ones above earlier ones.
+pub fn given(files: &[PathBuf]) -> Result<Given, BadInput> {
+    let mut given = Given::default();
+    for file in files {
+        let say = |what: String| {
+            BadInput(format!(
+                "the parameter file {} cannot be used: {what}; expected a parameters.yaml as `frictionlab run` and `identify` write it, or a controller.yaml of `design`",
+                file.display()
+            ))
+        };
+        let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
+        given.take(&file.display().to_string(), &text).map_err(say)?;
+    }
+    Ok(given)
+}

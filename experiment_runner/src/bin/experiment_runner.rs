@@ -1,7 +1,0 @@
-//! The node `experiment_runner`: experiments and identification over ROS 2.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    experiment_runner::server::program(ros_node::command_line())
-}

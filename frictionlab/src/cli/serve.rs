@@ -1,0 +1,123 @@
+//! `frictionlab serve`: experiments and identification for whoever asks over ROS 2.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use anyhow::Context;
+use ros_node::parameters::Parameters;
+use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
+
+use experiment_runner::asked::rig::{Chosen, choose};
+use experiment_runner::server::desk::UsualRig;
+use experiment_runner::server::node::Runner;
+use experiment_runner::server::permissions::Permissions;
+use rig_setup::RigChoice;
+use work::BadInput;
+
+/// Run experiments for whoever asks over ROS 2
+///
+/// Offers the action /experiment_runner/run_experiment and the services start_experiment,
+/// list_experiments, identify and abort beside it, and says on /experiment_status what goes on.
+/// Experiments are those of `frictionlab run`, with its options, and leave the same folder. One
+/// runs at a time. Requests use no other rigs than those given here, read files only in the folder
+/// of runs and in --inputs, and write only in the folder of runs. ROS_DOMAIN_ID is honoured; only
+/// this machine sees it unless ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET. Ctrl-C ends what runs, keeps
+/// its bag, and leaves.
+///
+/// The executable `experiment_runner` is the same with the arguments of ROS.
+#[derive(Debug, clap::Args)]
+pub struct ServeArgs {
+    /// Folder in which each run gets a folder of its own, unless its request names one
+    #[arg(long, value_name = "DIR", default_value = "runs")]
+    pub runs: PathBuf,
+    /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever
+    /// the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
+    /// [default: the rig of --rig-file, else simulated]
+    #[arg(long, value_name = "RIG")]
+    pub rig: Option<RigChoice>,
+    /// Rig profile: address, calibration, limits and drive in one file; it counts for every
+    /// experiment on its rig
+    /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
+    #[arg(long, value_name = "FILE")]
+    pub rig_file: Option<PathBuf>,
+    /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those
+    /// of this axis
+    #[arg(long, value_name = "RIGS", value_delimiter = ',', default_value = "simulated,nodes")]
+    pub allow_rigs: Vec<RigChoice>,
+    /// One more folder whose files requests may name: protocols, parameters, recordings. Those in
+    /// the folder of runs they may name always
+    #[arg(long, value_name = "DIR")]
+    pub inputs: Option<PathBuf>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Runs it until ctrl-C.
+///
+/// # Errors
+/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for
+/// and cannot be had; an error if the network cannot be joined.
+pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
+    ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
+    ros_node::terminal::tell_panics();
+    let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
+    let discovery =
+        Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;
+    if !args.quiet {
+        super::offer_recovery(&args.runs);
+    }
+    let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
+    if let Some(note) = chosen.note.as_ref().filter(|_| !args.quiet) {
+        work::saying::print(&format!("{note}\n"))?;
+    }
+    while let Some(lost) = serve(args, &chosen, &discovery, &stop)? {
+        work::saying::print(&format!("{lost}; experiment_runner starts anew\n"))?;
+    }
+    Ok(())
+}
+
+/// Joins, and answers until the wish to end or until the middleware is lost; how it was lost.
+fn serve(
+    args: &ServeArgs,
+    chosen: &Chosen,
+    discovery: &Discovery,
+    stop: &Stop,
+) -> anyhow::Result<Option<Lost>> {
+    let arguments = Arguments::default().or_enclave("/experiment_runner");
+    let participant =
+        Participant::join_with(discovery, arguments).map_err(|error| match error {
+            mendable if mendable.is_bad_input() => {
+                anyhow::Error::new(BadInput(mendable.to_string()))
+            }
+            other => anyhow::Error::new(other),
+        })?;
+    let node = participant.node("experiment_runner")?;
+    Parameters::usual(&node)?;
+    let usual = UsualRig::default();
+    usual.set(chosen.rig.clone());
+    let rigs = args.allow_rigs.iter().chain([&chosen.rig]).cloned().collect();
+    let axis = &node.identity().namespace;
+    let permissions = Permissions::new(axis, rigs, args.runs.clone(), args.inputs.clone());
+    let profile = chosen.profile.as_ref().filter(|_| chosen.of_real().is_some());
+    let permissions =
+        permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
+    let runner = Runner::new(&node, permissions, usual)?;
+    let middleware = Watch::start(stop).context("no thread can be started")?;
+    if !args.quiet {
+        work::saying::print(&format!(
+            "experiment_runner is ready on domain {}; experiments run on the rig `{}` unless their request names another; runs go to {}; ctrl-C ends it\n",
+            discovery.domain,
+            chosen.rig,
+            args.runs.display()
+        ))?;
+    }
+    while !middleware.stop().wait(Duration::from_secs(1)) {}
+    let lost = middleware.end().filter(|_| !stop.is_set());
+    // In this order: the experiment ends and its result is sent, then the node leaves, then the
+    // participant.
+    drop(runner);
+    drop(node);
+    drop(participant);
+    Ok(lost)
+}

@@ -1,0 +1,135 @@
+//! `frictionlab simulate`: any model along any motion.
+
+use std::path::{Path, PathBuf};
+
+use friction_model::{AnyModel, ModelName};
+
+use experiment_runner::models::file;
+use files::OutputFile;
+use recording::trajectory;
+use studies::simulate::{Scheme, Settings, simulate};
+use work::BadInput;
+use work::destination::Force;
+use work::model_name::model_name;
+use work::progress::Progress;
+use work::saying::print;
+
+/// Evaluate a friction model along a motion
+///
+/// The motion is a CSV file with the columns t_s and velocity_rad_s (or velocity_m_s), at any
+/// spacing; between the rows the velocity is a straight line. The contact starts at rest and
+/// unloaded at the first row.
+///
+/// The result has one line for each row of the motion:
+///
+///   t_s, velocity_rad_s   as in the motion (and load_Nm with --load-gain)
+///   torque_Nm             the friction, which opposes the motion
+///   deflection_rad        of the bristles
+///   gamma_Nm              the level at which the contact slides
+///   regime                stick or slip
+///   stored_energy_J       in the bristles, where the model defines it
+///   state_1, state_2 ...  the model's continuous states; of an asymmetric contact first those
+///                         of the forward direction
+///
+/// or force_N and metres for a linear axis. Everything is as it stands at the row's time and
+/// velocity, before the contact moves on. Models without bristles know no force at exactly zero
+/// velocity, where it depends on what is applied: they say 0. The load changes the force alone.
+///
+///   frictionlab models lugre --yaml > lugre.yaml
+///   frictionlab simulate --params lugre.yaml --velocity motion.csv --out friction.csv
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct SimulateArgs {
+    /// The model [default: the one that the parameter file names].
+    #[arg(long, value_name = "NAME", value_parser = model_name, required_unless_present = "params")]
+    model: Option<ModelName>,
+
+    /// Its parameters in YAML, as `frictionlab models NAME --yaml` prints them; the bare
+    /// parameters, a contact with `asymmetric`, and the parameters.yaml of a run are accepted too
+    /// [default: the thesis's test bed].
+    #[arg(long, value_name = "FILE.yaml")]
+    params: Option<PathBuf>,
+
+    /// The motion.
+    #[arg(long, value_name = "FILE.csv")]
+    velocity: PathBuf,
+
+    /// Where the result goes; - is standard output.
+    #[arg(long, value_name = "FILE.csv")]
+    out: PathBuf,
+
+    #[command(flatten)]
+    force: Force,
+
+    /// How the states advance.
+    #[arg(long, value_enum, default_value_t)]
+    scheme: Scheme,
+
+    /// Longest step [s]; the time between two rows is divided into equal steps.
+    #[arg(long, value_name = "SECONDS", default_value = "1e-5", allow_negative_numbers = true)]
+    dt: f64,
+
+    /// Let every level of the contact grow by C of itself for each N m (or N) in the column load_Nm
+    /// (or load_N) of the motion; the viscous part does not depend on the load.
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    load_gain: Option<f64>,
+
+    /// Print nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Simulates and writes the result.
+///
+/// # Errors
+/// [`BadInput`] for whatever is wrong with the files or the options; nothing is written then.
+pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
+    let model = model(args)?;
+    let motion = trajectory::read(&args.velocity).map_err(|error| BadInput(error.to_string()))?;
+    let out = destination(args)?;
+    let settings = Settings { scheme: args.scheme, dt: args.dt, load_gain: args.load_gain };
+
+    let progress = Progress::counting(motion.duration().ceil() as u64, "s of motion", args.quiet);
+    progress.stage(model.name().title());
+    let result = simulate(&model, &motion, &settings, &mut |seconds| progress.advance(seconds));
+    progress.finish();
+    let text = result.map_err(|error| BadInput(error.to_string()))?;
+
+    out.write(text.as_bytes())?;
+    // Standard output has the result and nothing else.
+    if args.quiet || out.is_stdout() {
+        return Ok(());
+    }
+    let (title, rows, path) = (model.name().title(), motion.time.len(), out.name());
+    print(&format!(
+        "{title} along {:.6} s of motion: {rows} rows written to {path}\n",
+        motion.duration()
+    ))
+}
+
+fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {
+    match (&args.params, args.model) {
+        (Some(path), wanted) => {
+            let refused = |what: String| {
+                BadInput(format!("the parameter file {} cannot be used: {what}", path.display()))
+            };
+            let text = files::input::text(path).map_err(|error| refused(error.to_string()))?;
+            file::read(&text, wanted).map_err(refused)
+        }
+        (None, Some(name)) => Ok(AnyModel::test_bed(name)),
+        // The command line asks for one of them.
+        (None, None) => Err(BadInput("expected --model NAME or --params FILE.yaml".to_owned())),
+    }
+}
+
+/// The file of the result, which must not take the place of what was read.
+fn destination(args: &SimulateArgs) -> anyhow::Result<OutputFile> {
+    let out = &args.out;
+    let same = |other: &Path| matches!((out.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if [Some(&args.velocity), args.params.as_ref()].into_iter().flatten().any(|input| same(input)) {
+        let out = out.display();
+        let why = format!("--out {out} is a file that is read; the result needs another");
+        return Err(BadInput(why).into());
+    }
+    Ok(args.force.file(&args.out)?)
+}

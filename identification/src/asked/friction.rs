@@ -1,0 +1,416 @@
+//! The part of `frictionlab identify` that identifies friction models from recordings of friction.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::thread;
+
+use friction_ident::output_error::OutputErrorOptions;
+use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncertain};
+use friction_model::ModelName;
+
+use files::Folder;
+use recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
+use recording::table::Columns;
+use recording::{AxisKind, Column};
+use report::figure::Block;
+use work::model_name::model_name;
+use work::progress::Progress;
+use work::{BadInput, Interrupted, drive_errors};
+
+use super::IdentifyArgs;
+use crate::friction::{self, FrictionError, FrictionIdentification, Settings};
+
+/// What somebody else has to show beside the models found, for their page.
+pub type Beside = fn(&FrictionIdentification) -> Vec<Block>;
+
+/// The options.
+#[derive(Debug, clap::Args)]
+pub struct FrictionArgs {
+    /// Friction models to identify, separated by commas, or all
+    /// [default: coulomb_viscous,stribeck,lugre,proposed].
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choice, help_heading = "Friction models")]
+    model: Vec<Choice>,
+
+    /// Separate parameters for each direction of motion.
+    #[arg(long, help_heading = "Friction models")]
+    asymmetric: bool,
+
+    /// Elements of the models that have any (GMS, Xiong).
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Friction models")]
+    elements: usize,
+
+    /// Inertia that moves on the bristles [kg or kg m^2] and its standard error, as in
+    /// 0.0026:0.00003. The micro-damping is then computed from it; --torque-source other than
+    /// sensor needs it, from here or from --drive. Without :SE the last of --drive-errors counts
+    /// there.
+    #[arg(long, value_name = "J[:SE]", value_parser = inertia, allow_negative_numbers = true, help_heading = "Friction models")]
+    inertia: Option<Inertia>,
+
+    /// Damping ratio from which the micro-damping is computed.
+    #[arg(
+        long,
+        value_name = "Z",
+        default_value_t = 0.7,
+        allow_negative_numbers = true,
+        help_heading = "Friction models"
+    )]
+    damping_ratio: f64,
+
+    /// Leave out the refinement of all parameters together over all recordings.
+    #[arg(long, help_heading = "Friction models")]
+    no_joint: bool,
+
+    /// How far the contact bends before it slides [m or rad]; motion within twice that counts as
+    /// pre-sliding [default: told from the friction].
+    #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Friction models")]
+    reach: Option<f64>,
+
+    /// Where the friction comes from. sensor: the force column is friction. driving: it drives the
+    /// axis, friction is that less inertia times acceleration. voltage, current: the column is the
+    /// motor's mean over the period before each sample (voltage_V, current_A, or --force-column
+    /// NAME); the motor's constants come from --drive or --gear-ratio, --motor-constant and
+    /// --resistance. What the errors of the constants add to each parameter is shown beside its
+    /// standard error, as `from the drive`.
+    #[arg(long, value_enum, value_name = "SOURCE", help_heading = "Friction models")]
+    torque_source: Option<SourceChoice>,
+
+    /// Standard errors of the drive's constants in percent: torque constant, armature resistance,
+    /// inertia (where --inertia has none).
+    #[arg(
+        long,
+        value_name = "K,R,J",
+        value_delimiter = ',',
+        default_value = "1,2,2",
+        help_heading = "Friction models"
+    )]
+    drive_errors: Vec<f64>,
+
+    /// How the motion is smoothed; the friction never is.
+    #[arg(long, value_enum, default_value_t, help_heading = "Friction models")]
+    smooth: Smoothing,
+
+    /// Replace samples that cannot be true (Hampel identifier), and list them.
+    #[arg(long, help_heading = "Friction models")]
+    outliers: bool,
+
+    /// Show the thesis's tables 4.2 to 4.16 beside what is found; for recordings of its test bed.
+    #[arg(long, help_heading = "Friction models")]
+    thesis_tables: bool,
+
+    /// Threads [default: all cores]; the results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = "Friction models")]
+    jobs: Option<u16>,
+}
+
+/// An inertia as given on the command line.
+#[derive(Debug, Clone, Copy)]
+struct Inertia {
+    value: f64,
+    standard_error: Option<f64>,
+}
+
+/// A model, or all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Choice {
+    One(ModelName),
+    All,
+}
+
+/// [`TorqueSource`] on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum SourceChoice {
+    Sensor,
+    Driving,
+    Voltage,
+    Current,
+}
+
+/// What `--model all` means.
+const ALL: [ModelName; 8] = [
+    ModelName::CoulombViscous,
+    ModelName::Stribeck,
+    ModelName::Dahl,
+    ModelName::ElastoPlastic,
+    ModelName::LuGre,
+    ModelName::Gms,
+    ModelName::Xiong,
+    ModelName::Proposed,
+];
+/// What no `--model` means.
+const USUAL: [ModelName; 4] =
+    [ModelName::CoulombViscous, ModelName::Stribeck, ModelName::LuGre, ModelName::Proposed];
+
+fn choice(text: &str) -> Result<Choice, String> {
+    if text.trim().eq_ignore_ascii_case("all") {
+        return Ok(Choice::All);
+    }
+    let name = model_name(text)?;
+    let known = || ALL.map(ModelName::as_str).join(", ");
+    if ALL.contains(&name) {
+        Ok(Choice::One(name))
+    } else {
+        Err(format!(
+            "{name} cannot be identified stage by stage; expected all or some of {}",
+            known()
+        ))
+    }
+}
+
+fn inertia(text: &str) -> Result<Inertia, String> {
+    let (value, error) = match text.split_once(':') {
+        Some((value, error)) => (value, Some(error)),
+        None => (text, None),
+    };
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    match (number(value), error.map(number)) {
+        (Some(value), None) if value > 0.0 => Ok(Inertia { value, standard_error: None }),
+        (Some(value), Some(Some(error))) if value > 0.0 && error >= 0.0 => {
+            Ok(Inertia { value, standard_error: Some(error) })
+        }
+        _ => {
+            Err("expected an inertia above zero, and after a colon its standard error, as in 0.0026:0.00003"
+                .to_owned())
+        }
+    }
+}
+
+impl IdentifyArgs {
+    /// Whether these are recordings of friction, and not of what drives an axis.
+    pub fn is_friction(&self) -> bool {
+        let columns = self.columns();
+        let alone = |file: &Path| {
+            is_bag(file) && !self.torque_from_voltage && file.exists()
+                || stretches::holds_points(file, &columns)
+        };
+        !self.friction.model.is_empty()
+            || self.friction.torque_source.is_some()
+            || self.files.len() > 1
+            || self.validate.len() > 1
+            || self.files.iter().any(|file| alone(file))
+    }
+}
+
+fn is_bag(file: &Path) -> bool {
+    file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap")
+}
+
+/// The files that an identification leaves.
+pub const FILES: [&str; 3] = ["identification.json", "report.html", "parameters.yaml"];
+
+/// What was found, and the folder it was written to.
+pub struct Written {
+    /// The models.
+    pub found: FrictionIdentification,
+    /// Folder of `identification.json`, `report.html` and `parameters.yaml`.
+    pub folder: Folder,
+}
+
+/// Reads, identifies every model and writes the files. Once `cancel` is set it ends with what there
+/// is. With `--thesis-tables` the page shows what `beside` has as well.
+///
+/// # Errors
+/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is
+/// written then. [`Interrupted`] where nothing was found before `cancel` was set.
+pub fn identify(
+    args: &IdentifyArgs,
+    beside: Option<Beside>,
+    progress: &Progress,
+    cancel: &AtomicBool,
+) -> anyhow::Result<Written> {
+    let preparation = preparation(args)?;
+    let files = read(&args.files, args, &preparation)?;
+    let validation = read(&args.validate, args, &preparation)?;
+    let settings = settings(args, preparation, &files)?;
+
+    // Before the work: a folder that cannot be written is told at once.
+    let folder = args.to.reserve("identify")?;
+
+    progress.expect(settings.models.len() as u64);
+    let found = friction::run::identify(&files, &validation, &settings, progress, cancel);
+    progress.finish();
+    let found = match found {
+        Err(FrictionError::Nothing) => {
+            return Err(Interrupted(FrictionError::Nothing.to_string()).into());
+        }
+        other => other.map_err(|error| BadInput(error.to_string()))?,
+    };
+
+    let page = friction::page::page(
+        &found,
+        beside
+            .filter(|_| args.friction.thesis_tables)
+            .map_or_else(Vec::new, |beside| beside(&found)),
+    );
+    let contents = [
+        friction::document::render(&found),
+        report::render_page(&report::linked(page, ["parameters.yaml", "identification.json"])),
+        friction::parameters::render(&found)?,
+    ];
+    let files: Vec<(&str, String)> = FILES.into_iter().zip(contents).collect();
+    folder.write(&files)?;
+    Ok(Written { found, folder })
+}
+
+fn read(
+    files: &[PathBuf],
+    args: &IdentifyArgs,
+    preparation: &Preparation,
+) -> Result<Vec<FrictionRecording>, BadInput> {
+    let mut columns = args.columns();
+    let usual = match args.friction.torque_source {
+        Some(SourceChoice::Voltage) => Some("voltage_V"),
+        Some(SourceChoice::Current) => Some("current_A"),
+        _ => None,
+    };
+    if columns.force.is_none() {
+        columns.force = usual.map(|name| Column { name: name.to_owned(), scale: None });
+    }
+    let one = |file: &PathBuf| {
+        stretches::read(file, &columns, preparation).map_err(|error| BadInput(error.to_string()))
+    };
+    files.iter().map(one).collect()
+}
+
+fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
+    let friction = &args.friction;
+    let choice = match friction.torque_source {
+        None if args.torque_from_voltage => Some(SourceChoice::Voltage),
+        other => other,
+    };
+    let torque = match choice {
+        None | Some(SourceChoice::Sensor) => TorqueSource::Sensor,
+        Some(SourceChoice::Driving) => TorqueSource::Driving,
+        Some(SourceChoice::Voltage) => TorqueSource::Voltage,
+        Some(SourceChoice::Current) => TorqueSource::Current,
+    };
+    let drive =
+        if torque == TorqueSource::Sensor { None } else { Some(drive_constants(args, torque)?) };
+    if torque == TorqueSource::Driving && args.files.iter().any(|file| is_bag(file)) {
+        return Err(BadInput(
+            "a bag has the friction torque or the voltage; use --torque-source sensor or voltage"
+                .to_owned(),
+        ));
+    }
+    if torque == TorqueSource::Current && args.files.iter().any(|file| is_bag(file)) {
+        return Err(BadInput(
+            "a bag has no current; use --torque-source sensor or voltage".to_owned(),
+        ));
+    }
+    Ok(Preparation {
+        smoothing: friction.smooth,
+        cutoff: args.cutoff,
+        order: args.order,
+        decimate: args.decimate.unwrap_or(1),
+        outliers: friction.outliers.then(Hampel::default),
+        torque,
+        drive,
+        tolerance: args.time_tolerance,
+    })
+}
+
+/// The drive as far as it is known: from `--drive` or the options, with the standard errors of
+/// `--drive-errors`.
+fn drive_constants(args: &IdentifyArgs, source: TorqueSource) -> Result<DriveConstants, BadInput> {
+    let [k, r, j] = drive_errors::fractions(&args.friction.drive_errors)?;
+    let file = super::drive_file(args)?;
+    let inertia = match (args.friction.inertia, file) {
+        (Some(Inertia { value, standard_error: Some(standard_error) }), _) => {
+            Uncertain { value, standard_error }
+        }
+        (Some(Inertia { value, standard_error: None }), _) => Uncertain::relative(value, j),
+        (None, Some(file)) => Uncertain::relative(file.inertia, j),
+        (None, None) => {
+            return Err(BadInput(format!(
+                "friction from {} needs the inertia; give it with --inertia J:SE or --drive drive.yaml (`frictionlab identify` without --model and \
+                 `frictionlab identify-drive` find it)",
+                source.describe()
+            )));
+        }
+    };
+    if source == TorqueSource::Driving {
+        return Ok(DriveConstants::force_recorded(inertia));
+    }
+    let motor = super::motor(args)?;
+    Ok(DriveConstants {
+        torque_constant: Uncertain::relative(motor.gear_ratio * motor.motor_constant, k),
+        armature_resistance: Uncertain::relative(motor.resistance, r),
+        inertia,
+    })
+}
+
+fn settings(
+    args: &IdentifyArgs,
+    preparation: Preparation,
+    files: &[FrictionRecording],
+) -> Result<Settings, BadInput> {
+    let friction = &args.friction;
+    let mut models: Vec<ModelName> = Vec::new();
+    for choice in &friction.model {
+        let names = match choice {
+            Choice::All => &ALL[..],
+            Choice::One(name) => std::slice::from_ref(name),
+        };
+        for name in names {
+            if !models.contains(name) {
+                models.push(*name);
+            }
+        }
+    }
+    if models.is_empty() {
+        models = USUAL.to_vec();
+    }
+    if !(1..=16).contains(&friction.elements) {
+        return Err(BadInput(format!(
+            "--elements must lie between 1 and 16, but is {}",
+            friction.elements
+        )));
+    }
+    if !(friction.damping_ratio > 0.0 && friction.damping_ratio <= 10.0) {
+        return Err(BadInput(format!(
+            "--damping-ratio must lie above 0 and be at most 10, as in 0.7, but is {}",
+            friction.damping_ratio
+        )));
+    }
+    if let Some(reach) = friction.reach.filter(|reach| !(*reach > 0.0 && reach.is_finite())) {
+        return Err(BadInput(format!(
+            "--reach must be a length or an angle above zero, but is {reach}"
+        )));
+    }
+    let axis = args.axis.or(files.iter().find_map(|file| file.axis)).unwrap_or(AxisKind::Rotary);
+    let output_error =
+        OutputErrorOptions { rotary: axis == AxisKind::Rotary, ..OutputErrorOptions::default() };
+    Ok(Settings {
+        models,
+        staged: StagedOptions {
+            asymmetric: friction.asymmetric,
+            joint: !friction.no_joint,
+            elements: friction.elements,
+            inertia: preparation.drive.map(|drive| drive.inertia).or(friction.inertia.map(
+                |Inertia { value, standard_error }| Uncertain {
+                    value,
+                    standard_error: standard_error.unwrap_or(0.0),
+                },
+            )),
+            damping_ratio: friction.damping_ratio,
+            output_error,
+        },
+        preparation,
+        axis,
+        reach: friction.reach,
+        workers: friction
+            .jobs
+            .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from),
+    })
+}
+
+impl IdentifyArgs {
+    /// The columns that were named.
+    pub fn columns(&self) -> Columns {
+        Columns {
+            time: self.time.clone(),
+            position: self.position.clone(),
+            velocity: self.velocity.clone(),
+            force: self.force.clone(),
+        }
+    }
+}

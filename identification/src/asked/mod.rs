@@ -1,0 +1,243 @@
+//! What is asked of an identification: the options of `frictionlab identify`, which a request to
+//! the node may give too, and what they stand for.
+
+pub mod friction;
+
+use std::path::{Path, PathBuf};
+
+use friction_ident::Conditioning;
+use recording::rosbag::{self, Motor};
+use recording::table;
+use recording::timing::{TOLERANCE, tolerance};
+use recording::{AxisKind, Column, Recording};
+use rig_driver::DriveParameters;
+use work::BadInput;
+use work::destination::ToFolder;
+use work::saying::Saying;
+
+use self::friction::FrictionArgs;
+use crate::axis::structure::StructureChoice;
+use crate::drive::parameters::DriveConstants;
+
+/// Find friction and inertia in your recordings (CSV or bags)
+///
+/// One CSV file with a driving force gives inertia, viscous and Coulomb friction of the axis. CSV:
+/// a header with column names, then one line a sample, evenly spaced. Columns are recognised by
+/// names such as t_s, position_m, position_rad, force_N and torque_Nm, or named with the options
+/// below. For a public benchmark, whose force is a voltage times a constant:
+///
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 \
+///     --validate validation.csv
+///
+/// Recordings of friction give friction models with all their parameters: a bag with
+/// /joint_states, steady points (columns velocity_rad_s and torque_Nm, no time), several files, or
+/// any file with --model. Files are cut at pauses and sorted by what they show: constant velocity,
+/// pre-sliding, velocity that varies one way, mixed motion.
+///
+///   frictionlab identify steady.csv presliding.csv chirp.csv --model all \
+///     --inertia 0.0026:0.00003 --validate other_steady.csv other_chirp.csv
+///
+/// A driving force gives friction models too, once the inertia is known:
+///
+///   frictionlab identify estimation.csv --force-column control_V:35.150651882485472 --model lugre
+///   \
+///     --torque-source driving --inertia 95.1:0.1 --validate validation.csv
+///
+/// Bag with --torque-from-voltage: the driving torque worked out from /rig_measurement.
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct IdentifyArgs {
+    /// CSV files, .mcap files or bag folders; several only for friction models.
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+
+    /// Try the fitted models on this recording too (the cross-test); several only for friction
+    /// models.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub validate: Vec<PathBuf>,
+
+    /// Where the results go.
+    #[command(flatten)]
+    pub to: ToFolder,
+
+    /// Print nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// What is told besides.
+    #[command(flatten)]
+    pub saying: Saying,
+
+    /// Those of friction models.
+    #[command(flatten)]
+    pub friction: FrictionArgs,
+
+    /// Column of the time [s].
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    pub time: Option<Column>,
+
+    /// Column of the position [m or rad].
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    pub position: Option<Column>,
+
+    /// Column of the velocity [m/s or rad/s], to be used in place of the position.
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    pub velocity: Option<Column>,
+
+    /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
+    #[arg(
+        id = "force_column",
+        long = "force-column",
+        value_name = "NAME[:SCALE]",
+        help_heading = "Columns of a CSV file"
+    )]
+    pub force: Option<Column>,
+
+    /// Kind of axis, where the column names do not tell it; decides the units shown.
+    #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
+    pub axis: Option<AxisKind>,
+
+    /// Cutoff of the low-pass for the motion [Hz]
+    /// [default: a tenth of the sampling rate, at most 100].
+    #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
+    pub cutoff: Option<f64>,
+
+    /// Order of the low-pass, 1 to 12.
+    #[arg(long, value_name = "N", default_value_t = 4, help_heading = "Conditioning")]
+    pub order: usize,
+
+    /// Keep one sample in N for the fit, after an anti-alias low-pass
+    /// [default: sampling rate over cutoff].
+    #[arg(long, value_name = "N", help_heading = "Conditioning")]
+    pub decimate: Option<usize>,
+
+    /// Samples dropped at each end.
+    #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
+    pub trim: usize,
+
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a
+    /// fraction of it, at most 0.5; samples off by more are read between their neighbours, and gaps
+    /// split the recording.
+    #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Conditioning")]
+    pub time_tolerance: f64,
+
+    /// The force is friction alone and drives no inertia; so for a bag's friction torque anyway.
+    #[arg(long, help_heading = "Model")]
+    pub without_inertia: bool,
+
+    /// Choose the structure of the axis by cross-validation: auto, or names as
+    /// asymmetric+stribeck+delay, separated by commas.
+    #[arg(
+        long,
+        value_name = "auto|NAMES",
+        help_heading = "Model",
+        conflicts_with = "without_inertia"
+    )]
+    pub structure: Option<StructureChoice>,
+
+    /// Voltage- or current-driven recording: drive.yaml of identify-drive gives the motor's
+    /// constants, and the inertia for --torque-source.
+    #[arg(long, value_name = "FILE", help_heading = "Bag", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]
+    pub drive: Option<PathBuf>,
+
+    /// No constant force in the symmetric model.
+    #[arg(long, help_heading = "Model")]
+    pub without_offset: bool,
+
+    /// Bag: work the driving torque out from the motor voltage, (A Km / Ra) (u - A Km w).
+    #[arg(long, help_heading = "Bag")]
+    pub torque_from_voltage: bool,
+
+    /// Gear ratio A of the motor.
+    #[arg(long, value_name = "A", default_value_t = Motor::default().gear_ratio, help_heading = "Bag")]
+    pub gear_ratio: f64,
+
+    /// Torque constant Km of the motor [N m/A].
+    #[arg(long, value_name = "KM", default_value_t = Motor::default().motor_constant, help_heading = "Bag")]
+    pub motor_constant: f64,
+
+    /// Armature resistance Ra of the motor [Ohm].
+    #[arg(long, value_name = "RA", default_value_t = Motor::default().resistance, help_heading = "Bag")]
+    pub resistance: f64,
+}
+
+/// What `--drive` says of the drive.
+pub fn drive_file(args: &IdentifyArgs) -> Result<Option<DriveParameters>, BadInput> {
+    let Some(file) = &args.drive else { return Ok(None) };
+    let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
+    let text = files::input::text(file).map_err(|error| blame(error.to_string()))?;
+    Ok(Some(DriveConstants::read(&text).map_err(blame)?.parameters))
+}
+
+/// The motor's constants, from the options or a drive's file.
+pub fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
+    Ok(match drive_file(args)? {
+        Some(drive) => Motor {
+            gear_ratio: drive.gear_ratio,
+            motor_constant: drive.motor_constant,
+            resistance: drive.armature_resistance,
+        },
+        None => Motor {
+            gear_ratio: args.gear_ratio,
+            motor_constant: args.motor_constant,
+            resistance: args.resistance,
+        },
+    })
+}
+
+/// Refuses options that no recording could be identified with.
+///
+/// # Errors
+/// [`BadInput`] names the option at fault.
+pub fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
+    // A column's name behind --force would be taken for a file.
+    let column = args.files.iter().find(|file| args.to.force && !file.exists());
+    if let Some(column) = column {
+        let column = column.display();
+        return Err(BadInput(format!(
+            "there is no file {column}; --force replaces results that are there, and the column of the force is named by --force-column {column}"
+        )));
+    }
+    for (option, value) in [
+        ("--gear-ratio", args.gear_ratio),
+        ("--motor-constant", args.motor_constant),
+        ("--resistance", args.resistance),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(BadInput(format!(
+                "{option} must be a finite number above zero, but is {value}"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Filtering and thinning as the options say, the usual ones of that time step [s] where they do
+/// not.
+#[must_use]
+pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
+    let usual = Conditioning::for_time_step(time_step);
+    let cutoff = args.cutoff.unwrap_or(usual.cutoff);
+    // A cutoff out of range is refused later, with the sampling rate in the message.
+    let factor = (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize;
+    Conditioning {
+        cutoff,
+        order: args.order,
+        trim: args.trim,
+        decimate: args.decimate.unwrap_or(factor),
+    }
+}
+
+/// Reads a CSV file or a bag as the options say.
+///
+/// # Errors
+/// [`BadInput`] with the file and what is wrong with it.
+pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, BadInput> {
+    let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
+    let recording = if is_bag {
+        rosbag::read(file, args.torque_from_voltage.then_some(motor), args.time_tolerance)
+    } else {
+        let columns = args.columns();
+        table::read(file, &columns, args.time_tolerance)
+    };
+    recording.map_err(|error| BadInput(error.to_string()))
+}

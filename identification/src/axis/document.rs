@@ -1,0 +1,98 @@
+//! `identification.json`.
+//!
+//! ```text
+//! format, format_version, program_version
+//! axis                     "linear" or "rotary"
+//! recording                file, samples, time_step_s, duration_s, sources, timing (what was uneven and what was done: repeated, moved, filled, dropped,
+//!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
+//! validation               the same of the recording for the cross-test, or null
+//! settings                 cutoff_hz, order, trim, decimate
+//! symmetric, asymmetric    (the latter null where the recording does not show both directions)
+//!   parameters             name -> value, standard_error, unit, identifiable
+//!   relative_error_percent, residual_rms, residual_unit, samples
+//!   cross_test             relative_error_percent, samples; or null
+//! notes                    what must be known to read the numbers right
+//! ```
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::{Identification, ModelResult, unit};
+use recording::{AxisKind, Recording};
+
+/// The document as text.
+pub fn render(
+    found: &Identification,
+    recording: &Recording,
+    validation: Option<&Recording>,
+) -> String {
+    let conditioning = found.settings.conditioning;
+    let axis = found.settings.axis;
+    let document = json!({
+        "format": "frictionlab-identification",
+        "format_version": 1,
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "axis": axis,
+        "recording": source(recording),
+        "validation": validation.map(source),
+        "settings": {
+            "cutoff_hz": conditioning.cutoff,
+            "order": conditioning.order,
+            "trim": conditioning.trim,
+            "decimate": conditioning.decimate,
+        },
+        "symmetric": model(&found.symmetric, axis),
+        "asymmetric": found.asymmetric.as_ref().map(|result| model(result, axis)),
+        "notes": found.notes,
+    });
+    let mut text = format!("{document:#}");
+    text.push('\n');
+    text
+}
+
+#[derive(Serialize)]
+struct Parameter {
+    value: f64,
+    standard_error: f64,
+    unit: &'static str,
+    identifiable: bool,
+}
+
+fn model(result: &ModelResult, axis: AxisKind) -> Value {
+    let parameters: Map<_, _> = result
+        .fit
+        .terms
+        .iter()
+        .map(|estimate| {
+            let parameter = Parameter {
+                value: estimate.value,
+                standard_error: estimate.standard_error,
+                unit: unit(estimate.term, axis),
+                identifiable: estimate.is_identifiable(),
+            };
+            (estimate.term.name().to_owned(), json!(parameter))
+        })
+        .collect();
+    json!({
+        "parameters": parameters,
+        "relative_error_percent": result.fit.relative_error,
+        "residual_rms": result.fit.residual_rms,
+        "residual_unit": axis.force_unit(),
+        "samples": result.fit.samples,
+        "cross_test": result.validation.as_ref().map(|prediction| json!({
+            "relative_error_percent": prediction.relative_error,
+            "samples": prediction.measured.len(),
+        })),
+    })
+}
+
+fn source(recording: &Recording) -> Value {
+    json!({
+        "file": recording.path.display().to_string(),
+        "samples": recording.samples(),
+        "time_step_s": recording.time_step,
+        "duration_s": recording.duration(),
+        "sources": recording.sources,
+        "timing": recording.irregularities,
+    })
+}

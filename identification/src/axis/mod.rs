@@ -1,0 +1,223 @@
+//! Identification of a recorded axis: what `frictionlab identify` does between reading and
+//! printing.
+//!
+//! [`identify`] works out everything; [`document`] is the JSON, [`page`] the HTML, [`parameters`]
+//! the ROS parameter file, [`terminal`] the text, [`friction`] friction models from recordings of
+//! friction, and [`output`] puts files on the disk all at once or not at all.
+
+pub mod document;
+pub mod page;
+pub mod parameters;
+pub mod structure;
+pub mod structure_page;
+pub mod terminal;
+
+use std::path::{Path, PathBuf};
+
+use friction_ident::{
+    AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals,
+    condition_stretches, fit_axis,
+};
+
+use recording::{AxisKind, RecordedStretch, Recording};
+
+/// How a recording is to be identified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Filtering and thinning.
+    pub conditioning: Conditioning,
+    /// Whether the force drives an inertia.
+    pub inertia: bool,
+    /// Whether the symmetric model has an offset.
+    pub offset: bool,
+    /// Units.
+    pub axis: AxisKind,
+}
+
+/// A fitted model with what it says about the recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelResult {
+    /// The fit.
+    pub fit: AxisFit,
+    /// On the recording it was fitted to.
+    pub estimation: Prediction,
+    /// On the other one: the cross-test.
+    pub validation: Option<Prediction>,
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identification {
+    /// How it was done.
+    pub settings: Settings,
+    /// One viscous and one Coulomb coefficient.
+    pub symmetric: ModelResult,
+    /// A pair for each direction; none where the recording does not show both.
+    pub asymmetric: Option<ModelResult>,
+    /// What the reader must know to read the numbers right.
+    pub notes: Vec<String>,
+}
+
+/// A recording that could not be identified.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {source}{}", path.display(), hint(source))]
+pub struct IdentifyError {
+    /// The recording.
+    pub path: PathBuf,
+    /// Why.
+    pub source: IdentError,
+}
+
+/// The option of the command that mends it.
+fn hint(error: &IdentError) -> &'static str {
+    match error {
+        IdentError::Cutoff { .. } => " (--cutoff HZ)",
+        IdentError::Order(_) => " (--order N)",
+        IdentError::Decimation(_) => " (--decimate N)",
+        IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
+        IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
+            " (--without-inertia)"
+        }
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => {
+            " (--without-offset)"
+        }
+        _ => "",
+    }
+}
+
+/// Fits both models to `recording` and tries them on `validation`.
+///
+/// # Errors
+/// [`IdentifyError`] with the recording's path. A recording that shows only one direction is no
+/// error: the asymmetric model, and if need be the offset, is then left out and a note says so.
+pub fn identify(
+    recording: &Recording,
+    validation: Option<&Recording>,
+    settings: &Settings,
+) -> Result<Identification, IdentifyError> {
+    let estimation = conditioned(recording, settings)?;
+    let mut notes = timing_notes(recording, &estimation);
+    let validation = match validation {
+        Some(other) => {
+            let there = conditioned(other, settings)?;
+            notes.extend(timing_notes(other, &there));
+            Some((other.path.as_path(), there))
+        }
+        None => None,
+    };
+    let blame = |source| IdentifyError { path: recording.path.clone(), source };
+    let result = |fit: AxisFit| -> Result<ModelResult, IdentifyError> {
+        let here = fit.predict(&estimation).map_err(blame)?;
+        let there = match &validation {
+            Some((path, other)) => {
+                let blame = |source| IdentifyError { path: Path::to_path_buf(path), source };
+                Some(fit.predict(other).map_err(blame)?)
+            }
+            None => None,
+        };
+        Ok(ModelResult { fit, estimation: here, validation: there })
+    };
+
+    let wanted =
+        AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
+    let symmetric = match fit_axis(&estimation, wanted) {
+        Err(IdentError::NotExcited { terms }) if terms == [AxisTerm::Coulomb, AxisTerm::Offset] => {
+            notes.push(
+                "The axis moves in one direction only, so that a constant force cannot be told from Coulomb \
+                 friction: the offset was left out and is contained in the Coulomb friction."
+                    .to_owned(),
+            );
+            fit_axis(&estimation, AxisModel { offset: false, ..wanted })
+        }
+        other => other,
+    };
+    let symmetric = result(symmetric.map_err(blame)?)?;
+    let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false };
+    let asymmetric = match fit_axis(&estimation, wanted) {
+        Ok(fit) => Some(result(fit)?),
+        Err(error) => {
+            notes.push(format!(
+                "The model with separate friction for each direction was left out: {error}."
+            ));
+            None
+        }
+    };
+    for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
+        notes.extend(doubts(&model.fit));
+    }
+    Ok(Identification { settings: *settings, symmetric, asymmetric, notes })
+}
+
+/// Filters and differentiates a recording.
+///
+/// # Errors
+/// [`IdentifyError`] with the recording's path.
+pub fn conditioned(
+    recording: &Recording,
+    settings: &Settings,
+) -> Result<Conditioned, IdentifyError> {
+    let stretch = |stretch: &RecordedStretch| {
+        let signals = Signals {
+            time_step: recording.time_step,
+            position: recording.position.as_deref().map(|all| &all[stretch.samples.clone()]),
+            velocity: recording.velocity.as_deref().map(|all| &all[stretch.samples.clone()]),
+            force: &recording.force[stretch.samples.clone()],
+        };
+        (stretch.start, signals)
+    };
+    let stretches: Vec<(f64, Signals)> = recording.stretches.iter().map(stretch).collect();
+    condition_stretches(&stretches, &settings.conditioning)
+        .map_err(|source| IdentifyError { path: recording.path.clone(), source })
+}
+
+/// What is to be said about the times of a recording.
+fn timing_notes(recording: &Recording, used: &Conditioned) -> Vec<String> {
+    let path = recording.path.display();
+    let mut notes = Vec::new();
+    notes.extend(recording.irregularities.describe().map(|said| format!("{path}: {said}")));
+    let (found, long) = (recording.stretches.len(), used.stretches());
+    if long < found {
+        notes.push(format!(
+            "{path}: {} of {found} stretches are shorter than the low-pass and --trim need and were left out.",
+            found - long
+        ));
+    }
+    notes
+}
+
+/// What in a fit is not to be trusted.
+fn doubts(fit: &AxisFit) -> Vec<String> {
+    let model = if fit.model.asymmetric { "asymmetric" } else { "symmetric" };
+    let mut doubts = Vec::new();
+    for estimate in &fit.terms {
+        let what = estimate.term.describe();
+        if estimate.term == AxisTerm::Offset {
+            // An offset of about zero is a finding, not a failure.
+            continue;
+        }
+        if !estimate.is_identifiable() {
+            doubts.push(format!(
+                "In the {model} model {what} is not determined by this recording: its standard error is more than \
+                 half its value."
+            ));
+        } else if estimate.value < 0.0 {
+            doubts.push(format!(
+                "In the {model} model {what} comes out negative, which friction cannot be; the model is too simple \
+                 for this axis, or the recording too poor."
+            ));
+        }
+    }
+    doubts
+}
+
+/// Unit of a term.
+pub fn unit(term: AxisTerm, axis: AxisKind) -> &'static str {
+    match term {
+        AxisTerm::Inertia => axis.inertia_unit(),
+        AxisTerm::Viscous | AxisTerm::ViscousPositive | AxisTerm::ViscousNegative => {
+            axis.viscous_unit()
+        }
+        _ => axis.force_unit(),
+    }
+}

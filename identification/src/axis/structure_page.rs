@@ -1,0 +1,212 @@
+//! The chosen structure on paper: blocks of the page, lines of the terminal, part of the document.
+
+use std::fmt::Write;
+
+use friction_ident::Prediction;
+use serde_json::{Value, json};
+
+use super::structure::{BLOCKS, Structured};
+use crate::drive::rows;
+use recording::AxisKind;
+use report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
+
+/// Markers a cloud of points is thinned to.
+const CLOUD: usize = 1500;
+
+/// What the page gets.
+pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
+    let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
+    blocks.extend(found.fit.notes().into_iter().map(Block::Note));
+    blocks.push(Block::Text(format!(
+        "Structures are compared by cross-validation inside the estimation recording: {BLOCKS} contiguous blocks, each predicted by a fit to the others. Of those whose \
+         excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen. \
+         The other recording, if there is one, took no part in that."
+    )));
+    blocks.push(Block::Table(ranking(found)));
+    blocks.push(Block::Figure(bars(found)));
+    blocks.push(Block::Table(Table {
+        title: format!("Parameters of {}", found.fit.structure),
+        caption: format!(
+            "Errors count the residual as worth {:.1} % of its samples; intervals of delay, v_s, presliding and period are those of the profile of the sum of squares.{}",
+            100.0 * found.fit.effective_share,
+            harmonic(found)
+        ),
+        columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
+        rows: rows(&found.fit.estimates.parameters).into_iter().map(|row| row.to_vec()).collect(),
+        highlight: None,
+    }));
+    blocks.push(Block::Figure(over_velocity(found, axis)));
+    blocks.push(Block::Figure(residual("On the estimation recording", &found.estimation, axis)));
+    if let Some(other) = &found.validation {
+        blocks.push(Block::Figure(residual("On the validation recording", other, axis)));
+    }
+    blocks
+}
+
+/// What to say of the two parts of a harmonic force; empty where the structure has none.
+fn harmonic(found: &Structured) -> String {
+    let part = |name| found.fit.estimates.get(name);
+    let (Some(cos), Some(sin)) = (part("harmonic_cos"), part("harmonic_sin")) else {
+        return String::new();
+    };
+    format!(
+        " harmonic_cos and harmonic_sin are one wave of amplitude {:.2} {} and are judged by it: either of them may be near zero.",
+        cos.value.hypot(sin.value),
+        cos.unit
+    )
+}
+
+fn ranking(found: &Structured) -> Table {
+    let rows = found.choice.ranking.iter().filter_map(|ranked| {
+        let score = found.scores.get(ranked.index)?;
+        Some(vec![
+            score.structure.to_string(),
+            score.structure.parameters().to_string(),
+            format!("{:.3} ± {:.3}", score.relative_error, score.standard_error),
+            format!("{:.3} ± {:.3}", ranked.excess, ranked.excess_error),
+        ])
+    });
+    Table {
+        title: "Structures, the best prediction first".to_owned(),
+        caption: "Relative error of the prediction of unseen blocks with its standard error, and the excess over the best with the standard error of the paired difference."
+            .to_owned(),
+        columns: ["structure", "parameters", "cross-validated error [%]", "excess [%]"].map(str::to_owned).to_vec(),
+        rows: rows.collect(),
+        highlight: found.choice.ranking.iter().position(|ranked| ranked.index == found.choice.chosen),
+    }
+}
+
+fn bars(found: &Structured) -> Figure {
+    let score = |chosen: bool| {
+        let of = found
+            .scores
+            .iter()
+            .enumerate()
+            .filter(move |(i, _)| (*i == found.choice.chosen) == chosen);
+        let (x, (y, error)) = of
+            .map(|(_, score)| {
+                (score.structure.parameters() as f64, (score.relative_error, score.standard_error))
+            })
+            .collect::<(Vec<_>, (Vec<_>, Vec<_>))>();
+        let name = if chosen { "chosen" } else { "other structures" }.to_owned();
+        Trace::Points { name, x, y, error: Some(error) }
+    };
+    Figure {
+        title: "Cross-validated error against the number of parameters".to_owned(),
+        caption: "Each point a structure; bars: one standard error over the blocks.".to_owned(),
+        x_label: "parameters".to_owned(),
+        log_x: false,
+        panels: vec![Panel {
+            y_label: "cross-validated error [%]".to_owned(),
+            traces: vec![score(false), score(true)],
+        }],
+    }
+}
+
+fn over_velocity(found: &Structured, axis: AxisKind) -> Figure {
+    let Prediction { velocity, friction, .. } = &found.estimation;
+    let every = velocity.len().div_ceil(CLOUD).max(1);
+    let cloud = |name: &str, forward: bool| {
+        let (x, y) = velocity
+            .iter()
+            .zip(friction)
+            .step_by(every)
+            .filter(|(v, _)| (**v > 0.0) == forward)
+            .map(|(v, f)| (*v, *f))
+            .collect::<(Vec<_>, Vec<_>)>();
+        Trace::Points { name: name.to_owned(), x, y, error: None }
+    };
+    let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+    let branch = |side: f64| {
+        let x: Vec<f64> =
+            (0..=200).map(|i| side * fastest * (f64::from(i) / 200.0).powi(2)).collect();
+        let y = x.iter().map(|&v| found.fit.steady_friction(v)).collect();
+        Trace::Line { name: "fitted".to_owned(), x, y, style: LineStyle::Solid }
+    };
+    Figure {
+        title: format!("Friction {} against velocity, each direction", axis.force_word()),
+        caption: "Points: the measured value less inertia times acceleration, at the time the force acts. Lines: the fitted curve.".to_owned(),
+        x_label: format!("velocity [{}]", axis.velocity_unit()),
+        log_x: false,
+        panels: vec![Panel {
+            y_label: format!("friction {} [{}]", axis.force_word(), axis.force_unit()),
+            traces: vec![cloud("forward", true), cloud("backward", false), branch(-1.0), branch(1.0)],
+        }],
+    }
+}
+
+fn residual(title: &str, prediction: &Prediction, axis: AxisKind) -> Figure {
+    let line = |y: Vec<f64>| Trace::Line {
+        name: "residual".to_owned(),
+        x: prediction.time.clone(),
+        y,
+        style: LineStyle::Solid,
+    };
+    Figure {
+        title: title.to_owned(),
+        caption: format!(
+            "Measured less predicted {}: {:.3} % of it.",
+            axis.force_word(),
+            prediction.relative_error
+        ),
+        x_label: "time [s]".to_owned(),
+        log_x: false,
+        panels: vec![Panel {
+            y_label: format!("residual [{}]", axis.force_unit()),
+            traces: vec![line(prediction.residual())],
+        }],
+    }
+}
+
+/// What the terminal gets.
+pub fn terminal(found: &Structured) -> String {
+    let mut text =
+        String::from("\nstructures, by cross-validation inside the estimation recording:\n");
+    let width =
+        found.scores.iter().map(|score| score.structure.to_string().len()).max().unwrap_or(0);
+    for ranked in &found.choice.ranking {
+        let Some(score) = found.scores.get(ranked.index) else { continue };
+        let mark = if ranked.index == found.choice.chosen { ">" } else { " " };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{mark} {:width$}  {:>2} parameters  {:6.3} ± {:.3} %  excess {:.3} ± {:.3}",
+            score.structure.to_string(),
+            score.structure.parameters(),
+            score.relative_error,
+            score.standard_error,
+            ranked.excess,
+            ranked.excess_error
+        );
+    }
+    let _ = writeln!(text, "\n{}:", found.fit.structure);
+    let rows = rows(&found.fit.estimates.parameters);
+    let width = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
+    let (a, b, c, d) = (width(0), width(1), width(2), width(3));
+    for [name, value, unit, interval, verdict] in &rows {
+        let _ = writeln!(text, "  {name:a$}  {value:>b$}  {unit:c$}  {interval:d$}  {verdict}");
+    }
+    let _ = writeln!(text, "  relative error {:.3} %", found.fit.relative_error);
+    if let Some(other) = &found.validation {
+        let _ = writeln!(text, "  cross-test     {:.3} %", other.relative_error);
+    }
+    for note in found.fit.notes() {
+        let _ = writeln!(text, "note: {note}");
+    }
+    text
+}
+
+/// What the document gets under `structure`.
+pub fn document(found: &Structured) -> Value {
+    json!({
+        "chosen": found.fit.structure,
+        "blocks": BLOCKS,
+        "scores": found.scores,
+        "ranking": found.choice.ranking,
+        "parameters": found.fit.estimates,
+        "relative_error_percent": found.fit.relative_error,
+        "effective_share": found.fit.effective_share,
+        "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
+        "notes": found.fit.notes(),
+    })
+}

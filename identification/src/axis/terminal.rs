@@ -1,0 +1,102 @@
+//! What the terminal shows.
+
+use std::fmt::Write;
+
+use super::{Identification, ModelResult, unit};
+use recording::Recording;
+use report::numbers::value_and_error as with_error;
+
+/// A summary for people: parameters with standard errors, errors, notes.
+pub fn render(
+    found: &Identification,
+    recording: &Recording,
+    validation: Option<&Recording>,
+) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail, hence the ignored results.
+    let _ = writeln!(
+        text,
+        "{}: {} samples, {:.2} s at {} Hz",
+        recording.path.display(),
+        recording.samples(),
+        recording.duration(),
+        hertz(1.0 / recording.time_step)
+    );
+    let how = found.settings.conditioning;
+    let _ = writeln!(
+        text,
+        "low-pass {} Hz (order {}, forwards and backwards), {} samples off each end, 1 in {} kept: {} fitted",
+        hertz(how.cutoff),
+        how.order,
+        how.trim,
+        how.decimate,
+        found.symmetric.fit.samples
+    );
+    model(&mut text, found, &found.symmetric, "symmetric", validation);
+    if let Some(asymmetric) = &found.asymmetric {
+        model(&mut text, found, asymmetric, "asymmetric", validation);
+    }
+    for note in &found.notes {
+        let _ = writeln!(text, "\nnote: {note}");
+    }
+    text
+}
+
+fn model(
+    text: &mut String,
+    found: &Identification,
+    result: &ModelResult,
+    name: &str,
+    validation: Option<&Recording>,
+) {
+    let axis = found.settings.axis;
+    let _ = writeln!(text, "\n{name}: {}", equation(result, axis.force_word()));
+    let rows: Vec<_> = result
+        .fit
+        .terms
+        .iter()
+        .map(|estimate| {
+            let (value, error) = with_error(estimate.value, estimate.standard_error);
+            (estimate.term.name(), value, error, unit(estimate.term, axis))
+        })
+        .collect();
+    let width =
+        |of: fn(&(&str, String, String, &str)) -> usize| rows.iter().map(of).max().unwrap_or(0);
+    let (first, second, third) = (width(|r| r.0.len()), width(|r| r.1.len()), width(|r| r.2.len()));
+    for (term, value, error, unit) in &rows {
+        let _ = writeln!(text, "  {term:first$}  {value:>second$} ± {error:third$}  {unit}");
+    }
+    let _ = writeln!(text, "  relative error {:.3} %", result.fit.relative_error);
+    if let (Some(prediction), Some(other)) = (&result.validation, validation) {
+        let _ = writeln!(
+            text,
+            "  cross-test     {:.3} %  on {}",
+            prediction.relative_error,
+            other.path.display()
+        );
+    }
+}
+
+/// The model's equation in one line.
+pub fn equation(result: &ModelResult, force: &str) -> String {
+    let model = result.fit.model;
+    let mut parts = Vec::new();
+    if model.inertia {
+        parts.push("inertia a");
+    }
+    if model.asymmetric {
+        parts.push("viscous± v + coulomb± sign(v)");
+    } else {
+        parts.push("viscous v + coulomb sign(v)");
+        if model.offset {
+            parts.push("offset");
+        }
+    }
+    format!("{} = {force}", parts.join(" + "))
+}
+
+/// A frequency with as many decimals as it deserves.
+pub fn hertz(value: f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    format!("{rounded}")
+}

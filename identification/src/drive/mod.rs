@@ -1,0 +1,172 @@
+//! `frictionlab identify-drive` between reading and printing: [`page`] is the HTML, [`parameters`]
+//! the ROS parameter file, both from [`Identified`].
+
+pub mod linear;
+pub mod page;
+pub mod parameters;
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use friction_ident::drive::{Calibration, DriveFit, DriveRecording, combine, fit_drive};
+use friction_ident::{Conditioning, Estimate, IdentError, Verdict};
+use serde_json::json;
+
+use crate::axis::structure::units;
+use recording::driven::DrivenRecording;
+use recording::{AxisKind, Irregularities, RecordedStretch};
+use report::numbers::value_and_error as with_error;
+
+/// A drive found in one or several recordings.
+#[derive(Debug, Clone)]
+pub struct Identified {
+    /// Kind of axis.
+    pub axis: AxisKind,
+    /// Gear ratio, where it is known; the parameter file needs it.
+    pub gear_ratio: Option<f64>,
+    /// What was known of the motor.
+    pub calibration: Option<Calibration>,
+    /// Each recording with its fit.
+    pub fits: Vec<(PathBuf, DriveFit)>,
+    /// What was uneven about the times of each recording.
+    pub timing: Vec<Irregularities>,
+    /// All recordings together.
+    pub estimates: Vec<Estimate>,
+}
+
+/// Identifies every recording and puts them together.
+///
+/// # Errors
+/// The recording and why it cannot be identified.
+pub fn identify(
+    recordings: &[DrivenRecording],
+    axis: AxisKind,
+    calibration: Option<Calibration>,
+    gear_ratio: Option<f64>,
+) -> Result<Identified, (PathBuf, IdentError)> {
+    let (mut fits, mut timing) = (Vec::new(), Vec::new());
+    for recording in recordings {
+        let part = |stretch: &RecordedStretch| {
+            let own = stretch.samples.clone();
+            DriveRecording {
+                start: stretch.start,
+                time_step: recording.time_step,
+                voltage: &recording.voltage[own.clone()],
+                position: recording.position.as_deref().map(|all| &all[own.clone()]),
+                velocity: recording.velocity.as_deref().map(|all| &all[own.clone()]),
+                friction: recording.friction.as_deref().map(|all| &all[own.clone()]),
+            }
+        };
+        let drive: Vec<DriveRecording> = recording.stretches.iter().map(part).collect();
+        let how = Conditioning::for_time_step(recording.time_step);
+        let mut fit = fit_drive(&drive, &how, calibration.as_ref(), units(axis))
+            .map_err(|error| (recording.path.clone(), error))?;
+        let uneven = recording.irregularities.describe();
+        fit.notes.extend(uneven.map(|said| format!("{}: {said}", recording.path.display())));
+        if recording.one_cycle_in > 1 {
+            fit.notes.push(format!(
+                "{}: one control cycle in {} was recorded, and the voltage between is not known: only what is steady can be trusted. `--record full` keeps every cycle.",
+                recording.path.display(),
+                recording.one_cycle_in
+            ));
+        }
+        timing.push(recording.irregularities);
+        fits.push((recording.path.clone(), fit));
+    }
+    let lists: Vec<_> = fits.iter().map(|(_, fit)| fit.estimates.parameters.clone()).collect();
+    Ok(Identified { axis, gear_ratio, calibration, estimates: combine(&lists), fits, timing })
+}
+
+impl Identified {
+    /// The value of an identified quantity.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        let known = self.estimates.iter().find(|estimate| estimate.name == name)?;
+        known.is_identified().then_some(known.value)
+    }
+
+    /// What the reader must know, each once.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes: Vec<String> = Vec::new();
+        for note in self.fits.iter().flat_map(|(_, fit)| &fit.notes) {
+            if !notes.contains(note) {
+                notes.push(note.clone());
+            }
+        }
+        notes
+    }
+
+    /// `identification-drive.json`.
+    pub fn document(&self) -> String {
+        let document = json!({
+            "format": "frictionlab-drive",
+            "format_version": 1,
+            "program_version": env!("CARGO_PKG_VERSION"),
+            "axis": self.axis,
+            "known": self.calibration,
+            "estimates": self.estimates,
+            "recordings": self.fits.iter().zip(&self.timing).map(|((path, fit), timing)| json!({
+                "file": path.display().to_string(),
+                "relative_error_percent": fit.relative_error,
+                "effective_share": fit.effective_share,
+                "estimates": fit.estimates.parameters,
+                "breakaways": fit.breakaways,
+                "timing": timing,
+            })).collect::<Vec<_>>(),
+            "notes": self.notes(),
+        });
+        format!("{document:#}\n")
+    }
+
+    /// What the terminal shows.
+    pub fn summary(&self) -> String {
+        let mut text = String::new();
+        for (path, fit) in &self.fits {
+            let _ = writeln!(
+                text,
+                "{}: {} samples fitted, relative error of the voltage {:.2} %, {} starts out of rest",
+                path.display(),
+                fit.measured.len(),
+                fit.relative_error,
+                fit.breakaways.len()
+            );
+        }
+        let rows = rows(&self.estimates);
+        let width = |i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0);
+        let (a, b, c, d) = (width(0), width(1), width(2), width(3));
+        for [name, value, unit, interval, verdict] in &rows {
+            let _ = writeln!(text, "  {name:a$}  {value:>b$}  {unit:c$}  {interval:d$}  {verdict}");
+        }
+        for note in self.notes() {
+            let _ = writeln!(text, "note: {note}");
+        }
+        text
+    }
+}
+
+/// Name, value, unit, 95 % interval and verdict of each estimate.
+pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
+    estimates
+        .iter()
+        .map(|estimate| {
+            let error =
+                estimate.standard_error.filter(|error| error.is_finite()).unwrap_or(f64::NAN);
+            let (value, _) = with_error(estimate.value, error);
+            let value = if estimate.value.is_nan() { "unknown".to_owned() } else { value };
+            let end = |end: f64| {
+                if end.is_finite() { with_error(end, error).0 } else { "open".to_owned() }
+            };
+            let interval = match estimate.interval {
+                Some(interval) => format!("[{}, {}]", end(interval.low), end(interval.high)),
+                None => "no interval".to_owned(),
+            };
+            let verdict = match &estimate.verdict {
+                Verdict::Identified => "identified".to_owned(),
+                Verdict::NotIdentifiable { doubt, remedy } => {
+                    format!("not identifiable: {doubt}; needs {remedy}")
+                }
+                Verdict::Given { source } => format!("given: {source}"),
+            };
+            [estimate.name.clone(), value, estimate.unit.to_owned(), interval, verdict]
+        })
+        .collect()
+}

@@ -1,0 +1,152 @@
+//! `drive.yaml`: the drive as a ROS 2 parameter file, and [`DriveConstants`] read back from it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use friction_ident::drive::Calibration;
+use rig_driver::DriveParameters;
+
+use files::commented_yaml::number;
+use files::ros_parameters::of_rig_driver;
+use rig_setup::{DriveSheet, RigProfile};
+
+use super::Identified;
+
+/// The drive's constants for whoever needs them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveConstants {
+    /// The drive.
+    pub parameters: DriveParameters,
+}
+
+impl DriveConstants {
+    /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are
+    /// all known.
+    ///
+    /// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the
+    /// given ones.
+    pub fn of(found: &Identified) -> Option<Self> {
+        let gear_ratio = found.gear_ratio?;
+        let inertia = found.value("inertia")?;
+        let (back_emf, volts_per_torque) =
+            match (found.value("back_emf"), found.value("volts_per_torque")) {
+                (Some(back_emf), Some(volts)) => (back_emf, volts),
+                _ => match found.calibration? {
+                    Calibration::Motor { torque_constant, resistance } => {
+                        (torque_constant.value, resistance.value / torque_constant.value)
+                    }
+                    Calibration::ForcePerVolt(_) => return None,
+                },
+            };
+        let parameters = DriveParameters {
+            motor_constant: back_emf / gear_ratio,
+            gear_ratio,
+            armature_resistance: volts_per_torque * back_emf,
+            inertia,
+        };
+        Some(Self { parameters })
+    }
+
+    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a
+    /// drive.
+    ///
+    /// # Errors
+    /// A sentence about what is wrong in the text.
+    pub fn read(text: &str) -> Result<Self, String> {
+        if is_profile(text) {
+            let drive = RigProfile::read(text)?.drive.ok_or(
+                "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
+            )?;
+            let parameters = drive.parameters().ok_or(
+                "the drive of this rig profile has gain and time constant alone; the motor's constants are needed, which identify-drive finds with a torque sensor or is given",
+            )?;
+            return Ok(Self { parameters });
+        }
+        let parameters: DriveParameters = of_rig_driver(
+            text,
+            "drive",
+            "identify-drive writes one where the motor's constants or a torque sensor tell them",
+        )?;
+        rig_driver::Drive::try_from(parameters).map_err(|e| format!("in `drive`: {e}"))?;
+        Ok(Self { parameters })
+    }
+}
+
+/// The drive as a rig profile has it; none unless gain and time constant are known.
+#[must_use]
+pub fn sheet(found: &Identified) -> Option<DriveSheet> {
+    // Without a gear ratio the constants are those of the load.
+    let known = Identified { gear_ratio: found.gear_ratio.or(Some(1.0)), ..found.clone() };
+    let constants = DriveConstants::of(&known).map(|constants| constants.parameters);
+    Some(DriveSheet {
+        gain: found.value("gain")?,
+        time_constant: found.value("time_constant")?,
+        motor_constant: constants.map(|p| p.motor_constant),
+        gear_ratio: constants.map(|p| p.gear_ratio),
+        armature_resistance: constants.map(|p| p.armature_resistance),
+        inertia: constants.map(|p| p.inertia),
+    })
+}
+
+/// Whether the text is a rig profile: it has an address.
+fn is_profile(text: &str) -> bool {
+    serde_saphyr::from_str::<BTreeMap<String, serde_json::Value>>(text)
+        .is_ok_and(|keys| keys.contains_key("rig"))
+}
+
+/// The file as text.
+pub fn render(found: &Identified) -> String {
+    let mut text = format!(
+        "# A drive fitted by frictionlab {}. Behind each value stands where it comes from.\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    // Writing to a string cannot fail.
+    for [name, value, unit, interval, verdict] in super::rows(&found.estimates) {
+        let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
+    }
+    match DriveConstants::of(found) {
+        Some(DriveConstants { parameters: p }) => {
+            let by_sensor = found.value("back_emf").is_some() && found.value("volts_per_torque").is_some();
+            let motor = if by_sensor { "identified, with the gear ratio that was given" } else { "given" };
+            text.push_str("/rig_driver:\n  ros__parameters:\n    drive:\n");
+            for (name, value, from) in [
+                ("motor_constant", p.motor_constant, motor),
+                ("gear_ratio", p.gear_ratio, "given"),
+                ("armature_resistance", p.armature_resistance, if by_sensor { "identified" } else { "given" }),
+                ("inertia", p.inertia, "identified"),
+            ] {
+                let _ = writeln!(text, "      {name}: {}  # {from}", number(value));
+            }
+        }
+        None => text.push_str(
+            "# No /rig_driver here: the motor's constants (--gear-ratio, --motor-constant, --resistance) or a torque sensor are needed.\n",
+        ),
+    }
+    text.push_str("/drive_identification:\n  ros__parameters:\n");
+    for estimate in found.estimates.iter().filter(|estimate| estimate.is_identified()) {
+        let _ = writeln!(text, "    {}: {}  # identified", estimate.name, number(estimate.value));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DriveConstants;
+
+    #[test]
+    fn a_drive_that_cannot_be_is_refused_by_name() {
+        let file = |inertia: &str| {
+            format!(
+                "/rig_driver:\n  ros__parameters:\n    drive:\n      motor_constant: 0.00767\n      gear_ratio: 70.0\n      \
+                 armature_resistance: 2.6\n      inertia: {inertia}\n"
+            )
+        };
+        assert_eq!(DriveConstants::read(&file("0.0026")).unwrap().parameters.inertia, 0.0026);
+        assert!(DriveConstants::read(&file("-1.0")).unwrap_err().contains("inertia"));
+        assert!(
+            DriveConstants::read("/controller:\n  ros__parameters:\n    a: 1\n")
+                .unwrap_err()
+                .contains("rig_driver")
+        );
+    }
+}

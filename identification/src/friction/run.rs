@@ -1,0 +1,326 @@
+//! The work: sorts the recordings, identifies every model, tries it on the others, puts the models
+//! in order.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use friction_ident::information::{
+    Difference, Information, Standing, paired_difference, paired_ratio,
+};
+use friction_ident::staged::residuals;
+use friction_ident::{
+    DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch,
+    identify_model, refine_jointly,
+};
+use friction_model::ModelName;
+
+use super::from_drive::{FromDrive, by_name};
+use super::{
+    Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source,
+    wording,
+};
+use recording::stretches::FrictionRecording;
+use work::progress::Progress;
+use work::sequencer::{Completion, run_in_order};
+
+/// Blocks over which two models are compared.
+const BLOCKS: usize = 20;
+/// A difference of BIC that is worth mentioning (Kass and Raftery 1995).
+const BIC_NOTICEABLE: f64 = 2.0;
+
+/// Identifies every model of `settings` from `files` and tries it on `validation`. Once `cancel` is
+/// set every search stops where it is, and what there is by then is the result.
+///
+/// # Errors
+/// [`FrictionError`] if not one model could be identified.
+pub fn identify(
+    files: &[FrictionRecording],
+    validation: &[FrictionRecording],
+    settings: &Settings,
+    progress: &Progress,
+    cancel: &AtomicBool,
+) -> Result<FrictionIdentification, FrictionError> {
+    let reach = settings.reach.or_else(|| reach(files.iter().chain(validation)));
+    let (data, mut notes) = sorted(files, reach);
+    let held_out = (!validation.is_empty()).then(|| sorted(validation, reach).0);
+
+    let moved = moved(files, reach, settings);
+    let stages_only = StagedOptions { joint: false, ..settings.staged };
+
+    let mut models: Vec<(Identified, Option<FromDrive>)> = Vec::new();
+    let mut refused: Vec<(ModelName, IdentError)> = Vec::new();
+    let work = |name: &ModelName| {
+        let mut watch = |stage, step: &friction_ident::bounded::Step| {
+            progress.stage(wording::progress(*name, stage, step.sum));
+            if cancel.load(Ordering::Relaxed) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let found = identify_model(*name, &data, &settings.staged, &mut watch).and_then(|found| {
+            let refit = |data: &_| {
+                let stages = identify_model(*name, data, &stages_only, &mut watch)?;
+                let joint = if settings.staged.joint {
+                    refine_jointly(&found.model, &stages.model, data, &settings.staged, &mut watch)?
+                } else {
+                    None
+                };
+                let stopped = stages.stopped || cancel.load(Ordering::Relaxed);
+                Ok((!stopped).then(|| by_name(stages.stages.iter().chain(&joint))))
+            };
+            let from_drive = FromDrive::work_out(&found, &data, &moved, refit)?;
+            Ok((found, from_drive))
+        });
+        progress.advance(1.0);
+        Ok::<_, std::convert::Infallible>(found)
+    };
+    let Ok(completion) =
+        run_in_order(&settings.models, settings.workers, cancel, work, |name, found| {
+            match found {
+                Ok(found) => models.push(found),
+                Err(error) => refused.push((*name, error)),
+            }
+            Ok(())
+        });
+    let interrupted = cancel.load(Ordering::Relaxed)
+        && (completion != Completion::All || models.iter().any(|(model, _)| model.stopped));
+    if models.is_empty() {
+        return Err(match refused.into_iter().next() {
+            Some((model, source)) => {
+                let files: Vec<_> =
+                    files.iter().map(|file| file.path.display().to_string()).collect();
+                FrictionError::Refused { model, files: files.join(", "), source }
+            }
+            None => FrictionError::Nothing,
+        });
+    }
+    for (name, error) in refused {
+        notes.push(format!("{name} was left out: {error}."));
+    }
+    if let Completion::Cancelled { delivered } = completion {
+        let missing: Vec<_> =
+            settings.models.iter().skip(delivered).map(|name| name.as_str().to_owned()).collect();
+        notes.push(format!("Stopped before {} was begun.", missing.join(", ")));
+    }
+    on_common_ground(&mut models);
+    let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
+    let models = ranked(models, &data, held_out.as_ref(), criterion);
+    if held_out.is_none() {
+        notes.push(
+            "All errors are those of the fit: no recording was held out. --validate FILE says how the models do on data they have not seen."
+                .to_owned(),
+        );
+    }
+    notes.extend(wording::source_notes(files.iter().chain(validation), settings));
+    notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
+    Ok(FrictionIdentification {
+        settings: settings.clone(),
+        files: files.iter().map(Source::from).collect(),
+        validation: validation.iter().map(Source::from).collect(),
+        data,
+        held_out,
+        models,
+        criterion,
+        notes,
+        interrupted,
+    })
+}
+
+/// Sorts the stretches of all files by what they show.
+fn sorted(files: &[FrictionRecording], reach: Option<f64>) -> (FrictionData, Vec<String>) {
+    let points: Vec<SteadyPoint> =
+        files.iter().flat_map(|file| file.points.iter().copied()).collect();
+    let stretches: Vec<Stretch> =
+        files.iter().flat_map(|file| file.stretches.iter().cloned()).collect();
+    let data = FrictionData::sort(points, stretches, reach);
+    let mut notes = Vec::new();
+    if data.pre_sliding.is_empty() {
+        notes.push(
+            "No recording stays within pre-sliding. If one should, say with --reach how far the contact bends before it slides."
+                .to_owned(),
+        );
+    }
+    (data, notes)
+}
+
+/// The recordings as they were if each constant of the drive were higher by one standard error.
+/// They sort as the others do: their motion is the same.
+fn moved(
+    files: &[FrictionRecording],
+    reach: Option<f64>,
+    settings: &Settings,
+) -> Vec<(DriveConstant, FrictionData)> {
+    let constants = settings.preparation.torque.constants().iter();
+    constants
+        .map(|&constant| {
+            let (mut points, mut stretches) = (Vec::new(), Vec::new());
+            for file in files {
+                if let Some(error) =
+                    file.drive_errors.iter().find(|error| error.constant == constant)
+                {
+                    let (more_points, more_stretches) = error.moved(&file.points, &file.stretches);
+                    points.extend(more_points);
+                    stretches.extend(more_stretches);
+                }
+            }
+            (constant, FrictionData::sort(points, stretches, reach))
+        })
+        .collect()
+}
+
+/// How far the contact bends, from stretches that turn back and forth and whose friction stays well
+/// below the level at which it slides.
+fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Option<f64> {
+    let root_mean_square = |values: &[f64]| {
+        (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+    };
+    let stretches = || files.clone().flat_map(|file| &file.stretches);
+    let level = files
+        .clone()
+        .flat_map(|file| &file.points)
+        .map(|point| point.torque.abs())
+        .chain(stretches().map(|stretch| root_mean_square(&stretch.friction)))
+        .fold(f64::NAN, f64::max);
+    let slowest_level = files
+        .clone()
+        .flat_map(|file| &file.points)
+        .map(|point| point.torque.abs())
+        .fold(level, f64::min);
+    let reaches = stretches()
+        .filter(|stretch| {
+            root_mean_square(&stretch.friction) < 0.8 * slowest_level && turns(stretch)
+        })
+        .map(|stretch| {
+            let travel = stretch.travel();
+            let (low, high) =
+                travel.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
+                    (low.min(x), high.max(x))
+                });
+            high - low
+        });
+    reaches
+        .fold(None, |most: Option<f64>, range| Some(most.map_or(range, |most| most.max(range))))
+        .map(|range| 0.55 * range)
+}
+
+/// Whether the travel goes both ways for a good part of its range.
+fn turns(stretch: &Stretch) -> bool {
+    let travel = stretch.travel();
+    let (mut forward, mut backward) = (0.0, 0.0);
+    for pair in travel.windows(2) {
+        let step = pair[1] - pair[0];
+        if step > 0.0 { forward += step } else { backward -= step }
+    }
+    f64::min(forward, backward) > 0.2 * f64::max(forward, backward)
+}
+
+/// Information criteria over one and the same number of independent samples: that of the model that
+/// leaves least. Its own for each would compare models by how much of a pattern they leave.
+fn on_common_ground(models: &mut [(Identified, Option<FromDrive>)]) {
+    let least =
+        models.iter().map(|(model, _)| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
+    let Some(least) = least else { return };
+    let share = least.effective_samples / least.samples.max(1) as f64;
+    for (model, _) in models {
+        let own = model.information;
+        model.information = Information::new(own.mse, own.samples, share, own.parameters);
+    }
+}
+
+fn ranked(
+    models: Vec<(Identified, Option<FromDrive>)>,
+    data: &FrictionData,
+    held_out: Option<&FrictionData>,
+    criterion: Criterion,
+) -> Vec<ModelResult> {
+    let mut scored: Vec<(f64, Vec<f64>, ModelResult)> = models
+        .into_iter()
+        .map(|(found, from_drive)| {
+            let here = residuals(&found.model, data);
+            let there = held_out.map(|data| residuals(&found.model, data));
+            let fit = Errors::of(&found.model, data, &here);
+            let tried = held_out
+                .zip(there.as_ref())
+                .map(|(data, there)| Errors::of(&found.model, data, there));
+            let score = match tried {
+                Some(tried) => tried.all,
+                None => found.information.bic,
+            };
+            // What is not a number is worse than all.
+            let score = if score.is_nan() { f64::INFINITY } else { score };
+            let none = Difference { mean: 0.0, standard_error: 0.0 };
+            let result = ModelResult {
+                found,
+                fit,
+                held_out: tried,
+                difference: none,
+                ratio: none,
+                standing: Standing::Alike,
+                from_drive,
+            };
+            (score, there.unwrap_or(here), result)
+        })
+        .collect();
+    // The sort is stable: equals keep the order in which they were asked for.
+    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let first = scored
+        .first()
+        .map(|(score, residuals, result)| (*score, residuals.clone(), result.error()));
+    let Some((best_score, best, best_error)) = first else { return Vec::new() };
+    scored
+        .into_iter()
+        .enumerate()
+        .map(|(place, (score, residuals, mut result))| {
+            if place > 0 {
+                result.difference = paired_difference(&residuals, &best, BLOCKS);
+                result.ratio = paired_ratio(&residuals, &best, BLOCKS);
+                let within = match criterion {
+                    Criterion::HeldOut => {
+                        result.difference.is_tie()
+                            && (result.ratio.is_tie() || result.ratio.mean < 0.0)
+                    }
+                    Criterion::Bic => score - best_score < BIC_NOTICEABLE,
+                };
+                result.standing = Standing::of(result.error(), best_error, within);
+            }
+            result
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(points: Vec<SteadyPoint>, stretches: Vec<Stretch>) -> FrictionRecording {
+        FrictionRecording {
+            path: "x".into(),
+            points,
+            stretches,
+            samples: 0,
+            axis: None,
+            outliers: Vec::new(),
+            drive_errors: Vec::new(),
+            irregularities: Default::default(),
+        }
+    }
+
+    /// A stretch of a spring that slides at 0.1: x = a sin(t).
+    fn swing(a: f64) -> Stretch {
+        let time = (0..6000).map(|k| f64::from(k) * 1e-3);
+        let position: Vec<f64> = time.clone().map(|t| a * (3.0 * t).sin()).collect();
+        let velocity: Vec<f64> = time.map(|t| 3.0 * a * (3.0 * t).cos()).collect();
+        let friction = position.iter().map(|x| (20.0 * x).clamp(-0.1, 0.1)).collect();
+        Stretch::new(1e-3, velocity, Some(position), friction).unwrap()
+    }
+
+    #[test]
+    fn pre_sliding_is_told_by_its_friction() {
+        let points = vec![SteadyPoint::new(0.5, 0.1), SteadyPoint::new(1.0, 0.12)];
+        let found =
+            reach([recording(points.clone(), vec![swing(0.004), swing(2.0)])].iter()).unwrap();
+        assert!((found / 0.0044 - 1.0).abs() < 0.01, "{found}");
+        assert_eq!(reach([recording(points, vec![swing(2.0)])].iter()), None);
+    }
+}

@@ -1,0 +1,211 @@
+//! What the page, the terminal and the document say alike.
+
+use friction_ident::information::Standing;
+use friction_ident::{Estimate, FrictionData, Stage, Verdict};
+use friction_model::ModelName;
+
+use super::{Criterion, FrictionIdentification, KINDS, ModelResult, Settings};
+use recording::drive_error::AddedUncertainty;
+use recording::stretches::FrictionRecording;
+use report::numbers::{self, value_and_error as with_error};
+
+/// One line for the progress bar.
+pub(super) fn progress(name: ModelName, stage: Stage, sum: f64) -> String {
+    let stage = match stage {
+        Stage::Static => "static",
+        Stage::PreSliding => "pre-sliding",
+        Stage::MicroDamping => "damping",
+        Stage::Lag => "lag",
+        Stage::Joint => "joint",
+    };
+    format!("{name} {stage} {sum:.2e}")
+}
+
+/// Value and standard error with as many digits as the error allows; the error is empty where there
+/// is none.
+pub fn value(estimate: &Estimate) -> (String, String) {
+    match estimate.standard_error.filter(|error| *error > 1e-14 * estimate.value.abs()) {
+        Some(error) => with_error(estimate.value, error),
+        None => (significant(estimate.value), String::new()),
+    }
+}
+
+/// What the drive's constants add to a parameter's uncertainty; empty where nothing does.
+pub(super) fn from_drive(result: &ModelResult, estimate: &Estimate) -> String {
+    let added = result.from_drive.as_ref().and_then(|from| from.of(&estimate.name));
+    added.map_or(
+        String::new(),
+        |added| if added == 0.0 { "0".to_owned() } else { format!("{added:.1e}") },
+    )
+}
+
+/// The 95 % interval, open ends as such.
+pub(super) fn interval(estimate: &Estimate) -> String {
+    let Some(interval) = estimate.interval else { return String::new() };
+    let error = estimate.standard_error.filter(|error| *error > 1e-14 * estimate.value.abs());
+    let end = |value: f64| match error {
+        _ if value == f64::NEG_INFINITY => "-inf".to_owned(),
+        _ if value == f64::INFINITY => "inf".to_owned(),
+        Some(error) => with_error(value, error).0,
+        None => significant(value),
+    };
+    format!("{} to {}", end(interval.low), end(interval.high))
+}
+
+/// Whether the data determine the parameter, and if not what to measure.
+pub(super) fn verdict(estimate: &Estimate) -> String {
+    match &estimate.verdict {
+        Verdict::Identified => "identified".to_owned(),
+        Verdict::NotIdentifiable { doubt, remedy } => {
+            format!("not identifiable from this data: {doubt}. Measure {remedy}.")
+        }
+        Verdict::Given { source } => format!("not estimated: {source}"),
+    }
+}
+
+/// Four significant digits.
+pub fn significant(value: f64) -> String {
+    numbers::significant(value, 4)
+}
+
+/// What a model's place is worth.
+pub(super) fn place(found: &FrictionIdentification, place: usize, result: &ModelResult) -> String {
+    if place == 0 {
+        return "first".to_owned();
+    }
+    let first = found.models.first().map_or(f64::NAN, ModelResult::error);
+    let times = format!("{} times its error", significant(result.error() / first));
+    match (result.standing, found.criterion) {
+        (Standing::Alike, _) => format!("cannot be told from the first ({times})"),
+        (Standing::Undecided, criterion) => {
+            undecided(&significant(result.error() / first), criterion, found.recordings_held_out())
+        }
+        (Standing::Worse, Criterion::HeldOut) => {
+            let times = |errors: f64| {
+                significant((result.ratio.mean + errors * result.ratio.standard_error).exp())
+            };
+            format!(
+                "worse: {} times the mean square in the usual block ({} to {})",
+                times(0.0),
+                times(-2.0),
+                times(2.0)
+            )
+        }
+        (Standing::Worse, Criterion::Bic) => {
+            let first = found.models.first().map_or(0.0, |first| first.found.information.bic);
+            format!("BIC higher by {}", significant(result.found.information.bic - first))
+        }
+    }
+}
+
+/// Recordings below which nothing is to be told from their scatter.
+const FEW: usize = 3;
+
+/// Why a model with a clearly larger error is not called worse.
+fn undecided(times: &str, criterion: Criterion, held_out: usize) -> String {
+    let error = format!("{times} times the error of the first");
+    match (criterion, held_out) {
+        (Criterion::Bic, _) => format!("{error}, but too few independent samples to tell"),
+        (Criterion::HeldOut, 1) => format!("{error}, but too few recordings to tell: 1 held out"),
+        (Criterion::HeldOut, n) if n < FEW => {
+            format!("{error}, but too few recordings to tell: {n} held out")
+        }
+        (Criterion::HeldOut, _) => {
+            format!("{error}, but better in parts: the recordings held out do not decide")
+        }
+    }
+}
+
+/// By what the models stand in order, in a sentence.
+pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
+    match found.criterion {
+        Criterion::HeldOut => {
+            "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
+             the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a fifth \
+             larger, cannot be told from the first; with a larger error the recordings do not decide."
+        }
+        Criterion::Bic => {
+            "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
+             residuals of the best fit tell. A \
+             difference below 2 is no difference where the error is at most a fifth larger. The errors are those of the fit."
+        }
+    }
+}
+
+/// Which model is chosen, where it is not the first.
+pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
+    let (first, chosen) = (found.models.first()?, found.chosen()?);
+    (chosen.found.name != first.found.name).then(|| {
+        format!(
+            "Chosen: {}, which has the fewest parameters of those that cannot be told from the first.",
+            chosen.found.name
+        )
+    })
+}
+
+/// Kinds that were fitted but are not among the recordings held out: the ranking knows nothing of
+/// them.
+pub(super) fn unseen_kinds(data: &FrictionData, held_out: &FrictionData) -> Option<String> {
+    let count = FrictionIdentification::count;
+    let unseen: Vec<&str> = KINDS
+        .iter()
+        .filter(|&&kind| count(data, kind) > 0 && count(held_out, kind) == 0)
+        .map(|kind| kind.describe())
+        .collect();
+    (!unseen.is_empty()).then(|| {
+        format!(
+            "The recordings held out do not show {}: the order of the models says nothing about it. Add such a recording to --validate.",
+            unseen.join(", ")
+        )
+    })
+}
+
+/// What is to be said about the files.
+pub(super) fn source_notes<'a>(
+    files: impl Iterator<Item = &'a FrictionRecording>,
+    settings: &Settings,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let unit = settings.axis.force_unit();
+    for file in files {
+        let path = file.path.display();
+        if !file.outliers.is_empty() {
+            notes.push(format!(
+                "{}: {} samples were not believed and were replaced by the median of their neighbours; identification.json lists every one.",
+                path,
+                file.outliers.len()
+            ));
+        }
+        notes.extend(file.irregularities.describe().map(|said| format!("{path}: {said}")));
+        if let Some(added) = AddedUncertainty::of(&file.drive_errors) {
+            notes.push(format!(
+                "{path}: the friction is {}; the standard errors of the drive's constants add {} {unit} (root mean square) to it, {} {unit} at \
+                 most. It is the same error in every sample and is not in the standard errors of the parameters; `from the drive` says what it adds to each.",
+                settings.preparation.torque.describe(),
+                significant(added.rms),
+                significant(added.largest)
+            ));
+        }
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_error_is_said_with_the_reason_why_nothing_is_told_from_it() {
+        for times in ["2.400", "15.00"] {
+            let one = undecided(times, Criterion::HeldOut, 1);
+            assert!(
+                one.contains("too few recordings to tell: 1 held out") && one.contains(times),
+                "{one}"
+            );
+            assert!(undecided(times, Criterion::HeldOut, 2).contains("2 held out"));
+            assert!(undecided(times, Criterion::HeldOut, 40).contains("do not decide"));
+            assert!(undecided(times, Criterion::Bic, 0).contains("too few independent samples"));
+            assert!(!one.contains("cannot be told"));
+        }
+    }
+}

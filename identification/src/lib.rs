@@ -1,0 +1,13 @@
+//! What is identified from recordings, one room a kind: [`axis`] (friction and inertia of a driven
+//! axis), [`friction`] (friction models with all their parameters), [`drive`] (a motor's
+//! constants), [`servo`] and [`stiction`].
+//!
+//! Each works everything out first; its document is JSON, its page HTML, its terminal text.
+//! [`asked`] holds the options that the command and requests to the node have in common.
+
+pub mod asked;
+pub mod axis;
+pub mod drive;
+pub mod friction;
+pub mod servo;
+pub mod stiction;

@@ -1,0 +1,199 @@
+//! A recording of a drive: voltage, motion and, where there is one, the friction torque; from a CSV
+//! file or a bag.
+
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+use msgs::friction_msgs::RigMeasurement;
+
+use super::column::{Channel, axis_of};
+use super::rig_clock::{self, RIG_MEASUREMENT};
+use super::table::{Found, Header, damaged, open};
+use super::timing::Timing;
+use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
+use crate::bag::BagReader;
+
+/// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a
+/// sample stands at its beginning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivenRecording {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// Sampling period \[s\].
+    pub time_step: f64,
+    /// Voltage \[V\].
+    pub voltage: Vec<f64>,
+    /// Position \[m or rad\].
+    pub position: Option<Vec<f64>>,
+    /// Velocity \[m/s or rad/s\]; used in place of the position where given.
+    pub velocity: Option<Vec<f64>>,
+    /// Friction force \[N\] or torque \[N m\].
+    pub friction: Option<Vec<f64>>,
+    /// Stretches between gaps; one at least.
+    pub stretches: Vec<RecordedStretch>,
+    /// What was uneven.
+    pub irregularities: Irregularities,
+    /// The recording keeps one control cycle in so many; one where it keeps all, or does not tell.
+    pub one_cycle_in: u64,
+    /// Kind of axis as the names tell it.
+    pub axis: Option<AxisKind>,
+}
+
+/// Which columns hold what; what is not named is recognised.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DrivenColumns {
+    /// Time.
+    pub time: Option<Column>,
+    /// Voltage.
+    pub voltage: Option<Column>,
+    /// Position.
+    pub position: Option<Column>,
+    /// Velocity; used in place of the position only where named, or where there is no position.
+    pub velocity: Option<Column>,
+    /// Friction force or torque from a sensor.
+    pub friction: Option<Column>,
+}
+
+/// Reads a CSV file, an MCAP file or a bag folder. Time steps may deviate by `tolerance`, a
+/// fraction, from the usual one.
+///
+/// # Errors
+/// [`RecordingError`], naming the file and, where there is one, the line, column or message.
+pub fn read(
+    path: &Path,
+    columns: &DrivenColumns,
+    tolerance: f64,
+) -> Result<DrivenRecording, RecordingError> {
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
+        return from_bag(path, tolerance);
+    }
+    let bytes = files::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    from_table(path, &bytes, columns, tolerance)
+}
+
+fn from_table(
+    path: &Path,
+    bytes: &[u8],
+    columns: &DrivenColumns,
+    tolerance: f64,
+) -> Result<DrivenRecording, RecordingError> {
+    let (mut reader, header) = open(path, bytes, "t_s,voltage_V,position_rad")?;
+    let table = Header { path, names: &header };
+    let time = table.require(Channel::Time, columns.time.as_ref())?;
+    let voltage = table.require(Channel::Voltage, columns.voltage.as_ref())?;
+    let mut position = table.optional(Channel::Position, columns.position.as_ref())?;
+    let mut velocity = table.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let friction = table.optional(Channel::Friction, columns.friction.as_ref())?;
+    match (&position, &velocity) {
+        (None, None) => return Err(table.unrecognised(Channel::Position)),
+        (Some(_), Some(_)) if columns.velocity.is_none() => velocity = None,
+        (Some(_), Some(_)) => position = None,
+        _ => {}
+    }
+    let axis =
+        position.as_ref().or(velocity.as_ref()).and_then(|found| axis_of(&found.source.name));
+    let wanted = [Some(time), Some(voltage), position, velocity, friction];
+    let mut values: [Option<Vec<f64>>; 5] =
+        wanted.each_ref().map(|found| found.as_ref().map(|_| Vec::new()));
+    let mut lines = Vec::new();
+    let mut record = StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
+        let line = record.position().map_or(0, csv::Position::line);
+        let pairs = wanted
+            .iter()
+            .zip(&mut values)
+            .filter_map(|(found, to)| Some((found.as_ref()?, to.as_mut()?)));
+        for (found, to) in pairs {
+            let found: &Found = found;
+            to.push(table.number(&record, line, found)?);
+        }
+        lines.push(line);
+    }
+    if lines.is_empty() {
+        return Err(RecordingError::HeaderOnly { path: path.into() });
+    }
+    let [time, voltage, position, velocity, friction] = values;
+    let time = time.unwrap_or_default();
+    let timing =
+        Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
+    let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
+    Ok(DrivenRecording {
+        path: path.into(),
+        time_step: timing.stretches[0].time_step,
+        voltage: voltage.map(channel).unwrap_or_default(),
+        position: position.map(|position| super::position_of(&timing, &position)),
+        velocity: velocity.map(channel),
+        friction: friction.map(channel),
+        axis,
+        stretches: RecordedStretch::of(&timing, 0),
+        irregularities: timing.irregularities,
+        one_cycle_in: 1,
+    })
+}
+
+/// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the
+/// cycle over which it was applied: a message carries that of the cycle before.
+fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
+    let bag = BagReader::open(path)?;
+    let mut messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
+    for (index, (_, rig)) in messages.iter().enumerate() {
+        let finite = [rig.tachometer_velocity, rig.voltage_applied, rig.torque]
+            .iter()
+            .all(|v| v.is_finite());
+        if !finite {
+            let detail =
+                "velocity, voltage and torque are expected to be finite; cut the bag there"
+                    .to_owned();
+            let (path, topic) = (path.into(), RIG_MEASUREMENT);
+            return Err(RecordingError::Message { path, topic, index: index + 1, detail });
+        }
+    }
+    // A bag is in the order of its log; what counts is when the sample was taken.
+    messages.sort_by_key(|(_, rig)| rig.header.stamp.to_nanos());
+    let start = messages.first().map_or(0, |(_, rig)| rig.header.stamp.to_nanos());
+    let since =
+        |rig: &RigMeasurement| rig.header.stamp.to_nanos().saturating_sub(start) as f64 * 1e-9;
+    let cycles: Vec<(u64, f64)> =
+        messages.iter().map(|(_, rig)| (rig.header.stamp.to_nanos(), rig.rig_time)).collect();
+    let time = rig_clock::times(&cycles)
+        .unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
+    let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
+    let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
+    // The voltage of a sample stands in the next one of its own stretch; the last one has none.
+    let channel = |of: fn(&RigMeasurement) -> f64, later: usize| -> Vec<f64> {
+        let recorded: Vec<f64> = messages.iter().map(|(_, rig)| of(rig)).collect();
+        let own = |stretch: &super::timing::EvenStretch| {
+            let even = stretch.channel(&recorded, None);
+            even[later..even.len() - 1 + later].to_vec()
+        };
+        timing.stretches.iter().flat_map(own).collect()
+    };
+    Ok(DrivenRecording {
+        path: path.into(),
+        time_step: timing.stretches[0].time_step,
+        voltage: channel(|rig| rig.voltage_applied, 1),
+        position: None,
+        velocity: Some(channel(|rig| rig.tachometer_velocity, 0)),
+        friction: Some(channel(|rig| rig.torque, 0)),
+        axis: Some(AxisKind::Rotary),
+        stretches: RecordedStretch::of(&timing, 1),
+        irregularities: timing.irregularities,
+        one_cycle_in: one_cycle_in(&messages, &timing),
+    })
+}
+
+/// How many control cycles lie between two samples of the rate that is used, by the number of the
+/// cycle.
+fn one_cycle_in(messages: &[(u64, RigMeasurement)], timing: &Timing) -> u64 {
+    let mut steps: Vec<u64> = timing
+        .stretches
+        .iter()
+        .filter_map(|stretch| {
+            let (first, next) = stretch.first_two()?;
+            Some(messages.get(next)?.1.cycle.saturating_sub(messages.get(first)?.1.cycle))
+        })
+        .collect();
+    steps.sort_unstable();
+    steps.get(steps.len() / 2).copied().unwrap_or(1).max(1)
+}

@@ -1,0 +1,150 @@
+//! What a simulation must keep to.
+
+use friction_model::{Asymmetric, LoadDependent, ModelName, Proposed, Regime, Stepper, Viscous};
+
+use super::*;
+use recording::AxisKind;
+
+fn motion(load: Option<f64>) -> Trajectory {
+    let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+    let velocity: Vec<f64> = time.iter().map(|t| 0.3 * (5.0 * t).sin()).collect();
+    let load = load.map(|load| vec![load; time.len()]);
+    Trajectory { time, velocity, load, axis: AxisKind::Rotary }
+}
+
+fn run(model: &AnyModel, motion: &Trajectory, settings: &Settings) -> Vec<Vec<String>> {
+    let text = simulate(model, motion, settings, &mut |_| {}).unwrap();
+    text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+fn column(rows: &[Vec<String>], name: &str) -> Vec<f64> {
+    let index = rows[0].iter().position(|head| head == name).unwrap();
+    rows[1..].iter().map(|row| row[index].parse().unwrap()).collect()
+}
+
+const EXACT: Settings = Settings { scheme: Scheme::Exact, dt: 1e-3, load_gain: None };
+
+/// With one step a row the result is what an observer at that rate would have said.
+#[test]
+fn the_exact_scheme_is_the_real_time_observer() {
+    let model = AnyModel::test_bed(ModelName::Proposed);
+    let motion = motion(None);
+    let rows = run(&model, &motion, &EXACT);
+    let head = "t_s,velocity_rad_s,torque_Nm,deflection_rad,gamma_Nm,regime,stored_energy_J,state_1,state_2";
+    assert_eq!(rows[0].join(","), head);
+    assert_eq!(rows.len(), 2001);
+    let mut stepper = Stepper::new(Proposed::test_bed(), TimeStep::new(1e-3).unwrap());
+    let (forces, gammas, deflections, regimes) = (
+        column(&rows, "torque_Nm"),
+        column(&rows, "gamma_Nm"),
+        column(&rows, "state_2"),
+        rows[1..].iter().map(|row| row[5].as_str()),
+    );
+    let mut slipped = 0;
+    for (((v, force), (gamma, z)), regime) in
+        motion.velocity.iter().zip(forces).zip(gammas.iter().zip(deflections)).zip(regimes)
+    {
+        let before = stepper.internals(*v);
+        assert!((before.gamma - gamma).abs() < 1e-12 && (before.deflection - z).abs() < 1e-12);
+        assert_eq!(regime == "slip", before.regime == Regime::Slip);
+        slipped += usize::from(regime == "slip");
+        assert!((stepper.step(*v) - force).abs() < 1e-12);
+    }
+    assert!(slipped > 100 && slipped < 1900);
+}
+
+#[test]
+fn the_schemes_agree_and_finer_steps_do_not_change_the_rows() {
+    let motion = motion(None);
+    for name in ModelName::ALL {
+        let model = AnyModel::test_bed(name);
+        let forces = |scheme, dt| {
+            let rows = run(&model, &motion, &Settings { scheme, dt, load_gain: None });
+            assert_eq!(column(&rows, "t_s"), motion.time);
+            column(&rows, "torque_Nm")
+        };
+        let (exact, rk4) = (forces(Scheme::Exact, 1e-5), forces(Scheme::Rk4, 1e-5));
+        let largest = rk4.iter().fold(0.0f64, |most, force| most.max(force.abs()));
+        // One sample may fall on either side of a switch; the mean may not differ.
+        let mean =
+            exact.iter().zip(&rk4).map(|(a, b)| (a - b).abs()).sum::<f64>() / exact.len() as f64;
+        assert!(mean < 2e-3 * largest, "{name}: {mean} N m apart on the mean");
+    }
+}
+
+#[test]
+fn the_load_raises_the_contact_only() {
+    let settings = Settings { load_gain: Some(0.5), ..EXACT };
+    let motion = motion(Some(-0.8));
+    let rows = run(&AnyModel::test_bed(ModelName::Proposed), &motion, &settings);
+    assert_eq!(rows[0][..4].join(","), "t_s,velocity_rad_s,load_Nm,torque_Nm");
+    let dt = TimeStep::new(1e-3).unwrap();
+    let mut contact = LoadDependent::new(Proposed::test_bed(), 0.5, dt).unwrap();
+    for (v, force) in motion.velocity.iter().zip(column(&rows, "torque_Nm")) {
+        assert!((contact.step(*v, -0.8) - force).abs() < 1e-12);
+    }
+    let viscous = AnyModel::test_bed(ModelName::Viscous);
+    assert_eq!(
+        column(&run(&viscous, &motion, &settings), "torque_Nm"),
+        column(&run(&viscous, &motion, &EXACT), "torque_Nm")
+    );
+}
+
+#[test]
+fn asymmetric_contacts_and_single_rows_can_be_simulated() {
+    let [forward, backward] =
+        [AnyModel::test_bed, AnyModel::chapter_3].map(|set| set(ModelName::Viscous));
+    let model = AnyModel::asymmetric(&forward, &backward).unwrap();
+    let rows = run(&model, &motion(None), &EXACT);
+    let both = Asymmetric { forward: Viscous::test_bed(), backward: Viscous::chapter_3() };
+    for (v, force) in column(&rows, "velocity_rad_s").iter().zip(column(&rows, "torque_Nm")) {
+        assert_eq!(force, both.steady_state(*v));
+    }
+    let one =
+        Trajectory { time: vec![3.0], velocity: vec![0.1], load: None, axis: AxisKind::Linear };
+    for scheme in [Scheme::Exact, Scheme::Rk4] {
+        let rows = run(&AnyModel::test_bed(ModelName::LuGre), &one, &Settings { scheme, ..EXACT });
+        assert_eq!(rows[0][..4].join(","), "t_s,velocity_m_s,force_N,deflection_m");
+        assert_eq!(rows.len(), 2);
+    }
+}
+
+#[test]
+fn seconds_are_told_as_they_are_done() {
+    let motion = Trajectory {
+        time: vec![0.0, 0.4, 2.7, 5.0],
+        velocity: vec![0.1; 4],
+        load: None,
+        axis: AxisKind::Rotary,
+    };
+    let mut told = Vec::new();
+    simulate(&AnyModel::test_bed(ModelName::Coulomb), &motion, &EXACT, &mut |s| told.push(s))
+        .unwrap();
+    assert_eq!(told, [2.0, 3.0]);
+}
+
+#[test]
+fn impossible_settings_and_diverging_steps_are_refused() {
+    let (model, motion) = (AnyModel::chapter_3(ModelName::LuGre), motion(Some(1.0)));
+    let refusal =
+        |settings: Settings| simulate(&model, &motion, &settings, &mut |_| {}).unwrap_err();
+    for dt in [0.0, -1.0, 0.02, f64::NAN, f64::INFINITY] {
+        assert!(
+            refusal(Settings { dt, ..EXACT })
+                .to_string()
+                .contains("--dt must be above 0 and at most")
+        );
+    }
+    for dt in [0.0, f64::NAN] {
+        let error = refusal(Settings { dt, scheme: Scheme::Rk4, load_gain: None });
+        assert!(error.to_string().contains("--dt must be a finite number above zero"));
+    }
+    assert_eq!(refusal(Settings { load_gain: Some(-1.0), ..EXACT }), SimulateError::LoadGain(-1.0));
+    assert!(matches!(refusal(Settings { dt: 1e-12, ..EXACT }), SimulateError::TooLong { .. }));
+    // sigma0 |v| / g = 30 000 1/s: 1 ms is far too long for Runge and Kutta.
+    let diverged = refusal(Settings { scheme: Scheme::Rk4, ..EXACT });
+    assert!(matches!(diverged, SimulateError::Diverged { time, .. } if time > 0.0), "{diverged}");
+    let unloaded = Trajectory { load: None, ..motion.clone() };
+    let settings = Settings { load_gain: Some(1.0), ..EXACT };
+    assert_eq!(simulate(&model, &unloaded, &settings, &mut |_| {}), Err(SimulateError::NoLoad));
+}

@@ -1,0 +1,14 @@
+//! What all long work of the laboratory shares, whoever asks for it: where its results go
+//! ([`destination`]), how much is told ([`saying`], [`progress`]), jobs on all cores
+//! ([`sequencer`]), and how it ends ([`ending`]).
+
+pub mod destination;
+pub mod drive_errors;
+pub mod ending;
+pub mod model_name;
+pub mod progress;
+pub mod saying;
+pub mod sequencer;
+pub mod suggestion;
+
+pub use ending::{BadInput, Interrupted};
