@@ -1,6 +1,6 @@
 //! What can be wrong with a recording or with what it says.
 
-use friction_model::{ModelError, ModelName, Range};
+use friction_model::{ModelError, Range};
 
 use crate::axis_structure::AxisStructure;
 use crate::rigid_axis::AxisTerm;
@@ -203,7 +203,7 @@ pub enum IdentError {
     )]
     NotAModel {
         /// The model.
-        model: ModelName,
+        model: &'static str,
         /// Its parameter.
         parameter: &'static str,
         /// The best value.

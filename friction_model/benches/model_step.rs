@@ -22,13 +22,9 @@ fn velocities() -> Vec<f64> {
         .collect()
 }
 
-fn bench(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    name: ModelName,
-    mut step: impl FnMut(f64) -> f64,
-) {
+fn bench(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, mut step: impl FnMut(f64) -> f64) {
     let velocity = velocities();
-    group.bench_function(name.as_str(), |b| {
+    group.bench_function(name, |b| {
         b.iter(|| velocity.iter().fold(0.0, |sum, &v| sum + step(black_box(v))))
     });
 }
@@ -64,7 +60,7 @@ fn chosen(c: &mut Criterion) {
     let dt = TimeStep::new(1e-3).expect("1 ms is a valid period");
     for name in ModelName::ALL {
         let mut stepper = AnyModel::test_bed(name).start(dt);
-        bench(&mut group, name, |v| stepper.step(v));
+        bench(&mut group, name.as_str(), |v| stepper.step(v));
     }
     group.finish();
 }

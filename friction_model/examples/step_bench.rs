@@ -82,7 +82,7 @@ impl ModelVisitor for Measure<'_> {
 }
 
 /// A first pass of a tenth of the steps, from which the state goes on, warms caches and clock.
-fn measure(scheme: &str, name: ModelName, steps: usize, mut run: impl FnMut(usize) -> f64) {
+fn measure(scheme: &str, name: &str, steps: usize, mut run: impl FnMut(usize) -> f64) {
     let warm = run(steps / 10);
     let (time, sum) = timed(|| run(steps));
     print(scheme, name, steps, time, warm + sum);
@@ -91,7 +91,7 @@ fn measure(scheme: &str, name: ModelName, steps: usize, mut run: impl FnMut(usiz
 /// The same for two schemes that differ by little: in turns of a tenth of the steps.
 fn measure_in_turns(
     schemes: [&str; 2],
-    name: ModelName,
+    name: &str,
     steps: usize,
     mut a: impl FnMut(usize) -> f64,
     mut b: impl FnMut(usize) -> f64,
@@ -119,7 +119,7 @@ fn timed(run: impl FnOnce() -> f64) -> (Duration, f64) {
     (processor_time() - start, sum)
 }
 
-fn print(scheme: &str, name: ModelName, steps: usize, time: Duration, sum: f64) {
+fn print(scheme: &str, name: &str, steps: usize, time: Duration, sum: f64) {
     let nanoseconds = time.as_secs_f64() / steps as f64 * 1e9;
     // A closed pipe shows in the reader.
     let _ = writeln!(std::io::stdout(), "{name} {scheme} {nanoseconds:.4} {sum:.17e}");

@@ -61,7 +61,8 @@ impl AnyModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FrictionModel, Presets, Proposed, ProposedParameters, Stepper, TimeStep};
+    use crate::presets::Presets;
+    use crate::{FrictionModel, ModelVisitor, Proposed, ProposedParameters, Stepper, TimeStep};
 
     #[test]
     fn every_preset_reads_back_from_a_file() {
@@ -72,6 +73,20 @@ mod tests {
                 assert!(text.starts_with(&format!("{{\"{name}\":")), "{text}");
                 assert_eq!(serde_json::from_str::<AnyModel>(&text).unwrap(), model);
             }
+        }
+    }
+
+    #[test]
+    fn every_model_calls_itself_as_files_do() {
+        struct Name;
+        impl ModelVisitor for Name {
+            type Output = &'static str;
+            fn visit<M: FrictionModel>(self, _: M) -> &'static str {
+                M::NAME
+            }
+        }
+        for name in ModelName::ALL {
+            assert_eq!(AnyModel::test_bed(name).visit(Name), name.as_str());
         }
     }
 

@@ -21,7 +21,7 @@
 //! stiffness differs: moving a stuck contact to and fro would then raise its force by
 //! `(k_forward - k_backward) dx` a cycle, energy from nowhere.
 
-use crate::{Evaluation, FrictionModel, Holding, Internals, ModelName, State, TimeStep};
+use crate::{Evaluation, FrictionModel, Holding, Internals, State, TimeStep};
 
 /// One model with parameters for each direction. State: both contacts' states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +63,7 @@ fn with_both<C: Copy, M, R>(
 }
 
 impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
-    const NAME: ModelName = M::NAME;
+    const NAME: &'static str = M::NAME;
     type Parameters = M::Parameters;
     type Continuous = Pair<M::Continuous>;
     /// Each contact's memory, kept with a copy of its continuous state.

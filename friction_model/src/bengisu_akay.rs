@@ -31,13 +31,11 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    memoryless, parameters,
 };
 
 parameters! {
@@ -57,21 +55,8 @@ parameters! {
     }
 }
 
-impl Presets for BengisuAkayParameters {
-    /// The levels and the Stribeck velocity of table 4.13: `xi = 1 / v_s`, and the top at a tenth
-    /// of `v_s`.
-    fn test_bed() -> Self {
-        Self { f_s: 0.0994, f_c: 0.0925, v_0: 0.01407, xi: 1.0 / 0.1407, f_v: 0.0403 }
-    }
-    /// Likewise.
-    fn chapter_3() -> Self {
-        Self { f_s: 1.5, f_c: 1.0, v_0: 0.001, xi: 100.0, f_v: 0.0 }
-    }
-}
-
 /// Bengisu and Akay's characteristic with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "BengisuAkayParameters", into = "BengisuAkayParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BengisuAkay {
     parameters: BengisuAkayParameters,
 }
@@ -95,15 +80,9 @@ impl TryFrom<BengisuAkayParameters> for BengisuAkay {
     type Error = ModelError;
 
     fn try_from(p: BengisuAkayParameters) -> Result<Self, ModelError> {
-        p.check(ModelName::BengisuAkay)?;
+        p.check(Self::NAME)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        BengisuAkayParameters::require(
-            ModelName::BengisuAkay,
-            p.f_c <= p.f_s,
-            "f_c",
-            p.f_c,
-            condition,
-        )?;
+        BengisuAkayParameters::require(Self::NAME, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
         Ok(Self { parameters: p })
     }
 }
@@ -111,7 +90,7 @@ impl TryFrom<BengisuAkayParameters> for BengisuAkay {
 built_from!(BengisuAkay, BengisuAkayParameters);
 
 impl FrictionModel for BengisuAkay {
-    const NAME: ModelName = ModelName::BengisuAkay;
+    const NAME: &'static str = "bengisu_akay";
     memoryless!(BengisuAkayParameters);
 
     #[inline]
@@ -135,6 +114,7 @@ impl FrictionModel for BengisuAkay {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{Body, Drive};
 
     #[test]

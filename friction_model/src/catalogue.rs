@@ -1,8 +1,10 @@
 //! The one list of all models, and what is made from it: the names, and the enums that hold any
 //! model, its parameters or its stepper.
 
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
+use crate::presets::Presets;
 use crate::*;
 
 /// Something to do with a model whose type is only known while the program runs.
@@ -25,9 +27,10 @@ pub trait ModelVisitor {
 macro_rules! models {
     ($($name:ident $text:literal $title:literal $parameters:ident: $($variant:ident($model:ty)),+;)+) => {
         /// Which friction model.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
         pub enum ModelName {
-            $(#[doc = $title] #[serde(rename = $text)] $name,)+
+            $(#[doc = $title] #[cfg_attr(feature = "serde", serde(rename = $text))] $name,)+
         }
 
         impl ModelName {
@@ -54,26 +57,29 @@ macro_rules! models {
         /// The parameters of a model chosen by name, as files carry them: the name, and the
         /// parameters under it; or `asymmetric`, under it the name, and under that `forward` and
         /// `backward` with the parameters of each direction.
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
         #[expect(clippy::large_enum_variant, reason = "lists live in place: no allocation")]
         pub enum AnyParameters {
-            $(#[doc = $title] #[serde(rename = $text)] $name($parameters),)+
+            $(#[doc = $title] #[cfg_attr(feature = "serde", serde(rename = $text))] $name($parameters),)+
             /// Parameters for each direction.
-            #[serde(rename = "asymmetric")]
+            #[cfg_attr(feature = "serde", serde(rename = "asymmetric"))]
             Asymmetric(AsymmetricParameters),
         }
 
         /// The parameters of an [`Asymmetric`] contact of a model chosen by name.
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
         #[expect(clippy::large_enum_variant, reason = "lists live in place: no allocation")]
         pub enum AsymmetricParameters {
-            $(#[doc = $title] #[serde(rename = $text)] $name(BothWays<$parameters>),)+
+            $(#[doc = $title] #[cfg_attr(feature = "serde", serde(rename = $text))] $name(BothWays<$parameters>),)+
         }
 
         /// A friction model chosen by name, with valid parameters. In files it looks as its
         /// [`AnyParameters`].
-        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-        #[serde(try_from = "AnyParameters", into = "AnyParameters")]
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+        #[cfg_attr(feature = "serde", serde(try_from = "AnyParameters", into = "AnyParameters"))]
         #[expect(clippy::large_enum_variant, reason = "models live in place: no allocation, and they can be copied")]
         pub enum AnyModel {
             $($(#[doc = $title] $variant($model),)+)+
@@ -407,8 +413,9 @@ models! {
 }
 
 /// Parameters for each direction.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct BothWays<P> {
     /// Against forward motion.
     pub forward: P,

@@ -13,14 +13,10 @@
 //! no static level above the kinetic one and no dependence on speed; at zero velocity a simulator
 //! needs the applied force (see [`FrictionModel::holding`]).
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    memoryless, parameters,
 };
 
 parameters! {
@@ -31,18 +27,8 @@ parameters! {
     }
 }
 
-impl Presets for CoulombParameters {
-    fn test_bed() -> Self {
-        Self { f_c: 0.0925 }
-    }
-    fn chapter_3() -> Self {
-        Self { f_c: 1.0 }
-    }
-}
-
 /// Coulomb friction with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "CoulombParameters", into = "CoulombParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
     parameters: CoulombParameters,
 }
@@ -51,7 +37,7 @@ impl TryFrom<CoulombParameters> for Coulomb {
     type Error = ModelError;
 
     fn try_from(parameters: CoulombParameters) -> Result<Self, ModelError> {
-        parameters.check(ModelName::Coulomb)?;
+        parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
@@ -59,7 +45,7 @@ impl TryFrom<CoulombParameters> for Coulomb {
 built_from!(Coulomb, CoulombParameters);
 
 impl FrictionModel for Coulomb {
-    const NAME: ModelName = ModelName::Coulomb;
+    const NAME: &'static str = "coulomb";
     memoryless!(CoulombParameters);
 
     fn steady_state(&self, velocity: f64) -> f64 {

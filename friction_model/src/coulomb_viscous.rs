@@ -20,14 +20,10 @@
 //! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
 //! known (see [`FrictionModel::holding`]).
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    memoryless, parameters,
 };
 
 parameters! {
@@ -40,18 +36,8 @@ parameters! {
     }
 }
 
-impl Presets for CoulombViscousParameters {
-    fn test_bed() -> Self {
-        Self { f_c: 0.0925, f_v: 0.0403 }
-    }
-    fn chapter_3() -> Self {
-        Self { f_c: 1.0, f_v: 0.0 }
-    }
-}
-
 /// Coulomb and viscous friction with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "CoulombViscousParameters", into = "CoulombViscousParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoulombViscous {
     parameters: CoulombViscousParameters,
 }
@@ -60,7 +46,7 @@ impl TryFrom<CoulombViscousParameters> for CoulombViscous {
     type Error = ModelError;
 
     fn try_from(parameters: CoulombViscousParameters) -> Result<Self, ModelError> {
-        parameters.check(ModelName::CoulombViscous)?;
+        parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
@@ -68,7 +54,7 @@ impl TryFrom<CoulombViscousParameters> for CoulombViscous {
 built_from!(CoulombViscous, CoulombViscousParameters);
 
 impl FrictionModel for CoulombViscous {
-    const NAME: ModelName = ModelName::CoulombViscous;
+    const NAME: &'static str = "coulomb_viscous";
     memoryless!(CoulombViscousParameters);
 
     #[inline]

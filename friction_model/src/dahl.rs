@@ -27,20 +27,13 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, fused, relaxed, saturate, sign};
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::{bounded, fused, relaxed, saturate, sign};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
-
-/// The exponent that files may leave out.
-const fn linear() -> f64 {
-    1.0
-}
 
 parameters! {
     /// Parameters of [`Dahl`] as files carry them.
@@ -50,7 +43,7 @@ parameters! {
         /// Stiffness at rest sigma_0 [N/m or N m/rad], above zero.
         sigma0: f64, Stiffness, Range::Positive;
         /// Shape of the stress-strain curve, above 0 and at most 10; 1 if left out.
-        #[serde(default = "linear")]
+        #[serde(default = "DahlParameters::linear")]
         delta: f64, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
@@ -58,24 +51,21 @@ parameters! {
     }
 }
 
-impl Presets for DahlParameters {
-    /// Level and stiffness of LuGre's Table 4.14.
-    fn test_bed() -> Self {
-        Self { f_c: 0.0929, sigma0: 16.469, delta: 1.0, f_v: 0.0403 }
-    }
-    fn chapter_3() -> Self {
-        Self { f_c: 1.0, sigma0: 1e5, delta: 1.0, f_v: 0.0 }
-    }
-}
-
 /// Dahl's model with valid parameters. State: `[z]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "DahlParameters", into = "DahlParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dahl {
     parameters: DahlParameters,
     /// `F_c / sigma0`: deflection in steady sliding [m or rad].
     z_c: f64,
     inverse_z_c: f64,
+}
+
+impl DahlParameters {
+    /// The exponent `delta` that files may leave out.
+    #[must_use]
+    pub const fn linear() -> f64 {
+        1.0
+    }
 }
 
 built_from!(Dahl, DahlParameters);
@@ -84,11 +74,11 @@ impl TryFrom<DahlParameters> for Dahl {
     type Error = ModelError;
 
     fn try_from(p: DahlParameters) -> Result<Self, ModelError> {
-        p.check(ModelName::Dahl)?;
+        p.check(Self::NAME)?;
         let z_c = p.f_c / p.sigma0;
         let usable = z_c > 0.0 && (1.0 / z_c).is_finite() && z_c.is_finite();
         DahlParameters::require(
-            ModelName::Dahl,
+            Self::NAME,
             usable,
             "sigma0",
             p.sigma0,
@@ -109,7 +99,7 @@ impl Dahl {
 }
 
 impl FrictionModel for Dahl {
-    const NAME: ModelName = ModelName::Dahl;
+    const NAME: &'static str = "dahl";
     type Parameters = DahlParameters;
     type Continuous = [f64; 1];
     type Memory = ();
@@ -213,6 +203,7 @@ impl FrictionModel for Dahl {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{LuGre, LuGreParameters, Stepper, rk4};
 
     fn with_exponent(delta: f64) -> Dahl {

@@ -47,7 +47,7 @@ impl DelayLine {
             // Truncated; a number too large becomes the largest.
             let passed = (end / self.spacing) as usize;
             self.since =
-                crate::model::between(0.0, self.spacing, end - passed as f64 * self.spacing);
+                crate::arithmetic::between(0.0, self.spacing, end - passed as f64 * self.spacing);
             for later in (0..passed.min(LENGTH)).rev() {
                 let ago = later as f64 * self.spacing + self.since;
                 self.newest = (self.newest + 1) % LENGTH;
@@ -97,7 +97,7 @@ impl DelayLine {
 /// The value at `fraction` of the way from `a` to `b`, not beyond them.
 #[inline]
 fn between(a: f64, b: f64, fraction: f64) -> f64 {
-    a + (b - a) * crate::model::between(0.0, 1.0, fraction)
+    a + (b - a) * crate::arithmetic::between(0.0, 1.0, fraction)
 }
 
 #[cfg(test)]

@@ -29,14 +29,12 @@ use core::f64::consts::PI;
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, relaxed, saturate, sign};
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
@@ -49,7 +47,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
         sigma0: f64, Stiffness, Range::Positive;
@@ -63,38 +61,8 @@ parameters! {
     }
 }
 
-impl Presets for ElastoPlasticParameters {
-    /// LuGre's Table 4.14 with `z_ba = 0.7 F_c / sigma0`.
-    fn test_bed() -> Self {
-        Self {
-            f_s: 0.0994,
-            f_c: 0.0929,
-            v_s: 0.1407,
-            delta: 2.0,
-            sigma0: 16.469,
-            sigma1: 0.2494,
-            z_ba: 0.7 * 0.0929 / 16.469,
-            f_v: 0.0403,
-        }
-    }
-    fn chapter_3() -> Self {
-        let sigma1 = 1e5f64.sqrt();
-        Self {
-            f_s: 1.5,
-            f_c: 1.0,
-            v_s: 0.01,
-            delta: 2.0,
-            sigma0: 1e5,
-            sigma1,
-            z_ba: 0.7e-5,
-            f_v: 0.0,
-        }
-    }
-}
-
 /// The elasto-plastic model with valid parameters. State: `[z]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ElastoPlasticParameters", into = "ElastoPlasticParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElastoPlastic {
     parameters: ElastoPlasticParameters,
     curve: StribeckCurve,
@@ -106,7 +74,7 @@ impl TryFrom<ElastoPlasticParameters> for ElastoPlastic {
     type Error = ModelError;
 
     fn try_from(p: ElastoPlasticParameters) -> Result<Self, ModelError> {
-        let name = ModelName::ElastoPlastic;
+        let name = Self::NAME;
         p.check(name)?;
         let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
         let elastic = p.z_ba < p.f_c / p.sigma0;
@@ -134,7 +102,7 @@ impl ElastoPlastic {
 }
 
 impl FrictionModel for ElastoPlastic {
-    const NAME: ModelName = ModelName::ElastoPlastic;
+    const NAME: &'static str = "elasto_plastic";
     type Parameters = ElastoPlasticParameters;
     type Continuous = [f64; 1];
     type Memory = ();
@@ -241,6 +209,7 @@ impl FrictionModel for ElastoPlastic {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{Stepper, rk4};
 
     #[test]

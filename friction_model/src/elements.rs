@@ -2,10 +2,7 @@
 
 use core::ops::{Deref, DerefMut};
 
-use serde::de::{Error, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use crate::{ModelError, ModelName, Range, Unit};
+use crate::{ModelError, Range, Unit};
 
 /// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
 #[derive(Clone, Copy)]
@@ -63,37 +60,49 @@ impl<const CAPACITY: usize> PartialEq for Elements<CAPACITY> {
     }
 }
 
-impl<const CAPACITY: usize> Serialize for Elements<CAPACITY> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.iter())
-    }
-}
+/// In files, a list of numbers.
+#[cfg(feature = "serde")]
+mod in_files {
+    use serde::de::{Error, SeqAccess, Visitor};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct List<const CAPACITY: usize>;
+    use super::Elements;
 
-        impl<'de, const CAPACITY: usize> Visitor<'de> for List<CAPACITY> {
-            type Value = Elements<CAPACITY>;
-
-            fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-                write!(f, "a list of at most {CAPACITY} numbers")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
-                let mut elements = Elements { length: 0, values: [0.0; CAPACITY] };
-                while let Some(value) = list.next_element()? {
-                    let Some(place) = elements.values.get_mut(elements.length) else {
-                        return Err(A::Error::invalid_length(elements.length + 1, &self));
-                    };
-                    *place = value;
-                    elements.length += 1;
-                }
-                Ok(elements)
-            }
+    impl<const CAPACITY: usize> Serialize for Elements<CAPACITY> {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            serializer.collect_seq(self.iter())
         }
+    }
 
-        deserializer.deserialize_seq(List)
+    impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            struct List<const CAPACITY: usize>;
+
+            impl<'de, const CAPACITY: usize> Visitor<'de> for List<CAPACITY> {
+                type Value = Elements<CAPACITY>;
+
+                fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                    write!(f, "a list of at most {CAPACITY} numbers")
+                }
+
+                fn visit_seq<A: SeqAccess<'de>>(
+                    self,
+                    mut list: A,
+                ) -> Result<Self::Value, A::Error> {
+                    let mut elements = Elements { length: 0, values: [0.0; CAPACITY] };
+                    while let Some(value) = list.next_element()? {
+                        let Some(place) = elements.values.get_mut(elements.length) else {
+                            return Err(A::Error::invalid_length(elements.length + 1, &self));
+                        };
+                        *place = value;
+                        elements.length += 1;
+                    }
+                    Ok(elements)
+                }
+            }
+
+            deserializer.deserialize_seq(List)
+        }
     }
 }
 
@@ -102,7 +111,7 @@ impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
 ///
 /// Printed shares are rounded, so their sum may be off by a thousandth.
 pub(crate) fn check(
-    model: ModelName,
+    model: &'static str,
     room: usize,
     shares: &'static str,
     share: &[f64],

@@ -12,7 +12,7 @@ pub enum ModelError {
     #[error("{model}.{parameter} must be {expected}, but is {value}{unit}; change it in the parameter file", unit = Spaced(*unit))]
     OutOfRange {
         /// The model.
-        model: ModelName,
+        model: &'static str,
         /// The parameter's name in files.
         parameter: &'static str,
         /// What came.
@@ -28,7 +28,7 @@ pub enum ModelError {
     )]
     Elements {
         /// The model.
-        model: ModelName,
+        model: &'static str,
         /// The list's name in files.
         parameter: &'static str,
         /// How many came.

@@ -34,14 +34,12 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, relaxed, saturate, sign};
-use crate::parameter::parameters;
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets,
-    Range, Regime, State, StribeckCurve, TimeStep,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
@@ -54,7 +52,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Share alpha of each element, above zero; they sum to 1.
         alpha: Elements, None, Range::Positive;
@@ -69,44 +67,9 @@ parameters! {
     }
 }
 
-impl Presets for GmsParameters {
-    /// Table 4.15, shares made to sum to 1, with the viscous coefficient of the other models.
-    fn test_bed() -> Self {
-        let sum = 0.2841 + 3.0 * 0.2341;
-        Self {
-            f_s: 0.1035,
-            f_c: 0.0921,
-            v_s: 0.1,
-            delta: 2.0,
-            alpha: [0.2841, 0.2341, 0.2341, 0.2341].map(|share| share / sum).into(),
-            sigma0: [7.9605, 4.8757, 2.6039, 1.0290].into(),
-            sigma1: [0.1611, 0.1173, 0.0749, 0.0321].into(),
-            c: [0.2998; 4].into(),
-            f_v: 0.0403,
-        }
-    }
-
-    /// Ten elements.
-    fn chapter_3() -> Self {
-        let alpha = |i| 0.0955 + 0.001 * i as f64;
-        Self {
-            f_s: 1.5,
-            f_c: 1.0,
-            v_s: 0.01,
-            delta: 2.0,
-            alpha: Elements::from_fn(10, alpha),
-            sigma0: Elements::from_fn(10, |i| 10.0 + 8.0 * i as f64),
-            sigma1: Elements::from_fn(10, |i| 10.0 + 5.0 * i as f64),
-            c: Elements::from_fn(10, |i| 0.1 * alpha(i)),
-            f_v: 0.0,
-        }
-    }
-}
-
 /// GMS with valid parameters and room for `N` elements. State: `[z_i]`, and in which direction each
 /// element slips.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "GmsParameters", into = "GmsParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gms<const N: usize> {
     parameters: GmsParameters,
     curve: StribeckCurve,
@@ -125,39 +88,13 @@ struct Element {
     c: f64,
 }
 
-impl<const N: usize> From<Gms<N>> for GmsParameters {
-    fn from(model: Gms<N>) -> Self {
-        model.parameters
-    }
-}
-
-impl Gms<4> {
-    /// With the four elements of the thesis's test bed.
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        GmsParameters::test_bed().try_into().expect("constants within range")
-    }
-}
-
-impl Gms<10> {
-    /// With the ten elements of the thesis's chapter 3 (N, m, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn chapter_3() -> Self {
-        GmsParameters::chapter_3().try_into().expect("constants within range")
-    }
-}
+built_from!([const N: usize] Gms<N>, GmsParameters);
 
 impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
     type Error = ModelError;
 
     fn try_from(p: GmsParameters) -> Result<Self, ModelError> {
-        let model = ModelName::Gms;
+        let model = Self::NAME;
         p.check(model)?;
         let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
         crate::elements::check(
@@ -186,7 +123,7 @@ impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
 }
 
 impl<const N: usize> FrictionModel for Gms<N> {
-    const NAME: ModelName = ModelName::Gms;
+    const NAME: &'static str = "gms";
     type Parameters = GmsParameters;
     type Continuous = [f64; N];
     /// Direction in which each element slips: -1, 1, or 0 while it sticks.
@@ -333,6 +270,7 @@ impl<const N: usize> FrictionModel for Gms<N> {
 mod tests {
     use super::*;
     use crate::Stepper;
+    use crate::presets::Presets;
 
     #[test]
     fn reaches_the_stribeck_curve() {

@@ -32,14 +32,10 @@
 //! `sat(F_s, T)`; the fixed-step form does not know `T` and returns 0, as the other static models
 //! do at `v = 0`.
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State, StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
@@ -52,7 +48,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Speed D_v up to which the contact counts as standing still [m/s or rad/s], above zero.
         d_v: f64, Speed, Range::Positive;
@@ -61,21 +57,8 @@ parameters! {
     }
 }
 
-impl Presets for KarnoppParameters {
-    /// The levels of table 4.13. The drop of the friction accelerates the bed's inertia of 0.0026
-    /// kg m^2 by 2.7 rad/s^2: the band fits steps up to 0.3 ms.
-    fn test_bed() -> Self {
-        Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, d_v: 1e-3, f_v: 0.0403 }
-    }
-    /// The drop of the friction accelerates 1 kg by 0.5 m/s^2: the band fits steps up to 0.2 ms.
-    fn chapter_3() -> Self {
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, d_v: 1e-4, f_v: 0.0 }
-    }
-}
-
 /// Karnopp's model with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "KarnoppParameters", into = "KarnoppParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Karnopp {
     parameters: KarnoppParameters,
     curve: StribeckCurve,
@@ -97,8 +80,8 @@ impl TryFrom<KarnoppParameters> for Karnopp {
     type Error = ModelError;
 
     fn try_from(p: KarnoppParameters) -> Result<Self, ModelError> {
-        p.check(ModelName::Karnopp)?;
-        let curve = StribeckCurve::new(ModelName::Karnopp, p.f_s, p.f_c, p.v_s, p.delta)?;
+        p.check(Self::NAME)?;
+        let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
@@ -106,7 +89,7 @@ impl TryFrom<KarnoppParameters> for Karnopp {
 built_from!(Karnopp, KarnoppParameters);
 
 impl FrictionModel for Karnopp {
-    const NAME: ModelName = ModelName::Karnopp;
+    const NAME: &'static str = "karnopp";
     memoryless!(KarnoppParameters, sliding);
 
     /// Zero within the band.

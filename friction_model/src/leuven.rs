@@ -33,15 +33,13 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate, sign};
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{bounded, saturate, sign};
+use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets,
-    Range, Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Regime,
+    State, StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
@@ -54,14 +52,14 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// End of the virgin curve f_h [N or N m], at least `f_s`.
         f_h: f64, Force, Range::Positive;
         /// Deflection z_b at the end of the virgin curve [m or rad], above zero.
         z_b: f64, Deflection, Range::Positive;
         /// Exponent n of the transition to sliding, from 1 to 20; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         n: f64, None, Range::FromTo(1.0, 20.0);
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
         sigma1: f64, Damping, Range::NonNegative;
@@ -70,40 +68,8 @@ parameters! {
     }
 }
 
-impl Presets for LeuvenParameters {
-    /// The virgin curve and levels of the proposed model's Table 4.13.
-    fn test_bed() -> Self {
-        Self {
-            f_s: 0.0994,
-            f_c: 0.0925,
-            v_s: 0.1407,
-            delta: 2.0,
-            f_h: 0.0994,
-            z_b: 0.006,
-            n: 2.0,
-            sigma1: 0.3213,
-            f_v: 0.0403,
-        }
-    }
-    fn chapter_3() -> Self {
-        let sigma1 = 1e5f64.sqrt();
-        Self {
-            f_s: 1.5,
-            f_c: 1.0,
-            v_s: 0.01,
-            delta: 2.0,
-            f_h: 1.5,
-            z_b: 0.001,
-            n: 2.0,
-            sigma1,
-            f_v: 0.0,
-        }
-    }
-}
-
 /// The modified Leuven model with valid parameters. State: `[z]` and the reversal points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "LeuvenParameters", into = "LeuvenParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leuven {
     parameters: LeuvenParameters,
     curve: StribeckCurve,
@@ -116,7 +82,7 @@ impl TryFrom<LeuvenParameters> for Leuven {
     type Error = ModelError;
 
     fn try_from(p: LeuvenParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Leuven;
+        let name = Self::NAME;
         p.check(name)?;
         let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
         let reaches = "at least f_s: otherwise the bristles cannot carry the sliding level";
@@ -141,7 +107,7 @@ impl Leuven {
 }
 
 impl FrictionModel for Leuven {
-    const NAME: ModelName = ModelName::Leuven;
+    const NAME: &'static str = "leuven";
     type Parameters = LeuvenParameters;
     type Continuous = [f64; 1];
     type Memory = Hysteresis;
@@ -245,6 +211,7 @@ impl FrictionModel for Leuven {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{Stepper, rk4};
 
     fn with_exponent(n: f64) -> Leuven {

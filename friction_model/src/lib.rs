@@ -17,7 +17,15 @@
 
 #![cfg_attr(not(feature = "std"), no_std)]
 
+// The macros name this crate as others do, in it and outside it.
+extern crate self as friction_model;
+
+#[cfg(feature = "serde")]
+#[doc(hidden)]
+pub use serde as __serde;
+
 mod any_model;
+pub mod arithmetic;
 mod armstrong;
 mod asymmetric;
 mod bengisu_akay;
@@ -28,6 +36,7 @@ mod catalogue;
 mod coulomb;
 mod coulomb_viscous;
 mod dahl;
+mod declaration;
 mod delay_line;
 mod elasto_plastic;
 mod elements;
@@ -38,10 +47,10 @@ mod karnopp;
 mod leuven;
 pub mod load_dependent;
 mod lugre;
-mod memoryless;
 mod model;
 mod name;
 mod parameter;
+pub mod presets;
 mod proposed;
 mod proposed_linear;
 mod rate_dependent_stiction;
@@ -84,7 +93,7 @@ pub use model::{
     ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED,
     Regime, State, TimeStep,
 };
-pub use parameter::{Parameter, ParameterSet, Presets, Range, Unit, Value};
+pub use parameter::{Parameter, ParameterSet, Range, Unit, Value};
 pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
 pub use proposed_linear::ProposedLinear;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};

@@ -49,7 +49,7 @@ impl<M: FrictionModel> LoadDependent<M> {
     #[inline]
     pub fn step(&mut self, velocity: f64, load: f64) -> f64 {
         let load = if load.is_finite() { load.abs() } else { 0.0 };
-        let velocity = crate::model::bounded(velocity);
+        let velocity = crate::arithmetic::bounded(velocity);
         let force = self.stepper.step(velocity);
         let viscous = self.stepper.model().viscous(velocity);
         loaded(force, viscous, self.gain, load)

@@ -23,14 +23,12 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, relaxed, saturate};
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{bounded, relaxed, saturate};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, StribeckCurve, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
@@ -43,7 +41,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
         sigma0: f64, Stiffness, Range::Positive;
@@ -58,29 +56,8 @@ parameters! {
     }
 }
 
-impl Presets for LuGreParameters {
-    /// Table 4.14 with the consistent sigma_1.
-    fn test_bed() -> Self {
-        Self {
-            f_s: 0.0994,
-            f_c: 0.0929,
-            v_s: 0.1407,
-            delta: 2.0,
-            sigma0: 16.469,
-            sigma1: 0.2494,
-            v_d: None,
-            f_v: 0.0403,
-        }
-    }
-    fn chapter_3() -> Self {
-        let sigma1 = 1e5f64.sqrt();
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma0: 1e5, sigma1, v_d: None, f_v: 0.0 }
-    }
-}
-
 /// LuGre with valid parameters. State: `[z]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "LuGreParameters", into = "LuGreParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGre {
     parameters: LuGreParameters,
     curve: StribeckCurve,
@@ -104,8 +81,8 @@ impl TryFrom<LuGreParameters> for LuGre {
     type Error = ModelError;
 
     fn try_from(p: LuGreParameters) -> Result<Self, ModelError> {
-        p.check(ModelName::LuGre)?;
-        let curve = StribeckCurve::new(ModelName::LuGre, p.f_s, p.f_c, p.v_s, p.delta)?;
+        p.check(Self::NAME)?;
+        let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
@@ -113,7 +90,7 @@ impl TryFrom<LuGreParameters> for LuGre {
 built_from!(LuGre, LuGreParameters);
 
 impl FrictionModel for LuGre {
-    const NAME: ModelName = ModelName::LuGre;
+    const NAME: &'static str = "lugre";
     type Parameters = LuGreParameters;
     type Continuous = [f64; 1];
     type Memory = ();
@@ -191,7 +168,7 @@ impl FrictionModel for LuGre {
     fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);
-        let loaded = self.parameters.sigma0 * z * crate::model::sign(velocity);
+        let loaded = self.parameters.sigma0 * z * crate::arithmetic::sign(velocity);
         let regime = if loaded >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
     }

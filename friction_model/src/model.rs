@@ -2,11 +2,8 @@
 
 use core::fmt::Debug;
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
-
-use crate::{ModelError, ModelName, ParameterSet};
+use crate::arithmetic::{between, bounded, fused};
+use crate::{ModelError, ParameterSet};
 
 /// Velocities beyond this magnitude are cut to it by the fixed-step form [m/s or rad/s].
 pub const MAX_SPEED: f64 = 1e6;
@@ -69,8 +66,12 @@ pub struct Evaluation<C> {
 }
 
 /// Whether the surfaces hold or slide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase")
+)]
 pub enum Regime {
     /// Pre-sliding: the bristles deflect with the motion.
     #[default]
@@ -157,8 +158,8 @@ impl Holding {
 /// integrator and [`commit`](Self::commit) once for each accepted step. For the fixed-step form use
 /// a [`crate::Stepper`].
 pub trait FrictionModel: Clone + Debug {
-    /// The model's name.
-    const NAME: ModelName;
+    /// What messages call the model. A built-in model has the name that files have for it.
+    const NAME: &'static str;
     /// Its parameters as files carry them.
     type Parameters: ParameterSet;
     /// Continuous states, `[f64; N]`.
@@ -274,51 +275,6 @@ pub trait FrictionModel: Clone + Debug {
 pub trait FromParameters: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
 
 impl<M> FromParameters for M where M: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
-
-/// A velocity that the fixed-step forms can be stepped with.
-#[inline]
-pub(crate) fn bounded(velocity: f64) -> f64 {
-    if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
-}
-
-/// `int_0^h exp(-a t) dt`: what is left after `h` [s] of a rate of one into a state that relaxes at
-/// `a` [1/s], zero or more.
-#[inline]
-pub(crate) fn relaxed(a: f64, h: f64) -> f64 {
-    let x = a * h;
-    // The quotient loses digits below this, where the series is exact.
-    if x < 1e-8 { h } else { -(-x).exp_m1() / a }
-}
-
-/// `a b + c`: with one rounding where the program is built for a processor that has an instruction
-/// for it, as C compilers do.
-#[inline]
-pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
-    #[cfg(all(feature = "std", target_feature = "fma"))]
-    return a.mul_add(b, c);
-    #[cfg(not(all(feature = "std", target_feature = "fma")))]
-    return a * b + c;
-}
-
-/// `sgn v` with `sgn 0 = 0`.
-#[inline]
-pub(crate) fn sign(v: f64) -> f64 {
-    if v == 0.0 { 0.0 } else { v.signum() }
-}
-
-/// `sat(b, x)`: `x` cut to `[-b, b]`, for `b >= 0`.
-#[inline]
-pub(crate) fn saturate(b: f64, x: f64) -> f64 {
-    between(-b, b, x)
-}
-
-/// `x` cut to `[low, high]`. Unlike `f64::clamp` it cannot panic, and unlike `f64::min` and `max`,
-/// which must sort out what is not a number, each comparison is one instruction.
-#[inline]
-pub(crate) fn between(low: f64, high: f64, x: f64) -> f64 {
-    let x = if x < high { x } else { high };
-    if x > low { x } else { low }
-}
 
 #[cfg(test)]
 mod tests {

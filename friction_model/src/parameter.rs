@@ -3,13 +3,11 @@
 
 use core::fmt;
 
-use serde::Serialize;
-
-use crate::{Elements, ModelError, ModelName};
+use crate::{Elements, ModelError};
 
 /// Unit of a parameter, for a linear axis and for a rotary one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Unit {
     /// N or N m
     Force,
@@ -232,7 +230,7 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for the first that lies outside.
-    fn check(&self, model: ModelName) -> Result<(), ModelError> {
+    fn check(&self, model: &'static str) -> Result<(), ModelError> {
         let mut outcome = Ok(());
         for row in Self::TABLE {
             self.each(row.name, &mut |value| {
@@ -249,7 +247,7 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
     /// # Errors
     /// [`ModelError::OutOfRange`].
     fn require(
-        model: ModelName,
+        model: &'static str,
         holds: bool,
         parameter: &'static str,
         value: f64,
@@ -271,121 +269,7 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
 }
 
 impl Parameter {
-    fn refusal(&self, model: ModelName, value: f64, expected: Range) -> ModelError {
+    fn refusal(&self, model: &'static str, value: f64, expected: Range) -> ModelError {
         ModelError::OutOfRange { model, parameter: self.name, value, unit: self.unit, expected }
     }
 }
-
-/// Declares the parameters of a model: the struct that files carry and its [`ParameterSet`] table
-/// in one place.
-///
-/// A field is its documentation (with the unit in brackets), a serde attribute where it may be left
-/// out, then `name: type, Unit, Range;`.
-macro_rules! parameters {
-    (
-        $(#[doc = $about:literal])+
-        $set:ident {
-            $(
-                $(#[doc = $doc:literal])+
-                $(#[serde($($serde:tt)+)])?
-                $field:ident: $kind:ty, $unit:ident, $range:expr;
-            )*
-        }
-    ) => {
-        $(#[doc = $about])+
-        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
-        pub struct $set {
-            $(
-                $(#[doc = $doc])+
-                $(#[serde($($serde)+)])?
-                pub $field: $kind,
-            )*
-        }
-
-        impl $crate::ParameterSet for $set {
-            const TABLE: &'static [$crate::Parameter] = &[
-                $($crate::Parameter {
-                    name: stringify!($field),
-                    meaning: concat!($($doc),+).trim_ascii(),
-                    unit: $crate::Unit::$unit,
-                    range: $range,
-                    optional: !concat!("" $(, stringify!($($serde)+))?).is_empty(),
-                },)*
-            ];
-
-            fn each(&self, name: &str, f: &mut dyn FnMut(f64)) {
-                match name {
-                    $(stringify!($field) => $crate::Value::each(&self.$field, f),)*
-                    _ => {}
-                }
-            }
-
-            fn scale(&mut self, name: &str, factor: f64) -> bool {
-                match name {
-                    $(stringify!($field) => $crate::Value::scale(&mut self.$field, factor),)*
-                    _ => return false,
-                }
-                true
-            }
-
-            fn set(&mut self, name: &str, value: f64) -> bool {
-                match name {
-                    $(stringify!($field) => $crate::Value::set(&mut self.$field, value),)*
-                    _ => false,
-                }
-            }
-
-            fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool {
-                match name {
-                    $(stringify!($field) => $crate::Value::set_at(&mut self.$field, index, value),)*
-                    _ => false,
-                }
-            }
-        }
-    };
-}
-
-/// Parameter sets that every model has.
-pub trait Presets: ParameterSet {
-    /// The thesis's test bed (tables 4.13 to 4.16, harmonised; N m, rad, s), or for models that it
-    /// does not fit there, the values that give the same levels.
-    fn test_bed() -> Self;
-
-    /// The default set of the thesis's chapter 3 (N, m, s), likewise.
-    fn chapter_3() -> Self;
-}
-
-/// Ties a model to its parameters: back from the model for files, and the presets as models.
-macro_rules! built_from {
-    ($model:ident, $set:ty) => {
-        impl From<$model> for $set {
-            fn from(model: $model) -> Self {
-                model.parameters
-            }
-        }
-
-        impl $model {
-            /// With the parameters of the thesis's test bed, see [`Presets`](crate::Presets).
-            ///
-            /// # Panics
-            /// Never: a test builds it.
-            #[must_use]
-            pub fn test_bed() -> Self {
-                <$set as $crate::Presets>::test_bed().try_into().expect("constants within range")
-            }
-
-            /// With the default parameters of the thesis's chapter 3 (N, m, s), see
-            /// [`Presets`](crate::Presets).
-            ///
-            /// # Panics
-            /// Never: a test builds it.
-            #[must_use]
-            pub fn chapter_3() -> Self {
-                <$set as $crate::Presets>::chapter_3().try_into().expect("constants within range")
-            }
-        }
-    };
-}
-
-pub(crate) use {built_from, parameters};

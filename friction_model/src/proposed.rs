@@ -35,15 +35,13 @@ use core::fmt::Debug;
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{between, bounded, relaxed, saturate};
-use crate::parameter::parameters;
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ModelName, ParameterSet, Presets,
-    Range, Regime, State, StribeckCurve, TimeStep, VirginCurve,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Regime,
+    State, StribeckCurve, TimeStep, VirginCurve, built_from, parameters,
 };
 
 parameters! {
@@ -56,7 +54,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Micro-damping sigma [N s/m or N m s/rad], above zero.
         sigma: f64, Damping, Range::Positive;
@@ -69,30 +67,9 @@ parameters! {
     }
 }
 
-impl Presets for ProposedParameters {
-    /// Table 4.13 with the consistent sigma.
-    fn test_bed() -> Self {
-        Self {
-            f_s: 0.0994,
-            f_c: 0.0925,
-            v_s: 0.1407,
-            delta: 2.0,
-            sigma: 0.3213,
-            tau: 0.0011,
-            z_b: 0.006,
-            f_v: 0.0403,
-        }
-    }
-    fn chapter_3() -> Self {
-        let sigma = 1e5f64.sqrt();
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, sigma, tau: 0.002, z_b: 0.001, f_v: 0.0 }
-    }
-}
-
 /// The structure of the proposed model over a virgin curve: [`Proposed`] with the thesis's sine,
 /// [`ProposedLinear`] with a straight line. State: `[gamma, z]` and the reversal points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ProposedParameters", into = "ProposedParameters", bound = "C: Branch")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NonDrift<C> {
     parameters: ProposedParameters,
     curve: StribeckCurve,
@@ -106,7 +83,7 @@ pub type Proposed = NonDrift<Sine>;
 /// A virgin curve that [`NonDrift`] can be built over.
 pub trait Branch: VirginCurve + Copy + Debug + PartialEq {
     /// Name of the model with this curve.
-    const NAME: ModelName;
+    const NAME: &'static str;
 
     /// The curve that ends at the force `f_s` and the deflection `z_b`.
     fn new(f_s: f64, z_b: f64) -> Self;
@@ -116,7 +93,7 @@ pub trait Branch: VirginCurve + Copy + Debug + PartialEq {
 }
 
 impl Branch for Sine {
-    const NAME: ModelName = ModelName::Proposed;
+    const NAME: &'static str = "proposed";
     fn new(f_s: f64, z_b: f64) -> Self {
         Self::new(f_s, z_b)
     }
@@ -127,24 +104,6 @@ impl Branch for Sine {
 }
 
 impl<C: Branch> NonDrift<C> {
-    /// With the parameters of the thesis's test bed.
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        ProposedParameters::test_bed().try_into().expect("constants within range")
-    }
-
-    /// With the default parameters of the thesis's chapter 3 (N, m, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn chapter_3() -> Self {
-        ProposedParameters::chapter_3().try_into().expect("constants within range")
-    }
-
     /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and
     /// returns `F_hyst` there.
     pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
@@ -180,11 +139,7 @@ impl<C: Branch> TryFrom<ProposedParameters> for NonDrift<C> {
     }
 }
 
-impl<C> From<NonDrift<C>> for ProposedParameters {
-    fn from(model: NonDrift<C>) -> Self {
-        model.parameters
-    }
-}
+built_from!([C: Branch] NonDrift<C>, ProposedParameters);
 
 /// Coefficients of the fixed-step form.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -197,7 +152,7 @@ pub struct ProposedDiscrete {
 }
 
 impl<C: Branch> FrictionModel for NonDrift<C> {
-    const NAME: ModelName = C::NAME;
+    const NAME: &'static str = C::NAME;
     type Parameters = ProposedParameters;
     type Continuous = [f64; 2];
     type Memory = Hysteresis;

@@ -18,13 +18,13 @@
 //! is known to be elastic up to its breakaway.
 
 use crate::virgin_curve::Line;
-use crate::{Branch, ModelName, NonDrift};
+use crate::{Branch, NonDrift};
 
 /// The proposed model with straight branches.
 pub type ProposedLinear = NonDrift<Line>;
 
 impl Branch for Line {
-    const NAME: ModelName = ModelName::ProposedLinear;
+    const NAME: &'static str = "proposed_linear";
     fn new(f_s: f64, z_b: f64) -> Self {
         Self::new(f_s, z_b)
     }

@@ -27,15 +27,11 @@
 //! Fixed-step form: the sliding formula, with 0 at `v = 0`, where the applied force and its rate
 //! would have to be known (see [`FrictionModel::holding`]).
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::sign;
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State, StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
@@ -49,28 +45,15 @@ parameters! {
         /// Force rate t_s that scales the fall of the breakaway level [N/s or N m/s], above zero.
         t_s: f64, ForceRate, Range::Positive;
         /// Shape exponent of the fall, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta_t: f64, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
         f_v: f64, Damping, Range::NonNegative;
     }
 }
 
-impl Presets for RateDependentStictionParameters {
-    /// The thesis gives no `t_s`: that of chapter 3 in proportion to `f_s`.
-    fn test_bed() -> Self {
-        Self { f_s: 0.0994, f_c: 0.0925, t_s: 0.0066, delta_t: 1.0, f_v: 0.0403 }
-    }
-    /// The thesis gives no `t_s`: the middle of the ramps of its breakaway experiment (0.05, 0.1
-    /// and 0.2 N/s).
-    fn chapter_3() -> Self {
-        Self { f_s: 1.5, f_c: 1.0, t_s: 0.1, delta_t: 1.0, f_v: 0.0 }
-    }
-}
-
 /// Rate-dependent stiction with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RateDependentStictionParameters", into = "RateDependentStictionParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateDependentStiction {
     parameters: RateDependentStictionParameters,
     /// `Phi_s`: the same function of the force rate as the Stribeck curve is of the velocity.
@@ -91,7 +74,7 @@ impl TryFrom<RateDependentStictionParameters> for RateDependentStiction {
     type Error = ModelError;
 
     fn try_from(p: RateDependentStictionParameters) -> Result<Self, ModelError> {
-        let name = ModelName::RateDependentStiction;
+        let name = Self::NAME;
         p.check(name)?;
         let divisor = "large enough to divide by";
         RateDependentStictionParameters::require(
@@ -109,7 +92,7 @@ impl TryFrom<RateDependentStictionParameters> for RateDependentStiction {
 built_from!(RateDependentStiction, RateDependentStictionParameters);
 
 impl FrictionModel for RateDependentStiction {
-    const NAME: ModelName = ModelName::RateDependentStiction;
+    const NAME: &'static str = "rate_dependent_stiction";
     memoryless!(RateDependentStictionParameters);
 
     #[inline]
@@ -140,6 +123,7 @@ impl FrictionModel for RateDependentStiction {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{Body, Drive};
 
     /// Rates [N/s] and breakaway levels [N] of chapter 3's parameters, computed independently.

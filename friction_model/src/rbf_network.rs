@@ -34,14 +34,11 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    Elements, FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets,
-    Range, Regime, State,
+    Elements, FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    built_from, memoryless, parameters,
 };
 
 /// Most bells that a network can have.
@@ -61,54 +58,8 @@ parameters! {
     }
 }
 
-#[rustfmt::skip]
-impl Presets for RbfNetworkParameters {
-    /// Ten bells trained on the Stribeck curve of table 4.13, at the breakaway level just above
-    /// standstill and at the thesis's 80 speeds of 0.03 to 4 rad/s: the rms error is 7.3e-4 N m
-    /// there, and `F(0+)` 0.1016 N m. From 5 rad/s on the true friction is higher.
-    fn test_bed() -> Self {
-        Self {
-            w0: 0.291279804329,
-            weights: Elements::from([
-                -0.112960839812, 0.017753751056, -0.043246133603, -0.0442151002617, -0.0515929315715,
-                -0.0528600634885, -0.060075609887, -0.0564031150168, -0.0789119771417,
-                -0.00334031266961,
-            ]),
-            centres: Elements::from([
-                0.0, 0.05, 0.0864681670102, 0.149534878122, 0.258600136306, 0.4472135955,
-                0.773394797299, 1.33748060995, 2.31298993509, 4.0,
-            ]),
-            widths: Elements::from([
-                0.05, 0.0432340835051, 0.0497674390611, 0.086065984648, 0.148839358689, 0.257397330496,
-                0.445133507226, 0.769797568894, 1.33125969502, 1.68701006491,
-            ]),
-        }
-    }
-    /// Ten bells trained on chapter 3's Stribeck curve every 0.001 m/s from standstill to 0.1 m/s:
-    /// the rms error is 6.8e-4 N, and `F(0+)` 1.498 N. Beyond, the curve is flat, and `w_0` is its
-    /// level.
-    fn chapter_3() -> Self {
-        Self {
-            w0: 1.00000170386,
-            weights: Elements::from([
-                0.468827273315, 0.00333533219587, 0.0927414779034, 0.163389198338, 0.164569790741,
-                0.0984312484219, 0.0047456432803, -0.00019261592281, -3.36846558e-7, 3.775589783e-6,
-            ]),
-            centres: Elements::from([
-                0.0, 0.002, 0.00299069756244, 0.004472135955, 0.00668740304976, 0.01, 0.0149534878122,
-                0.022360679775, 0.0334370152488, 0.05,
-            ]),
-            widths: Elements::from([
-                0.002, 0.00149534878122, 0.0012360679775, 0.00184835274366, 0.0027639320225,
-                0.00413304238122, 0.0061803398875, 0.0092417637183, 0.0138196601125, 0.0165629847512,
-            ]),
-        }
-    }
-}
-
 /// A network of radial basis functions with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "RbfNetworkParameters", into = "RbfNetworkParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RbfNetwork {
     parameters: RbfNetworkParameters,
     /// `1 / b_i`.
@@ -140,7 +91,7 @@ impl TryFrom<RbfNetworkParameters> for RbfNetwork {
     type Error = ModelError;
 
     fn try_from(p: RbfNetworkParameters) -> Result<Self, ModelError> {
-        let model = ModelName::RbfNetwork;
+        let model = Self::NAME;
         let expected = p.weights.len();
         if !(1..=CAPACITY).contains(&expected) {
             let (given, expected) = (expected, expected.clamp(1, CAPACITY));
@@ -172,7 +123,7 @@ impl TryFrom<RbfNetworkParameters> for RbfNetwork {
 built_from!(RbfNetwork, RbfNetworkParameters);
 
 impl FrictionModel for RbfNetwork {
-    const NAME: ModelName = ModelName::RbfNetwork;
+    const NAME: &'static str = "rbf_network";
     memoryless!(RbfNetworkParameters);
 
     #[inline]

@@ -32,13 +32,10 @@
 //!
 //! Fixed-step form: `p <- sat(p_0, p + v dt)`, exact for a velocity held over the period.
 
-use serde::{Deserialize, Serialize};
-
-use crate::model::{bounded, saturate, sign};
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
 
 parameters! {
@@ -68,27 +65,8 @@ impl ResetIntegratorParameters {
     }
 }
 
-impl Presets for ResetIntegratorParameters {
-    /// Levels, stiffness, damping and viscous friction of table 4.13.
-    fn test_bed() -> Self {
-        Self::from_levels(
-            0.0994,
-            0.0925,
-            0.0994 * core::f64::consts::FRAC_PI_2 / 0.006,
-            0.3213,
-            0.0403,
-        )
-    }
-    /// Levels and stiffness (2356 N/m) of the proposed model; the damping is the root of the
-    /// stiffness, as LuGre's is there.
-    fn chapter_3() -> Self {
-        Self::from_levels(1.5, 1.0, 1.5 * core::f64::consts::FRAC_PI_2 / 0.001, 48.54, 0.0)
-    }
-}
-
 /// The reset integrator with valid parameters. State: `[p]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ResetIntegratorParameters", into = "ResetIntegratorParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResetIntegrator {
     parameters: ResetIntegratorParameters,
 }
@@ -110,7 +88,7 @@ impl TryFrom<ResetIntegratorParameters> for ResetIntegrator {
     type Error = ModelError;
 
     fn try_from(p: ResetIntegratorParameters) -> Result<Self, ModelError> {
-        let name = ModelName::ResetIntegrator;
+        let name = Self::NAME;
         p.check(name)?;
         let static_level = p.sigma0 * p.p_0 * (1.0 + p.a);
         let condition = "so that (1 + a) sigma0 p_0 is a finite number above zero";
@@ -123,7 +101,7 @@ impl TryFrom<ResetIntegratorParameters> for ResetIntegrator {
 built_from!(ResetIntegrator, ResetIntegratorParameters);
 
 impl FrictionModel for ResetIntegrator {
-    const NAME: ModelName = ModelName::ResetIntegrator;
+    const NAME: &'static str = "reset_integrator";
     type Parameters = ResetIntegratorParameters;
     type Continuous = [f64; 1];
     type Memory = ();

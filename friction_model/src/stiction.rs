@@ -23,14 +23,10 @@
 //! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
 //! known (see [`FrictionModel::holding`]).
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    memoryless, parameters,
 };
 
 parameters! {
@@ -45,18 +41,8 @@ parameters! {
     }
 }
 
-impl Presets for StictionParameters {
-    fn test_bed() -> Self {
-        Self { f_s: 0.0994, f_c: 0.0925, f_v: 0.0403 }
-    }
-    fn chapter_3() -> Self {
-        Self { f_s: 1.5, f_c: 1.0, f_v: 0.0 }
-    }
-}
-
 /// Stiction with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "StictionParameters", into = "StictionParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stiction {
     parameters: StictionParameters,
 }
@@ -65,7 +51,7 @@ impl TryFrom<StictionParameters> for Stiction {
     type Error = ModelError;
 
     fn try_from(p: StictionParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Stiction;
+        let name = Self::NAME;
         p.check(name)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
         StictionParameters::require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
@@ -76,7 +62,7 @@ impl TryFrom<StictionParameters> for Stiction {
 built_from!(Stiction, StictionParameters);
 
 impl FrictionModel for Stiction {
-    const NAME: ModelName = ModelName::Stiction;
+    const NAME: &'static str = "stiction";
     memoryless!(StictionParameters);
 
     #[inline]

@@ -17,14 +17,10 @@
 //! It gives the steady sliding characteristic of every dynamic model here and stick-slip where
 //! sticking is handled as an event. It has no pre-sliding displacement, no lag and no memory.
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::parameter::{built_from, parameters};
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State, StribeckCurve,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
@@ -37,25 +33,15 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
         f_v: f64, Damping, Range::NonNegative;
     }
 }
 
-impl Presets for StribeckParameters {
-    fn test_bed() -> Self {
-        Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, delta: 2.0, f_v: 0.0403 }
-    }
-    fn chapter_3() -> Self {
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, delta: 2.0, f_v: 0.0 }
-    }
-}
-
 /// The static Stribeck model with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "StribeckParameters", into = "StribeckParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stribeck {
     parameters: StribeckParameters,
     curve: StribeckCurve,
@@ -65,8 +51,8 @@ impl TryFrom<StribeckParameters> for Stribeck {
     type Error = ModelError;
 
     fn try_from(p: StribeckParameters) -> Result<Self, ModelError> {
-        p.check(ModelName::Stribeck)?;
-        let curve = StribeckCurve::new(ModelName::Stribeck, p.f_s, p.f_c, p.v_s, p.delta)?;
+        p.check(Self::NAME)?;
+        let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
@@ -74,7 +60,7 @@ impl TryFrom<StribeckParameters> for Stribeck {
 built_from!(Stribeck, StribeckParameters);
 
 impl FrictionModel for Stribeck {
-    const NAME: ModelName = ModelName::Stribeck;
+    const NAME: &'static str = "stribeck";
     memoryless!(StribeckParameters);
 
     #[inline]

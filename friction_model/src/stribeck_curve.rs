@@ -3,7 +3,7 @@
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 
-use crate::{ModelError, ModelName, Range, Unit};
+use crate::{ModelError, Range, Unit};
 
 /// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs.
 /// 2.9 to 2.11 with the absolute value inside the power.
@@ -17,6 +17,12 @@ pub struct StribeckCurve {
 }
 
 impl StribeckCurve {
+    /// The shape exponent of the Gaussian form, which parameter files may leave out.
+    #[must_use]
+    pub const fn gaussian() -> f64 {
+        2.0
+    }
+
     /// A curve from the static level `f_s` and the kinetic level `f_c` [N or N m], the Stribeck
     /// velocity `v_s` [m/s or rad/s] and the shape exponent `delta` (2 for the Gaussian form).
     ///
@@ -24,7 +30,7 @@ impl StribeckCurve {
     /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and
     /// `0 < delta <= 10`.
     pub fn new(
-        model: ModelName,
+        model: &'static str,
         f_s: f64,
         f_c: f64,
         v_s: f64,
@@ -102,11 +108,6 @@ impl StribeckCurve {
 /// Shape exponents.
 pub(crate) const SHAPE: Range = Range::Within(0.0, 10.0);
 
-/// The shape exponent that parameter files may leave out.
-pub(crate) const fn gaussian() -> f64 {
-    2.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,7 +115,7 @@ mod tests {
     #[test]
     fn matches_the_formula_for_any_exponent() {
         for delta in [0.5, 1.0, 2.0, 3.0] {
-            let curve = StribeckCurve::new(ModelName::Stribeck, 1.5, 1.0, 0.01, delta).unwrap();
+            let curve = StribeckCurve::new("stribeck", 1.5, 1.0, 0.01, delta).unwrap();
             for v in [-0.05f64, -0.01, 0.0, 0.003, 0.01, 0.02] {
                 let expected = 1.0 + 0.5 * (-(v.abs() / 0.01).powf(delta)).exp();
                 assert!((curve.level(v) - expected).abs() < 1e-15, "delta {delta}, v {v}");
@@ -124,8 +125,7 @@ mod tests {
 
     #[test]
     fn refuses_a_kinetic_level_above_the_static_one() {
-        let message =
-            StribeckCurve::new(ModelName::LuGre, 1.0, 1.5, 0.01, 2.0).unwrap_err().to_string();
+        let message = StribeckCurve::new("lugre", 1.0, 1.5, 0.01, 2.0).unwrap_err().to_string();
         assert!(message.starts_with("lugre.f_c must be at most f_s"), "{message}");
     }
 }

@@ -36,14 +36,11 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::memoryless::memoryless;
-use crate::model::sign;
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime,
-    State, StribeckCurve, Unit,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, Unit, built_from, memoryless, parameters,
 };
 
 parameters! {
@@ -83,7 +80,7 @@ impl TwoLineParameters {
         f_v: f64,
         v_max: f64,
     ) -> Result<Self, ModelError> {
-        let model = ModelName::TwoLine;
+        let model = TwoLine::NAME;
         StribeckCurve::new(model, f_s, f_c, v_s, 1.0)?;
         let rest = [
             ("f_v", f_v, Unit::Damping, Range::NonNegative),
@@ -111,29 +108,17 @@ impl TwoLineParameters {
     /// # Errors
     /// [`ModelError::OutOfRange`] for parameters that are no two-line model.
     pub fn switch_speed(&self) -> Result<f64, ModelError> {
-        self.check(ModelName::TwoLine)?;
+        self.check(TwoLine::NAME)?;
         let speed = (self.a1 - self.a2) / (self.b2 - self.b1);
         let condition = "such that the lines meet at a speed above zero: below a1 if b1 is below b2, else above a1";
         let meet = speed > 0.0 && (self.a2 + self.b2 * speed).is_finite();
-        Self::require(ModelName::TwoLine, meet, "a2", self.a2, condition)?;
+        Self::require(TwoLine::NAME, meet, "a2", self.a2, condition)?;
         Ok(speed)
     }
 }
 
-impl Presets for TwoLineParameters {
-    /// The tangents of the Tustin curve with table 4.13's parameters at standstill and at 4 rad/s.
-    fn test_bed() -> Self {
-        Self { a1: 0.0994, b1: 0.0403 - 0.0069 / 0.1407, a2: 0.0925, b2: 0.0403 }
-    }
-    /// The same with `v_s = 0.01 m/s` and at high speed.
-    fn chapter_3() -> Self {
-        Self { a1: 1.5, b1: -50.0, a2: 1.0, b2: 0.0 }
-    }
-}
-
 /// The two-line model with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "TwoLineParameters", into = "TwoLineParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoLine {
     parameters: TwoLineParameters,
     switch_speed: f64,
@@ -166,7 +151,7 @@ impl TryFrom<TwoLineParameters> for TwoLine {
 built_from!(TwoLine, TwoLineParameters);
 
 impl FrictionModel for TwoLine {
-    const NAME: ModelName = ModelName::TwoLine;
+    const NAME: &'static str = "two_line";
     memoryless!(TwoLineParameters);
 
     #[inline]
@@ -199,6 +184,7 @@ impl FrictionModel for TwoLine {
 mod tests {
     use super::*;
     use crate::MAX_SPEED;
+    use crate::presets::Presets;
 
     fn tustin(v: f64) -> f64 {
         0.0925 + 0.0069 * (-v / 0.1407).exp() + 0.0403 * v

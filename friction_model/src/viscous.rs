@@ -10,12 +10,9 @@
 //!
 //! Right for a full fluid film. It has no static friction at all: nothing sticks.
 
-use serde::{Deserialize, Serialize};
-
-use crate::memoryless::memoryless;
-use crate::parameter::{built_from, parameters};
 use crate::{
-    FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range, Regime, State,
+    FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    memoryless, parameters,
 };
 
 parameters! {
@@ -26,19 +23,8 @@ parameters! {
     }
 }
 
-impl Presets for ViscousParameters {
-    fn test_bed() -> Self {
-        Self { f_v: 0.0403 }
-    }
-    /// The viscous coefficient of the thesis's velocity example (section 5.4): chapter 3 has none.
-    fn chapter_3() -> Self {
-        Self { f_v: 0.0176 }
-    }
-}
-
 /// Viscous friction with valid parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ViscousParameters", into = "ViscousParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viscous {
     parameters: ViscousParameters,
 }
@@ -47,7 +33,7 @@ impl TryFrom<ViscousParameters> for Viscous {
     type Error = ModelError;
 
     fn try_from(parameters: ViscousParameters) -> Result<Self, ModelError> {
-        parameters.check(ModelName::Viscous)?;
+        parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
@@ -55,7 +41,7 @@ impl TryFrom<ViscousParameters> for Viscous {
 built_from!(Viscous, ViscousParameters);
 
 impl FrictionModel for Viscous {
-    const NAME: ModelName = ModelName::Viscous;
+    const NAME: &'static str = "viscous";
     memoryless!(ViscousParameters);
 
     fn steady_state(&self, velocity: f64) -> f64 {

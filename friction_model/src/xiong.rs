@@ -32,14 +32,12 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{between, bounded, relaxed, saturate};
-use crate::parameter::parameters;
-use crate::stribeck_curve::{SHAPE, gaussian};
+use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::stribeck_curve::SHAPE;
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets,
-    Range, Regime, State, StribeckCurve, TimeStep,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
@@ -53,7 +51,7 @@ parameters! {
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
         v_s: f64, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
-        #[serde(default = "gaussian")]
+        #[serde(default = "StribeckCurve::gaussian")]
         delta: f64, None, SHAPE;
         /// Time constant of the lag [s], above zero.
         tau: f64, Time, Range::Positive;
@@ -68,42 +66,8 @@ parameters! {
     }
 }
 
-impl Presets for XiongParameters {
-    /// Table 4.16 with the consistent `F_s`, `lambda_4` and `f_v`.
-    fn test_bed() -> Self {
-        let sum = 3.0 * 0.2998 + 0.1005;
-        Self {
-            f_s: 0.10057,
-            f_c: 0.0924,
-            v_s: 0.13121,
-            delta: 2.0,
-            tau: 0.0124,
-            lambda: [0.2998, 0.2998, 0.2998, 0.1005].map(|share| share / sum).into(),
-            k: [10.9915, 2.7836, 1.9866, 0.7792].into(),
-            sigma: [0.1964, 0.0788, 0.0603, 0.0227].into(),
-            f_v: 0.0403,
-        }
-    }
-
-    /// Ten elements.
-    fn chapter_3() -> Self {
-        Self {
-            f_s: 1.5,
-            f_c: 1.0,
-            v_s: 0.01,
-            delta: 2.0,
-            tau: 0.002,
-            lambda: Elements::from_fn(10, |i| 0.0955 + 0.001 * i as f64),
-            k: Elements::from_fn(10, |i| 1000.0 + 800.0 * i as f64),
-            sigma: Elements::from_fn(10, |i| 5.0 + 2.5 * i as f64),
-            f_v: 0.0,
-        }
-    }
-}
-
 /// Xiong's model with valid parameters and room for `N` elements. State: `([gamma], [z_i])`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "XiongParameters", into = "XiongParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Xiong<const N: usize> {
     parameters: XiongParameters,
     curve: StribeckCurve,
@@ -123,39 +87,13 @@ impl Element {
     const NONE: Self = Self { lambda: 0.0, k: 0.0, sigma: 1.0, inverse_sigma: 1.0 };
 }
 
-impl<const N: usize> From<Xiong<N>> for XiongParameters {
-    fn from(model: Xiong<N>) -> Self {
-        model.parameters
-    }
-}
-
-impl Xiong<4> {
-    /// With the four elements of the thesis's test bed.
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn test_bed() -> Self {
-        XiongParameters::test_bed().try_into().expect("constants within range")
-    }
-}
-
-impl Xiong<10> {
-    /// With the ten elements of the thesis's chapter 3 (N, m, s).
-    ///
-    /// # Panics
-    /// Never: a test builds it.
-    #[must_use]
-    pub fn chapter_3() -> Self {
-        XiongParameters::chapter_3().try_into().expect("constants within range")
-    }
-}
+built_from!([const N: usize] Xiong<N>, XiongParameters);
 
 impl<const N: usize> TryFrom<XiongParameters> for Xiong<N> {
     type Error = ModelError;
 
     fn try_from(p: XiongParameters) -> Result<Self, ModelError> {
-        let model = ModelName::Xiong;
+        let model = Self::NAME;
         p.check(model)?;
         let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
         crate::elements::check(model, N, "lambda", &p.lambda, &[("k", &p.k), ("sigma", &p.sigma)])?;
@@ -181,7 +119,7 @@ pub struct XiongDiscrete<const N: usize> {
 }
 
 impl<const N: usize> FrictionModel for Xiong<N> {
-    const NAME: ModelName = ModelName::Xiong;
+    const NAME: &'static str = "xiong";
     type Parameters = XiongParameters;
     type Continuous = ([f64; 1], [f64; N]);
     type Memory = ();
@@ -307,6 +245,7 @@ impl<const N: usize> FrictionModel for Xiong<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presets::Presets;
     use crate::{Proposed, ProposedParameters, Stepper, rk4};
 
     #[test]

@@ -77,7 +77,9 @@ fn pages(root: &Path) -> Result<Vec<(String, String)>> {
          | model | name in files | what it is |\n|---|---|---|\n",
     );
     for name in ModelName::ALL {
-        let source = root.join(format!("friction_model/src/{name}.rs"));
+        let file = ["", "/mod"].map(|end| format!("friction_model/src/{name}{end}.rs"));
+        let file = file.into_iter().find(|file| root.join(file).exists()).unwrap_or_default();
+        let source = root.join(&file);
         let text = fs::read_to_string(&source)
             .with_context(|| format!("cannot read {}", source.display()))?;
         let head = head(&text);
@@ -88,15 +90,15 @@ fn pages(root: &Path) -> Result<Vec<(String, String)>> {
             name.title(),
             first_sentence(&head)
         )?;
-        pages.push((format!("{name}.md"), page(name, &head, &figures[name.as_str()])?));
+        pages.push((format!("{name}.md"), page(name, &file, &head, &figures[name.as_str()])?));
     }
     pages.push(("README.md".to_owned(), index));
     Ok(pages)
 }
 
-fn page(name: ModelName, head: &str, figures: &Value) -> Result<String> {
+fn page(name: ModelName, file: &str, head: &str, figures: &Value) -> Result<String> {
     let mut page = format!(
-        "<!-- Made by `cargo xtask docs` from friction_model/src/{name}.rs; edit that file. -->\n\n# {}\n\n{head}\n",
+        "<!-- Made by `cargo xtask docs` from {file}; edit that file. -->\n\n# {}\n\n{head}\n",
         name.title()
     );
     page += "\n## Parameters in files\n\n| parameter | unit | range | test bed | chapter 3 |\n|---|---|---|---|---|\n";

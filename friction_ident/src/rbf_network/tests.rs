@@ -1,4 +1,5 @@
-use friction_model::{Presets, Stribeck};
+use friction_model::Stribeck;
+use friction_model::presets::Presets;
 use proptest::prelude::*;
 
 use super::*;

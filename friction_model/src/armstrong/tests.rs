@@ -2,6 +2,7 @@
 //! and passivity.
 
 use super::*;
+use crate::presets::Presets;
 use crate::{Stepper, rk4};
 
 const DT: f64 = 1e-4;

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::Stepper;
+use crate::presets::Presets;
 
 prop_compose! {
     fn any_model()(f_1 in 0.1..10.0f64, ratio in 0.0..0.99f64, eta in 0.02..0.98f64, log_eps in -4.0..0.0f64) -> BlimanSorine {

@@ -1,6 +1,7 @@
 //! What the bristle model must do: the statistics of its renewal process, its bound and its losses.
 
 use super::*;
+use crate::presets::Presets;
 use crate::{Stepper, rk4};
 
 fn bristle(bonds: u32, seed: u32) -> Bristle {

@@ -1,6 +1,7 @@
 //! What the hysteretic model must do: its two branches, its spring and its passivity.
 
 use super::*;
+use crate::presets::Presets;
 use crate::{Stepper, rk4};
 
 const DT: f64 = 1e-4;

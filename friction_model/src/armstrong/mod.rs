@@ -49,14 +49,11 @@
 //! period. In the derivative form the changes take effect when a step is accepted: runs converge
 //! with the first order of the step.
 
-use serde::{Deserialize, Serialize};
-
+use crate::arithmetic::{bounded, saturate, sign};
 use crate::delay_line::DelayLine;
-use crate::model::{bounded, saturate, sign};
-use crate::parameter::{built_from, parameters};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
 
 parameters! {
@@ -79,21 +76,6 @@ parameters! {
     }
 }
 
-impl Presets for ArmstrongParameters {
-    /// Levels, stiffness and viscous friction of table 4.13, the lag of table 4.8; the dwell of one
-    /// second is chosen.
-    fn test_bed() -> Self {
-        let k_t = 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006;
-        Self { f_s: 0.0994, f_c: 0.0925, v_s: 0.1407, k_t, tau_l: 0.0111, gamma: 1.0, f_v: 0.0403 }
-    }
-    /// Levels, stiffness (2356 N/m) and lag of the proposed model; the dwell of one second is
-    /// chosen.
-    fn chapter_3() -> Self {
-        let k_t = 1.5 * core::f64::consts::FRAC_PI_2 / 0.001;
-        Self { f_s: 1.5, f_c: 1.0, v_s: 0.01, k_t, tau_l: 0.002, gamma: 1.0, f_v: 0.0 }
-    }
-}
-
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmstrongMemory {
@@ -109,8 +91,7 @@ pub struct ArmstrongMemory {
 
 /// Armstrong-Helouvry's model with valid parameters. State: `[x, time since the last sample]`, the
 /// past velocity, the dwell.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ArmstrongParameters", into = "ArmstrongParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Armstrong {
     parameters: ArmstrongParameters,
 }
@@ -168,7 +149,7 @@ impl TryFrom<ArmstrongParameters> for Armstrong {
     type Error = ModelError;
 
     fn try_from(p: ArmstrongParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Armstrong;
+        let name = Self::NAME;
         p.check(name)?;
         let require = ArmstrongParameters::require;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
@@ -187,7 +168,7 @@ impl TryFrom<ArmstrongParameters> for Armstrong {
 built_from!(Armstrong, ArmstrongParameters);
 
 impl FrictionModel for Armstrong {
-    const NAME: ModelName = ModelName::Armstrong;
+    const NAME: &'static str = "armstrong";
     type Parameters = ArmstrongParameters;
     type Continuous = [f64; 2];
     type Memory = ArmstrongMemory;

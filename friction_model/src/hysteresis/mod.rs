@@ -14,7 +14,7 @@
 //! therefore close exactly, and congruent loops have the same shape wherever they lie. The operator
 //! equals a Prandtl-Ishlinskii operator with weight `w(r) = -f''(r)`.
 
-use crate::model::saturate;
+use crate::arithmetic::saturate;
 
 /// A concave odd curve that a contact follows when it is loaded for the first time.
 pub trait VirginCurve {

@@ -51,13 +51,11 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate, sign};
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
 
 parameters! {
@@ -85,21 +83,6 @@ parameters! {
     }
 }
 
-impl Presets for WojewodaParameters {
-    /// Levels, Stribeck velocity, stiffness and viscous friction of table 4.13; the lower branch is
-    /// flat.
-    fn test_bed() -> Self {
-        let k_t = 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006;
-        Self { f_s: 0.0994, f_c: 0.0925, f_d: None, v_s: 0.1407, k_t, a_0: None, f_v: 0.0403 }
-    }
-    /// Levels, Stribeck velocity and stiffness (2356 N/m) of the proposed model; the lower branch
-    /// is flat.
-    fn chapter_3() -> Self {
-        let k_t = 1.5 * core::f64::consts::FRAC_PI_2 / 0.001;
-        Self { f_s: 1.5, f_c: 1.0, f_d: None, v_s: 0.01, k_t, a_0: None, f_v: 0.0 }
-    }
-}
-
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WojewodaMemory {
@@ -113,8 +96,7 @@ pub struct WojewodaMemory {
 
 /// The hysteretic model with valid parameters. State: `[z]`, the last velocity and acceleration,
 /// and whether it slides.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "WojewodaParameters", into = "WojewodaParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wojewoda {
     parameters: WojewodaParameters,
     /// `(F_s + F_d)/2 - F_c` and `(F_s - F_d)/2`.
@@ -198,7 +180,7 @@ impl TryFrom<WojewodaParameters> for Wojewoda {
     type Error = ModelError;
 
     fn try_from(p: WojewodaParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Wojewoda;
+        let name = Self::NAME;
         p.check(name)?;
         let require = WojewodaParameters::require;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
@@ -226,7 +208,7 @@ impl TryFrom<WojewodaParameters> for Wojewoda {
 built_from!(Wojewoda, WojewodaParameters);
 
 impl FrictionModel for Wojewoda {
-    const NAME: ModelName = ModelName::Wojewoda;
+    const NAME: &'static str = "wojewoda";
     type Parameters = WojewodaParameters;
     type Continuous = [f64; 1];
     type Memory = WojewodaMemory;

@@ -52,13 +52,11 @@
 use num_traits::Float as _;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng as _, SeedableRng as _};
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, saturate, sign};
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
 
 /// Most bonds a model can have.
@@ -99,18 +97,6 @@ impl BristleParameters {
     }
 }
 
-impl Presets for BristleParameters {
-    /// Kinetic level, stiffness from rest and viscous friction of table 4.13. The static level
-    /// follows: 1.159 of the kinetic one.
-    fn test_bed() -> Self {
-        Self::from_levels(100, 0.0925, 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006, 0.0403)
-    }
-    /// Kinetic level and stiffness (2356 N/m, from rest) of the proposed model.
-    fn chapter_3() -> Self {
-        Self::from_levels(100, 1.0, 1.5 * core::f64::consts::FRAC_PI_2 / 0.001, 0.0)
-    }
-}
-
 /// What a bristle contact remembers: every bond's extension and the random numbers to come.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BristleMemory {
@@ -124,8 +110,7 @@ pub struct BristleMemory {
 
 /// Haessig and Friedland's bristle model with valid parameters. State: the travel since the last
 /// accepted step, and the bonds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "BristleParameters", into = "BristleParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bristle {
     parameters: BristleParameters,
     /// Number of bonds.
@@ -196,7 +181,7 @@ impl TryFrom<BristleParameters> for Bristle {
     type Error = ModelError;
 
     fn try_from(p: BristleParameters) -> Result<Self, ModelError> {
-        let name = ModelName::Bristle;
+        let name = Self::NAME;
         p.check(name)?;
         let model = Self { parameters: p, count: (p.bonds as usize).min(MAX_BONDS) };
         let condition = "so that bonds sigma0 delta_s is a finite number above zero";
@@ -209,7 +194,7 @@ impl TryFrom<BristleParameters> for Bristle {
 built_from!(Bristle, BristleParameters);
 
 impl FrictionModel for Bristle {
-    const NAME: ModelName = ModelName::Bristle;
+    const NAME: &'static str = "bristle";
     type Parameters = BristleParameters;
     type Continuous = [f64; 1];
     type Memory = BristleMemory;

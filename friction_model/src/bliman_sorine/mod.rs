@@ -54,13 +54,11 @@
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use serde::{Deserialize, Serialize};
 
-use crate::model::{bounded, relaxed, saturate, sign};
-use crate::parameter::{built_from, parameters};
+use crate::arithmetic::{bounded, relaxed, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ModelName, ParameterSet, Presets, Range,
-    Regime, State, TimeStep,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
+    built_from, parameters,
 };
 
 parameters! {
@@ -95,20 +93,8 @@ impl BlimanSorineParameters {
     }
 }
 
-impl Presets for BlimanSorineParameters {
-    /// Levels, stiffness and viscous friction of table 4.13.
-    fn test_bed() -> Self {
-        Self::from_levels(0.0994, 0.0925, 0.0994 * core::f64::consts::FRAC_PI_2 / 0.006, 0.0403)
-    }
-    /// Levels and stiffness (2356 N/m) of the proposed model.
-    fn chapter_3() -> Self {
-        Self::from_levels(1.5, 1.0, 1.5 * core::f64::consts::FRAC_PI_2 / 0.001, 0.0)
-    }
-}
-
 /// Bliman and Sorine's model with valid parameters. State: `[x_1, x_2]` [N or N m].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "BlimanSorineParameters", into = "BlimanSorineParameters")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlimanSorine {
     parameters: BlimanSorineParameters,
     /// `1/(eta eps_f)` and `1/eps_f`.
@@ -161,7 +147,7 @@ impl TryFrom<BlimanSorineParameters> for BlimanSorine {
     type Error = ModelError;
 
     fn try_from(p: BlimanSorineParameters) -> Result<Self, ModelError> {
-        let name = ModelName::BlimanSorine;
+        let name = Self::NAME;
         p.check(name)?;
         let require = BlimanSorineParameters::require;
         require(
@@ -182,7 +168,7 @@ impl TryFrom<BlimanSorineParameters> for BlimanSorine {
 built_from!(BlimanSorine, BlimanSorineParameters);
 
 impl FrictionModel for BlimanSorine {
-    const NAME: ModelName = ModelName::BlimanSorine;
+    const NAME: &'static str = "bliman_sorine";
     type Parameters = BlimanSorineParameters;
     type Continuous = [f64; 2];
     type Memory = ();
