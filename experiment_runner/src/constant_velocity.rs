@@ -5,6 +5,7 @@
 //! mean over the rest of the point, against the mean velocity, is one point of the Stribeck curve.
 
 use controller::ControlMode;
+use friction_ident::statistics::RunningSample;
 use friction_ident::{IdentError, SteadyPoint, TorqueSource};
 use rig_driver::RigError;
 use serde::{Deserialize, Serialize};
@@ -117,10 +118,10 @@ impl SteadyJob {
         let cycles = (protocol.duration / period).round() as u64;
         let first = (protocol.drop_first / period).round() as u64;
         let end = cycles - (protocol.drop_last / period).round() as u64;
-        let mut torque = Moments::default();
+        let mut torque = RunningSample::default();
         let mut torque_systematic = 0.0;
         let mut channels = Channels::new(period);
-        let (mut voltage, mut current) = (Moments::default(), Moments::default());
+        let (mut voltage, mut current) = (RunningSample::default(), RunningSample::default());
         let mut slope = Slope::default();
         for cycle in 0..cycles {
             let sample = control.step()?;
@@ -154,30 +155,9 @@ impl SteadyJob {
             torque_deviation: torque.deviation(),
             torque_systematic,
             voltage: voltage.mean,
-            current: (current.n == voltage.n && current.n > 0).then_some(current.mean),
-            samples: torque.n,
+            current: (current.count == voltage.count && current.count > 0).then_some(current.mean),
+            samples: torque.count,
         })
-    }
-}
-
-/// Mean and variance, by Welford's update.
-#[derive(Debug, Clone, Copy, Default)]
-struct Moments {
-    n: u32,
-    mean: f64,
-    squares: f64,
-}
-
-impl Moments {
-    fn add(&mut self, value: f64) {
-        self.n += 1;
-        let difference = value - self.mean;
-        self.mean += difference / f64::from(self.n);
-        self.squares += difference * (value - self.mean);
-    }
-
-    fn deviation(&self) -> f64 {
-        if self.n < 2 { 0.0 } else { (self.squares / f64::from(self.n - 1)).sqrt() }
     }
 }
 

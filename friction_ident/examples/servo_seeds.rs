@@ -13,9 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use friction_ident::servo::{
-    Effort, FrictionLevel, Lanes, Physics, Quartiles, RawServoLog, ServoLog, search,
-};
+use friction_ident::servo::{Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, search};
+use friction_ident::statistics::Quartiles;
 
 fn load(file: &Path) -> Option<ServoLog> {
     let log: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).ok()?).ok()?;

@@ -6,8 +6,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
+use crate::statistics::student_95;
 
 /// Standard error over value beyond which a parameter counts as unknown, as in
 /// [`Estimates::linearised`].

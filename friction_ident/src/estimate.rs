@@ -9,8 +9,8 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::bounded::Minimum;
-use crate::confidence::student_95;
 use crate::finite::finite;
+use crate::statistics::student_95;
 
 /// How an interval was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::statistics::Sample;
+
 /// Fit and information criteria of one model on one set of residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Information {
@@ -120,10 +122,9 @@ fn paired(
             compare(square(first), square(second))
         })
         .collect();
-    let m = blocks as f64;
-    let mean = differences.iter().sum::<f64>() / m;
-    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (m - 1.0);
-    Difference { mean, standard_error: (variance / m).sqrt() }
+    let sample = Sample::of(differences.into_iter());
+    let standard_error = (sample.variance() / blocks as f64).sqrt();
+    Difference { mean: sample.mean, standard_error }
 }
 
 /// Differences of several kinds of recording put together, each weighed by its samples. What one

@@ -45,13 +45,12 @@
 //! * [`cma_es`]: search without derivatives.
 //! * [`savitzky_golay`]: smoothing and differentiation by local polynomials.
 //! * [`outliers`]: samples that cannot be true, replaced and reported.
-//! * [`confidence`]: Student's quantile, the factor between a standard error and an interval.
+//! * [`statistics`]: quantiles, means and scatter, Student's factor between an error and an interval.
 
 pub mod axis_structure;
 pub mod bounded;
 pub mod cma_es;
 pub mod conditioning;
-pub mod confidence;
 pub mod damped_model;
 pub mod derived;
 pub mod drive;
@@ -76,6 +75,7 @@ pub mod servo;
 pub mod staged;
 pub mod starting_model;
 pub mod static_curve;
+pub mod statistics;
 mod steady_point;
 pub mod stiction_cycle;
 pub mod stretch;

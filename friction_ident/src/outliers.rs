@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::quantiser::step_of;
+use crate::statistics::upper_median;
 
 /// The identifier's two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -73,6 +74,7 @@ impl Hampel {
             });
         }
         let n = signal.len();
+        let middle = |values: &mut [f64]| upper_median(values).unwrap_or(0.0);
         let mut window = Vec::with_capacity(2 * half_window + 1);
         // Near the ends the window shrinks on both sides alike: one-sided it would call a slope an
         // outlier.
@@ -81,13 +83,13 @@ impl Hampel {
                 let reach = half_window.min(index).min(n - 1 - index);
                 window.clear();
                 window.extend_from_slice(&signal[index - reach..=index + reach]);
-                let by = median(&mut window);
+                let by = middle(&mut window);
                 window.iter_mut().for_each(|value| *value = (*value - by).abs());
-                (by, TO_DEVIATION * median(&mut window))
+                (by, TO_DEVIATION * middle(&mut window))
             })
             .collect();
         let mut deviations: Vec<f64> = around.iter().map(|(_, deviation)| *deviation).collect();
-        let usual = if deviations.is_empty() { 0.0 } else { median(&mut deviations) };
+        let usual = middle(&mut deviations);
         let least = usual.max(least_deviation(signal));
         let mut cleaned = Cleaned { signal: signal.to_vec(), replaced: Vec::new() };
         for (index, (by, deviation)) in (FEWEST..).zip(around.drain(..)) {
@@ -114,12 +116,6 @@ fn least_deviation(signal: &[f64]) -> f64 {
         Some(step) if moves >= 10 => step.max(rounding),
         _ => rounding,
     }
-}
-
-/// The middle value, of an even number the upper one; the values are reordered.
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@
 use std::ops::ControlFlow;
 
 use crate::bounded::{Bound, Minimum, Patience, Residuals, minimise};
-use crate::confidence::student_95;
 use crate::estimate::{Interval, IntervalMethod};
+use crate::statistics::student_95;
 
 /// Steps outwards, each twice as long as the one before, until an interval counts as open.
 const DOUBLINGS: usize = 40;

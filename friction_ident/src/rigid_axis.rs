@@ -22,6 +22,7 @@ use serde::Serialize;
 use crate::IdentError;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
+use crate::statistics::root_mean_square;
 use crate::zero_phase::decimate;
 
 /// One term of the axis model.
@@ -368,11 +369,7 @@ fn accelerates(recording: &Conditioned) -> bool {
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
     let changes = fastest - slowest > 1e-4 * fastest.abs().max(slowest.abs());
-    changes && rms(&recording.acceleration) > recording.acceleration_floor
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+    changes && root_mean_square(&recording.acceleration) > recording.acceleration_floor
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::confidence::student_95;
 use crate::estimate::Interval;
+use crate::statistics::student_95;
 use crate::steady_point::{Needed, check_points};
 
 mod estimates;

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::estimate::{Estimate, Interval, IntervalMethod, Verdict};
-use crate::servo::Quartiles;
+use crate::statistics::{Quartiles, rank_of_95, sorted};
 pub use segment::{Phase, PhaseKind, segment};
 pub use slip_friction::{SlipFriction, SlipOptions, slip_friction};
 
@@ -138,22 +138,9 @@ pub fn breakaways(
 /// values no ranks enclose 95 %: the verdict says so.
 pub fn median(name: &str, values: &[f64], remedy: &'static str) -> Option<Estimate> {
     let middle = Quartiles::of(values)?.median;
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    let sorted = sorted(values.iter().copied());
     let n = sorted.len();
-    // Largest rank whose binomial tail stays within 2.5 %.
-    let mut tail = 0.5f64.powi(n.min(1000) as i32);
-    let mut term = tail;
-    let mut rank = None;
-    for k in 0..n {
-        if tail > 0.025 {
-            break;
-        }
-        rank = Some(k);
-        term *= (n - k) as f64 / (k + 1) as f64;
-        tail += term;
-    }
-    let interval = rank.and_then(|k| {
+    let interval = rank_of_95(n).and_then(|k| {
         Some(Interval {
             low: *sorted.get(k)?,
             high: *sorted.get(n - 1 - k)?,

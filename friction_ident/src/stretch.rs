@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
+use crate::statistics::Sample;
 use crate::steady_point::SteadyPoint;
 
 /// An evenly sampled piece of a recording of friction.
@@ -156,9 +157,8 @@ impl Stretch {
         if reach.is_some_and(|reach| range <= 2.0 * reach) {
             return StretchKind::PreSliding;
         }
-        let n = self.velocity.len() as f64;
-        let mean = self.velocity.iter().sum::<f64>() / n;
-        let deviation = (self.velocity.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let sample = Sample::of(self.velocity.iter().copied());
+        let (mean, deviation) = (sample.mean, sample.own_deviation());
         // The motion itself, smoothed over a fiftieth of the stretch: sensor noise is no reversal.
         let window = (self.len() / 50).clamp(1, 50);
         let smooth: Vec<f64> = (0..self.len() - window)

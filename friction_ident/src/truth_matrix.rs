@@ -14,6 +14,7 @@ use crate::information::Difference;
 use crate::staged::{
     Identified, StagedOptions, difference, identify_model, residuals, rms_of_kind,
 };
+use crate::statistics::root_mean_square;
 use crate::stretch::StretchKind;
 use crate::synthetic::{Set, experiments};
 
@@ -72,14 +73,13 @@ pub fn try_models(
         let off = residuals(&identified.model, &validation);
         found.push((identified, off));
     }
-    let square = |off: &[f64]| off.iter().map(|r| r * r).sum::<f64>() / off.len().max(1) as f64;
-    found.sort_by(|a, b| square(&a.1).total_cmp(&square(&b.1)));
+    found.sort_by(|a, b| root_mean_square(&a.1).total_cmp(&root_mean_square(&b.1)));
     let best = found.first().map(|(identified, _)| identified.model);
     Ok(found
         .iter()
         .map(|(identified, off)| Trial {
             model: identified.name,
-            held_out: square(off).sqrt(),
+            held_out: root_mean_square(off),
             by_kind: StretchKind::ALL.map(|kind| rms_of_kind(&identified.model, &validation, kind)),
             aic: identified.information.aic,
             bic: identified.information.bic,

@@ -19,7 +19,7 @@
 use friction_model::{FrictionModel, TwoLine, TwoLineParameters};
 use serde::Serialize;
 
-use crate::confidence::student_95;
+use crate::statistics::student_95;
 
 mod fit;
 #[cfg(test)]

@@ -11,6 +11,8 @@
 use std::ops::Range;
 use std::path::Path;
 
+use friction_ident::statistics::upper_median;
+
 use super::RecordingError;
 use super::irregularities::Irregularities;
 
@@ -357,9 +359,7 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+    upper_median(&mut values.to_vec()).unwrap_or(f64::NAN)
 }
 
 /// Six significant digits, for messages.

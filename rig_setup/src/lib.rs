@@ -15,7 +15,6 @@ mod parameters;
 mod ports;
 mod procedure;
 mod profile;
-mod regression;
 mod session;
 mod terminal;
 

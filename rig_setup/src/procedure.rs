@@ -7,10 +7,10 @@
 //!    line whose slope is its gain, and the torque of either direction has a sign.
 
 use friction_ident::Uncertain;
+use friction_ident::statistics::{Sample, line};
 use rig_driver::{Measurement, Sign};
 
 use super::findings::{Findings, Level};
-use super::regression::{line, mean};
 use super::{RigSetupError, Session};
 
 /// Lengths and sizes of the steps.
@@ -59,7 +59,7 @@ pub fn run(
     }
     let undetermined = |what| move || RigSetupError::Undetermined { what };
     let at_rest = |value: fn(&Measurement) -> f64, what| {
-        mean(&rest.iter().map(value).collect::<Vec<_>>()).ok_or_else(undetermined(what))
+        Sample::of(rest.iter().map(value)).uncertain_mean().ok_or_else(undetermined(what))
     };
     let tachometer_zero = at_rest(|seen| seen.tachometer_velocity, "the tachometer's zero")?;
     let torque_zero = at_rest(|seen| seen.torque, "the torque's zero")?;
@@ -79,8 +79,9 @@ pub fn run(
     let encoder_sign = common_sign(&signs).ok_or(RigSetupError::EncoderErratic)?;
     // Within the bracket any voltage is as likely; repeating the ramp does not make it narrower.
     let deadband = |volts: &[f64]| {
-        let Uncertain { value, standard_error } =
-            mean(volts).ok_or_else(undetermined("the deadband"))?;
+        let Uncertain { value, standard_error } = Sample::of(volts.iter().copied())
+            .uncertain_mean()
+            .ok_or_else(undetermined("the deadband"))?;
         Ok::<_, RigSetupError>(Uncertain {
             value,
             standard_error: standard_error.hypot(width / 12f64.sqrt()),
@@ -187,8 +188,8 @@ fn evaluate(known: Known) -> Result<Findings, RigSetupError> {
                 / window.len() as f64;
             points.push((speed.slope.value, tachometer));
         }
-        let torque: Vec<f64> = seen.iter().map(|seen| seen.torque - torque_zero.value).collect();
-        let torque = mean(&torque)
+        let torque = Sample::of(seen.iter().map(|seen| seen.torque - torque_zero.value))
+            .uncertain_mean()
             .ok_or(RigSetupError::Undetermined { what: "the torque at a steady voltage" })?;
         let Some(&(velocity, tachometer)) = points.last() else {
             return Err(RigSetupError::Undetermined { what: "the encoder's speed" });

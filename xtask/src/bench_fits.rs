@@ -11,6 +11,7 @@ use std::process::Command;
 use std::{env, fs};
 
 use anyhow::{Context, Result, ensure};
+use friction_ident::statistics::upper_median;
 use serde::Deserialize;
 
 use crate::python_env;
@@ -146,7 +147,5 @@ fn fits(command: &mut Command) -> Result<Vec<Fit>> {
 }
 
 fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+    upper_median(&mut values.to_vec()).unwrap_or(f64::NAN)
 }

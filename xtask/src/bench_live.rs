@@ -15,6 +15,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
+use friction_ident::statistics::{quantile, sorted};
 
 use errors::PeriodErrors;
 
@@ -101,7 +102,7 @@ impl BenchLive {
                 )?;
             }
         }
-        let median = median(&mut ratios);
+        let median = quantile(&sorted(ratios), 0.5).unwrap_or(f64::NAN);
         writeln!(out, "median ratio of the p99 period errors: {median:.2} (bar {:.2})", self.bar)?;
         ensure!(
             self.report_only || median <= self.bar,
@@ -169,12 +170,6 @@ impl BenchLive {
             .join()
             .map_err(|_| anyhow::anyhow!("the bare loop panicked"))
     }
-}
-
-fn median(ratios: &mut [f64]) -> f64 {
-    ratios.sort_by(f64::total_cmp);
-    let (below, above) = (ratios[(ratios.len() - 1) / 2], ratios[ratios.len() / 2]);
-    0.5 * (below + above)
 }
 
 /// Builds `frictionlab` in the release profile.

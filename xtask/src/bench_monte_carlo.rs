@@ -11,6 +11,7 @@ use std::process::Command;
 use std::{env, str};
 
 use anyhow::{Context, Result, ensure};
+use friction_ident::statistics::{quantile, sorted};
 use serde::Deserialize;
 
 use crate::python_env;
@@ -116,10 +117,7 @@ fn median_error(values: &[f64]) -> f64 {
 }
 
 fn percentile(values: &[f64], share: f64) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let place = (share * sorted.len().saturating_sub(1) as f64).round() as usize;
-    sorted.get(place).copied().unwrap_or(f64::NAN)
+    quantile(&sorted(values.iter().copied()), share).unwrap_or(f64::NAN)
 }
 
 fn turn(command: &mut Command) -> Result<Turn> {

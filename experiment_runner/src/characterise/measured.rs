@@ -1,5 +1,6 @@
 //! A figure over repetitions, with its uncertainty in two parts.
 
+use friction_ident::statistics::{Sample, quantile, sorted};
 use serde::Serialize;
 
 /// One figure with its scatter over the repetitions.
@@ -23,19 +24,16 @@ impl Measured {
     #[must_use]
     pub fn of(values: &[(f64, f64)]) -> Option<Self> {
         let n = values.len() as f64;
-        let mut sorted: Vec<f64> = values.iter().map(|value| value.0).collect();
-        sorted.sort_by(f64::total_cmp);
-        let mean = sorted.iter().sum::<f64>() / n;
-        let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
-        let standard_error = (values.len() > 1).then(|| (squares / (n - 1.0) / n).sqrt());
+        let sorted = sorted(values.iter().map(|value| value.0));
+        let sample = Sample::of(sorted.iter().copied());
         Some(Self {
-            mean,
+            mean: sample.mean,
             quartiles: [
                 quantile(&sorted, 0.25)?,
                 quantile(&sorted, 0.5)?,
                 quantile(&sorted, 0.75)?,
             ],
-            standard_error,
+            standard_error: sample.uncertain_mean().map(|mean| mean.standard_error),
             systematic: values.iter().map(|value| value.1).sum::<f64>() / n,
             repetitions: values.len() as u32,
         })
@@ -52,14 +50,6 @@ impl Measured {
     pub fn uncertainty(&self) -> f64 {
         self.standard_error.unwrap_or(0.0).hypot(self.systematic)
     }
-}
-
-/// Quantile of sorted values, by straight lines between them (definition 7 of Hyndman and Fan
-/// 1996).
-fn quantile(sorted: &[f64], p: f64) -> Option<f64> {
-    let at = p * sorted.len().checked_sub(1)? as f64;
-    let (low, high) = (at.floor() as usize, at.ceil() as usize);
-    Some(sorted[low] + (at - low as f64) * (sorted[high] - sorted[low]))
 }
 
 #[cfg(test)]

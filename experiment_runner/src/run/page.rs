@@ -1,11 +1,12 @@
 //! The report of a run: what was measured, what was found, what it is worth.
 
 use friction_ident::StribeckFit;
+use friction_ident::statistics::Sample;
 use friction_model::ModelName;
 
 use super::Compensators;
 use super::comparison_page::{comparison_table, tracking_figure};
-use super::results::{Identification, RunResults, Status, mean_and_deviation};
+use super::results::{Identification, RunResults, Status};
 use super::trace::Trace;
 use crate::characterise::Measured;
 use crate::compensation::Arm;
@@ -278,7 +279,7 @@ fn means(runs: &[SteadyRun], set: u32, grid: &[f64]) -> (Vec<f64>, Vec<f64>, Vec
         let torques: Vec<_> =
             of_point.iter().map(|run| (run.torque, run.torque_systematic)).collect();
         let Some(torque) = Measured::of(&torques) else { continue };
-        x.push(mean_and_deviation(of_point.iter().map(|run| run.velocity)).0);
+        x.push(Sample::of(of_point.iter().map(|run| run.velocity)).mean);
         y.push(torque.mean);
         error.push(torque.half_spread());
     }

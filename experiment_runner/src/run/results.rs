@@ -1,6 +1,7 @@
 //! What a run found: the content of `run.json`.
 
 use controller::ControlMode;
+use friction_ident::statistics::Sample;
 use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::{Deserialize, Serialize};
@@ -250,15 +251,14 @@ impl LimitCycleFigures {
     /// Of the runs of one arm; `None` if no run has one.
     fn of(runs: &[&TrackingRun]) -> Option<Self> {
         let found: Vec<LimitCycle> = runs.iter().filter_map(|run| run.limit_cycle).collect();
-        let (amplitude, amplitude_deviation) =
-            mean_and_deviation(found.iter().map(|cycle| cycle.amplitude));
-        let (period, period_deviation) = mean_and_deviation(found.iter().map(|cycle| cycle.period));
+        let amplitude = Sample::of(found.iter().map(|cycle| cycle.amplitude));
+        let period = Sample::of(found.iter().map(|cycle| cycle.period));
         (!found.is_empty()).then_some(Self {
             repetitions: found.len(),
-            amplitude,
-            amplitude_deviation,
-            period,
-            period_deviation,
+            amplitude: amplitude.mean,
+            amplitude_deviation: amplitude.deviation(),
+            period: period.mean,
+            period_deviation: period.deviation(),
         })
     }
 }
@@ -284,7 +284,8 @@ impl Comparison {
                 continue;
             }
             let figures = |value: fn(&TrackingRun) -> f64| {
-                mean_and_deviation(of_arm.iter().map(|run| value(run)))
+                let sample = Sample::of(of_arm.iter().map(|run| value(run)));
+                (sample.mean, sample.deviation())
             };
             let (mse, mse_deviation) = figures(|run| run.mse);
             let (max_error, max_error_deviation) = figures(|run| run.max_error);
@@ -319,14 +320,6 @@ impl Comparison {
     pub fn best(&self) -> Option<usize> {
         (0..self.rows.len()).min_by(|&a, &b| self.rows[a].mse.total_cmp(&self.rows[b].mse))
     }
-}
-
-/// Mean and standard deviation of a sample; the deviation of a single value is zero.
-pub(super) fn mean_and_deviation(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let n = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
-    (mean, if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { 0.0 })
 }
 
 /// The bag in figures.

@@ -11,6 +11,7 @@ use super::fit::Search;
 use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;
+use crate::statistics::Sample;
 
 /// Rows on each side of a block that take no part in its fit: the length of the anti-alias
 /// low-pass's memory, in thinned samples.
@@ -69,10 +70,7 @@ pub fn cross_validate(
 
 /// Standard error of the sum of independent parts.
 fn sum_error(parts: &[f64]) -> f64 {
-    let n = parts.len() as f64;
-    let mean = parts.iter().sum::<f64>() / n;
-    let variance = parts.iter().map(|part| (part - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    (n * variance).sqrt()
+    (parts.len() as f64 * Sample::of(parts.iter().copied()).variance()).sqrt()
 }
 
 /// A structure against the best one.

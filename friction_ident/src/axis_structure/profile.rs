@@ -6,8 +6,8 @@
 
 use super::fit::{Best, Search};
 use super::shape::{Shape, ShapeTerm};
-use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
+use crate::statistics::student_95;
 
 /// Secant steps for each end, at most.
 const REFINEMENTS: usize = 12;

@@ -1,7 +1,7 @@
 //! Several recordings of one drive.
 
-use crate::confidence::student_95;
 use crate::estimate::{Estimate, Interval, IntervalMethod};
+use crate::statistics::student_95;
 
 /// One list of estimates from several: each quantity the mean of its identified values, weighted by
 /// their variances; where the recordings differ by more than their errors say, the error grows by

@@ -11,9 +11,9 @@ use crate::axis_structure::{
 };
 use crate::bounded::Minimum;
 use crate::conditioning::{Conditioned, Conditioning, Piece, Signals, condition_stretches};
-use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 use crate::residual_whiteness::effective_share;
+use crate::statistics::{Sample, student_95};
 use crate::zero_phase::LowPass;
 use crate::{Ending, IdentError, least_squares};
 
@@ -447,11 +447,10 @@ impl Report<'_> {
         let volts: Vec<f64> =
             found.iter().filter(|b| b.direction == direction).map(|b| b.voltage.abs()).collect();
         let n = volts.len();
-        let mean = volts.iter().sum::<f64>() / n.max(1) as f64;
-        let spread = volts.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-            / n.saturating_sub(1).max(1) as f64;
+        let sample = Sample::of(volts.into_iter());
+        let mean = sample.mean;
         let remedy = "a slow triangle of the voltage through zero, so that the axis starts from rest several times";
-        let error = (spread / n.max(1) as f64).sqrt();
+        let error = (sample.variance() / n.max(1) as f64).sqrt();
         let half = student_95(n.saturating_sub(1)) * error;
         let interval =
             Interval { low: mean - half, high: mean + half, method: IntervalMethod::Linearised };

@@ -7,10 +7,10 @@ use super::pass::{Prepared, Sums};
 use super::start::start;
 use super::{LagFit, LagValues};
 use crate::IdentError;
-use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::finite::finite;
 use crate::residual_whiteness::effective_share;
+use crate::statistics::student_95;
 
 /// Passes at most.
 const PATIENCE: usize = 60;

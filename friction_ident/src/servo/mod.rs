@@ -14,4 +14,4 @@ pub use log::{RawServoLog, ServoLog, TIME_STEP};
 pub use parameter::ServoParameter;
 pub use physics::Physics;
 pub use search::{Effort, Found, search};
-pub use spread::{Quartiles, estimates};
+pub use spread::estimates;

@@ -16,33 +16,6 @@ pub const EQUALLY_GOOD: f64 = 0.1;
 /// identified.
 const WIDE: f64 = 0.25;
 
-/// Quartiles of a sample.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Quartiles {
-    /// A quarter lies below.
-    pub lower: f64,
-    /// Half lies below.
-    pub median: f64,
-    /// Three quarters lie below.
-    pub upper: f64,
-}
-
-impl Quartiles {
-    /// Of the finite values, linear between neighbours; none where there is none.
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let mut sorted: Vec<f64> =
-            values.iter().copied().filter(|value| value.is_finite()).collect();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().checked_sub(1)? as f64;
-        let at = |share: f64| {
-            let place = share * last;
-            let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-            below + (above - below) * place.fract()
-        };
-        Some(Self { lower: at(0.25), median: at(0.5), upper: at(0.75) })
-    }
-}
-
 /// The best search's parameters with their range over all searches whose error is within
 /// [`EQUALLY_GOOD`] of the best.
 ///
@@ -96,13 +69,6 @@ pub fn estimates(parameters: &[ServoParameter], found: &[Found]) -> Option<Estim
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quartiles_lie_between_neighbours() {
-        let quartiles = Quartiles::of(&[4.0, 1.0, f64::NAN, 3.0, 2.0]).unwrap();
-        assert_eq!((quartiles.lower, quartiles.median, quartiles.upper), (1.75, 2.5, 3.25));
-        assert_eq!(Quartiles::of(&[]), None);
-    }
 
     #[test]
     fn fits_that_are_equally_good_but_differ_identify_nothing() {

@@ -1,6 +1,7 @@
 //! How regular a running loop is, and how old the measurement behind each applied voltage, from
 //! what its rig driver reports.
 
+use friction_ident::statistics::upper_median;
 use msgs::diagnostic_msgs::DiagnosticStatus;
 
 use super::{
@@ -49,9 +50,9 @@ fn values(reports: &[DiagnosticStatus], key: &str) -> Vec<f64> {
 
 /// The middle second's value for medians, the worst second's for everything rarer.
 fn figures(reports: &[DiagnosticStatus], quantity: &str) -> Option<(f64, f64)> {
-    let medians = values(reports, &format!("{quantity} p50 [us]"));
+    let mut medians = values(reports, &format!("{quantity} p50 [us]"));
     let tails = values(reports, &format!("{quantity} p99 [us]"));
-    Some((*medians.get(medians.len() / 2)?, *tails.last()?))
+    Some((upper_median(&mut medians)?, *tails.last()?))
 }
 
 fn timing(node: &str, reports: &[DiagnosticStatus]) -> Finding {

@@ -1,5 +1,6 @@
 //! How far each period was from what it should be, exactly.
 
+use friction_ident::statistics::nearest_rank;
 use serde::Serialize;
 
 /// Every period's error.
@@ -39,10 +40,7 @@ impl PeriodErrors {
     pub(super) fn summary(mut self, priority: String) -> PeriodErrorSummary {
         self.errors_ns.sort_unstable();
         let all = &self.errors_ns;
-        let at = |share: f64| {
-            let rank = (all.len() as f64 * share).ceil().max(1.0) as usize;
-            all.get(rank - 1).map_or(0.0, |ns| *ns as f64 * 1e-3)
-        };
+        let at = |share| nearest_rank(all, share).map_or(0.0, |ns| ns as f64 * 1e-3);
         PeriodErrorSummary {
             cycles: all.len(),
             period_us: self.nominal_ns as f64 * 1e-3,

@@ -1,7 +1,7 @@
 //! Where a fitted steady-state curve lies: its 95 % band from the covariance of the parameters.
 
-use friction_ident::confidence::student_95;
 use friction_ident::free_parameters::{FreeParameters, Handle, Side};
+use friction_ident::statistics::student_95;
 use friction_ident::{Estimates, Identified};
 use friction_model::{AnyModel, AnyParameters};
 

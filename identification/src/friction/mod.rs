@@ -19,6 +19,7 @@ use std::path::PathBuf;
 
 use friction_ident::information::{Difference, Standing};
 use friction_ident::staged::rms_of_kind;
+use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::{AnyModel, ModelName};
 
@@ -59,8 +60,10 @@ pub struct Errors {
 impl Errors {
     /// Of `model` on `data`; `all` from the residuals that were worked out already.
     fn of(model: &AnyModel, data: &FrictionData, residuals: &[f64]) -> Self {
-        let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
-        Self { all: mean.sqrt(), kinds: KINDS.map(|kind| rms_of_kind(model, data, kind)) }
+        Self {
+            all: root_mean_square(residuals),
+            kinds: KINDS.map(|kind| rms_of_kind(model, data, kind)),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use friction_ident::information::{
     Difference, Information, Standing, paired_difference, paired_ratio,
 };
 use friction_ident::staged::residuals;
+use friction_ident::statistics::root_mean_square;
 use friction_ident::{
     DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch,
     identify_model, refine_jointly,
@@ -172,9 +173,6 @@ fn moved(
 /// How far the contact bends, from stretches that turn back and forth and whose friction stays well
 /// below the level at which it slides.
 fn reach<'a>(files: impl Iterator<Item = &'a FrictionRecording> + Clone) -> Option<f64> {
-    let root_mean_square = |values: &[f64]| {
-        (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
-    };
     let stretches = || files.clone().flat_map(|file| &file.stretches);
     let level = files
         .clone()

@@ -10,7 +10,7 @@
 //! seeds                        seed, train_mrad, held_out_mrad, evaluations, values
 //! ```
 
-use friction_ident::servo::Quartiles;
+use friction_ident::statistics::Quartiles;
 use serde_json::{Value, json};
 
 use super::ServoIdentification;

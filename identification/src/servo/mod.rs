@@ -14,8 +14,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use friction_ident::servo::{
-    Effort, Found, FrictionLevel, Lanes, Physics, Quartiles, ServoLog, estimates, search,
+    Effort, Found, FrictionLevel, Lanes, Physics, ServoLog, estimates, search,
 };
+use friction_ident::statistics::Quartiles;
 use friction_ident::{Estimates, IdentError};
 
 use recording::servo_log::NamedServoLog;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use friction_ident::servo::Quartiles;
+use friction_ident::statistics::Quartiles;
 use friction_ident::{Estimate, Verdict};
 
 use super::{PEER_RATE, ServoIdentification};

@@ -5,7 +5,7 @@ pub mod document;
 pub mod page;
 pub mod terminal;
 
-use friction_ident::servo::Quartiles;
+use friction_ident::statistics::Quartiles;
 use friction_ident::stiction_cycle::{
     Breakaway, BreakawayOptions, Phase, PhaseKind, SlipFriction, SlipOptions, StictionRecording,
     breakaways, median, segment, slip_friction,

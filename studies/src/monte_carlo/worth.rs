@@ -1,5 +1,6 @@
 //! How much smaller the errors become, as a distribution over the draws.
 
+use friction_ident::statistics::{quantile, sorted};
 use serde::Serialize;
 
 use super::{Cell, Trial};
@@ -23,20 +24,9 @@ impl Percentiles {
     /// Of `values`; not numbers where there are none.
     #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.into_iter().collect();
-        sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| quantile(&sorted, share);
+        let sorted = sorted(values);
+        let at = |share: f64| quantile(&sorted, share).unwrap_or(f64::NAN);
         Self { p5: at(0.05), p25: at(0.25), median: at(0.5), p75: at(0.75), p95: at(0.95) }
-    }
-}
-
-/// The value below which `share` of the ordered values lie.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * sorted.len().saturating_sub(1) as f64;
-    let (below, above) = (place.floor() as usize, place.ceil() as usize);
-    match (sorted.get(below), sorted.get(above)) {
-        (Some(low), Some(high)) => low + (place - place.floor()) * (high - low),
-        _ => f64::NAN,
     }
 }
 
@@ -75,10 +65,7 @@ impl Cell {
     /// Mean square alone divided by mean square compensated, ordered.
     #[must_use]
     pub fn ratios(&self, arm: usize) -> Vec<f64> {
-        let mut ratios: Vec<f64> =
-            self.pairs(arm).map(|(alone, with)| alone.mse / with.mse).collect();
-        ratios.sort_by(f64::total_cmp);
-        ratios
+        sorted(self.pairs(arm).map(|(alone, with)| alone.mse / with.mse))
     }
 
     /// The most that any compensation without a plant inverse could be worth on the average: mean

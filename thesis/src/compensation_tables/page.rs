@@ -1,5 +1,7 @@
 //! The tables for the report and for the terminal.
 
+use friction_ident::statistics::Sample;
+
 use super::printed::{ImprovementOf, PrintedRow, Scheme};
 use super::{Cell, FilledTable, ThesisTables, notes};
 use crate::matrix::{MODELS, MatrixRow};
@@ -156,17 +158,13 @@ fn explained(found: &ThesisTables) -> Table {
             let name = |model: Option<super::ExampleModel>| {
                 model.map_or("none".to_owned(), |model| model.title().to_owned())
             };
-            let n = runs.len() as f64;
-            let mse = runs.iter().map(|run| run.mse).sum::<f64>() / n;
-            let spread = (runs.iter().map(|run| (run.mse - mse).powi(2)).sum::<f64>()
-                / (n - 1.0).max(1.0))
-            .sqrt();
+            let mse = Sample::of(runs.iter().map(|run| run.mse));
             vec![
                 name(case.plant),
                 name(case.observer),
                 format!("{}", case.injection),
                 format!("{}", case.p),
-                format!("{} ± {}", number(1e6 * mse), number(1e6 * spread)),
+                format!("{} ± {}", number(1e6 * mse.mean), number(1e6 * mse.deviation())),
                 found
                     .example
                     .relative(case)

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
+use friction_ident::statistics::{quantile, sorted};
 use friction_model::ModelName;
 
 use super::programs::{Run, Scheme, Timing};
@@ -14,13 +15,8 @@ pub struct Quartiles(pub [f64; 3]);
 impl Quartiles {
     /// Interpolated; `values` is not empty.
     fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut values: Vec<f64> = values.collect();
-        values.sort_by(f64::total_cmp);
-        Self([0.25, 0.5, 0.75].map(|q| {
-            let place = q * (values.len() - 1) as f64;
-            let (below, above) = (values[place.floor() as usize], values[place.ceil() as usize]);
-            below + (above - below) * place.fract()
-        }))
+        let values = sorted(values);
+        Self([0.25, 0.5, 0.75].map(|share| quantile(&values, share).unwrap_or(f64::NAN)))
     }
 
     pub const fn median(self) -> f64 {

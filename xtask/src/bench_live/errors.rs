@@ -1,5 +1,7 @@
 //! Errors of the periods of one block.
 
+use friction_ident::statistics::nearest_rank;
+
 /// Percentiles of |period - nominal| [us].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PeriodErrors {
@@ -13,10 +15,7 @@ impl PeriodErrors {
     /// Of errors in nanoseconds: each percentile is the error of one cycle.
     pub(super) fn of(mut errors: Vec<u64>, realtime: bool) -> Self {
         errors.sort_unstable();
-        let at = |share: f64| {
-            let rank = (errors.len() as f64 * share).ceil().max(1.0) as usize;
-            errors.get(rank - 1).map_or(0.0, |ns| *ns as f64 * 1e-3)
-        };
+        let at = |share| nearest_rank(&errors, share).map_or(0.0, |ns| ns as f64 * 1e-3);
         Self { p50_us: at(0.5), p99_us: at(0.99), realtime }
     }
 }

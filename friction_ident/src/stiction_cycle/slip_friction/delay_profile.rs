@@ -7,9 +7,9 @@
 
 use super::{AtDelay, Sliding};
 use crate::IdentError;
-use crate::confidence::student_95;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::residual_whiteness::effective_share;
+use crate::statistics::student_95;
 
 /// Step of the profile \[samples\].
 const STEP: f64 = 0.1;

@@ -7,7 +7,7 @@
 /// exists.
 ///
 /// ```
-/// assert!((friction_ident::confidence::student_95(10) - 2.228139).abs() < 1e-4);
+/// assert!((friction_ident::statistics::student_95(10) - 2.228139).abs() < 1e-4);
 /// ```
 pub fn student_95(degrees: usize) -> f64 {
     // Below four degrees the expansion is coarse; these are the exact values.

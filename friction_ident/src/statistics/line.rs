@@ -1,17 +1,6 @@
-//! Means and straight lines with their standard errors.
+//! Straight lines with their standard errors.
 
-use friction_ident::Uncertain;
-
-/// Mean of independent values, with its standard error; none of fewer than two.
-pub fn mean(values: &[f64]) -> Option<Uncertain> {
-    let n = values.len();
-    if n < 2 {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n as f64;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some(Uncertain { value: mean, standard_error: (squares / (n - 1) as f64 / n as f64).sqrt() })
-}
+use crate::Uncertain;
 
 /// Least-squares line `y = intercept + slope x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,13 +49,5 @@ mod tests {
         assert!(
             line(&points[..2]).is_none() && line(&[(1.0, 0.0), (1.0, 1.0), (1.0, 2.0)]).is_none()
         );
-    }
-
-    #[test]
-    fn a_mean_is_as_sure_as_its_scatter_and_number_allow() {
-        let found = mean(&[1.0, 2.0, 3.0, 4.0]).unwrap();
-        assert_eq!(found.value, 2.5);
-        assert!((found.standard_error - (5.0f64 / 3.0 / 4.0).sqrt()).abs() < 1e-15);
-        assert!(mean(&[1.0]).is_none());
     }
 }
