@@ -161,7 +161,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if let Some(fit) = last {
         let parameters =
-            fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+            fit.estimates.parameters.iter().map(|e| (e.id.to_string(), e.value)).collect();
         // The first round warms up.
         report("lag", &times[1..], fit.passes, fit.mse, &parameters);
     }
@@ -183,7 +183,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         if let Some(fit) = last {
             let parameters =
-                fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+                fit.estimates.parameters.iter().map(|e| (e.id.to_string(), e.value)).collect();
             report(what, &times[1..], fit.evaluations, fit.mse, &parameters);
         }
     }
@@ -209,7 +209,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     if let Some(fit) = last {
         let parameters =
-            fit.estimates.parameters.iter().map(|e| (e.name.clone(), e.value)).collect();
+            fit.estimates.parameters.iter().map(|e| (e.id.to_string(), e.value)).collect();
         report("joint", &times[1..], fit.evaluations, fit.rms * fit.rms, &parameters);
     }
     Ok(())

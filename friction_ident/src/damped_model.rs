@@ -6,6 +6,7 @@ use friction_model::{AnyModel, AnyParameters};
 use crate::IdentError;
 use crate::estimate::{Estimate, Estimates};
 use crate::micro_damping::Oscillator;
+use crate::parameter_id::{ParameterId, Side};
 use crate::uncertain::Uncertain;
 
 /// The model with its micro-damping computed, and the values with the standard error that the
@@ -23,7 +24,7 @@ pub fn with_computed_damping(
     let (mut forward, mut backward) = model.parameters().sides();
     let mut estimates = Estimates::default();
     let asymmetric = matches!(model.parameters(), AnyParameters::Asymmetric(_));
-    for (side, parameters) in [(".forward", &mut forward), (".backward", &mut backward)] {
+    for (side, parameters) in [(Side::Forward, &mut forward), (Side::Backward, &mut backward)] {
         let f_v = parameters.values("f_v").first().copied().unwrap_or(0.0);
         let stiffness = stiffness(parameters);
         let name = if parameters.values("sigma1").is_empty() { "sigma" } else { "sigma1" };
@@ -51,10 +52,12 @@ pub fn with_computed_damping(
             if !parameters.set_at(name, element, damping) {
                 continue;
             }
-            let place = if list { format!("[{element}]") } else { String::new() };
-            let label =
-                if asymmetric { format!("{name}{place}{side}") } else { format!("{name}{place}") };
-            let mut estimate = Estimate::given(label, unit, damping, source);
+            let id = ParameterId {
+                name,
+                element: list.then_some(element),
+                side: if asymmetric { side } else { Side::Both },
+            };
+            let mut estimate = Estimate::given(id, unit, damping, source);
             estimate.standard_error = Some(standard_error);
             estimates.parameters.push(estimate);
         }

@@ -30,7 +30,7 @@ pub struct Derived {
 /// ```
 /// use friction_ident::bounded::{Bound, Patience, Residuals, minimise};
 /// use friction_ident::derived::{Derived, derive};
-/// use friction_ident::{Estimates, Unknown};
+/// use friction_ident::{Estimates, ParameterId, Unknown};
 ///
 /// # struct Mean([f64; 4]);
 /// # impl Residuals for Mean {
@@ -43,7 +43,7 @@ pub struct Derived {
 /// # let mut problem = Mean([1.0, 2.0, 3.0, 2.0]);
 /// # let go = &mut |_: &_| std::ops::ControlFlow::Continue(());
 /// # let minimum = minimise(&mut problem, &[0.0], &[Bound::free(1.0)], &Patience::default(), go).unwrap();
-/// # let unknown = |name: &str| Unknown { name: name.into(), unit: "", remedy: "" };
+/// # let unknown = |name| Unknown { id: ParameterId::new(name), unit: "", remedy: "" };
 /// let mean = Estimates::linearised(&minimum, &[unknown("mean")], 1.0);
 /// let tenfold = derive(&mean, &[Derived { unknown: unknown("tenfold"), value: 20.0, gradient: vec![10.0] }]);
 /// let ratio = tenfold.parameters[0].standard_error.unwrap() / mean.parameters[0].standard_error.unwrap();
@@ -78,7 +78,7 @@ pub fn derive(source: &Estimates, derived: &[Derived]) -> Estimates {
             let doubt =
                 unknown_source.or_else(|| large.then_some(Doubt::LargeError { relative_error }));
             Estimate {
-                name: unknown.name.clone(),
+                id: unknown.id,
                 unit: unknown.unit,
                 value: *value,
                 standard_error: error,

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::bounded::Minimum;
 use crate::finite::finite;
+use crate::parameter_id::ParameterId;
 use crate::statistics::student_95;
 
 /// How an interval was found.
@@ -165,9 +166,9 @@ pub enum Verdict {
 /// One parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Name as in parameter files; an element of a list as `sigma0[2]`, one direction as
-    /// `f_c.backward`.
-    pub name: String,
+    /// Which parameter; in documents its text, under `name`.
+    #[serde(rename = "name")]
+    pub id: ParameterId,
     /// Unit.
     pub unit: &'static str,
     /// Best value; where it is not identifiable, one that is safe to compute with.
@@ -184,13 +185,13 @@ pub struct Estimate {
 impl Estimate {
     /// A value that was not estimated here.
     pub fn given(
-        name: impl Into<String>,
+        id: impl Into<ParameterId>,
         unit: &'static str,
         value: f64,
         source: &'static str,
     ) -> Self {
         let verdict = Verdict::Given { source };
-        Self { name: name.into(), unit, value, standard_error: None, interval: None, verdict }
+        Self { id: id.into(), unit, value, standard_error: None, interval: None, verdict }
     }
 
     /// Whether the data determine it.
@@ -200,10 +201,10 @@ impl Estimate {
 }
 
 /// What an unknown of a fit is called and what helps where it stays unknown.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown {
-    /// Name as in parameter files.
-    pub name: String,
+    /// Which parameter.
+    pub id: ParameterId,
     /// Unit.
     pub unit: &'static str,
     /// What to measure where this data does not determine it.
@@ -244,14 +245,26 @@ impl Estimates {
         normal.estimates(unknowns, share)
     }
 
-    /// The estimate of that name.
-    pub fn get(&self, name: &str) -> Option<&Estimate> {
-        self.parameters.iter().find(|estimate| estimate.name == name)
+    /// The place of a parameter among the rows of correlation and covariance.
+    pub fn place(&self, id: impl Into<ParameterId>) -> Option<usize> {
+        let id = id.into();
+        self.parameters.iter().position(|estimate| estimate.id == id)
     }
 
-    /// The value of that name.
-    pub fn value(&self, name: &str) -> Option<f64> {
-        self.get(name).map(|estimate| estimate.value)
+    /// The estimate of a parameter.
+    pub fn get(&self, id: impl Into<ParameterId>) -> Option<&Estimate> {
+        self.parameters.get(self.place(id)?)
+    }
+
+    /// The same, to be changed.
+    pub fn get_mut(&mut self, id: impl Into<ParameterId>) -> Option<&mut Estimate> {
+        let place = self.place(id)?;
+        self.parameters.get_mut(place)
+    }
+
+    /// The value of a parameter.
+    pub fn value(&self, id: impl Into<ParameterId>) -> Option<f64> {
+        self.get(id).map(|estimate| estimate.value)
     }
 }
 
@@ -305,7 +318,7 @@ impl NormalEquations<'_> {
         let factor = student_95(degrees_of_freedom);
         let parameters = (0..n)
             .map(|j| {
-                let Unknown { name, unit, remedy } = unknowns[j].clone();
+                let Unknown { id, unit, remedy } = unknowns[j];
                 let value = self.x[j];
                 let known = free.contains(&j) && inverse.is_some();
                 let standard_error = known.then(|| covariance[j][j].sqrt());
@@ -318,7 +331,7 @@ impl NormalEquations<'_> {
                     high: value + factor * error,
                     method: IntervalMethod::Linearised,
                 });
-                Estimate { name, unit, value, standard_error, interval, verdict }
+                Estimate { id, unit, value, standard_error, interval, verdict }
             })
             .collect();
         let residual_deviation = variance.sqrt();
@@ -349,7 +362,7 @@ fn doubt(
         twin.filter(|&i| correlation[j][i].abs() > CONFOUNDED && error > 0.05 * value.abs())
     {
         return Some(Doubt::Confounded {
-            other: unknowns[twin].name.clone(),
+            other: unknowns[twin].id.to_string(),
             correlation: correlation[j][twin],
         });
     }
@@ -396,7 +409,7 @@ mod tests {
         let go = &mut |_: &_| ControlFlow::Continue(());
         let minimum =
             minimise(&mut Line { columns, y }, &start, bounds, &Patience::default(), go).unwrap();
-        let unknown = |name: &str| Unknown { name: name.into(), unit: "", remedy: "more" };
+        let unknown = |name| Unknown { id: ParameterId::new(name), unit: "", remedy: "more" };
         Estimates::linearised(
             &minimum,
             &["a", "b", "c"][..columns.len()].iter().map(|n| unknown(n)).collect::<Vec<_>>(),

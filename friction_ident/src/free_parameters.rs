@@ -11,43 +11,7 @@ use nalgebra::DMatrix;
 use crate::bounded::{Bound, Minimum};
 use crate::estimate::Unknown;
 use crate::finite::finite;
-
-/// One direction of motion, or both.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The same number for both directions.
-    Both,
-    /// Against forward motion.
-    Forward,
-    /// Against backward motion.
-    Backward,
-}
-
-/// One number of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Handle {
-    /// The parameter's name in files.
-    pub name: &'static str,
-    /// Which element of a list; 0 for a plain number.
-    pub element: usize,
-    /// Whether the parameter is a list.
-    pub list: bool,
-    /// Which direction.
-    pub side: Side,
-}
-
-impl Handle {
-    /// As reports spell it: `f_s`, `sigma0[2]`, `f_c.backward`.
-    pub fn label(&self) -> String {
-        let element = if self.list { format!("[{}]", self.element) } else { String::new() };
-        let side = match self.side {
-            Side::Both => "",
-            Side::Forward => ".forward",
-            Side::Backward => ".backward",
-        };
-        format!("{}{element}{side}", self.name)
-    }
-}
+use crate::parameter_id::{ParameterId, Side};
 
 /// How a coordinate becomes the number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,7 +30,7 @@ enum Coordinate {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeParameters {
     template: AnyParameters,
-    handles: Vec<Handle>,
+    ids: Vec<ParameterId>,
     coordinates: Vec<Coordinate>,
 }
 
@@ -84,11 +48,8 @@ impl FreeParameters {
     /// for the last, which is what the others leave.
     pub fn new(template: &AnyModel, wanted: impl Fn(&Parameter) -> bool) -> Self {
         let parameters = template.parameters();
-        let sides: &[Side] = match parameters {
-            AnyParameters::Asymmetric(_) => &[Side::Forward, Side::Backward],
-            _ => &[Side::Both],
-        };
-        let mut free = Self { template: parameters, handles: Vec::new(), coordinates: Vec::new() };
+        let sides = Side::of(matches!(parameters, AnyParameters::Asymmetric(_)));
+        let mut free = Self { template: parameters, ids: Vec::new(), coordinates: Vec::new() };
         for &side in sides {
             for row in parameters.table().iter().filter(|row| wanted(row)) {
                 let count = free.read_all(row.name, side).len();
@@ -99,7 +60,8 @@ impl FreeParameters {
                     count
                 };
                 for element in 0..last {
-                    free.handles.push(Handle { name: row.name, element, list, side });
+                    let id = ParameterId::new(row.name).side(side);
+                    free.ids.push(if list { id.element(element) } else { id });
                     free.coordinates.push(free.coordinate(row.name));
                 }
             }
@@ -114,8 +76,8 @@ impl FreeParameters {
     }
 
     /// The numbers that are free, in order.
-    pub fn handles(&self) -> &[Handle] {
-        &self.handles
+    pub fn ids(&self) -> &[ParameterId] {
+        &self.ids
     }
 
     /// The model these are numbers of.
@@ -125,47 +87,42 @@ impl FreeParameters {
 
     /// The template's own values of the free numbers.
     pub fn values(&self) -> Vec<f64> {
-        self.handles.iter().map(|handle| self.read(handle)).collect()
+        self.ids.iter().map(|id| self.read(id)).collect()
     }
 
     /// The coordinates of the template's own values.
     pub fn start(&self) -> Vec<f64> {
-        let inverse = |(handle, coordinate): (&Handle, &Coordinate)| match coordinate {
-            Coordinate::Itself => self.read(handle),
-            Coordinate::Logarithm => self.read(handle).ln(),
-            Coordinate::Excess => self.read(handle) - self.companion("f_c", handle.side),
+        let inverse = |(id, coordinate): (&ParameterId, &Coordinate)| match coordinate {
+            Coordinate::Itself => self.read(id),
+            Coordinate::Logarithm => self.read(id).ln(),
+            Coordinate::Excess => self.read(id) - self.companion("f_c", id.side),
             Coordinate::ShareOfDeflection => {
-                self.read(handle) * self.companion("sigma0", handle.side)
-                    / self.companion("f_c", handle.side)
+                self.read(id) * self.companion("sigma0", id.side) / self.companion("f_c", id.side)
             }
         };
-        self.handles.iter().zip(&self.coordinates).map(inverse).collect()
+        self.ids.iter().zip(&self.coordinates).map(inverse).collect()
     }
 
     /// Where each coordinate may lie: its parameter's own range, for positive numbers within a
     /// factor of a thousand to a million of the template's.
     pub fn bounds(&self) -> Vec<Bound> {
         let table = self.template.table();
-        let bound = |(handle, coordinate): (&Handle, &Coordinate)| {
-            let size = self.read(handle).abs().max(f64::MIN_POSITIVE);
-            let range = table
-                .iter()
-                .find(|row| row.name == handle.name)
-                .map_or(Range::Any, |row| row.range);
+        let bound = |(id, coordinate): (&ParameterId, &Coordinate)| {
+            let size = self.read(id).abs().max(f64::MIN_POSITIVE);
+            let range =
+                table.iter().find(|row| row.name == id.name).map_or(Range::Any, |row| row.range);
             match (coordinate, range) {
                 (Coordinate::Logarithm, _) => {
                     let middle = size.ln();
-                    let stiffness = table
-                        .iter()
-                        .any(|row| row.name == handle.name && row.unit == Unit::Stiffness);
-                    let reach = if handle.list && stiffness { ELEMENT_DECADES } else { DECADES };
+                    let stiffness =
+                        table.iter().any(|row| row.name == id.name && row.unit == Unit::Stiffness);
+                    let reach =
+                        if id.element.is_some() && stiffness { ELEMENT_DECADES } else { DECADES };
                     Bound::within(middle - reach, middle + reach, 0.1).reaching(1.0)
                 }
                 (Coordinate::ShareOfDeflection, _) => Bound::within(1e-3, 0.999, 1.0),
                 (Coordinate::Excess, _) => Bound::within(0.0, 1e6 * size, 0.1 * size),
-                (_, Range::Positive) if SHARES.contains(&handle.name) => {
-                    Bound::within(1e-6, 1.0, 0.1)
-                }
+                (_, Range::Positive) if SHARES.contains(&id.name) => Bound::within(1e-6, 1.0, 0.1),
                 (_, Range::Positive) => Bound::within(1e-6 * size, 1e6 * size, size),
                 (_, Range::NonNegative) => Bound::within(0.0, 1e6 * size.max(1e-6), size.max(1e-6)),
                 (_, Range::Within(low, high)) | (_, Range::FromTo(low, high)) => {
@@ -174,7 +131,7 @@ impl FreeParameters {
                 _ => Bound::free(size),
             }
         };
-        self.handles.iter().zip(&self.coordinates).map(bound).collect()
+        self.ids.iter().zip(&self.coordinates).map(bound).collect()
     }
 
     /// The model at these coordinates; none where it does not accept them.
@@ -184,11 +141,11 @@ impl FreeParameters {
             let parameters = if side == Side::Backward { &mut backward } else { &mut forward };
             // Plain numbers first: excesses and shares refer to them.
             for pass in [true, false] {
-                for ((handle, coordinate), &value) in
-                    self.handles.iter().zip(&self.coordinates).zip(coordinates)
+                for ((id, coordinate), &value) in
+                    self.ids.iter().zip(&self.coordinates).zip(coordinates)
                 {
                     let plain = matches!(coordinate, Coordinate::Itself | Coordinate::Logarithm);
-                    if handle.side != side || plain != pass {
+                    if id.side != side || plain != pass {
                         continue;
                     }
                     let get = |name| parameters.values(name).first().copied().unwrap_or(f64::NAN);
@@ -198,7 +155,7 @@ impl FreeParameters {
                         Coordinate::Excess => get("f_c") + value,
                         Coordinate::ShareOfDeflection => value * get("f_c") / get("sigma0"),
                     };
-                    parameters.set_at(handle.name, handle.element, number);
+                    parameters.set_at(id.name, id.index(), number);
                 }
             }
             self.keep_together(parameters, side);
@@ -278,13 +235,9 @@ impl FreeParameters {
                 .map_or(Unit::None, |row| row.unit);
             if rotary { unit.rotary() } else { unit.linear() }
         };
-        self.handles
+        self.ids
             .iter()
-            .map(|handle| Unknown {
-                name: handle.label(),
-                unit: unit(handle.name),
-                remedy: remedy(handle.name),
-            })
+            .map(|id| Unknown { id: *id, unit: unit(id.name), remedy: remedy(id.name) })
             .collect()
     }
 
@@ -303,20 +256,20 @@ impl FreeParameters {
     }
 
     fn others_refer_to(&self, j: usize) -> bool {
-        let Handle { name, side, .. } = self.handles[j];
+        let ParameterId { name, side, .. } = self.ids[j];
         let refers = |i: usize| {
             matches!(self.coordinates[i], Coordinate::Excess | Coordinate::ShareOfDeflection)
-                && self.handles[i].side == side
+                && self.ids[i].side == side
         };
-        (name == "f_c" || name == "sigma0") && (0..self.handles.len()).any(refers)
+        (name == "f_c" || name == "sigma0") && (0..self.ids.len()).any(refers)
     }
 
     fn is_free(&self, name: &str, side: Side) -> bool {
-        self.handles.iter().any(|handle| handle.name == name && handle.side == side)
+        self.ids.iter().any(|id| id.name == name && id.side == side)
     }
 
-    fn read(&self, handle: &Handle) -> f64 {
-        self.read_all(handle.name, handle.side).get(handle.element).copied().unwrap_or(f64::NAN)
+    fn read(&self, id: &ParameterId) -> f64 {
+        self.read_all(id.name, id.side).get(id.index()).copied().unwrap_or(f64::NAN)
     }
 
     fn read_all(&self, name: &str, side: Side) -> Vec<f64> {
@@ -382,7 +335,7 @@ mod tests {
                 let free = FreeParameters::usual(&template);
                 let back = free.model(&free.start()).unwrap();
                 let again = FreeParameters::usual(&back);
-                assert_eq!(free.handles(), again.handles());
+                assert_eq!(free.ids(), again.ids());
                 for (a, b) in free.values().iter().zip(again.values()) {
                     assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
                 }
@@ -397,7 +350,7 @@ mod tests {
     fn labels_name_element_and_direction() {
         let gms = AnyModel::test_bed(ModelName::Gms);
         let free = FreeParameters::usual(&AnyModel::asymmetric(&gms, &gms).unwrap());
-        let labels: Vec<_> = free.handles().iter().map(Handle::label).collect();
+        let labels: Vec<_> = free.ids().iter().map(ToString::to_string).collect();
         assert!(
             labels.contains(&"sigma0[3].backward".to_owned())
                 && labels.contains(&"f_s.forward".to_owned())

@@ -141,11 +141,7 @@ pub fn fit_lag_with_profiles(
     let best = [fit.values.v_s.ln(), fit.values.tau.ln()];
     for (j, name) in ["v_s", "tau"].into_iter().enumerate() {
         let (low, high) = data.range(j);
-        let Some(estimate) =
-            fit.estimates.parameters.iter_mut().find(|estimate| estimate.name == name)
-        else {
-            continue;
-        };
+        let Some(estimate) = fit.estimates.get_mut(name) else { continue };
         let relative =
             estimate.standard_error.map_or(0.1, |error| error / estimate.value).clamp(1e-9, 1.0);
         let search = Search { best: best[j], step: relative, low, high, limit };

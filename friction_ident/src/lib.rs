@@ -29,6 +29,7 @@
 //! * [`derived`]: parameters computed from estimated ones, with their errors.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
 //! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
+//! * [`ParameterId`]: which number of a model is meant.
 //! * [`stretch`]: pieces of a recording of friction, and what each shows.
 //! * [`output_error`]: any model fitted to any motion.
 //! * [`staged`]: a model with all its parameters, stage by stage.
@@ -64,6 +65,7 @@ mod least_squares;
 pub mod micro_damping;
 pub mod outliers;
 pub mod output_error;
+mod parameter_id;
 pub mod pre_sliding;
 pub mod profile;
 pub mod quantiser;
@@ -93,6 +95,7 @@ pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown
 pub use free_parameters::FreeParameters;
 pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
+pub use parameter_id::{ParameterId, Side};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
 pub use savitzky_golay::SavitzkyGolay;

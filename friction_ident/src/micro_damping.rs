@@ -93,13 +93,13 @@ pub fn proposed_stiffness(pre_sliding: &Estimates) -> Option<Uncertain> {
     let gradient = pre_sliding
         .parameters
         .iter()
-        .map(|estimate| match estimate.name.as_str() {
+        .map(|estimate| match estimate.id.name {
             "f_s" => value / f_s,
             "z_b" => -value / z_b,
             _ => 0.0,
         })
         .collect();
-    let unknown = Unknown { name: "stiffness".into(), unit: Unit::Stiffness.rotary(), remedy: "" };
+    let unknown = Unknown { id: "stiffness".into(), unit: Unit::Stiffness.rotary(), remedy: "" };
     let derived = derive(pre_sliding, &[Derived { unknown, value, gradient }]);
     let error = derived.parameters.first().and_then(|estimate| estimate.standard_error);
     Some(Uncertain { value, standard_error: error.unwrap_or(0.0) })
@@ -194,7 +194,7 @@ mod tests {
         let path = PreSlidingPath { displacement: &x, torque: &y };
         let fit = fit_pre_sliding(&[path], PreSlidingModel::Proposed).unwrap();
         let stiffness = proposed_stiffness(&fit.estimates).unwrap();
-        let error = |name: &str| {
+        let error = |name: &'static str| {
             let estimate = fit.estimates.get(name).unwrap();
             estimate.standard_error.unwrap() / estimate.value
         };

@@ -104,7 +104,7 @@ pub fn fit_output_error(
     for stretch in data.stretches {
         stretch.check()?;
     }
-    let n = free.handles().len();
+    let n = free.ids().len();
     if data.len() <= n {
         return Err(IdentError::TooFewSamples {
             what: "an output-error fit",
@@ -337,7 +337,7 @@ mod tests {
                 assert!(
                     off < 1e-9,
                     "{name} {}: {} not {truth}, {:?}",
-                    estimate.name,
+                    estimate.id,
                     estimate.value,
                     fit.ending
                 );
@@ -400,7 +400,7 @@ mod tests {
             go,
         )
         .unwrap();
-        let verdict = |name: &str| fit.estimates.get(name).unwrap().is_identified();
+        let verdict = |name: &'static str| fit.estimates.get(name).unwrap().is_identified();
         assert!(verdict("f_c") && verdict("f_v"), "{:?}", fit.estimates);
         assert!(!verdict("sigma0") && !verdict("v_s") && !verdict("f_s"), "{:?}", fit.estimates);
     }

@@ -15,11 +15,12 @@ use serde::Serialize;
 use crate::IdentError;
 use crate::bounded::{Ending, Step};
 use crate::damped_model::with_computed_damping;
-use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
+use crate::estimate::{Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
 use crate::information::Information;
 use crate::micro_damping::THESIS_ZETA;
 use crate::output_error::{Measured, OutputErrorFit, OutputErrorOptions, fit_output_error};
+use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::starting_model::{scaled_to, with_elements};
 use crate::static_curve::{
@@ -217,16 +218,16 @@ impl Work<'_> {
             };
             let (forward, backward) = (side(1.0)?, side(-1.0)?);
             let both = AnyModel::asymmetric(&start(&forward)?, &start(&backward)?)?;
-            (both, vec![(".forward", forward), (".backward", backward)])
+            (both, vec![(Side::Forward, forward), (Side::Backward, backward)])
         } else {
             let fit = fit_stribeck(&points, &StribeckOptions::default())?;
-            (start(&fit)?, vec![("", fit)])
+            (start(&fit)?, vec![(Side::Both, fit)])
         };
         let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
         let measured = Measured { points: &points, stretches: &[] };
         let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
-        for (side, curve) in &fits {
-            take_over(&mut fit.estimates, side, curve);
+        for (side, curve) in fits {
+            take_over(&mut fit.estimates, side, &curve);
         }
         if points.len() != self.data.points.len() {
             self.notes.push(
@@ -268,7 +269,7 @@ impl Work<'_> {
             }
             _ => LAG.contains(&row.name),
         });
-        if free.handles().is_empty() {
+        if free.ids().is_empty() {
             return Ok(model);
         }
         let measured = Measured { points: &[], stretches };
@@ -281,7 +282,7 @@ impl Work<'_> {
     fn micro_damping(&mut self, model: AnyModel) -> Result<AnyModel, IdentError> {
         let Some(inertia) = self.options.inertia else { return Ok(model) };
         let free = FreeParameters::new(&model, |row| DAMPING.contains(&row.name));
-        if free.handles().is_empty() {
+        if free.ids().is_empty() {
             return Ok(model);
         }
         let rotary = self.options.output_error.rotary;
@@ -367,35 +368,18 @@ fn with_dip(values: &StribeckValues) -> StribeckValues {
 
 /// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and
 /// its profile where the intervals end.
-fn take_over(estimates: &mut Estimates, side: &str, curve: &StribeckFit) {
-    use crate::static_curve::Unidentifiable;
-    let has_dip = estimates.get(&format!("v_s{side}")).is_some();
+fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckFit) {
+    let has_dip = estimates.get(ParameterId::new("v_s").side(side)).is_some();
     for (parameter, why) in StribeckParameter::ALL.into_iter().zip(curve.unidentifiable) {
         let profile = curve.estimate(parameter).interval;
-        let parameter = parameter.name();
-        let label = format!("{parameter}{side}");
-        if let Some(estimate) =
-            estimates.parameters.iter_mut().find(|estimate| estimate.name == label)
-            && let (Some((low, high)), true) = (profile, has_dip)
-        {
+        let id = ParameterId::new(parameter.name()).side(side);
+        let Some(estimate) = estimates.get_mut(id) else { continue };
+        if let (Some((low, high)), true) = (profile, has_dip) {
             estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
         }
-        let found = estimates.parameters.iter_mut().find(|estimate| estimate.name == label);
-        if let (Some(estimate), Some(why)) = (found, why) {
-            let doubt = match why {
-                Unidentifiable::LargeError { relative_error } => {
-                    Doubt::LargeError { relative_error }
-                }
-                Unidentifiable::NoDip { dip, standard_error } => {
-                    Doubt::BelowNoise { effect: dip, standard_error }
-                }
-                Unidentifiable::OutsideSpeeds { slowest, fastest } => {
-                    Doubt::OutsideRange { low: slowest, high: fastest }
-                }
-                Unidentifiable::AtBound { bound } => Doubt::AtBound { bound },
-                Unidentifiable::OpenInterval { .. } => Doubt::OpenInterval,
-            };
-            estimate.verdict = Verdict::NotIdentifiable { doubt, remedy: remedy(parameter) };
+        if let Some(why) = why {
+            let remedy = remedy(id.name);
+            estimate.verdict = Verdict::NotIdentifiable { doubt: why.into(), remedy };
         }
     }
 }
@@ -408,11 +392,11 @@ fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) -> Estimate
         .into_iter()
         .zip(all.values())
         .map(|(unknown, value)| {
-            let found = stages.iter().rev().find_map(|stage| stage.estimates.get(&unknown.name));
+            let found = stages.iter().rev().find_map(|stage| stage.estimates.get(unknown.id));
             match found {
                 Some(found) => Estimate { value, ..found.clone() },
                 None => Estimate::given(
-                    unknown.name,
+                    unknown.id,
                     unknown.unit,
                     value,
                     "no recording shows it: the value it started with",

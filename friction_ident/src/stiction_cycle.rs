@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::IdentError;
 use crate::estimate::{Estimate, Interval, IntervalMethod, Verdict};
+use crate::parameter_id::ParameterId;
 use crate::statistics::{Quartiles, rank_of_95, sorted};
 pub use segment::{Phase, PhaseKind, segment};
 pub use slip_friction::{SlipFriction, SlipOptions, slip_friction};
@@ -136,7 +137,7 @@ pub fn breakaways(
 /// The median of repeated voltages with the 95 % interval of the median that their ranks give,
 /// whatever their distribution (David and Nagaraja 2003, Order Statistics, section 7.1). Below six
 /// values no ranks enclose 95 %: the verdict says so.
-pub fn median(name: &str, values: &[f64], remedy: &'static str) -> Option<Estimate> {
+pub fn median(id: ParameterId, values: &[f64], remedy: &'static str) -> Option<Estimate> {
     let middle = Quartiles::of(values)?.median;
     let sorted = sorted(values.iter().copied());
     let n = sorted.len();
@@ -151,12 +152,5 @@ pub fn median(name: &str, values: &[f64], remedy: &'static str) -> Option<Estima
         Some(interval) if interval.low > 0.0 => Verdict::Identified,
         _ => Verdict::NotIdentifiable { doubt: crate::Doubt::Unrepeated, remedy },
     };
-    Some(Estimate {
-        name: name.to_owned(),
-        unit: "V",
-        value: middle,
-        standard_error: None,
-        interval,
-        verdict,
-    })
+    Some(Estimate { id, unit: "V", value: middle, standard_error: None, interval, verdict })
 }

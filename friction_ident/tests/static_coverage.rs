@@ -54,7 +54,7 @@ fn intervals_cover_the_truth_as_often_as_they_say_and_errors_reach_the_bound() {
             mse += fit.mse / n;
             let estimates = fit.to_estimates();
             for (i, name) in NAMES.iter().enumerate() {
-                let estimate = estimates.get(name).unwrap();
+                let estimate = estimates.get(*name).unwrap();
                 assert_eq!(
                     estimate.verdict,
                     Verdict::Identified,
@@ -102,7 +102,7 @@ fn at_the_printed_noise_the_intervals_open_and_still_cover() {
         let fit = measured(0.0061, 2_000_000 + seed);
         let estimates = fit.to_estimates();
         for (i, name) in NAMES.iter().enumerate() {
-            let interval = estimates.get(name).unwrap().interval.unwrap();
+            let interval = estimates.get(*name).unwrap().interval.unwrap();
             covered[i] += f64::from(u8::from(interval.contains(VALUES[i]))) / n;
         }
         let v_s = estimates.get("v_s").unwrap();

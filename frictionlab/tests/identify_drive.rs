@@ -72,8 +72,9 @@ fn motor() -> Calibration {
     }
 }
 
-fn contains(found: &Identified, name: &str, truth: f64) {
-    let estimate = found.estimates.iter().find(|estimate| estimate.name == name).unwrap();
+fn contains(found: &Identified, name: &'static str, truth: f64) {
+    let id = name.into();
+    let estimate = found.estimates.iter().find(|estimate| estimate.id == id).unwrap();
     assert!(estimate.is_identified(), "{estimate:?}");
     assert!(estimate.interval.unwrap().contains(truth), "{truth}: {estimate:?}");
     assert!((estimate.value / truth - 1.0).abs() < 0.05, "{truth}: {estimate:?}");

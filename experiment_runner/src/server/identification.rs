@@ -70,7 +70,7 @@ fn parameter(model: &str, estimate: &Estimate) -> EstimatedParameter {
     let end = |end: Option<f64>| end.filter(|end| end.is_finite()).unwrap_or(f64::NAN);
     EstimatedParameter {
         model: model.to_owned(),
-        name: estimate.name.clone(),
+        name: estimate.id.to_string(),
         unit: estimate.unit.to_owned(),
         value: estimate.value,
         standard_error: estimate.standard_error.unwrap_or(f64::NAN),

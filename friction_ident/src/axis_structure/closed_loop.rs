@@ -15,6 +15,7 @@ use super::StructureFit;
 use crate::IdentError;
 use crate::bounded::{Bound, Minimum, Patience, Residuals, minimise};
 use crate::estimate::{Estimates, Unknown};
+use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 
 /// A cascade of position and velocity loop, sampled.
@@ -116,12 +117,16 @@ impl BristleAxis {
     ///
     /// None for a fit without one of them.
     pub fn from_fit(fit: &StructureFit, period: f64) -> Option<Self> {
-        let value = |name: &str| fit.estimates.value(name);
+        let value = |name: &'static str| fit.estimates.value(name);
+        let both_ways = |name| {
+            let on = |side| fit.estimates.value(ParameterId::new(name).side(side));
+            Some([on(Side::Forward)?, on(Side::Backward)?])
+        };
         Some(Self {
             inertia: value("inertia")?,
-            f_v: [value("f_v.forward")?, value("f_v.backward")?],
-            f_c: [value("f_c.forward")?, value("f_c.backward")?],
-            f_s: [value("f_s.forward")?, value("f_s.backward")?],
+            f_v: both_ways("f_v")?,
+            f_c: both_ways("f_c")?,
+            f_s: both_ways("f_s")?,
             v_s: value("v_s")?,
             displacement: value("presliding")?,
             delay: (value("delay")? - 0.5 * period).max(0.05 * period),
@@ -280,23 +285,23 @@ fn estimates(minimum: &Minimum, scale: &[f64; UNKNOWNS]) -> Estimates {
         natural.x[j] *= factor;
         natural.jacobian.column_mut(j).unscale_mut(*factor);
     }
-    let names = [
-        ("inertia", "kg"),
-        ("f_v.forward", "N s/m"),
-        ("f_v.backward", "N s/m"),
-        ("f_c.forward", "N"),
-        ("f_c.backward", "N"),
-        ("f_s.forward", "N"),
-        ("f_s.backward", "N"),
-        ("v_s", "m/s"),
-        ("presliding", "m"),
-        ("delay", "s"),
+    let plain = |name| ParameterId::new(name);
+    let (forward, backward) =
+        (|name| plain(name).side(Side::Forward), |name| plain(name).side(Side::Backward));
+    let ids = [
+        (plain("inertia"), "kg"),
+        (forward("f_v"), "N s/m"),
+        (backward("f_v"), "N s/m"),
+        (forward("f_c"), "N"),
+        (backward("f_c"), "N"),
+        (forward("f_s"), "N"),
+        (backward("f_s"), "N"),
+        (plain("v_s"), "m/s"),
+        (plain("presliding"), "m"),
+        (plain("delay"), "s"),
     ];
-    let unknowns = names.map(|(name, unit)| Unknown {
-        name: name.to_owned(),
-        unit,
-        remedy: "a motion that excites it more strongly",
-    });
+    let remedy = "a motion that excites it more strongly";
+    let unknowns = ids.map(|(id, unit)| Unknown { id, unit, remedy });
     Estimates::linearised(&natural, &unknowns, effective_share(natural.residuals.as_slice()))
 }
 

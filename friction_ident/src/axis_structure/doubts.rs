@@ -2,6 +2,7 @@
 
 use super::AxisStructure;
 use crate::estimate::{Doubt, Estimates, Verdict};
+use crate::parameter_id::{ParameterId, Side};
 
 /// Standard errors that an effect must be clear of zero by.
 const CLEAR: f64 = 2.0;
@@ -14,15 +15,11 @@ const SIGNED: [&str; 6] =
 /// effect, a period without a force.
 pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
     if structure.stribeck {
-        let sides: &[&str] = if structure.asymmetric { &[".forward", ".backward"] } else { &[""] };
         let mut any = false;
         let mut largest = (0.0f64, f64::INFINITY);
-        for side in sides {
-            let Some((effect, error)) =
-                difference(estimates, &format!("f_s{side}"), &format!("f_c{side}"))
-            else {
-                continue;
-            };
+        for &side in Side::of(structure.asymmetric) {
+            let [f_s, f_c] = ["f_s", "f_c"].map(|name| ParameterId::new(name).side(side));
+            let Some((effect, error)) = difference(estimates, f_s, f_c) else { continue };
             if effect.abs() > CLEAR * error {
                 any = true;
             }
@@ -42,12 +39,12 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
             estimate.verdict,
             Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. }
         ) && estimate.standard_error.is_some();
-        if about_zero && SIGNED.contains(&estimate.name.as_str()) {
+        if about_zero && SIGNED.contains(&estimate.id.name) {
             estimate.verdict = Verdict::Identified;
         }
     }
     if structure.harmonic {
-        let part = |name: &str| {
+        let part = |name: &'static str| {
             let estimate = estimates.get(name);
             estimate.map_or((0.0, 0.0), |e| (e.value, e.standard_error.unwrap_or(f64::INFINITY)))
         };
@@ -61,17 +58,20 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
 }
 
 /// Difference of two parameters and its standard error; none where one of them has no error.
-pub(super) fn difference(estimates: &Estimates, a: &str, b: &str) -> Option<(f64, f64)> {
-    let place = |name: &str| estimates.parameters.iter().position(|estimate| estimate.name == name);
-    let (i, j) = (place(a)?, place(b)?);
+pub(super) fn difference(
+    estimates: &Estimates,
+    a: ParameterId,
+    b: ParameterId,
+) -> Option<(f64, f64)> {
+    let (i, j) = (estimates.place(a)?, estimates.place(b)?);
     let of = |i: usize, j: usize| estimates.covariance.get(i).and_then(|row| row.get(j)).copied();
     let variance = of(i, i)? + of(j, j)? - 2.0 * of(i, j)?;
     let value = estimates.parameters[i].value - estimates.parameters[j].value;
     (variance > 0.0).then(|| (value, variance.sqrt()))
 }
 
-fn doubt(estimates: &mut Estimates, name: &str, doubt: Doubt, remedy: &'static str) {
-    if let Some(estimate) = estimates.parameters.iter_mut().find(|estimate| estimate.name == name)
+fn doubt(estimates: &mut Estimates, name: &'static str, doubt: Doubt, remedy: &'static str) {
+    if let Some(estimate) = estimates.get_mut(name)
         && estimate.verdict == Verdict::Identified
     {
         estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };

@@ -16,6 +16,7 @@ use crate::conditioning::Conditioned;
 use crate::estimate::Estimates;
 use crate::finite::finite;
 use crate::least_squares::{self, Solution};
+use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
 use crate::{Ending, IdentError};
@@ -69,9 +70,9 @@ impl StructureFit {
     /// What must be known to read the parameters right.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        for side in ["", ".forward", ".backward"] {
-            let (f_s, f_c) = (format!("f_s{side}"), format!("f_c{side}"));
-            let Some((effect, error)) = doubts::difference(&self.estimates, &f_s, &f_c) else {
+        for side in [Side::Both, Side::Forward, Side::Backward] {
+            let [f_s, f_c] = ["f_s", "f_c"].map(|name| ParameterId::new(name).side(side));
+            let Some((effect, error)) = doubts::difference(&self.estimates, f_s, f_c) else {
                 continue;
             };
             if effect < -2.0 * error {
@@ -94,11 +95,11 @@ impl StructureFit {
     /// Steady friction at a velocity \[N or N m\], the offset included; at the middle of the axis,
     /// without the harmonic.
     pub fn steady_friction(&self, velocity: f64) -> f64 {
-        let side = if velocity < 0.0 { ".backward" } else { ".forward" };
-        let value = |name: &str| {
+        let side = Side::of_velocity(velocity);
+        let value = |name: &'static str| {
             let estimates = &self.estimates;
             estimates
-                .value(&format!("{name}{side}"))
+                .value(ParameterId::new(name).side(side))
                 .or_else(|| estimates.value(name))
                 .unwrap_or(0.0)
         };
@@ -245,7 +246,7 @@ impl<'a> Search<'a> {
         least_squares::solve(matrix, force).map_err(|degenerate| {
             let names = unknowns(&self.structure, &AxisUnits::LINEAR);
             let columns = degenerate.columns.into_iter().filter_map(|column| names.get(column));
-            IdentError::Columns { names: columns.map(|unknown| unknown.name.clone()).collect() }
+            IdentError::Columns { names: columns.map(|unknown| unknown.id.to_string()).collect() }
         })
     }
 

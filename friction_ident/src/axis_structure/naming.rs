@@ -3,6 +3,7 @@
 use super::AxisStructure;
 use super::shape::ShapeTerm;
 use crate::estimate::Unknown;
+use crate::parameter_id::{ParameterId, Side};
 
 /// Units of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,35 +45,35 @@ const TRAVEL: &str = "motion over the whole axis at several speeds";
 /// The parameters of a structure: linear ones in the order of the columns, then the nonlinear ones.
 pub(super) fn unknowns(structure: &AxisStructure, units: &AxisUnits) -> Vec<Unknown> {
     let mut all = Vec::new();
-    let mut add =
-        |name: &str, unit, remedy| all.push(Unknown { name: name.to_owned(), unit, remedy });
-    let sides: &[&str] = if structure.asymmetric { &[".forward", ".backward"] } else { &[""] };
-    add("inertia", units.inertia, FASTER);
-    sides.iter().for_each(|side| add(&format!("f_v{side}"), units.viscous, SPEEDS));
+    let mut add = |id: ParameterId, unit, remedy| all.push(Unknown { id, unit, remedy });
+    let sides = Side::of(structure.asymmetric);
+    let each = |name| sides.iter().map(move |&side| ParameterId::new(name).side(side));
+    add("inertia".into(), units.inertia, FASTER);
+    each("f_v").for_each(|id| add(id, units.viscous, SPEEDS));
     if !structure.asymmetric {
-        add("offset", units.force, "equal motion in both directions");
+        add("offset".into(), units.force, "equal motion in both directions");
     }
     if structure.position {
-        add("spring", units.force, TRAVEL);
+        add("spring".into(), units.force, TRAVEL);
     }
-    sides.iter().for_each(|side| add(&format!("f_c{side}"), units.force, SPEEDS));
+    each("f_c").for_each(|id| add(id, units.force, SPEEDS));
     if structure.stribeck {
-        sides.iter().for_each(|side| add(&format!("f_s{side}"), units.force, SLOW));
+        each("f_s").for_each(|id| add(id, units.force, SLOW));
     }
     if structure.position {
-        add("f_c_slope", units.force, TRAVEL);
-        add("f_c_curvature", units.force, TRAVEL);
+        add("f_c_slope".into(), units.force, TRAVEL);
+        add("f_c_curvature".into(), units.force, TRAVEL);
     }
     if structure.harmonic {
-        add("harmonic_cos", units.force, TRAVEL);
-        add("harmonic_sin", units.force, TRAVEL);
+        add("harmonic_cos".into(), units.force, TRAVEL);
+        add("harmonic_sin".into(), units.force, TRAVEL);
     }
     for term in ShapeTerm::of(structure) {
         match term {
-            ShapeTerm::Delay => add("delay", "s", STEPS),
-            ShapeTerm::StribeckVelocity => add("v_s", units.velocity, SLOW),
-            ShapeTerm::Displacement => add("presliding", units.displacement, REVERSALS),
-            ShapeTerm::Period => add("period", units.displacement, TRAVEL),
+            ShapeTerm::Delay => add("delay".into(), "s", STEPS),
+            ShapeTerm::StribeckVelocity => add("v_s".into(), units.velocity, SLOW),
+            ShapeTerm::Displacement => add("presliding".into(), units.displacement, REVERSALS),
+            ShapeTerm::Period => add("period".into(), units.displacement, TRAVEL),
         }
     }
     all

@@ -14,7 +14,7 @@ pub fn combine(recordings: &[Vec<Estimate>]) -> Vec<Estimate> {
     }
     let mut names: Vec<&Estimate> = Vec::new();
     for estimate in recordings.iter().flatten() {
-        if !names.iter().any(|known| known.name == estimate.name) {
+        if !names.iter().any(|known| known.id == estimate.id) {
             names.push(estimate);
         }
     }
@@ -25,7 +25,7 @@ fn together(like: &Estimate, recordings: &[Vec<Estimate>]) -> Estimate {
     let usable: Vec<(&Estimate, f64)> = recordings
         .iter()
         .flatten()
-        .filter(|estimate| estimate.name == like.name && estimate.is_identified())
+        .filter(|estimate| estimate.id == like.id && estimate.is_identified())
         .filter_map(|estimate| {
             Some((estimate, estimate.standard_error.filter(|error| *error > 0.0)?))
         })
@@ -63,7 +63,7 @@ mod tests {
 
     fn estimate(value: f64, error: f64) -> Vec<Estimate> {
         vec![Estimate {
-            name: "gain".into(),
+            id: "gain".into(),
             unit: "1",
             value,
             standard_error: Some(error),

@@ -12,6 +12,7 @@ use crate::axis_structure::{
 use crate::bounded::Minimum;
 use crate::conditioning::{Conditioned, Conditioning, Piece, Signals, condition_stretches};
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
+use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::statistics::{Sample, student_95};
 use crate::zero_phase::LowPass;
@@ -203,8 +204,7 @@ fn with_torque(recording: &Conditioned, friction: &[&[f64]]) -> Result<Fitted, I
         evaluations: 0,
         ending: Ending::Converged,
     };
-    let unknowns =
-        NAMES.map(|(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy });
+    let unknowns = NAMES.map(|(name, unit, remedy)| Unknown { id: name.into(), unit, remedy });
     let time = |piece: &Piece| {
         let start = piece.start;
         (0..rows_of(piece, *decimate))
@@ -269,24 +269,22 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn place(&self, name: &str) -> Option<usize> {
-        self.source.parameters.iter().position(|estimate| estimate.name == name)
-    }
-
     /// A quantity computed from the fitted ones: value, and its derivatives by name; `extra` is
     /// variance from elsewhere.
     fn derive(
         &mut self,
-        name: &str,
+        id: impl Into<ParameterId>,
         unit: &'static str,
         value: f64,
-        by: &[(&str, f64)],
+        by: &[(ParameterId, f64)],
         extra: f64,
     ) {
         let mut variance = extra;
         for (a, da) in by {
             for (b, db) in by {
-                let (Some(i), Some(j)) = (self.place(a), self.place(b)) else { continue };
+                let (Some(i), Some(j)) = (self.source.place(*a), self.source.place(*b)) else {
+                    continue;
+                };
                 variance += da * db * self.source.covariance[i][j];
             }
         }
@@ -300,7 +298,7 @@ impl Report<'_> {
             Verdict::NotIdentifiable { doubt: Doubt::LargeError { relative_error }, remedy }
         };
         self.made.push(Estimate {
-            name: name.to_owned(),
+            id: id.into(),
             unit,
             value,
             standard_error: Some(error),
@@ -321,15 +319,16 @@ impl Report<'_> {
         torque: bool,
     ) -> Vec<String> {
         let mut notes = Vec::new();
-        let value = |name: &str| self.source.value(name).unwrap_or(0.0);
-        let acceleration = value("inertia");
-        let speed: Vec<(&str, f64)> = if torque {
-            vec![("back_emf", 1.0)]
+        let value = |id: ParameterId| self.source.value(id).unwrap_or(0.0);
+        let acceleration = value("inertia".into());
+        let speed: Vec<(ParameterId, f64)> = if torque {
+            vec![("back_emf".into(), 1.0)]
         } else {
-            vec![("f_v.forward", 0.5), ("f_v.backward", 0.5)]
+            let f_v = ParameterId::new("f_v");
+            vec![(f_v.side(Side::Forward), 0.5), (f_v.side(Side::Backward), 0.5)]
         };
-        let damping: f64 = speed.iter().map(|(name, share)| share * value(name)).sum();
-        let volts_per_torque = torque.then(|| value("volts_per_torque"));
+        let damping: f64 = speed.iter().map(|(name, share)| share * value(*name)).sum();
+        let volts_per_torque = torque.then(|| value("volts_per_torque".into()));
         let by = |factor: f64| {
             speed.iter().map(|(name, share)| (*name, factor * share)).collect::<Vec<_>>()
         };
@@ -342,13 +341,13 @@ impl Report<'_> {
             0.0,
         );
         let mut both = by(-acceleration * damping.powi(-2));
-        both.push(("inertia", 1.0 / damping));
+        both.push(("inertia".into(), 1.0 / damping));
         self.derive("time_constant", "s", acceleration / damping, &both, 0.0);
         self.derive(
             "volts_per_acceleration",
             if rotary { "V s^2/rad" } else { "V s^2/m" },
             acceleration,
-            &[("inertia", 1.0)],
+            &[("inertia".into(), 1.0)],
             0.0,
         );
         if let Some(delay) = self.source.get("delay") {
@@ -364,10 +363,16 @@ impl Report<'_> {
                     0.0,
                 );
                 let unit = if rotary { "V/(N m)" } else { "V/N" };
-                self.derive("volts_per_torque", unit, volts, &[("volts_per_torque", 1.0)], 0.0);
+                self.derive(
+                    "volts_per_torque",
+                    unit,
+                    volts,
+                    &[("volts_per_torque".into(), 1.0)],
+                    0.0,
+                );
                 let by = [
-                    ("inertia", 1.0 / volts),
-                    ("volts_per_torque", -acceleration / (volts * volts)),
+                    ("inertia".into(), 1.0 / volts),
+                    ("volts_per_torque".into(), -acceleration / (volts * volts)),
                 ];
                 self.derive("inertia", units.inertia, acceleration / volts, &by, 0.0);
                 notes.push(
@@ -380,7 +385,7 @@ impl Report<'_> {
             }
             (None, None) => {
                 self.made.push(Estimate {
-                    name: "inertia".to_owned(),
+                    id: "inertia".into(),
                     unit: units.inertia,
                     value: f64::NAN,
                     standard_error: None,
@@ -401,20 +406,15 @@ impl Report<'_> {
                 "Back-EMF and viscous friction are one term here: gain and time constant are those of the drive with its bearings."
                     .to_owned(),
             );
-            for side in ["forward", "backward"] {
-                let name = format!("f_c.{side}");
-                let level = self.source.value(&name).unwrap_or(0.0);
-                self.derive(
-                    &format!("coulomb_voltage.{side}"),
-                    "V",
-                    level,
-                    &[(name.as_str(), 1.0)],
-                    0.0,
-                );
+            for &side in Side::of(true) {
+                let level = ParameterId::new("f_c").side(side);
+                let volts = self.source.value(level).unwrap_or(0.0);
+                let id = ParameterId::new("coulomb_voltage").side(side);
+                self.derive(id, "V", volts, &[(level, 1.0)], 0.0);
             }
         }
-        for (name, direction) in [("deadband.forward", 1.0), ("deadband.backward", -1.0)] {
-            self.deadband(name, direction, found);
+        for (side, direction) in [(Side::Forward, 1.0), (Side::Backward, -1.0)] {
+            self.deadband(ParameterId::new("deadband").side(side), direction, found);
         }
         notes.push(
             "The delay contains half a sample of a held voltage, the armature's inductance, and any lead of the motion sensor.".to_owned(),
@@ -427,12 +427,18 @@ impl Report<'_> {
         calibration: &Calibration,
         acceleration: f64,
         damping: f64,
-        speed: &[(&str, f64)],
+        speed: &[(ParameterId, f64)],
         units: &AxisUnits,
     ) {
         let Known { value: force, standard_error: error } = calibration.force_per_volt();
         let extra = (acceleration * error).powi(2);
-        self.derive("inertia", units.inertia, acceleration * force, &[("inertia", force)], extra);
+        self.derive(
+            "inertia",
+            units.inertia,
+            acceleration * force,
+            &[("inertia".into(), force)],
+            extra,
+        );
         if let Calibration::Motor { torque_constant, .. } = calibration {
             let viscous = (damping - torque_constant.value) * force;
             let by: Vec<_> = speed.iter().map(|(name, share)| (*name, force * share)).collect();
@@ -443,7 +449,7 @@ impl Report<'_> {
     }
 
     /// Mean voltage of the breakaways in one direction, with the error of a mean.
-    fn deadband(&mut self, name: &str, direction: f64, found: &[Breakaway]) {
+    fn deadband(&mut self, id: ParameterId, direction: f64, found: &[Breakaway]) {
         let volts: Vec<f64> =
             found.iter().filter(|b| b.direction == direction).map(|b| b.voltage.abs()).collect();
         let n = volts.len();
@@ -458,25 +464,11 @@ impl Report<'_> {
             let (doubt, value) =
                 (Doubt::TooFewEvents { found: n, needed: 3 }, if n == 0 { f64::NAN } else { mean });
             let verdict = Verdict::NotIdentifiable { doubt, remedy };
-            Estimate {
-                name: name.to_owned(),
-                unit: "V",
-                value,
-                standard_error: None,
-                interval: None,
-                verdict,
-            }
+            Estimate { id, unit: "V", value, standard_error: None, interval: None, verdict }
         } else {
             let verdict = Verdict::Identified;
             let (standard_error, interval) = (Some(error), Some(interval));
-            Estimate {
-                name: name.to_owned(),
-                unit: "V",
-                value: mean,
-                standard_error,
-                interval,
-                verdict,
-            }
+            Estimate { id, unit: "V", value: mean, standard_error, interval, verdict }
         });
     }
 }

@@ -67,7 +67,7 @@ pub fn fit_lag_of_coarse_torque(
         }
     }
     let mut fit = fit_lag_with_profiles(&with_torques(recordings, &corrected), options)?;
-    let tau = fit.estimates.parameters.iter_mut().find(|estimate| estimate.name == "tau");
+    let tau = fit.estimates.get_mut("tau");
     if let Some(tau) = tau.filter(|tau| noise < FILLED * torque_step && tau.is_identified()) {
         let doubt = Doubt::CoarseSensor { step: torque_step, noise };
         tau.verdict = Verdict::NotIdentifiable { doubt, remedy: super::search::remedy("tau") };

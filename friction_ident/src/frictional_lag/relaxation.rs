@@ -174,8 +174,8 @@ impl Found {
 
 /// In the parameters of parameter files.
 fn estimates(found: &Found, lugre: bool, sum: f64, samples: usize, share: f64) -> Estimates {
-    let unknown = |name: &str, unit: Unit| Unknown {
-        name: name.to_owned(),
+    let unknown = |name: &'static str, unit: Unit| Unknown {
+        id: name.into(),
         unit: unit.rotary(),
         remedy: remedy(if ["sigma0", "sigma1", "c"].contains(&name) { "tau" } else { name }),
     };

@@ -296,14 +296,7 @@ fn estimates(
                 doubt,
                 remedy: remedy(name),
             });
-            Estimate {
-                name: name.to_owned(),
-                unit,
-                value,
-                standard_error: error,
-                interval,
-                verdict,
-            }
+            Estimate { id: name.into(), unit, value, standard_error: error, interval, verdict }
         })
         .collect();
     let covariance = covariance.unwrap_or_else(Matrix5::zeros);

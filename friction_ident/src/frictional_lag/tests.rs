@@ -54,7 +54,7 @@ fn fit(velocity: &[f64], torque: &[f64]) -> LagFit {
 fn exact_recordings_give_the_truth_back() {
     let (v, y) = simulate(&TRUTH, chirp, 9425);
     let found = fit(&v, &y);
-    for ((name, got), want) in NAMES.iter().zip(values(&found.values)).zip(values(&TRUTH)) {
+    for ((name, got), want) in NAMES.into_iter().zip(values(&found.values)).zip(values(&TRUTH)) {
         println!("{name} {:.2e}", got / want - 1.0);
         assert!((got / want - 1.0).abs() < 1e-8, "{name}: {:e}", got / want - 1.0);
         assert!(found.estimates.get(name).unwrap().is_identified());

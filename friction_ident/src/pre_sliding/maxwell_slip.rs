@@ -11,6 +11,7 @@ use crate::IdentError;
 use crate::bounded::{Bound, Minimum, Patience, Residuals, minimise};
 use crate::derived::{Derived, derive};
 use crate::estimate::{Doubt, Estimate, Estimates, Unknown, Verdict};
+use crate::parameter_id::ParameterId;
 use crate::residual_whiteness::effective_share;
 
 /// How a model calls shares and stiffnesses.
@@ -152,8 +153,8 @@ pub(super) fn fit(
     let share = effective_share(found.residuals.as_slice());
     let mut order: Vec<usize> = (0..elements).collect();
     order.sort_by(|&a, &b| found.x[elements + a].total_cmp(&found.x[elements + b]));
-    let unknown = |name: String, unit: Unit, remedy| Unknown { name, unit: unit.rotary(), remedy };
-    let element = |name: &str, i: usize| format!("{name}[{i}]");
+    let unknown = |id, unit: Unit, remedy| Unknown { id, unit: unit.rotary(), remedy };
+    let element = |name: &'static str, i: usize| ParameterId::new(name).element(i);
     let raw_names: Vec<Unknown> = (0..2 * elements)
         .map(|j| {
             let (name, unit, remedy) = if j < elements {
@@ -216,11 +217,11 @@ pub(super) fn fit_springs(data: &Paths, elements: usize) -> Result<PreSlidingFit
     };
     let share = effective_share(minimum.residuals.as_slice());
     let unit = Unit::Stiffness.rotary();
-    let whole = Unknown { name: "sigma0".into(), unit, remedy: NESTED };
+    let whole = Unknown { id: "sigma0".into(), unit, remedy: NESTED };
     let mut estimates = Estimates::linearised(&minimum, &[whole], share);
     if elements > 1 {
         let each = (0..elements).map(|i| Estimate {
-            name: format!("sigma0[{i}]"),
+            id: ParameterId::new("sigma0").element(i),
             unit,
             value: stiffness / elements as f64,
             standard_error: None,

@@ -129,8 +129,11 @@ pub(super) fn fit(data: &Paths, operator: Operator) -> Result<PreSlidingFit, Ide
     let go = &mut |_: &_| ControlFlow::Continue(());
     let minimum =
         minimise(&mut problem, &start, &bounds, &Patience::default(), go).ok_or_else(falls)?;
-    let unknown =
-        |name: &str, unit: Unit, remedy| Unknown { name: name.into(), unit: unit.rotary(), remedy };
+    let unknown = |name: &'static str, unit: Unit, remedy| Unknown {
+        id: name.into(),
+        unit: unit.rotary(),
+        remedy,
+    };
     let level = if matches!(operator, Operator::Power { .. }) { "f_c" } else { "f_s" };
     let unknowns = [
         unknown(level, Unit::Force, BREAK_AWAY),
@@ -149,7 +152,7 @@ pub(super) fn fit(data: &Paths, operator: Operator) -> Result<PreSlidingFit, Ide
                 gradient: vec![1.0 / length, -level / length / length],
             };
             let keep = |j: usize| Derived {
-                unknown: unknowns[j].clone(),
+                unknown: unknowns[j],
                 value: minimum.x[j],
                 gradient: (0..=j).map(|i| f64::from(u8::from(i == j))).collect(),
             };

@@ -3,6 +3,7 @@ use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64Mcg;
 
 use super::*;
+use crate::ParameterId;
 use crate::estimate::{Doubt, Verdict};
 
 /// A path through `turns`, at constant speed.
@@ -51,8 +52,13 @@ fn fit(x: &[f64], y: &[f64], model: PreSlidingModel) -> PreSlidingFit {
     fit_pre_sliding(&[PreSlidingPath { displacement: x, torque: y }], model).unwrap()
 }
 
-fn assert_values(fit: &PreSlidingFit, expected: &[(&str, f64)], tolerance: f64) {
-    for (name, value) in expected {
+fn assert_values(
+    fit: &PreSlidingFit,
+    expected: &[(impl Into<ParameterId> + Copy, f64)],
+    tolerance: f64,
+) {
+    for &(name, value) in expected {
+        let name = name.into();
         let got = fit.estimates.get(name).unwrap_or_else(|| panic!("{name} is missing: {fit:?}"));
         assert!(
             (got.value / value - 1.0).abs() < tolerance,
@@ -86,14 +92,14 @@ fn exact_paths_give_four_elements_back() {
     let y = maxwell(&k, &w, &x);
     let f_s: f64 = k.iter().zip(w).map(|(k, w)| k * w).sum();
     let found = fit(&x, &y, PreSlidingModel::Xiong { elements: 4 });
-    let mut expected = vec![("f_s".to_owned(), f_s)];
+    let mut expected = vec![(ParameterId::new("f_s"), f_s)];
     for i in 0..4 {
-        expected.push((format!("lambda[{i}]"), k[i] * w[i] / f_s));
-        expected.push((format!("k[{i}]"), k[i]));
+        expected.push((ParameterId::new("lambda").element(i), k[i] * w[i] / f_s));
+        expected.push((ParameterId::new("k").element(i), k[i]));
     }
-    let expected: Vec<_> = expected.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     assert_values(&found, &expected, 1e-9);
-    let shares: f64 = (0..4).map(|i| found.estimates.value(&format!("lambda[{i}]")).unwrap()).sum();
+    let shares: f64 =
+        (0..4).map(|i| found.estimates.value(ParameterId::new("lambda").element(i)).unwrap()).sum();
     assert!((shares - 1.0).abs() < 1e-12);
 }
 
@@ -149,7 +155,7 @@ fn without_slip_single_stiffnesses_are_not_identified() {
     assert!(whole.is_identified());
     let mut sum = 0.0;
     for i in 0..4 {
-        let each = found.estimates.get(&format!("sigma0[{i}]")).unwrap();
+        let each = found.estimates.get(ParameterId::new("sigma0").element(i)).unwrap();
         sum += each.value;
         let Verdict::NotIdentifiable { doubt: Doubt::Confounded { .. }, remedy } = &each.verdict
         else {

@@ -32,7 +32,7 @@ fn of_a_straight_line_it_is_the_interval_of_the_standard_error() {
     let mut problem = Curve { t: &t, y: &y, model: |x, t| x[0] + x[1] * t };
     let bounds = [Bound::free(1.0); 2];
     let found = minimum(&mut problem, &[0.0, 0.0], &bounds);
-    let unknown = |name: &str| Unknown { name: name.into(), unit: "", remedy: "" };
+    let unknown = |name| Unknown { id: crate::ParameterId::new(name), unit: "", remedy: "" };
     let linear = Estimates::linearised(&found, &[unknown("a"), unknown("b")], 1.0);
     for (j, estimate) in linear.parameters.iter().enumerate() {
         let error = estimate.standard_error.unwrap();

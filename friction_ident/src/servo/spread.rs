@@ -54,7 +54,7 @@ pub fn estimates(parameters: &[ServoParameter], found: &[Found]) -> Option<Estim
             None => Verdict::Identified,
         };
         Estimate {
-            name: parameter.name().to_owned(),
+            id: parameter.name().into(),
             unit: parameter.unit(),
             value,
             standard_error: None,

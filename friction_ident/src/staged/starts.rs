@@ -45,14 +45,8 @@ impl Work<'_> {
         let Ok(found) = fit_pre_sliding(&paths, operator) else { return model };
         let mut parameters = model.parameters();
         for estimate in &found.estimates.parameters {
-            let (name, element) = match estimate.name.split_once('[') {
-                Some((name, rest)) => {
-                    (name, rest.trim_end_matches(']').parse().unwrap_or(usize::MAX))
-                }
-                None => (estimate.name.as_str(), 0),
-            };
-            if PRE_SLIDING.contains(&name) {
-                parameters.set_at(name, element, estimate.value);
+            if PRE_SLIDING.contains(&estimate.id.name) {
+                parameters.set_at(estimate.id.name, estimate.id.index(), estimate.value);
             }
         }
         // An element that never slipped on these paths is as soft as the fit likes: no softer than

@@ -102,7 +102,7 @@ fn noisy_experiments_give_parameters_within_their_errors() {
     for estimate in
         found.estimates.parameters.iter().filter(|estimate| estimate.standard_error.is_some())
     {
-        let value = truth.parameter(&estimate.name).unwrap();
+        let value = truth.parameter(estimate.id.name).unwrap();
         let errors = (estimate.value - value).abs() / estimate.standard_error.unwrap();
         assert!(errors < 4.0, "{estimate:?}, truth {value}");
         assert!(estimate.is_identified(), "{estimate:?}");
@@ -131,7 +131,7 @@ fn intervals_of_the_joint_stage_cover_the_truth_as_often_as_they_say() {
             stretch.friction.iter_mut().for_each(|friction| *friction += noise());
         }
         let found = identify(Proposed, &data, &StagedOptions::default());
-        for (i, name) in NAMES.iter().enumerate() {
+        for (i, name) in NAMES.into_iter().enumerate() {
             let (estimate, value) =
                 (found.estimates.get(name).unwrap(), truth.parameter(name).unwrap());
             let interval = estimate.interval.unwrap();

@@ -47,7 +47,7 @@ impl StribeckFit {
                     },
                 };
                 Estimate {
-                    name: estimate.parameter.name().to_owned(),
+                    id: estimate.parameter.name().into(),
                     unit: unit.rotary(),
                     value: estimate.value,
                     standard_error: estimate.standard_error,

@@ -207,7 +207,7 @@ impl Sliding {
         UNKNOWNS
             .iter()
             .take(self.columns.len())
-            .map(|&(name, unit, remedy)| Unknown { name: name.to_owned(), unit, remedy })
+            .map(|&(name, unit, remedy)| Unknown { id: name.into(), unit, remedy })
             .collect()
     }
 }
@@ -339,7 +339,7 @@ mod tests {
         let (best, profiled, _) = delay_profile::over_delays(&sliding, 15.0).unwrap();
         let share = crate::residual_whiteness::effective_share(best.minimum.residuals.as_slice());
         let known = Estimates::linearised(&best.minimum, &sliding.unknowns(), share);
-        let width = |estimates: &Estimates, name: &str| {
+        let width = |estimates: &Estimates, name: &'static str| {
             let interval = estimates.get(name).unwrap().interval.unwrap();
             interval.high - interval.low
         };

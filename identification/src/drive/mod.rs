@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use friction_ident::drive::{Calibration, DriveFit, DriveRecording, combine, fit_drive};
-use friction_ident::{Conditioning, Estimate, IdentError, Verdict};
+use friction_ident::{Conditioning, Estimate, IdentError, ParameterId, Verdict};
 use serde_json::json;
 
 use crate::axis::structure::units;
@@ -79,8 +79,9 @@ pub fn identify(
 
 impl Identified {
     /// The value of an identified quantity.
-    pub fn value(&self, name: &str) -> Option<f64> {
-        let known = self.estimates.iter().find(|estimate| estimate.name == name)?;
+    pub fn value(&self, id: impl Into<ParameterId>) -> Option<f64> {
+        let id = id.into();
+        let known = self.estimates.iter().find(|estimate| estimate.id == id)?;
         known.is_identified().then_some(known.value)
     }
 
@@ -166,7 +167,7 @@ pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
                 }
                 Verdict::Given { source } => format!("given: {source}"),
             };
-            [estimate.name.clone(), value, estimate.unit.to_owned(), interval, verdict]
+            [estimate.id.to_string(), value, estimate.unit.to_owned(), interval, verdict]
         })
         .collect()
 }

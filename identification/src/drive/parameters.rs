@@ -124,7 +124,7 @@ pub fn render(found: &Identified) -> String {
     }
     text.push_str("/drive_identification:\n  ros__parameters:\n");
     for estimate in found.estimates.iter().filter(|estimate| estimate.is_identified()) {
-        let _ = writeln!(text, "    {}: {}  # identified", estimate.name, number(estimate.value));
+        let _ = writeln!(text, "    {}: {}  # identified", estimate.id, number(estimate.value));
     }
     text
 }

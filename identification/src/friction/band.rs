@@ -1,30 +1,26 @@
 //! Where a fitted steady-state curve lies: its 95 % band from the covariance of the parameters.
 
-use friction_ident::free_parameters::{FreeParameters, Handle, Side};
+use friction_ident::free_parameters::FreeParameters;
 use friction_ident::statistics::student_95;
-use friction_ident::{Estimates, Identified};
+use friction_ident::{Estimates, Identified, ParameterId, Side};
 use friction_model::{AnyModel, AnyParameters};
 
 /// The half width of the band of the friction at each of `velocities` [N or N m]; none where the
 /// fit has no covariance of what matters there.
 pub fn half_widths(found: &Identified, velocities: &[f64]) -> Option<Vec<f64>> {
     let estimates = covering(found)?;
-    let handles = FreeParameters::new(&found.model, |_| true);
-    let places: Vec<(usize, &Handle)> = estimates
+    let free = FreeParameters::new(&found.model, |_| true);
+    let places: Vec<(usize, ParameterId)> = estimates
         .parameters
         .iter()
+        .map(|estimate| estimate.id)
         .enumerate()
-        .filter_map(|(row, estimate)| {
-            let handle = handles.handles().iter().find(|handle| handle.label() == estimate.name)?;
-            Some((row, handle))
-        })
+        .filter(|(_, id)| free.ids().contains(id))
         .collect();
     let factor = student_95(estimates.degrees_of_freedom);
     let half = |&velocity: &f64| {
-        let gradient: Vec<(usize, f64)> = places
-            .iter()
-            .map(|(row, handle)| (*row, slope(&found.model, handle, velocity)))
-            .collect();
+        let gradient: Vec<(usize, f64)> =
+            places.iter().map(|&(row, id)| (row, slope(&found.model, id, velocity))).collect();
         let variance: f64 = gradient
             .iter()
             .flat_map(|(i, a)| gradient.iter().map(move |(j, b)| (i, j, a * b)))
@@ -46,22 +42,21 @@ pub fn half_widths(found: &Identified, velocities: &[f64]) -> Option<Vec<f64>> {
 /// The last stage that estimated the level.
 fn covering(found: &Identified) -> Option<&Estimates> {
     let has_level = |estimates: &&Estimates| {
-        estimates.parameters.iter().any(|p| p.name.starts_with("f_c") && p.standard_error.is_some())
+        estimates.parameters.iter().any(|p| p.id.name == "f_c" && p.standard_error.is_some())
     };
     found.stages.iter().rev().map(|stage| &stage.estimates).find(has_level)
 }
 
 /// Derivative of the steady state with respect to one parameter.
-fn slope(model: &AnyModel, handle: &Handle, velocity: f64) -> f64 {
-    let value =
-        |parameters: &AnyParameters| parameters.values(handle.name).get(handle.element).copied();
+fn slope(model: &AnyModel, id: ParameterId, velocity: f64) -> f64 {
+    let value = |parameters: &AnyParameters| parameters.values(id.name).get(id.index()).copied();
     let moved = |up: f64| -> Option<(f64, f64)> {
         let (mut forward, mut backward) = model.parameters().sides();
-        let side = if handle.side == Side::Backward { &mut backward } else { &mut forward };
+        let side = if id.side == Side::Backward { &mut backward } else { &mut forward };
         let x = value(side)?;
         let x = x + up * 1e-5 * x.abs().max(1e-9);
-        side.set_at(handle.name, handle.element, x);
-        let model: AnyModel = match handle.side {
+        side.set_at(id.name, id.index(), x);
+        let model: AnyModel = match id.side {
             Side::Both => forward.try_into().ok()?,
             _ => AnyParameters::asymmetric(forward, backward).ok()?.try_into().ok()?,
         };

@@ -133,7 +133,7 @@ fn model(result: &ModelResult) -> Value {
     json!({
         "parameters": parameters(&found.estimates, result.from_drive.as_ref()),
         "correlation": last.map(|stage| json!({
-            "names": stage.estimates.parameters.iter().map(|p| p.name.clone()).collect::<Vec<_>>(),
+            "names": stage.estimates.parameters.iter().map(|p| p.id.to_string()).collect::<Vec<_>>(),
             "matrix": stage.estimates.correlation,
         })),
         "fit": errors(&result.fit),
@@ -152,14 +152,14 @@ fn errors(errors: &Errors) -> Value {
 }
 
 fn parameters(estimates: &Estimates, from_drive: Option<&FromDrive>) -> Value {
-    let named = |p: &Estimate| (p.name.clone(), parameter(p, from_drive));
+    let named = |p: &Estimate| (p.id.to_string(), parameter(p, from_drive));
     estimates.parameters.iter().map(named).collect::<Map<_, _>>().into()
 }
 
 fn parameter(estimate: &Estimate, from_drive: Option<&FromDrive>) -> Value {
     let from_drive = from_drive.and_then(|from| {
-        let standard_error = from.of(&estimate.name)?;
-        let moves = from.by_constant(&estimate.name);
+        let standard_error = from.of(estimate.id)?;
+        let moves = from.by_constant(estimate.id);
         let by_constant: Map<String, Value> =
             moves.iter().map(|(constant, by)| (constant.name().to_owned(), json!(by))).collect();
         Some(json!({ "standard_error": standard_error, "by_constant": by_constant }))

@@ -10,13 +10,13 @@
 use std::collections::BTreeMap;
 
 use friction_ident::staged::StageResult;
-use friction_ident::{DriveConstant, FrictionData, IdentError, Identified};
+use friction_ident::{DriveConstant, FrictionData, IdentError, Identified, ParameterId};
 
 /// How far the parameters of a model move with the constants.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FromDrive {
     /// Parameter -> how far one standard error of each constant moves it, with its sign.
-    moves: BTreeMap<String, Vec<(DriveConstant, f64)>>,
+    moves: BTreeMap<ParameterId, Vec<(DriveConstant, f64)>>,
 }
 
 impl FromDrive {
@@ -36,47 +36,47 @@ impl FromDrive {
             return Ok(None);
         }
         let Some(before) = refit(data)? else { return Ok(None) };
-        let mut moves: BTreeMap<String, Vec<(DriveConstant, f64)>> = BTreeMap::new();
+        let mut moves: BTreeMap<ParameterId, Vec<(DriveConstant, f64)>> = BTreeMap::new();
         for (constant, data) in moved {
             let Some(after) = refit(data)? else { return Ok(None) };
-            for (name, value) in after {
-                if let Some(own) = before.get(&name) {
-                    moves.entry(name).or_default().push((*constant, value - own));
+            for (id, value) in after {
+                if let Some(own) = before.get(&id) {
+                    moves.entry(id).or_default().push((*constant, value - own));
                 }
             }
         }
         // What the data do not determine moves by chance.
-        let doubtful = |name: &str| {
-            found.estimates.get(name).is_none_or(|e| {
+        let doubtful = |id: ParameterId| {
+            found.estimates.get(id).is_none_or(|e| {
                 matches!(e.verdict, friction_ident::Verdict::NotIdentifiable { .. })
             })
         };
-        moves.retain(|name, _| !doubtful(name));
+        moves.retain(|id, _| !doubtful(*id));
         Ok(Some(Self { moves }))
     }
 
     /// Standard deviation of a parameter by all constants together, in its unit.
     #[must_use]
-    pub fn of(&self, parameter: &str) -> Option<f64> {
-        let moves = self.moves.get(parameter)?;
+    pub fn of(&self, parameter: ParameterId) -> Option<f64> {
+        let moves = self.moves.get(&parameter)?;
         Some(moves.iter().map(|(_, by)| by * by).sum::<f64>().sqrt())
     }
 
     /// How far one standard error of each constant moves a parameter, with its sign.
     #[must_use]
-    pub fn by_constant(&self, parameter: &str) -> &[(DriveConstant, f64)] {
-        self.moves.get(parameter).map_or(&[], Vec::as_slice)
+    pub fn by_constant(&self, parameter: ParameterId) -> &[(DriveConstant, f64)] {
+        self.moves.get(&parameter).map_or(&[], Vec::as_slice)
     }
 }
 
 /// Parameter -> value.
-pub(super) type ByName = BTreeMap<String, f64>;
+pub(super) type ByName = BTreeMap<ParameterId, f64>;
 
 /// Every stage's word on each parameter, the last one's where several speak.
 pub(super) fn by_name<'a>(stages: impl IntoIterator<Item = &'a StageResult>) -> ByName {
     stages
         .into_iter()
         .flat_map(|stage| &stage.estimates.parameters)
-        .map(|estimate| (estimate.name.clone(), estimate.value))
+        .map(|estimate| (estimate.id, estimate.value))
         .collect()
 }

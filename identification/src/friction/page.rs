@@ -134,7 +134,7 @@ fn parameters(result: &ModelResult) -> Table {
         .iter()
         .map(|estimate| {
             let (value, error) = wording::value(estimate);
-            let mut row = vec![estimate.name.clone(), value, error, wording::interval(estimate)];
+            let mut row = vec![estimate.id.to_string(), value, error, wording::interval(estimate)];
             if driven {
                 row.push(wording::from_drive(result, estimate));
             }
@@ -159,7 +159,7 @@ fn parameters(result: &ModelResult) -> Table {
 fn correlation(result: &ModelResult) -> Option<Table> {
     let stage =
         result.found.stages.iter().rev().find(|stage| stage.estimates.parameters.len() > 1)?;
-    let names: Vec<String> = stage.estimates.parameters.iter().map(|p| p.name.clone()).collect();
+    let names: Vec<String> = stage.estimates.parameters.iter().map(|p| p.id.to_string()).collect();
     let rows = names
         .iter()
         .zip(&stage.estimates.correlation)
@@ -193,7 +193,7 @@ fn stages(found: &FrictionIdentification, result: &ModelResult) -> Table {
                 .estimates
                 .parameters
                 .iter()
-                .map(|estimate| format!("{} {}", estimate.name, wording::value(estimate).0))
+                .map(|estimate| format!("{} {}", estimate.id, wording::value(estimate).0))
                 .collect();
             let used = stage.samples > 0;
             vec![

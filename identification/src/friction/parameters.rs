@@ -62,7 +62,8 @@ fn origin(found: &FrictionIdentification, path: &str) -> String {
     let Some(result) = model.parse().ok().and_then(|name: ModelName| found.model(name)) else {
         return String::new();
     };
-    let estimate = |name: &str| result.found.estimates.get(name);
+    let estimates = &result.found.estimates.parameters;
+    let estimate = |name: &str| estimates.iter().find(|estimate| estimate.id.to_string() == name);
     // A model for each direction names its parameters `f_s.forward`.
     let known = match parts.next() {
         Some(parameter) => {
@@ -121,7 +122,7 @@ fn header(found: &FrictionIdentification) -> String {
             let _ = writeln!(
                 text,
                 "# {}.{}: {value}{plus}{unit}{doubt}",
-                first.found.name, estimate.name
+                first.found.name, estimate.id
             );
         }
     }

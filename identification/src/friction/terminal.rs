@@ -62,7 +62,7 @@ pub fn render(found: &FrictionIdentification) -> String {
                 (estimate, value, error)
             })
             .collect();
-        let width = rows.iter().map(|(e, ..)| e.name.len()).max().unwrap_or(0);
+        let width = rows.iter().map(|(e, ..)| e.id.to_string().len()).max().unwrap_or(0);
         let numbers = rows.iter().map(|(_, value, _)| value.len()).max().unwrap_or(0);
         for (estimate, value, error) in rows {
             let plus = if error.is_empty() { String::new() } else { format!(" ± {error}") };
@@ -74,7 +74,7 @@ pub fn render(found: &FrictionIdentification) -> String {
             let _ = writeln!(
                 text,
                 "  {:width$}  {value:>numbers$}{plus}{} {}{note}",
-                estimate.name,
+                estimate.id,
                 from_drive(estimate),
                 estimate.unit
             );

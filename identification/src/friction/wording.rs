@@ -32,7 +32,7 @@ pub fn value(estimate: &Estimate) -> (String, String) {
 
 /// What the drive's constants add to a parameter's uncertainty; empty where nothing does.
 pub(super) fn from_drive(result: &ModelResult, estimate: &Estimate) -> String {
-    let added = result.from_drive.as_ref().and_then(|from| from.of(&estimate.name));
+    let added = result.from_drive.as_ref().and_then(|from| from.of(estimate.id));
     added.map_or(
         String::new(),
         |added| if added == 0.0 { "0".to_owned() } else { format!("{added:.1e}") },

@@ -74,7 +74,7 @@ fn parameters(found: &ServoIdentification) -> Table {
         .iter()
         .map(|estimate| {
             vec![
-                estimate.name.clone(),
+                estimate.id.to_string(),
                 number(estimate.value),
                 estimate.unit.to_owned(),
                 range(estimate),

@@ -38,7 +38,7 @@ pub fn render(found: &ServoIdentification) -> String {
         let _ = writeln!(
             text,
             "  {:<16} {:>12} {:<14} {:<26} {}",
-            estimate.name,
+            estimate.id,
             number(estimate.value),
             estimate.unit,
             range(estimate),

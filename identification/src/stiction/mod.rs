@@ -10,7 +10,7 @@ use friction_ident::stiction_cycle::{
     Breakaway, BreakawayOptions, Phase, PhaseKind, SlipFriction, SlipOptions, StictionRecording,
     breakaways, median, segment, slip_friction,
 };
-use friction_ident::{Estimate, IdentError};
+use friction_ident::{Estimate, IdentError, ParameterId, Side};
 
 use recording::stiction_table::StictionTable;
 
@@ -83,14 +83,14 @@ pub fn identify(
 ) -> Result<StictionIdentification, IdentError> {
     let episodes =
         tables.iter().map(|table| episode(table, settings)).collect::<Result<Vec<_>, _>>()?;
-    let breakaway = [(1.0, "breakaway.forward"), (-1.0, "breakaway.backward")]
+    let breakaway = [(1.0, Side::Forward), (-1.0, Side::Backward)]
         .into_iter()
-        .filter_map(|(direction, name)| {
+        .filter_map(|(direction, side)| {
             let all: Vec<f64> = episodes
                 .iter()
                 .flat_map(|episode| voltages(&episode.breakaways, direction))
                 .collect();
-            median(name, &all, MORE_CYCLES)
+            median(ParameterId::new("breakaway").side(side), &all, MORE_CYCLES)
         })
         .collect();
     Ok(StictionIdentification { settings: *settings, episodes, breakaway })

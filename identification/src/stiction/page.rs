@@ -73,7 +73,7 @@ fn parameters<'a>(
 ) -> Table {
     let row = |estimate: &Estimate| {
         vec![
-            estimate.name.clone(),
+            estimate.id.to_string(),
             number(estimate.value),
             estimate.unit.to_owned(),
             range(estimate),

@@ -60,7 +60,7 @@ fn line(text: &mut String, estimate: &Estimate) {
     let _ = writeln!(
         text,
         "  {:<19} {:>10} {:<10} {:<22} {}",
-        estimate.name,
+        estimate.id,
         number(estimate.value),
         estimate.unit,
         range(estimate),

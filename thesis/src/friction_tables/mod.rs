@@ -4,7 +4,7 @@
 mod printed;
 
 use friction_ident::staged::rms_of_kind;
-use friction_ident::{Stage, StretchKind};
+use friction_ident::{ParameterId, Stage, StretchKind};
 
 use identification::friction::{FrictionIdentification, ModelResult, wording};
 use report::figure::{Block, Table};
@@ -39,7 +39,7 @@ fn table(found: &FrictionIdentification, result: &ModelResult, printed: &Printed
             vec![
                 row.symbol.to_owned(),
                 row.printed.to_owned(),
-                ours(result, printed.stage, row.name),
+                ours(result, printed.stage, row.name.into()),
                 row.remark.to_owned(),
             ]
         })
@@ -94,11 +94,11 @@ fn kind_of(stage: Stage) -> StretchKind {
 }
 
 /// What that stage found, or where it did not estimate the number what the model has in the end.
-fn ours(result: &ModelResult, stage: Option<Stage>, name: &str) -> String {
+fn ours(result: &ModelResult, stage: Option<Stage>, id: ParameterId) -> String {
     let of_stage = stage.and_then(|stage| {
-        result.found.stages.iter().find(|found| found.stage == stage)?.estimates.get(name)
+        result.found.stages.iter().find(|found| found.stage == stage)?.estimates.get(id)
     });
-    match of_stage.or_else(|| result.found.estimates.get(name)) {
+    match of_stage.or_else(|| result.found.estimates.get(id)) {
         Some(estimate) => {
             let (value, error) = wording::value(estimate);
             let plus = if error.is_empty() { String::new() } else { format!(" ± {error}") };
@@ -108,16 +108,15 @@ fn ours(result: &ModelResult, stage: Option<Stage>, name: &str) -> String {
             format!("{value}{plus}{doubt}{held}")
         }
         // The last share is what the others leave.
-        None => match last_share(result, name) {
+        None => match last_share(result, id) {
             Some(share) => format!("{} (what the others leave)", wording::significant(share)),
             None => "the model has none".to_owned(),
         },
     }
 }
 
-fn last_share(result: &ModelResult, name: &str) -> Option<f64> {
-    let (list, place) = name.strip_suffix(']')?.split_once('[')?;
-    result.found.model.parameters().values(list).get(place.parse::<usize>().ok()?).copied()
+fn last_share(result: &ModelResult, id: ParameterId) -> Option<f64> {
+    result.found.model.parameters().values(id.name).get(id.element?).copied()
 }
 
 #[cfg(test)]
@@ -131,13 +130,9 @@ mod tests {
         for table in PRINTED {
             let parameters = AnyModel::test_bed(table.model).parameters();
             for row in table.rows {
-                let (name, place) =
-                    match row.name.strip_suffix(']').and_then(|name| name.split_once('[')) {
-                        Some((name, place)) => (name, place.parse::<usize>().unwrap()),
-                        None => (row.name, 0),
-                    };
+                let id = ParameterId::from(row.name);
                 assert!(
-                    parameters.values(name).len() > place,
+                    parameters.values(id.name).len() > id.index(),
                     "table {}: {}",
                     table.number,
                     row.name

@@ -67,10 +67,8 @@ pub fn over_delays(
         let error = (interval.high - interval.low) / (2.0 * quantile);
         estimate.standard_error = Some(error);
         let relative_error = error / estimate.value.abs();
-        let remedy = unknowns
-            .iter()
-            .find(|unknown| unknown.name == estimate.name)
-            .map(|unknown| unknown.remedy);
+        let remedy =
+            unknowns.iter().find(|unknown| unknown.id == estimate.id).map(|unknown| unknown.remedy);
         if let (Verdict::Identified, true, Some(remedy)) =
             (&estimate.verdict, relative_error > 0.5, remedy)
         {
@@ -113,7 +111,7 @@ fn delay_estimate(
         None
     };
     Estimate {
-        name: "delay".to_owned(),
+        id: "delay".into(),
         unit: "s",
         value: best * time_step,
         standard_error: Some(error * time_step),
