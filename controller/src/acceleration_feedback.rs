@@ -121,7 +121,7 @@ mod tests {
     /// inertia.
     #[test]
     fn the_apparent_inertia_grows_as_stated() {
-        let (drive, dt) = (LinearDrive::SRV02, 1e-5);
+        let (drive, dt) = (LinearDrive::THESIS, 1e-5);
         let feedback = AccelerationFeedback::for_inertia(&drive, 3.0, 1e-4);
         let apparent = feedback.apparent(&drive);
         assert!((apparent.time_constant - 3.0 * drive.time_constant).abs() < 1e-15);

@@ -48,7 +48,7 @@ mod tests {
     /// Feeding the inverse alone through `T w' + w = K u` gives back the reference.
     #[test]
     fn the_whole_inverse_makes_the_drive_follow() {
-        let (drive, h) = (LinearDrive::SRV02, 1e-5);
+        let (drive, h) = (LinearDrive::THESIS, 1e-5);
         let inverse = PlantInverse::Whole(drive);
         let mut w = 0.0;
         for k in 0..200_000 {
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn the_gain_alone_leaves_the_acceleration_out() {
         let reference = Reference { position: 0.0, velocity: 1.863, acceleration: 100.0 };
-        assert!((PlantInverse::Gain(LinearDrive::SRV02).volts(&reference) - 1.0).abs() < 1e-15);
+        assert!((PlantInverse::Gain(LinearDrive::THESIS).volts(&reference) - 1.0).abs() < 1e-15);
         assert_eq!(PlantInverse::Off.volts(&reference), 0.0);
     }
 }

@@ -1,5 +1,6 @@
 //! Everything a controller is made of.
 
+use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -78,7 +79,7 @@ impl Default for ControllerOptions {
             inverse: PlantInverse::Off,
             compensation: Compensation {
                 enabled: true,
-                volts_per_newton_metre: 4.8426,
+                volts_per_newton_metre: Motor::SRV02.volts_per_newton_metre(),
                 scale: 1.0,
             },
             acceleration: None,

@@ -6,7 +6,7 @@ use controller::{
 };
 
 const DT: f64 = 1e-3;
-const DRIVE: LinearDrive = LinearDrive::SRV02;
+const DRIVE: LinearDrive = LinearDrive::THESIS;
 
 /// A drive without friction, integrated exactly.
 #[derive(Default)]

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 fn everything() -> ControllerOptions {
     ControllerOptions {
         velocity: VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 10.0 }),
-        inverse: PlantInverse::Whole(LinearDrive::SRV02),
+        inverse: PlantInverse::Whole(LinearDrive::THESIS),
         acceleration: Some(AccelerationFeedback { gain: 0.01, filter: 0.005 }),
         dither: Some(Dither { shape: DitherShape::Square, amplitude: 0.2, frequency: 100.0 }),
         impulse: Some(Impulse { height: 0.3, width: 0.002, period: 0.01 }),

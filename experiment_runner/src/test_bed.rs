@@ -4,9 +4,9 @@ use controller::design::LinearDrive;
 use controller::{
     Compensation, ControlMode, Controller, ControllerError, ControllerOptions, PlantInverse,
 };
-use friction_model::{AnyModel, ModelError, TimeStep};
+use friction_model::{AnyModel, ModelError, Motor, TimeStep};
 use friction_observer::{EstimatorOptions, FrictionEstimator, NominalDrive, ObserverError};
-use rig_driver::{Drive, FrictionCoupling, Rig, RigError, SimulationOptions};
+use rig_driver::{FrictionCoupling, Rig, RigError, SimulationOptions};
 use serde::{Deserialize, Serialize};
 
 use crate::compensation::Means;
@@ -29,14 +29,11 @@ pub struct TestBed {
     pub estimator: EstimatorOptions,
 }
 
-/// What an estimator believes of `drive` if it knows it exactly.
+/// What an estimator believes of `motor` if it knows it exactly.
 #[must_use]
-pub fn nominal_drive(drive: &Drive, coupling: FrictionCoupling) -> NominalDrive {
-    NominalDrive {
-        gain: drive.gain(),
-        time_constant: drive.time_constant(),
-        volts_per_newton_metre: drive.friction_volts(coupling),
-    }
+pub const fn nominal_drive(motor: &Motor, coupling: FrictionCoupling) -> NominalDrive {
+    let volts_per_newton_metre = coupling.volts_per_newton_metre(motor);
+    NominalDrive { volts_per_newton_metre, ..NominalDrive::of(motor) }
 }
 
 /// A loop that cannot be put together.
@@ -61,8 +58,7 @@ impl TestBed {
     /// The same bench with `inverse` of its drive, exactly known, in the feed-forward path.
     #[must_use]
     pub fn with_inverse(mut self, inverse: InverseUse) -> Self {
-        let drive = &self.simulation.drive;
-        let drive = LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() };
+        let drive = LinearDrive::of(&self.simulation.drive);
         self.controller.inverse = match inverse {
             InverseUse::Off => PlantInverse::Off,
             InverseUse::Gain => PlantInverse::Gain(drive),

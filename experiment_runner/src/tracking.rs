@@ -167,7 +167,8 @@ mod tests {
             derivative_filter: 0.0,
             ..Default::default()
         };
-        controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
+        controller.compensation.volts_per_newton_metre =
+            coupling.volts_per_newton_metre(&simulation.drive);
         let plant = AnyModel::test_bed(ModelName::Proposed);
         let bed =
             TestBed { simulation, friction: plant, controller, estimator: Default::default() };

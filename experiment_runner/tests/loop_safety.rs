@@ -337,8 +337,8 @@ prop_compose! {
             mode: if position { ControlMode::Position } else { ControlMode::Velocity },
             inverse: match inverse {
                 0 => PlantInverse::Off,
-                1 => PlantInverse::Gain(LinearDrive::SRV02),
-                _ => PlantInverse::Whole(LinearDrive::SRV02),
+                1 => PlantInverse::Gain(LinearDrive::THESIS),
+                _ => PlantInverse::Whole(LinearDrive::THESIS),
             },
             acceleration: acceleration.map(|(gain, filter)| AccelerationFeedback { gain, filter }),
             dither: dither.map(|(amplitude, frequency)| Dither { shape: DitherShape::Square, amplitude, frequency }),

@@ -22,6 +22,7 @@
 //! is computed linearly from the torque (a mean, a loop area, a difference) can be computed from
 //! these errors too.
 
+pub use friction_model::TorqueSource;
 use serde::{Deserialize, Serialize};
 
 use crate::uncertain::Uncertain;
@@ -31,60 +32,6 @@ use crate::zero_phase::LowPass;
 
 /// Cutoff of the velocity's low-pass \[Hz\], or a fifth of the sampling rate where that is lower.
 pub const VELOCITY_CUTOFF: f64 = 50.0;
-
-/// Where the friction torque is taken from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TorqueSource {
-    /// A torque sensor.
-    #[default]
-    Sensor,
-    /// The motor's voltage and velocity.
-    Voltage,
-    /// The motor's current and velocity.
-    Current,
-    /// A recorded force or torque that drives the axis, and the velocity.
-    Driving,
-}
-
-impl TorqueSource {
-    /// All four.
-    pub const ALL: [Self; 4] = [Self::Sensor, Self::Voltage, Self::Current, Self::Driving];
-
-    /// Name in files and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sensor => "sensor",
-            Self::Voltage => "voltage",
-            Self::Current => "current",
-            Self::Driving => "driving",
-        }
-    }
-
-    /// In words.
-    pub const fn describe(self) -> &'static str {
-        match self {
-            Self::Sensor => "the torque or force column",
-            Self::Voltage => "the motor's voltage and speed, less inertia times acceleration",
-            Self::Current => "the motor's current, less inertia times acceleration",
-            Self::Driving => "the driving force less inertia times acceleration",
-        }
-    }
-
-    /// The constants of the drive that enter.
-    pub const fn constants(self) -> &'static [DriveConstant] {
-        match self {
-            Self::Sensor => &[],
-            Self::Voltage => &[
-                DriveConstant::TorqueConstant,
-                DriveConstant::ArmatureResistance,
-                DriveConstant::Inertia,
-            ],
-            Self::Current => &[DriveConstant::TorqueConstant, DriveConstant::Inertia],
-            Self::Driving => &[DriveConstant::Inertia],
-        }
-    }
-}
 
 /// Constants of the drive at the load side, as far as they are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -164,7 +111,7 @@ impl DriveConstants {
     /// # Errors
     /// [`IdentError::DriveConstant`], naming the one that is out of range.
     pub fn check(&self, source: TorqueSource) -> Result<(), IdentError> {
-        for constant in source.constants() {
+        for constant in DriveConstant::entering(source) {
             let (name, Uncertain { value, standard_error }) = match constant {
                 DriveConstant::TorqueConstant => ("torque_constant", self.torque_constant),
                 DriveConstant::ArmatureResistance => {
@@ -197,6 +144,19 @@ pub enum DriveConstant {
 }
 
 impl DriveConstant {
+    /// The constants that enter where the torque is taken from `source`.
+    #[must_use]
+    pub const fn entering(source: TorqueSource) -> &'static [Self] {
+        match source {
+            TorqueSource::Sensor => &[],
+            TorqueSource::Voltage => {
+                &[Self::TorqueConstant, Self::ArmatureResistance, Self::Inertia]
+            }
+            TorqueSource::Current => &[Self::TorqueConstant, Self::Inertia],
+            TorqueSource::Driving => &[Self::Inertia],
+        }
+    }
+
     /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
@@ -309,8 +269,7 @@ pub fn friction_torque(
         at.iter().zip(motion).map(|(&channel, (&w, &slope))| value(channel, w, slope)).collect()
     };
     let torque = each(&|channel, w, slope| drive.friction(source, channel, w, slope));
-    let constants = source
-        .constants()
+    let constants = DriveConstant::entering(source)
         .iter()
         .map(|&constant| ConstantError {
             constant,

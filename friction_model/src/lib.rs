@@ -48,6 +48,7 @@ mod leuven;
 pub mod load_dependent;
 mod lugre;
 mod model;
+pub mod motor;
 mod name;
 mod parameter;
 pub mod presets;
@@ -93,6 +94,7 @@ pub use model::{
     ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED,
     Regime, State, TimeStep,
 };
+pub use motor::{Motor, MotorError, TorqueSource};
 pub use parameter::{Parameter, ParameterSet, Range, Unit, Value};
 pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
 pub use proposed_linear::ProposedLinear;

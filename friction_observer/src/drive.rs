@@ -1,5 +1,6 @@
 //! What an estimator believes of the drive.
 
+use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
 use crate::ObserverError;
@@ -19,8 +20,17 @@ pub struct NominalDrive {
 
 impl NominalDrive {
     /// The SRV-02 with the thesis's time constant (chapter 6, appendix A).
-    pub const SRV02: Self =
-        Self { gain: 1.862_545, time_constant: 0.023_88, volts_per_newton_metre: 4.842_615 };
+    pub const SRV02: Self = Self::of(&Motor::SRV02);
+
+    /// The drive that `motor` makes.
+    #[must_use]
+    pub const fn of(motor: &Motor) -> Self {
+        Self {
+            gain: motor.gain(),
+            time_constant: motor.time_constant(),
+            volts_per_newton_metre: motor.volts_per_newton_metre(),
+        }
+    }
 
     /// Inertia at the load side, `J = r T / K` [kg m^2].
     #[must_use]
@@ -43,12 +53,9 @@ impl NominalDrive {
 mod tests {
     use super::*;
 
-    /// K = 1/(A Km), r = Ra/(A Km), T = Ra J/(A Km)^2 of the data sheet: J = 2.64757e-3 kg m^2.
     #[test]
-    fn the_srv02_is_consistent() {
-        let back_emf = 70.0 * 0.00767;
-        assert!((NominalDrive::SRV02.gain - 1.0 / back_emf).abs() < 1e-6);
-        assert!((NominalDrive::SRV02.volts_per_newton_metre - 2.6 / back_emf).abs() < 1e-5);
-        assert!((NominalDrive::SRV02.inertia() - 2.64757e-3).abs() < 1e-7);
+    fn the_drive_has_the_inertia_of_its_motor() {
+        let error = NominalDrive::SRV02.inertia() / Motor::SRV02.inertia - 1.0;
+        assert!(error.abs() < 1e-14, "{error}");
     }
 }

@@ -1,5 +1,7 @@
 //! Errors of the observers.
 
+use friction_model::TorqueSource;
+
 /// An option that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -14,6 +16,9 @@ pub enum ObserverError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A source of the friction torque that observers have not.
+    #[error("the friction torque of an observer comes from the `sensor` or the `voltage`, but `{}` was asked for", .0.name())]
+    TorqueSource(TorqueSource),
     /// The Riccati equation of a Kalman filter has no usable solution.
     #[error(
         "no gain for the Kalman filter of the velocity: bring encoder_step, tachometer_noise, friction_walk and the drive's constants nearer to the defaults"

@@ -100,7 +100,7 @@ fn no_cycle_allocates() {
 #[test]
 fn no_part_of_the_controller_allocates() {
     let lag = ControllerOptions {
-        inverse: PlantInverse::Whole(LinearDrive::SRV02),
+        inverse: PlantInverse::Whole(LinearDrive::THESIS),
         acceleration: Some(AccelerationFeedback { gain: 0.02, filter: 0.005 }),
         dither: Some(Dither { shape: DitherShape::Sine, amplitude: 0.2, frequency: 125.0 }),
         impulse: Some(Impulse { height: 0.3, width: 0.002, period: 0.1 }),

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use friction_ident::drive::{Calibration, Known};
 use friction_model::{AnyModel, ModelName};
-use identification::drive::parameters::{DriveConstants, render};
+use identification::drive::parameters::{motor_of, read_motor, render};
 use identification::drive::{Identified, identify};
 use recording::driven::DrivenRecording;
 use recording::{AxisKind, Irregularities, RecordedStretch};
@@ -92,14 +92,13 @@ fn with_a_torque_sensor_gain_time_constant_and_inertia_lie_in_their_intervals() 
     let delay = found.value("delay").unwrap();
     assert!((delay - 0.5e-3).abs() < 0.03e-3, "{delay}");
 
-    let constants = DriveConstants::of(&found).unwrap();
-    assert_eq!(DriveConstants::read(&render(&found)).unwrap(), constants);
-    let drive = rig_driver::Drive::try_from(constants.parameters).unwrap();
+    let motor = motor_of(&found).unwrap();
+    assert_eq!(read_motor(&render(&found)).unwrap(), motor);
     assert!(
-        (drive.gain() / GAIN - 1.0).abs() < 0.01
-            && (drive.time_constant() / TIME_CONSTANT - 1.0).abs() < 0.02
+        (motor.gain() / GAIN - 1.0).abs() < 0.01
+            && (motor.time_constant() / TIME_CONSTANT - 1.0).abs() < 0.02
     );
-    assert!((constants.parameters.armature_resistance / 2.6 - 1.0).abs() < 0.02);
+    assert!((motor.armature_resistance / 2.6 - 1.0).abs() < 0.02);
 }
 
 #[test]
@@ -131,7 +130,7 @@ fn nothing_known_of_the_motor_leaves_the_inertia_unknown() {
         "{:?}",
         found.notes()
     );
-    assert!(DriveConstants::of(&found).is_none() && !render(&found).contains("motor_constant:"));
+    assert!(motor_of(&found).is_none() && !render(&found).contains("motor_constant:"));
 }
 
 #[test]
@@ -155,9 +154,7 @@ fn the_command_writes_its_files_and_refuses_bad_input() {
     assert!(shown.contains("time_constant") && shown.contains("identified"), "{shown}");
     let made = folder.path().join("runs/identify-drive-1");
     let drive = std::fs::read_to_string(made.join("drive.yaml")).unwrap();
-    assert!(
-        (DriveConstants::read(&drive).unwrap().parameters.inertia / INERTIA - 1.0).abs() < 0.03
-    );
+    assert!((read_motor(&drive).unwrap().inertia / INERTIA - 1.0).abs() < 0.03);
     assert!(made.join("report.html").is_file() && made.join("identification-drive.json").is_file());
 
     for (args, said) in [

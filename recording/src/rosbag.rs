@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use friction_model::Motor;
 use msgs::friction_msgs::RigMeasurement;
 use msgs::sensor_msgs::JointState;
 
@@ -16,32 +17,6 @@ use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError,
 use crate::bag::BagReader;
 
 const JOINT_STATES: &str = "/joint_states";
-
-/// What turns a motor's voltage and speed into the torque at the load.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Motor {
-    /// Gear ratio A, motor turns per turn of the load.
-    pub gear_ratio: f64,
-    /// Torque and back-EMF constant Km \[N m/A\].
-    pub motor_constant: f64,
-    /// Armature resistance Ra \[Ohm\].
-    pub resistance: f64,
-}
-
-impl Default for Motor {
-    /// The SRV-02 servo of the thesis.
-    fn default() -> Self {
-        Self { gear_ratio: 70.0, motor_constant: 0.00767, resistance: 2.6 }
-    }
-}
-
-impl Motor {
-    /// Torque at the load \[N m\] at a voltage \[V\] and a speed of the load \[rad/s\].
-    pub fn torque(&self, voltage: f64, velocity: f64) -> f64 {
-        let constant = self.gear_ratio * self.motor_constant;
-        constant / self.resistance * (voltage - constant * velocity)
-    }
-}
 
 /// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the
 /// measured friction. Time steps may deviate by `tolerance`, a fraction, from the usual one.
@@ -112,7 +87,7 @@ pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, Recording
         BagChannel::Voltage => (RIG_MEASUREMENT, driven(path, &bag, |voltage, _| voltage)?),
         BagChannel::Driving(motor) => (
             RIG_MEASUREMENT,
-            driven(path, &bag, |voltage, velocity| motor.torque(voltage, velocity))?,
+            driven(path, &bag, |voltage, velocity| motor.driving_torque(voltage, velocity))?,
         ),
     };
     // A bag is in the order of its log; what counts is when the sample was taken.
@@ -204,14 +179,6 @@ mod tests {
     use msgs::std_msgs::Header;
 
     #[test]
-    fn the_motor_turns_volts_into_torque() {
-        let motor = Motor::default();
-        // At the no-load speed u / (A Km) there is none; at rest one volt gives A Km / Ra.
-        assert!(motor.torque(6.0, 6.0 / 0.5369).abs() < 1e-12);
-        assert!((motor.torque(1.0, 0.0) - 1.0 / 4.8426).abs() < 1e-5);
-    }
-
-    #[test]
     fn reads_both_kinds_of_force() {
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path().join("bag");
@@ -236,7 +203,7 @@ mod tests {
         assert_eq!(friction.force, vec![0.1; 10]);
         assert_eq!(friction.velocity.as_ref().unwrap()[9], 9.0);
         assert!(friction.friction_only);
-        let driven = read(&dir, Some(&Motor::default()), 0.05).unwrap();
+        let driven = read(&dir, Some(&Motor::SRV02), 0.05).unwrap();
         assert!((driven.force[0] - 0.2065).abs() < 1e-4 && !driven.friction_only);
     }
 }

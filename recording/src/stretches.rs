@@ -12,8 +12,8 @@ use friction_ident::quantiser::{Turn, between_counts, step_of};
 use friction_ident::stretch::Before;
 use friction_ident::zero_phase::{LowPass, decimate};
 use friction_ident::{
-    ChannelDeviations, ConstantError, DriveConstants, DriveSignals, Hampel, IdentError,
-    SavitzkyGolay, SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
+    ChannelDeviations, ConstantError, DriveConstant, DriveConstants, DriveSignals, Hampel,
+    IdentError, SavitzkyGolay, SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
 };
 use serde::Serialize;
 
@@ -73,7 +73,10 @@ impl Preparation {
 
     /// No friction errors yet, one entry for each constant that enters.
     fn drive_errors(&self) -> Vec<DriveError> {
-        self.torque.constants().iter().map(|&constant| DriveError::new(constant)).collect()
+        DriveConstant::entering(self.torque)
+            .iter()
+            .map(|&constant| DriveError::new(constant))
+            .collect()
     }
 }
 

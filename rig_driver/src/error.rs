@@ -1,5 +1,7 @@
 //! What can be wrong with a rig.
 
+use friction_model::MotorError;
+
 use crate::SensorError;
 use crate::quanser::QuanserError;
 use crate::safety::{Fault, FaultReport, Refused, State};
@@ -28,6 +30,9 @@ pub enum RigError {
         /// The rig's range [V].
         range: f64,
     },
+    /// A constant of the motor cannot be.
+    #[error(transparent)]
+    Motor(#[from] MotorError),
     /// A sensor's parameter lies outside its range.
     #[error(transparent)]
     Sensor(#[from] SensorError),

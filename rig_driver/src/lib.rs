@@ -1,6 +1,7 @@
 //! The rig behind one trait: [`Rig`] is measured and driven once a control cycle.
 //!
-//! The simulated test bed ([`SimulatedRig`]) is a geared DC servo ([`Drive`]) under any friction
+//! The simulated test bed ([`SimulatedRig`]) is a geared DC servo
+//! ([`Motor`](friction_model::Motor)) under any friction
 //! model, seen through sensors as real ones are ([`Sensors`]): encoder counts, tachometer and
 //! torque noise, converters, a voltage limit. It is lock-step and reproducible from a seed. Real
 //! back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one of
@@ -9,9 +10,9 @@
 
 mod calibration;
 mod drift;
-mod drive;
 pub mod emulated;
 mod error;
+mod friction_coupling;
 mod measurement;
 #[cfg(feature = "msgs")]
 pub mod messages;
@@ -31,8 +32,8 @@ mod station;
 
 pub use calibration::{Calibrated, Calibration, Sign};
 pub use drift::FrictionDrift;
-pub use drive::{Drive, DriveParameters, FrictionCoupling, TimeConstant};
 pub use error::RigError;
+pub use friction_coupling::FrictionCoupling;
 pub use measurement::Measurement;
 pub use miswired::{Miswired, Miswiring};
 pub use plant::{Plant, Truth};

@@ -1,8 +1,8 @@
 //! The drive with friction: a [`Body`] that a motor turns.
 
-use friction_model::{Body, FrictionModel, Moment};
+use friction_model::{Body, FrictionModel, Moment, Motor};
 
-use crate::{Drive, FrictionCoupling};
+use crate::FrictionCoupling;
 
 /// What a simulation knows and no sensor shows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,13 +35,13 @@ impl<M: FrictionModel> Plant<M> {
     /// Of friction that is coupled as volts only a part acts on the shaft; that is a shaft with the
     /// same friction, but so much more inertia and drive torque.
     #[must_use]
-    pub fn new(drive: &Drive, coupling: FrictionCoupling, model: M) -> Self {
-        let coupling = drive.friction_volts(coupling) / drive.volts_per_newton_metre();
-        let inertia = drive.parameters().inertia / coupling;
+    pub fn new(motor: &Motor, coupling: FrictionCoupling, model: M) -> Self {
+        let coupling = coupling.volts_per_newton_metre(motor) / motor.volts_per_newton_metre();
+        let inertia = motor.inertia / coupling;
         Self {
             body: Body::new(model, inertia),
-            torque_per_volt: 1.0 / (drive.volts_per_newton_metre() * coupling),
-            back_emf: drive.back_emf(),
+            torque_per_volt: 1.0 / (motor.volts_per_newton_metre() * coupling),
+            back_emf: motor.back_emf(),
             inertia,
             friction_factor: 1.0,
         }
@@ -92,10 +92,9 @@ mod tests {
     };
 
     use super::*;
-    use crate::TimeConstant;
 
     fn plant<M: FrictionModel>(model: M) -> Plant<M> {
-        Plant::new(&Drive::srv02(TimeConstant::Thesis), FrictionCoupling::Physical, model)
+        Plant::new(&Motor::SRV02, FrictionCoupling::Physical, model)
     }
 
     /// Without friction the step response is that of a first-order lag.
@@ -117,7 +116,7 @@ mod tests {
             plant.advance(3.0, 5e-4);
         }
         let w = plant.velocity();
-        let drive = Drive::srv02(TimeConstant::Thesis);
+        let drive = Motor::SRV02;
         let expected =
             drive.gain() * (3.0 - drive.volts_per_newton_metre() * model.steady_state(w));
         assert!((w - expected).abs() < 1e-9, "{:?}: {w} is not {expected}", M::NAME);
@@ -170,7 +169,7 @@ mod tests {
         for _ in 0..4000 {
             plant.advance(3.0, 5e-4);
         }
-        let (w, drive) = (plant.velocity(), Drive::srv02(TimeConstant::Thesis));
+        let (w, drive) = (plant.velocity(), Motor::SRV02);
         let friction = 1.3 * Proposed::test_bed().steady_state(w);
         let expected = drive.gain() * (3.0 - drive.volts_per_newton_metre() * friction);
         assert!((w - expected).abs() < 1e-9, "{w} is not {expected}");
@@ -188,7 +187,7 @@ mod tests {
 
     #[test]
     fn friction_as_volts_is_weaker_by_the_drives_constant() {
-        let drive = Drive::srv02(TimeConstant::Thesis);
+        let drive = Motor::SRV02;
         let model = Coulomb::test_bed();
         let mut plant = Plant::new(&drive, FrictionCoupling::NewtonMetreAsVolt, model);
         for _ in 0..4000 {

@@ -1,7 +1,7 @@
 //! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible
 //! from a seed.
 
-use friction_model::{AnyModel, FrictionModel, ModelVisitor};
+use friction_model::{AnyModel, FrictionModel, ModelVisitor, Motor};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::safety::{SafetyLimits, Supervised};
 use crate::sensors::quantise;
 use crate::{
-    Drive, FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError,
-    Sensors, TimeConstant, Truth, VOLTAGE_RANGE,
+    FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError, Sensors,
+    Truth, VOLTAGE_RANGE,
 };
 
 /// Everything a simulated rig is made of, but for its friction model.
@@ -18,7 +18,7 @@ use crate::{
 #[serde(deny_unknown_fields)]
 pub struct SimulationOptions {
     /// The geared motor.
-    pub drive: Drive,
+    pub drive: Motor,
     /// How friction enters the drive.
     pub friction_coupling: FrictionCoupling,
     /// Sensors and converters.
@@ -54,7 +54,7 @@ impl Default for SimulationOptions {
     /// (the motor's nominal voltage).
     fn default() -> Self {
         Self {
-            drive: Drive::srv02(TimeConstant::Thesis),
+            drive: Motor::SRV02,
             friction_coupling: FrictionCoupling::Physical,
             sensors: Sensors::default(),
             voltage_limit: 6.0,
@@ -74,6 +74,7 @@ impl SimulationOptions {
     /// # Errors
     /// [`RigError`] names the field.
     pub fn check(&self) -> Result<(), RigError> {
+        self.drive.check()?;
         self.sensors.check()?;
         self.friction_drift.map_or(Ok(()), |drift| drift.check())?;
         let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
@@ -154,8 +155,7 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
         let (encoder_counts, encoder_position) = sensors.encoder(truth.position);
         let drive = &self.options.drive;
         let mean_velocity = 0.5 * (self.velocity_before + truth.velocity);
-        let current = (self.applied - drive.back_emf() * mean_velocity)
-            / drive.parameters().armature_resistance;
+        let current = (self.applied - drive.back_emf() * mean_velocity) / drive.armature_resistance;
         Measurement {
             cycle: self.cycle,
             time: self.cycle as f64 * self.options.period,

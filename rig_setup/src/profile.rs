@@ -3,7 +3,8 @@
 
 use std::fmt::Write;
 
-use rig_driver::{Calibration, Drive, DriveParameters};
+use friction_model::Motor;
+use rig_driver::Calibration;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{RigChoice, RigDescription, RigLimits, SensorsPresent};
@@ -61,8 +62,8 @@ pub struct DriveSheet {
 impl DriveSheet {
     /// The motor's constants, where all are known.
     #[must_use]
-    pub fn parameters(&self) -> Option<DriveParameters> {
-        Some(DriveParameters {
+    pub fn motor(&self) -> Option<Motor> {
+        Some(Motor {
             motor_constant: self.motor_constant?,
             gear_ratio: self.gear_ratio?,
             armature_resistance: self.armature_resistance?,
@@ -79,9 +80,9 @@ impl DriveSheet {
             }
         }
         let given = [self.motor_constant, self.gear_ratio, self.armature_resistance, self.inertia];
-        match self.parameters() {
-            Some(parameters) => {
-                Drive::try_from(parameters).map(drop).map_err(|error| format!("in `drive`: {error}"))
+        match self.motor() {
+            Some(motor) => {
+                motor.check().map_err(|error| format!("in `drive`: {error}"))
             }
             None if given.iter().any(Option::is_some) => Err(
                 "in `drive`: expected all of motor_constant, gear_ratio, armature_resistance and inertia, or none of them"

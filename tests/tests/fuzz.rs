@@ -19,7 +19,7 @@ use friction_ident::{
     condition, fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
 };
 use friction_model::ModelName;
-use identification::drive::parameters::DriveConstants;
+use identification::drive::parameters::read_motor;
 use msgs::friction_msgs::{ControllerState, ExperimentStatus, FrictionEstimate, RigMeasurement};
 use msgs::sensor_msgs::JointState;
 use msgs::std_msgs::Header;
@@ -130,7 +130,7 @@ fn parameter_files() {
     fuzz(1_000_000, &valid, |bytes| {
         let text = text(bytes);
         let _ = (read_parameter_file(&text), read_controller(&text), read_calibration(&text));
-        let _ = (DriveConstants::read(&text), file::read(&text, None));
+        let _ = (read_motor(&text), file::read(&text, None));
     });
 }
 

@@ -91,7 +91,8 @@ impl ThesisTask {
             derivative_filter: 0.0,
             ..Default::default()
         };
-        controller.compensation.volts_per_newton_metre = simulation.drive.friction_volts(coupling);
+        controller.compensation.volts_per_newton_metre =
+            coupling.volts_per_newton_metre(&simulation.drive);
         let bed =
             TestBed { simulation, friction: *plant, controller, estimator: Default::default() };
         let protocol = self.protocol();

@@ -1,5 +1,6 @@
 //! The drive without friction, as designs see it.
 
+use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
@@ -15,8 +16,14 @@ pub struct LinearDrive {
 }
 
 impl LinearDrive {
-    /// The SRV-02 as the thesis rounds it: K = 1.863 rad/s per V, T = 0.02388 s.
-    pub const SRV02: Self = Self { gain: 1.863, time_constant: 0.02388 };
+    /// The SRV-02 as the thesis rounds it for its designs: K = 1.863 rad/s per V, T = 0.02388 s.
+    pub const THESIS: Self = Self { gain: 1.863, time_constant: 0.02388 };
+
+    /// The drive that `motor` makes.
+    #[must_use]
+    pub const fn of(motor: &Motor) -> Self {
+        Self { gain: motor.gain(), time_constant: motor.time_constant() }
+    }
 
     /// `|K / (j w T + 1)|` at `w` [rad/s].
     #[must_use]

@@ -117,7 +117,7 @@ mod tests {
     use crate::{DerivativeOn, LagGains, PidGains, VelocityLaw};
 
     fn of(law: LoopLaw) -> Margins {
-        let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+        let linear = LinearLoop { drive: LinearDrive::THESIS, law };
         margins(|w| linear.open(w), 1e-2, 1e5)
     }
 
@@ -134,7 +134,7 @@ mod tests {
             |w| {
                 53.140
                     * LinearLoop {
-                        drive: LinearDrive::SRV02,
+                        drive: LinearDrive::THESIS,
                         law: LoopLaw::Velocity(VelocityLaw::default()),
                     }
                     .plant()
@@ -148,7 +148,7 @@ mod tests {
         let drive = margins(
             |w| {
                 LinearLoop {
-                    drive: LinearDrive::SRV02,
+                    drive: LinearDrive::THESIS,
                     law: LoopLaw::Velocity(VelocityLaw::default()),
                 }
                 .plant()
@@ -164,7 +164,7 @@ mod tests {
     /// `k K (1 - a) = 1 + a`.
     #[test]
     fn a_sampled_loop_has_a_gain_margin_at_the_nyquist_frequency() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let law = LoopLaw::Velocity(VelocityLaw::Pi(crate::PiGains { k_p: 2.0, k_i: 0.0 }));
         let a = (-1e-3 / drive.time_constant).exp();
         let expected = (1.0 + a) / (2.0 * drive.gain * (1.0 - a));

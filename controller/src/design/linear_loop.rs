@@ -152,7 +152,7 @@ mod tests {
                 filter: 0.005,
             },
         ] {
-            let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+            let linear = LinearLoop { drive: LinearDrive::THESIS, law };
             for w in [1.0, 30.0, 200.0] {
                 let (exact, near) = (linear.open(w), linear.open_sampled(w, 1e-6));
                 assert!((near / exact - 1.0).norm() < 2e-4, "{law:?} {w}");
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn only_a_lag_leaves_an_error() {
-        let of = |law| LinearLoop { drive: LinearDrive::SRV02, law }.steady_state_error();
+        let of = |law| LinearLoop { drive: LinearDrive::THESIS, law }.steady_state_error();
         let lag = of(LoopLaw::Velocity(VelocityLaw::Lag(LagGains::THESIS)));
         assert!((lag - 0.010_005_8).abs() < 1e-7, "{lag}");
         assert_eq!(of(LoopLaw::Velocity(VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 2.0 }))), 0.0);

@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn pid_poles_are_where_they_were_asked_for() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let gains = pid_from_poles(
             &drive,
             &PositionPoles { damping: 0.7, natural_frequency: 15.0, real_pole: 30.0 },
@@ -261,7 +261,7 @@ mod tests {
     /// The thesis's own specification: overshoot below 15 %, rise below 0.2 s, settling below 1 s.
     #[test]
     fn the_thesis_specification_is_met_with_about_the_gains_of_the_thesis() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let gains = pid_from_specification(&drive, &asked(0.15, 0.2, 1.0), &RUNS).unwrap();
         let law =
             LoopLaw::Position { gains, derivative_on: RUNS.derivative_on, filter: RUNS.filter };
@@ -279,11 +279,12 @@ mod tests {
 
     #[test]
     fn what_no_pid_can_do_is_refused_with_what_comes_nearest() {
-        let error = pid_from_specification(&LinearDrive::SRV02, &asked(0.02, 0.001, 0.003), &RUNS)
+        let error = pid_from_specification(&LinearDrive::THESIS, &asked(0.02, 0.001, 0.003), &RUNS)
             .unwrap_err();
         assert!(error.to_string().contains("the nearest has overshoot"), "{error}");
         assert!(
-            pid_from_specification(&LinearDrive::SRV02, &asked(f64::NAN, 0.2, 1.0), &RUNS).is_err()
+            pid_from_specification(&LinearDrive::THESIS, &asked(f64::NAN, 0.2, 1.0), &RUNS)
+                .is_err()
         );
     }
 }

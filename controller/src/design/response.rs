@@ -157,7 +157,7 @@ mod tests {
     use crate::{DerivativeOn, LagGains, PidGains, VelocityLaw};
 
     fn figures(law: LoopLaw, definition: &StepDefinition, seconds: f64) -> StepFigures {
-        let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+        let linear = LinearLoop { drive: LinearDrive::THESIS, law };
         step_response(&linear, 2e-5, seconds).unwrap().figures(definition)
     }
 
@@ -233,7 +233,7 @@ mod tests {
     fn a_response_that_does_not_settle_says_so() {
         let found = figures(pid(-0.55, DerivativeOn::Error), &StepDefinition::default(), 1.0);
         assert_eq!(found.settling_time, None);
-        let linear = LinearLoop { drive: LinearDrive::SRV02, law: pid(0.1, DerivativeOn::Error) };
+        let linear = LinearLoop { drive: LinearDrive::THESIS, law: pid(0.1, DerivativeOn::Error) };
         assert!(step_response(&linear, 1e-6, 1e9).is_err());
     }
 }

@@ -133,7 +133,7 @@ mod tests {
     const R: f64 = 4.8426;
 
     fn h(law: LoopLaw) -> (LinearLoop, TransferFunction) {
-        let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+        let linear = LinearLoop { drive: LinearDrive::THESIS, law };
         let h = friction_to_velocity(&linear, R).unwrap();
         (linear, h)
     }
@@ -153,7 +153,7 @@ mod tests {
     /// Velocity after `seconds` from 1 rad/s under the friction `f(t, w)`, relative to the largest
     /// before; continuous PI or PD with integral, small steps.
     fn decays(law: LoopLaw, f: impl Fn(f64, f64) -> f64, seconds: f64) -> bool {
-        let LinearDrive { gain, time_constant } = LinearDrive::SRV02;
+        let LinearDrive { gain, time_constant } = LinearDrive::THESIS;
         let dt = 1e-5;
         let (mut w, mut position, mut integral) = (1.0, 0.0, 0.0);
         for k in 0..(seconds / dt) as usize {

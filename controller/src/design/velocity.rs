@@ -104,12 +104,12 @@ mod tests {
     #[test]
     fn the_thesis_specification_gives_the_consistent_lag() {
         let specification = VelocitySpecification { steady_state_error: 0.01, crossover: 110.0 };
-        let gains = lag_from_specification(&LinearDrive::SRV02, &specification).unwrap();
+        let gains = lag_from_specification(&LinearDrive::THESIS, &specification).unwrap();
         assert!((gains.k_p / gains.gamma - 53.140).abs() < 5e-4);
         assert!((gains.k_p - 1.5087).abs() < 5e-5);
         assert!((gains.gamma - 0.02839).abs() < 5e-6);
         assert!((gains.t_i - 0.0909).abs() < 5e-5);
-        let decibel = 20.0 * LinearDrive::SRV02.magnitude(110.0).log10();
+        let decibel = 20.0 * LinearDrive::THESIS.magnitude(110.0).log10();
         assert!((decibel + 3.572).abs() < 5e-4);
     }
 
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn the_printed_lag_crosses_over_where_it_should() {
         let LagGains { k_p, t_i, gamma } = LagGains::THESIS;
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let open = |w: f64| {
             k_p * (1.0 + (w * t_i).powi(2)).sqrt() / (gamma * gamma + (w * t_i).powi(2)).sqrt()
                 * drive.magnitude(w)
@@ -145,7 +145,7 @@ mod tests {
     /// The open loop at the asked crossover has gain 1 and the asked phase.
     #[test]
     fn the_pi_crosses_over_where_it_was_asked_to() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         for (w, margin) in [(50.0, 60.0), (110.0, 80.0), (300.0, 45.0)] {
             let gains = pi_from_specification(
                 &drive,
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn senseless_specifications_are_refused() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         for (steady_state_error, crossover) in
             [(0.0, 110.0), (1.5, 110.0), (0.01, -1.0), (f64::NAN, 110.0)]
         {

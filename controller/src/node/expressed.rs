@@ -114,7 +114,7 @@ mod tests {
                 guard: None,
                 ..usual
             },
-            ControllerOptions { inverse: PlantInverse::Whole(LinearDrive::SRV02), ..usual },
+            ControllerOptions { inverse: PlantInverse::Whole(LinearDrive::THESIS), ..usual },
             ControllerOptions {
                 inverse: PlantInverse::Gain(LinearDrive { gain: 2.0, time_constant: 0.03 }),
                 dither: Some(Dither {

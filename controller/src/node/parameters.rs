@@ -1,5 +1,6 @@
 //! Parameters of the node `controller`.
 
+use friction_model::Motor;
 use ros_node::parameters::{Declaration, ValueRange, Values};
 
 use crate::{
@@ -18,7 +19,7 @@ const HIGHEST_VOLTAGE: f64 = 60.0;
 #[must_use]
 pub fn declarations(given: &[String]) -> Vec<Declaration> {
     let options = ControllerOptions::default();
-    let (lag, pid, drive) = (LagGains::THESIS, PidGains::THESIS, LinearDrive::SRV02);
+    let (lag, pid, drive) = (LagGains::THESIS, PidGains::THESIS, LinearDrive::of(&Motor::SRV02));
     let gives = |prefix: &str| given.iter().any(|name| name.starts_with(prefix));
     let law = if gives("pi.") && !gives("lag.") { "pi" } else { "lag" };
     let double = |name: &str, default, range, description: &str| {

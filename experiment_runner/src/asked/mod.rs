@@ -8,12 +8,11 @@ use std::thread;
 
 use controller::ControllerOptions;
 use friction_ident::TorqueSource;
-use friction_model::{AnyModel, ModelName};
+use friction_model::{AnyModel, ModelName, Motor};
 use friction_observer::EstimatorOptions;
-use identification::drive::parameters::DriveConstants;
+use identification::drive::parameters::read_motor;
 use rig_driver::{
-    Calibration, Drive, FrictionCoupling, HIGHEST_VOLTAGE, Sensors, SimulationOptions,
-    TimeConstant, VOLTAGE_RANGE,
+    Calibration, FrictionCoupling, HIGHEST_VOLTAGE, Sensors, SimulationOptions, VOLTAGE_RANGE,
 };
 use rig_setup::{RigChoice, read_calibration};
 use work::destination::ToFolder;
@@ -196,7 +195,8 @@ pub enum TorqueSourceArg {
     Current,
 }
 
-/// [`TimeConstant`] on the command line.
+/// Which of the thesis's two time constants of the SRV-02 is meant: its chapter 6 and its appendix
+/// A disagree.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub enum TimeConstantArg {
     /// T = 0.02388 s
@@ -262,7 +262,7 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
         Some(_) => {}
         None => chosen.limit_origin(&mut origins),
     }
-    controller.compensation.volts_per_newton_metre = drive.friction_volts(coupling);
+    controller.compensation.volts_per_newton_metre = coupling.volts_per_newton_metre(&drive);
     let estimator =
         EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
     let mut constant_velocity = if args.quick {
@@ -354,22 +354,20 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
 }
 
 /// The drive, as the file says or as the SRV-02 has it.
-fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Drive, BadInput> {
+fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Motor, BadInput> {
     let Some(file) = &args.drive else {
-        if let Some(constants) = chosen.drive().filter(|_| args.time_constant.is_none()) {
-            return Drive::try_from(constants.parameters)
-                .map_err(|error| BadInput(error.to_string()));
+        if let Some(motor) = chosen.motor().filter(|_| args.time_constant.is_none()) {
+            return Ok(motor);
         }
-        return Ok(Drive::srv02(match args.time_constant.unwrap_or_default() {
-            TimeConstantArg::Thesis => TimeConstant::Thesis,
-            TimeConstantArg::Datasheet => TimeConstant::Datasheet,
-        }));
+        return Ok(match args.time_constant.unwrap_or_default() {
+            TimeConstantArg::Thesis => Motor::SRV02,
+            TimeConstantArg::Datasheet => Motor::SRV02_DATASHEET,
+        });
     };
     let say =
         |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
     let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
-    let DriveConstants { parameters } = DriveConstants::read(&text).map_err(say)?;
-    Drive::try_from(parameters).map_err(|e| say(e.to_string()))
+    read_motor(&text).map_err(say)
 }
 
 /// The calibration of a real rig.

@@ -6,10 +6,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use friction_ident::TorqueSource;
+use friction_model::{Motor, TorqueSource};
 
 use crate::run::{Origin, Origins};
-use identification::drive::parameters::DriveConstants;
 use rig_setup::{PROFILE, RigChoice, RigLimits, RigProfile};
 use work::BadInput;
 
@@ -131,9 +130,8 @@ impl Chosen {
     }
 
     /// The motor's constants of the profile's drive.
-    pub fn drive(&self) -> Option<DriveConstants> {
-        let parameters = self.profile()?.drive?.parameters()?;
-        Some(DriveConstants { parameters })
+    pub fn motor(&self) -> Option<Motor> {
+        self.profile()?.drive?.motor()
     }
 
     /// The profile as the origin of what is taken from it.
@@ -143,7 +141,7 @@ impl Chosen {
 
     /// Says that the drive is the profile's, where it is.
     pub fn drive_origin(&self, origins: &mut Origins) {
-        if let Some(origin) = self.origin().filter(|_| self.drive().is_some()) {
+        if let Some(origin) = self.origin().filter(|_| self.motor().is_some()) {
             origins.set("rig_driver.drive", origin);
         }
     }

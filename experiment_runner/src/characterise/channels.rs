@@ -4,7 +4,8 @@ use friction_ident::{
     ChannelDeviations, DriveConstants, DriveSignals, FrictionTorque, IdentError, TorqueSource,
     Uncertain, friction_torque,
 };
-use rig_driver::{Drive, Sensors};
+use friction_model::Motor;
+use rig_driver::Sensors;
 use serde::{Deserialize, Serialize};
 
 use crate::cycle::CycleSample;
@@ -22,24 +23,23 @@ pub struct TorqueReading {
 }
 
 impl TorqueReading {
-    /// The reading of a rig with this drive and these sensors. `relative_errors` are the standard
+    /// The reading of a rig with this motor and these sensors. `relative_errors` are the standard
     /// errors of the torque constant, the armature resistance and the inertia as fractions of their
     /// values.
     #[must_use]
     pub fn new(
         source: TorqueSource,
-        drive: &Drive,
+        motor: &Motor,
         sensors: &Sensors,
         relative_errors: [f64; 3],
     ) -> Self {
-        let parameters = drive.parameters();
         let [k, r, j] = relative_errors;
         Self {
             source,
             drive: DriveConstants {
-                torque_constant: Uncertain::relative(drive.back_emf(), k),
-                armature_resistance: Uncertain::relative(parameters.armature_resistance, r),
-                inertia: Uncertain::relative(parameters.inertia, j),
+                torque_constant: Uncertain::relative(motor.back_emf(), k),
+                armature_resistance: Uncertain::relative(motor.armature_resistance, r),
+                inertia: Uncertain::relative(motor.inertia, j),
             },
             deviations: ChannelDeviations {
                 torque: sensors.torque.deviation(),

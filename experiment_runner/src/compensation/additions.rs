@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn the_retuned_loops_have_the_stated_margins() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let mut options = ControllerOptions::default();
         retune(&drive, &mut options);
         let position = LoopLaw::Position {
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn three_times_the_inertia_keeps_the_poles_of_the_position_loop() {
-        let drive = LinearDrive::SRV02;
+        let drive = LinearDrive::THESIS;
         let mut options = ControllerOptions::default();
         let before = options.pid;
         accelerate(&drive, &mut options);
@@ -134,7 +134,7 @@ mod tests {
                 impulse: Some(knocker(mode)),
                 ..Default::default()
             };
-            accelerate(&LinearDrive::SRV02, &mut options);
+            accelerate(&LinearDrive::THESIS, &mut options);
             Controller::new(options).unwrap();
         }
     }

@@ -124,7 +124,7 @@ mod tests {
         let mut options = ControllerOptions::default();
         found.apply(&mut options);
         assert_eq!(options.velocity, VelocityLaw::Pi(PiGains { k_p: 1.0, k_i: 20.0 }));
-        assert_eq!(options.inverse, PlantInverse::Gain(controller::design::LinearDrive::SRV02));
+        assert_eq!(options.inverse, PlantInverse::Gain(controller::design::LinearDrive::THESIS));
         assert_eq!(options.pid, PidGains::THESIS);
     }
 

@@ -294,7 +294,7 @@ fn how(results: &RunResults) -> String {
         "Rig: geared DC servo, K = {:.4} rad/s per V, T = {:.5} s, friction enters at {:.4} V per N m, voltage limit {} V, loop at {:.0} Hz. ",
         simulation.drive.gain(),
         simulation.drive.time_constant(),
-        simulation.drive.friction_volts(simulation.friction_coupling),
+        simulation.friction_coupling.volts_per_newton_metre(&simulation.drive),
         numbers::plain(simulation.voltage_limit, 6),
         1.0 / simulation.period
     );

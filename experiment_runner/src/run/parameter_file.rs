@@ -4,8 +4,7 @@
 use std::collections::BTreeMap;
 
 use controller::ControllerOptions;
-use friction_model::{AnyModel, ModelName};
-use rig_driver::DriveParameters;
+use friction_model::{AnyModel, ModelName, Motor};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -34,7 +33,7 @@ struct Node<P> {
 
 #[derive(Debug, Serialize)]
 struct RigNode<'a> {
-    drive: &'a DriveParameters,
+    drive: &'a Motor,
     voltage_limit: f64,
     period: f64,
 }
@@ -100,7 +99,7 @@ pub fn render_bed(
         },
         rig_driver: Node {
             parameters: RigNode {
-                drive: simulation.drive.parameters(),
+                drive: &simulation.drive,
                 voltage_limit: simulation.voltage_limit,
                 period: simulation.period,
             },

@@ -3,10 +3,10 @@
 //! `F^ = theta F_model`, `theta` by recursive least squares of the measured friction torque on the
 //! model's, both through the same filter.
 
-use friction_model::TimeStep;
+use friction_model::{TimeStep, TorqueSource};
 use serde::{Deserialize, Serialize};
 
-use super::{Excitation, LeastSquares, Measured, TorqueSource};
+use super::{Excitation, LeastSquares, Measured, measured::check_source};
 use crate::error::{positive, within};
 use crate::finite::held;
 use crate::velocity_estimator::LowPass;
@@ -56,8 +56,10 @@ impl LevelOptions {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`ObserverError::OutOfRange`] names the field.
+    /// [`ObserverError::OutOfRange`] names the field; [`ObserverError::TorqueSource`] a source that
+    /// observers have not.
     pub fn check(&self) -> Result<(), ObserverError> {
+        check_source(self.source)?;
         within("share", self.share, 0.0..=1.0, "from 0 to 1")?;
         positive("filter", self.filter)?;
         within("filter", self.filter, 0.0..=1.0, "above 0 and at most 1 s")?;

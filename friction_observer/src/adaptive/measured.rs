@@ -1,24 +1,23 @@
 //! The friction torque that adaptation compares its model with.
 
-use friction_model::TimeStep;
-use serde::{Deserialize, Serialize};
+use friction_model::{TimeStep, TorqueSource};
 
 use super::Excitation;
 use crate::finite::believed;
 use crate::velocity_estimator::LowPass;
-use crate::{DriveInverse, NominalDrive, Seen};
+use crate::{DriveInverse, NominalDrive, ObserverError, Seen};
 
-/// Where the friction torque comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TorqueSource {
-    /// From voltage and velocity through the nominal drive. An error of its constants is learned as
-    /// friction; in volts it largely cancels, since the compensation leaves through the same
-    /// constant.
-    #[default]
-    Voltage,
-    /// From the torque sensor.
-    Sensor,
+/// Refuses a source that an observer has not. It has two: the torque sensor, and voltage and
+/// velocity through the nominal drive. An error of the drive's constants is learned as friction; in
+/// volts it largely cancels, since the compensation leaves through the same constant.
+///
+/// # Errors
+/// [`ObserverError::TorqueSource`].
+pub(super) const fn check_source(source: TorqueSource) -> Result<(), ObserverError> {
+    match source {
+        TorqueSource::Sensor | TorqueSource::Voltage => Ok(()),
+        TorqueSource::Current | TorqueSource::Driving => Err(ObserverError::TorqueSource(source)),
+    }
 }
 
 /// Friction torque and velocity through one filter, and whether they can be learned from.
@@ -77,6 +76,8 @@ impl Measured {
         let raw = match self.source {
             TorqueSource::Voltage => from_voltage,
             TorqueSource::Sensor => seen.torque.and_then(believed),
+            // Refused where the options are checked.
+            TorqueSource::Current | TorqueSource::Driving => None,
         };
         let (Some(raw), Some(velocity)) = (raw, believed(velocity)) else {
             self.rich_for = 0.0;

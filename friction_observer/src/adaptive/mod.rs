@@ -22,6 +22,6 @@ mod stiffness;
 pub use excitation::Excitation;
 pub use least_squares::LeastSquares;
 pub use level::{FrictionLevel, LevelOptions};
-pub use measured::{Measured, TorqueSource};
+pub use measured::Measured;
 pub use parameters::{FrictionParameters, ParameterOptions};
 pub use stiffness::{Stiffness, StiffnessOptions};

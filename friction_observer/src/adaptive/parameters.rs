@@ -10,10 +10,10 @@
 //! directions. Starting at `(1, 0, f_v, 0)` the estimate is the model's. Pre-sliding, lag and
 //! memory of the model remain, scaled with the levels.
 
-use friction_model::{AnyModel, TimeStep};
+use friction_model::{AnyModel, TimeStep, TorqueSource};
 use serde::{Deserialize, Serialize};
 
-use super::{Excitation, LeastSquares, Measured, TorqueSource};
+use super::{Excitation, LeastSquares, Measured, measured::check_source};
 use crate::error::{positive, within};
 use crate::finite::held;
 use crate::velocity_estimator::LowPass;
@@ -64,8 +64,10 @@ impl ParameterOptions {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`ObserverError::OutOfRange`] names the field.
+    /// [`ObserverError::OutOfRange`] names the field; [`ObserverError::TorqueSource`] a source that
+    /// observers have not.
     pub fn check(&self) -> Result<(), ObserverError> {
+        check_source(self.source)?;
         within("share", self.share, 0.0..=1.0, "from 0 to 1")?;
         positive("filter", self.filter)?;
         within("filter", self.filter, 0.0..=1.0, "above 0 and at most 1 s")?;

@@ -15,10 +15,10 @@
 //! still. Interpolating the torques in place of the states keeps every model's own invariants: the
 //! estimate is a mean of valid ones.
 
-use friction_model::{AnyModel, TimeStep, Unit};
+use friction_model::{AnyModel, TimeStep, TorqueSource, Unit};
 use serde::{Deserialize, Serialize};
 
-use super::{Measured, TorqueSource};
+use super::{Measured, measured::check_source};
 use crate::error::{positive, within};
 use crate::finite::held;
 use crate::velocity_estimator::LowPass;
@@ -59,8 +59,10 @@ impl StiffnessOptions {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`ObserverError::OutOfRange`] names the field.
+    /// [`ObserverError::OutOfRange`] names the field; [`ObserverError::TorqueSource`] a source that
+    /// observers have not.
     pub fn check(&self) -> Result<(), ObserverError> {
+        check_source(self.source)?;
         within("span", self.span, 1.01..=10.0, "from 1.01 to 10")?;
         positive("rate", self.rate)?;
         within("rate", self.rate, 0.0..=100.0, "above 0 and at most 100 1/s")?;

@@ -240,7 +240,7 @@ fn drive(args: &SharedArgs) -> Result<(LinearDrive, f64), BadInput> {
         let volts = args.volts_per_newton_metre.or(found.volts_per_newton_metre);
         return Ok((found.linear, volts.unwrap_or(SRV02_VOLTS_PER_NEWTON_METRE)));
     }
-    let default = LinearDrive::SRV02;
+    let default = LinearDrive::THESIS;
     let linear = LinearDrive {
         gain: args.gain.unwrap_or(default.gain),
         time_constant: args.time_constant.unwrap_or(default.time_constant),

@@ -215,7 +215,7 @@ fn update(found: &Identified, file: &OutputFile, profile: RigProfile) -> anyhow:
         )
     })?;
     file.write(RigProfile { drive: Some(drive), ..profile }.text().as_bytes())?;
-    let motor = if drive.parameters().is_some() {
+    let motor = if drive.motor().is_some() {
         "with the motor's constants"
     } else {
         "without the motor's constants, which `run` and `live` need: a torque sensor, or --gear-ratio, --motor-constant and --resistance, tell them"

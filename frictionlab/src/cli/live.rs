@@ -5,7 +5,7 @@ use std::{path::PathBuf, sync::atomic::Ordering};
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::{Drive, SimulationOptions};
+use rig_driver::SimulationOptions;
 
 use crate::interruption;
 use crate::live::{self, LiveError, LiveOptions, Serving};
@@ -225,14 +225,10 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
     given.controller.apply(&mut controller);
     let usual = SimulationOptions::default();
     let limits = chosen.limits(None);
-    let drive = match chosen.drive() {
-        Some(constants) => {
-            Drive::try_from(constants.parameters).map_err(|error| BadInput(error.to_string()))?
-        }
-        None => usual.drive,
-    };
+    let drive = chosen.motor().unwrap_or(usual.drive);
     let voltage_limit = limits.voltage.unwrap_or(usual.voltage_limit);
-    controller.compensation.volts_per_newton_metre = drive.friction_volts(usual.friction_coupling);
+    controller.compensation.volts_per_newton_metre =
+        usual.friction_coupling.volts_per_newton_metre(&drive);
     let test_bed = TestBed {
         simulation: SimulationOptions {
             period: 1.0 / f64::from(args.rate.unwrap_or(RATE)),

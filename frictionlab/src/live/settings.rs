@@ -84,11 +84,10 @@ fn rig(options: &LiveOptions) -> Given {
         give("simulated.substeps", ParameterValue::Integer(i64::from(substeps)));
         give("period", ParameterValue::Double(period));
     }
-    let parts = drive.parameters();
-    give("drive.motor_constant", ParameterValue::Double(parts.motor_constant));
-    give("drive.gear_ratio", ParameterValue::Double(parts.gear_ratio));
-    give("drive.armature_resistance", ParameterValue::Double(parts.armature_resistance));
-    give("drive.inertia", ParameterValue::Double(parts.inertia));
+    give("drive.motor_constant", ParameterValue::Double(drive.motor_constant));
+    give("drive.gear_ratio", ParameterValue::Double(drive.gear_ratio));
+    give("drive.armature_resistance", ParameterValue::Double(drive.armature_resistance));
+    give("drive.inertia", ParameterValue::Double(drive.inertia));
     if let Some(calibration) = &options.calibration {
         let sign = |sign: Sign| ParameterValue::Integer(i64::from(i8::from(sign)));
         give("calibration.encoder_sign", sign(calibration.encoder_sign));

@@ -332,8 +332,8 @@ fn drive_constants(args: &IdentifyArgs, source: TorqueSource) -> Result<DriveCon
     }
     let motor = super::motor(args)?;
     Ok(DriveConstants {
-        torque_constant: Uncertain::relative(motor.gear_ratio * motor.motor_constant, k),
-        armature_resistance: Uncertain::relative(motor.resistance, r),
+        torque_constant: Uncertain::relative(motor.back_emf(), k),
+        armature_resistance: Uncertain::relative(motor.armature_resistance, r),
         inertia,
     })
 }

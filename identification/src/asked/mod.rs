@@ -6,18 +6,18 @@ pub mod friction;
 use std::path::{Path, PathBuf};
 
 use friction_ident::Conditioning;
-use recording::rosbag::{self, Motor};
+use friction_model::Motor;
+use recording::rosbag;
 use recording::table;
 use recording::timing::{TOLERANCE, tolerance};
 use recording::{AxisKind, Column, Recording};
-use rig_driver::DriveParameters;
 use work::BadInput;
 use work::destination::ToFolder;
 use work::saying::Saying;
 
 use self::friction::FrictionArgs;
 use crate::axis::structure::StructureChoice;
-use crate::drive::parameters::DriveConstants;
+use crate::drive::parameters::read_motor;
 
 /// Find friction and inertia in your recordings (CSV or bags)
 ///
@@ -148,40 +148,35 @@ pub struct IdentifyArgs {
     pub torque_from_voltage: bool,
 
     /// Gear ratio A of the motor.
-    #[arg(long, value_name = "A", default_value_t = Motor::default().gear_ratio, help_heading = "Bag")]
+    #[arg(long, value_name = "A", default_value_t = Motor::SRV02.gear_ratio, help_heading = "Bag")]
     pub gear_ratio: f64,
 
     /// Torque constant Km of the motor [N m/A].
-    #[arg(long, value_name = "KM", default_value_t = Motor::default().motor_constant, help_heading = "Bag")]
+    #[arg(long, value_name = "KM", default_value_t = Motor::SRV02.motor_constant, help_heading = "Bag")]
     pub motor_constant: f64,
 
     /// Armature resistance Ra of the motor [Ohm].
-    #[arg(long, value_name = "RA", default_value_t = Motor::default().resistance, help_heading = "Bag")]
+    #[arg(long, value_name = "RA", default_value_t = Motor::SRV02.armature_resistance, help_heading = "Bag")]
     pub resistance: f64,
 }
 
 /// What `--drive` says of the drive.
-pub fn drive_file(args: &IdentifyArgs) -> Result<Option<DriveParameters>, BadInput> {
+pub fn drive_file(args: &IdentifyArgs) -> Result<Option<Motor>, BadInput> {
     let Some(file) = &args.drive else { return Ok(None) };
     let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
     let text = files::input::text(file).map_err(|error| blame(error.to_string()))?;
-    Ok(Some(DriveConstants::read(&text).map_err(blame)?.parameters))
+    read_motor(&text).map(Some).map_err(blame)
 }
 
 /// The motor's constants, from the options or a drive's file.
 pub fn motor(args: &IdentifyArgs) -> Result<Motor, BadInput> {
-    Ok(match drive_file(args)? {
-        Some(drive) => Motor {
-            gear_ratio: drive.gear_ratio,
-            motor_constant: drive.motor_constant,
-            resistance: drive.armature_resistance,
-        },
-        None => Motor {
-            gear_ratio: args.gear_ratio,
-            motor_constant: args.motor_constant,
-            resistance: args.resistance,
-        },
-    })
+    Ok(drive_file(args)?.unwrap_or(Motor {
+        gear_ratio: args.gear_ratio,
+        motor_constant: args.motor_constant,
+        armature_resistance: args.resistance,
+        // What is read of a bag does not need it.
+        ..Motor::SRV02
+    }))
 }
 
 /// Refuses options that no recording could be identified with.

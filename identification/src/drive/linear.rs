@@ -1,10 +1,9 @@
 //! A drive of which gain and time constant are known, and perhaps no more.
 
 use controller::design::LinearDrive;
-use rig_driver::Drive;
 use serde_json::Value;
 
-use super::parameters::DriveConstants;
+use super::parameters::read_motor;
 
 /// A drive as far as a linear design needs it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,11 +28,10 @@ impl KnownDrive {
             .filter_map(|node| tree.get(node)?.get("ros__parameters")?.get("drive"))
             .any(|drive| drive.get("motor_constant").is_some());
         if constants {
-            let found = DriveConstants::read(text)?;
-            let drive = Drive::try_from(found.parameters).map_err(|error| error.to_string())?;
+            let motor = read_motor(text)?;
             return Ok(Self {
-                linear: LinearDrive { gain: drive.gain(), time_constant: drive.time_constant() },
-                volts_per_newton_metre: Some(drive.volts_per_newton_metre()),
+                linear: LinearDrive::of(&motor),
+                volts_per_newton_metre: Some(motor.volts_per_newton_metre()),
             });
         }
         let nodes = tree.as_object().into_iter().flat_map(serde_json::Map::values);

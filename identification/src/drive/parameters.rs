@@ -1,10 +1,10 @@
-//! `drive.yaml`: the drive as a ROS 2 parameter file, and [`DriveConstants`] read back from it.
+//! `drive.yaml`: the drive as a ROS 2 parameter file, and the motor read back from it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use friction_ident::drive::Calibration;
-use rig_driver::DriveParameters;
+use friction_model::Motor;
 
 use files::commented_yaml::number;
 use files::ros_parameters::of_rig_driver;
@@ -12,64 +12,55 @@ use rig_setup::{DriveSheet, RigProfile};
 
 use super::Identified;
 
-/// The drive's constants for whoever needs them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DriveConstants {
-    /// The drive.
-    pub parameters: DriveParameters,
+/// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are
+/// all known.
+///
+/// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the
+/// given ones.
+#[must_use]
+pub fn motor_of(found: &Identified) -> Option<Motor> {
+    let gear_ratio = found.gear_ratio?;
+    let inertia = found.value("inertia")?;
+    let (back_emf, volts_per_torque) =
+        match (found.value("back_emf"), found.value("volts_per_torque")) {
+            (Some(back_emf), Some(volts)) => (back_emf, volts),
+            _ => match found.calibration? {
+                Calibration::Motor { torque_constant, resistance } => {
+                    (torque_constant.value, resistance.value / torque_constant.value)
+                }
+                Calibration::ForcePerVolt(_) => return None,
+            },
+        };
+    Some(Motor {
+        motor_constant: back_emf / gear_ratio,
+        gear_ratio,
+        armature_resistance: volts_per_torque * back_emf,
+        inertia,
+    })
 }
 
-impl DriveConstants {
-    /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are
-    /// all known.
-    ///
-    /// A measured friction torque tells `A K_m` and `R_a / (A K_m)` themselves, else they are the
-    /// given ones.
-    pub fn of(found: &Identified) -> Option<Self> {
-        let gear_ratio = found.gear_ratio?;
-        let inertia = found.value("inertia")?;
-        let (back_emf, volts_per_torque) =
-            match (found.value("back_emf"), found.value("volts_per_torque")) {
-                (Some(back_emf), Some(volts)) => (back_emf, volts),
-                _ => match found.calibration? {
-                    Calibration::Motor { torque_constant, resistance } => {
-                        (torque_constant.value, resistance.value / torque_constant.value)
-                    }
-                    Calibration::ForcePerVolt(_) => return None,
-                },
-            };
-        let parameters = DriveParameters {
-            motor_constant: back_emf / gear_ratio,
-            gear_ratio,
-            armature_resistance: volts_per_torque * back_emf,
-            inertia,
-        };
-        Some(Self { parameters })
-    }
-
-    /// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a
-    /// drive.
-    ///
-    /// # Errors
-    /// A sentence about what is wrong in the text.
-    pub fn read(text: &str) -> Result<Self, String> {
-        if is_profile(text) {
-            let drive = RigProfile::read(text)?.drive.ok_or(
-                "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
-            )?;
-            let parameters = drive.parameters().ok_or(
-                "the drive of this rig profile has gain and time constant alone; the motor's constants are needed, which identify-drive finds with a torque sensor or is given",
-            )?;
-            return Ok(Self { parameters });
-        }
-        let parameters: DriveParameters = of_rig_driver(
-            text,
-            "drive",
-            "identify-drive writes one where the motor's constants or a torque sensor tell them",
+/// Reads a parameter file with `/rig_driver: ros__parameters: drive:`, or a rig profile with a
+/// drive.
+///
+/// # Errors
+/// A sentence about what is wrong in the text.
+pub fn read_motor(text: &str) -> Result<Motor, String> {
+    if is_profile(text) {
+        let drive = RigProfile::read(text)?.drive.ok_or(
+            "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
         )?;
-        rig_driver::Drive::try_from(parameters).map_err(|e| format!("in `drive`: {e}"))?;
-        Ok(Self { parameters })
+        return drive.motor().ok_or_else(|| {
+            "the drive of this rig profile has gain and time constant alone; the motor's constants are needed, which identify-drive finds with a torque sensor or is given"
+                .to_owned()
+        });
     }
+    let motor: Motor = of_rig_driver(
+        text,
+        "drive",
+        "identify-drive writes one where the motor's constants or a torque sensor tell them",
+    )?;
+    motor.check().map_err(|error| format!("in `drive`: {error}"))?;
+    Ok(motor)
 }
 
 /// The drive as a rig profile has it; none unless gain and time constant are known.
@@ -77,14 +68,14 @@ impl DriveConstants {
 pub fn sheet(found: &Identified) -> Option<DriveSheet> {
     // Without a gear ratio the constants are those of the load.
     let known = Identified { gear_ratio: found.gear_ratio.or(Some(1.0)), ..found.clone() };
-    let constants = DriveConstants::of(&known).map(|constants| constants.parameters);
+    let motor = motor_of(&known);
     Some(DriveSheet {
         gain: found.value("gain")?,
         time_constant: found.value("time_constant")?,
-        motor_constant: constants.map(|p| p.motor_constant),
-        gear_ratio: constants.map(|p| p.gear_ratio),
-        armature_resistance: constants.map(|p| p.armature_resistance),
-        inertia: constants.map(|p| p.inertia),
+        motor_constant: motor.map(|p| p.motor_constant),
+        gear_ratio: motor.map(|p| p.gear_ratio),
+        armature_resistance: motor.map(|p| p.armature_resistance),
+        inertia: motor.map(|p| p.inertia),
     })
 }
 
@@ -104,8 +95,8 @@ pub fn render(found: &Identified) -> String {
     for [name, value, unit, interval, verdict] in super::rows(&found.estimates) {
         let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
     }
-    match DriveConstants::of(found) {
-        Some(DriveConstants { parameters: p }) => {
+    match motor_of(found) {
+        Some(p) => {
             let by_sensor = found.value("back_emf").is_some() && found.value("volts_per_torque").is_some();
             let motor = if by_sensor { "identified, with the gear ratio that was given" } else { "given" };
             text.push_str("/rig_driver:\n  ros__parameters:\n    drive:\n");
@@ -131,7 +122,7 @@ pub fn render(found: &Identified) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::DriveConstants;
+    use super::read_motor;
 
     #[test]
     fn a_drive_that_cannot_be_is_refused_by_name() {
@@ -141,10 +132,10 @@ mod tests {
                  armature_resistance: 2.6\n      inertia: {inertia}\n"
             )
         };
-        assert_eq!(DriveConstants::read(&file("0.0026")).unwrap().parameters.inertia, 0.0026);
-        assert!(DriveConstants::read(&file("-1.0")).unwrap_err().contains("inertia"));
+        assert_eq!(read_motor(&file("0.0026")).unwrap().inertia, 0.0026);
+        assert!(read_motor(&file("-1.0")).unwrap_err().contains("inertia"));
         assert!(
-            DriveConstants::read("/controller:\n  ros__parameters:\n    a: 1\n")
+            read_motor("/controller:\n  ros__parameters:\n    a: 1\n")
                 .unwrap_err()
                 .contains("rig_driver")
         );

@@ -152,7 +152,7 @@ fn moved(
     reach: Option<f64>,
     settings: &Settings,
 ) -> Vec<(DriveConstant, FrictionData)> {
-    let constants = settings.preparation.torque.constants().iter();
+    let constants = DriveConstant::entering(settings.preparation.torque).iter();
     constants
         .map(|&constant| {
             let (mut points, mut stretches) = (Vec::new(), Vec::new());

@@ -163,7 +163,7 @@ fn friction_is_found_from_the_voltage() {
     let errors = &found.drive_errors;
     assert_eq!(
         errors.iter().map(|e| e.constant).collect::<Vec<_>>(),
-        TorqueSource::Voltage.constants()
+        DriveConstant::entering(TorqueSource::Voltage)
     );
     let largest =
         errors[2].stretches[0][30..1900].iter().fold(0.0f64, |largest, e| largest.max(e.abs()));

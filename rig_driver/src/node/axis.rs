@@ -28,7 +28,7 @@ use super::{
     in_cycle::InCycle,
     memory,
     parameters::RigSettings,
-    torque_source::TorqueEstimate,
+    torque_estimate::TorqueEstimate,
     warmth::{Record, Warmth},
     zero::Zero,
 };

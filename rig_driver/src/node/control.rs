@@ -23,7 +23,7 @@ use ros_node::{
 
 use super::{
     in_cycle::{BegunCycle, EndedCycle, InCycle},
-    torque_source::TorqueEstimate,
+    torque_estimate::TorqueEstimate,
     zero::Zero,
 };
 use crate::{

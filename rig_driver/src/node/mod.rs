@@ -17,7 +17,7 @@ mod memory;
 mod parameters;
 mod program;
 mod publishers;
-mod torque_source;
+mod torque_estimate;
 mod warmth;
 mod zero;
 
@@ -26,4 +26,3 @@ pub use in_cycle::{BegunCycle, EndedCycle, InCycle};
 pub use parameters::declarations;
 pub use program::program;
 pub use publishers::RigNode;
-pub use torque_source::TorqueSource;

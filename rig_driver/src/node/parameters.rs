@@ -1,15 +1,15 @@
 //! Parameters of the node `rig_driver`, and the rig that they describe.
 
-use friction_model::{AnyModel, ModelName};
+use friction_model::{AnyModel, ModelName, Motor, TorqueSource};
 use ros_node::parameters::{Declaration, ValueRange, Values};
 
 use super::{
     limits_guard::{ALLOW_LIMITS, is_limit},
-    torque_source::TorqueSource,
+    torque_estimate::SOURCES,
 };
 use crate::{
-    Calibrated, Calibration, Drive, DriveParameters, HIGHEST_VOLTAGE, Rig, RigError, Sign,
-    SimulationOptions, VOLTAGE_RANGE,
+    Calibrated, Calibration, HIGHEST_VOLTAGE, Rig, RigError, Sign, SimulationOptions,
+    VOLTAGE_RANGE,
     quanser::{QuanserOptions, QuanserRig},
     safety::{SafetyLimits, Supervised, Travel},
     serial::{self, SerialOptions, SerialRig},
@@ -27,7 +27,7 @@ const LIMIT: &str =
 pub fn declarations(rig: &str) -> Vec<Declaration> {
     let simulation = SimulationOptions::default();
     let limits = SafetyLimits::default();
-    let drive = simulation.drive.parameters();
+    let drive = simulation.drive;
     let unit = Calibration::default();
     let taken = |name: &str| if is_limit(name) { LIMIT } else { CONFIGURED };
     let double = |name: &str, default, range, description: &str| {
@@ -65,7 +65,7 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         )
         .constraint("taken when the node is activated"),
         Declaration::text("torque_source", "sensor", "What the effort in /joint_states is taken from")
-            .choices(TorqueSource::ALL.map(|(name, _)| name)),
+            .choices(SOURCES.map(TorqueSource::name)),
         double(
             "torque_filter",
             0.01,
@@ -239,13 +239,13 @@ impl RigSettings {
     /// The reason, for people.
     pub(super) fn read(values: &Values) -> Result<Self, String> {
         let told = |error: RigError| error.to_string();
-        let drive = Drive::try_from(DriveParameters {
+        let drive = Motor {
             motor_constant: values.double("drive.motor_constant"),
             gear_ratio: values.double("drive.gear_ratio"),
             armature_resistance: values.double("drive.armature_resistance"),
             inertia: values.double("drive.inertia"),
-        })
-        .map_err(told)?;
+        };
+        drive.check().map_err(|error| told(error.into()))?;
         let sign = |name: &str| {
             let sign = i8::try_from(values.integer(name)).unwrap_or(0);
             Sign::try_from(sign).map_err(|error| format!("{name}: {error}"))
@@ -307,7 +307,7 @@ impl RigSettings {
             limits,
             velocity_given: velocity > 0.0,
             calibration,
-            torque_source: TorqueSource::named(values.text("torque_source")),
+            torque_source: TorqueSource::named(values.text("torque_source")).unwrap_or_default(),
             torque_filter: values.double("torque_filter"),
             name: values.text("rig").to_owned(),
             state_folder: values.text("state_folder").to_owned(),
@@ -344,7 +344,7 @@ impl RigSettings {
     }
 
     /// The drive that the parameters describe.
-    pub(super) const fn drive(&self) -> Drive {
+    pub(super) const fn drive(&self) -> Motor {
         self.simulation.drive
     }
 

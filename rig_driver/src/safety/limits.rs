@@ -1,5 +1,6 @@
 //! What the supervisor allows.
 
+use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
 use crate::{RigError, SimulationOptions};
@@ -124,8 +125,8 @@ impl Default for SafetyLimits {
             cycle_late: 0.02,
             cycle_lost: 0.5,
             motor: Some(MotorThermal {
-                armature_resistance: 2.6,
-                back_emf: 0.5369,
+                armature_resistance: Motor::SRV02.armature_resistance,
+                back_emf: Motor::SRV02.back_emf(),
                 thermal_resistance: 24.0,
                 time_constant: 20.0,
                 ambient: 25.0,
@@ -159,7 +160,7 @@ impl SafetyLimits {
             voltage: options.voltage_limit,
             velocity: 1.2 * drive.gain() * options.voltage_limit,
             motor: motor.map(|motor| MotorThermal {
-                armature_resistance: drive.parameters().armature_resistance,
+                armature_resistance: drive.armature_resistance,
                 back_emf: drive.back_emf(),
                 ..motor
             }),

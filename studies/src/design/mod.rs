@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     fn assessed(law: LoopLaw) -> Assessment {
-        let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+        let linear = LinearLoop { drive: LinearDrive::THESIS, law };
         assess(DesignOptions {
             linear,
             period: 1e-3,

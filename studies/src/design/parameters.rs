@@ -64,7 +64,7 @@ mod tests {
             LoopLaw::Velocity(VelocityLaw::Pi(pi)),
             LoopLaw::Position { gains, derivative_on: DerivativeOn::Error, filter: 0.002 },
         ] {
-            let linear = LinearLoop { drive: LinearDrive::SRV02, law };
+            let linear = LinearLoop { drive: LinearDrive::THESIS, law };
             let options = DesignOptions {
                 linear,
                 period: 1e-3,

@@ -3,8 +3,8 @@
 
 use controller::ControllerOptions;
 use controller::design::{LinearDrive, LoopLaw};
-use friction_model::{AnyModel, ModelName};
-use rig_driver::{Drive, DriveParameters, RigError, SimulationOptions};
+use friction_model::{AnyModel, ModelName, Motor};
+use rig_driver::SimulationOptions;
 use serde::Serialize;
 
 use super::{Assessment, DesignOptions};
@@ -45,7 +45,7 @@ impl Worth {
     /// [`TestBedError`] for a drive or a period that cannot be simulated.
     pub fn of(options: &DesignOptions, voltage_limit: f64) -> Result<Self, TestBedError> {
         let linear = options.linear;
-        let drive = drive(&linear.drive, options.volts_per_newton_metre)?;
+        let drive = motor(&linear.drive, options.volts_per_newton_metre);
         let standard = SimulationOptions::default();
         let simulation = SimulationOptions {
             drive,
@@ -97,16 +97,15 @@ fn tracked(bed: &TestBed, protocol: &TrackingProtocol) -> Result<Tracked, TestBe
     Ok(Tracked { mse: run.mse, peak_voltage: peak, voltage_noise })
 }
 
-/// A drive with this gain, time constant and friction's weight; its gear is in its motor's
-/// constant.
-fn drive(linear: &LinearDrive, volts_per_newton_metre: f64) -> Result<Drive, RigError> {
+/// A motor of this gain, time constant and friction's weight; its gear is in its constant.
+fn motor(linear: &LinearDrive, volts_per_newton_metre: f64) -> Motor {
     let motor_constant = 1.0 / linear.gain;
-    Drive::try_from(DriveParameters {
+    Motor {
         motor_constant,
         gear_ratio: 1.0,
         armature_resistance: volts_per_newton_metre * motor_constant,
         inertia: linear.time_constant / (linear.gain * volts_per_newton_metre),
-    })
+    }
 }
 
 /// What was found of the voltage and the tracking, and what is to be minded, one sentence each.

@@ -6,11 +6,11 @@ use ros_node::{
     one_writer::{OneWriter, Verdict, WriterId},
 };
 
+use friction_model::TorqueSource;
+
 use super::*;
 use crate::{
-    SimulatedRig, SimulationOptions,
-    node::torque_source::{TorqueEstimate, TorqueSource},
-    safety::SafetyLimits,
+    SimulatedRig, SimulationOptions, node::torque_estimate::TorqueEstimate, safety::SafetyLimits,
 };
 
 const ONE: WriterId = WriterId([1; 16]);

@@ -1,39 +1,20 @@
 //! Where the effort in `/joint_states` comes from: the torque sensor, or what voltage or current
 //! leave unexplained.
 
-use crate::{Drive, Measurement};
+use friction_model::{Motor, TorqueSource};
 
-/// What the friction torque is taken from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TorqueSource {
-    /// The torque sensor.
-    #[default]
-    Sensor,
-    /// The voltage: `F = (u - A K_m w) A K_m / R_a - J w'`.
-    Voltage,
-    /// The current: `F = A K_m i - J w'`.
-    Current,
-}
+use crate::Measurement;
 
-impl TorqueSource {
-    /// Every source by its name.
-    pub(super) const ALL: [(&'static str, Self); 3] =
-        [("sensor", Self::Sensor), ("voltage", Self::Voltage), ("current", Self::Current)];
-
-    pub(super) fn named(name: &str) -> Self {
-        Self::ALL
-            .into_iter()
-            .find(|(known, _)| *known == name)
-            .map_or(Self::Sensor, |(_, source)| source)
-    }
-}
+/// The sources that a rig has.
+pub(super) const SOURCES: [TorqueSource; 3] =
+    [TorqueSource::Sensor, TorqueSource::Voltage, TorqueSource::Current];
 
 /// The friction torque, cycle by cycle. Reconstructed, it goes through a low-pass filter, since it
 /// differentiates the velocity.
 #[derive(Debug, Clone)]
 pub(super) struct TorqueEstimate {
     source: TorqueSource,
-    drive: Drive,
+    drive: Motor,
     period: f64,
     /// Share of a new value in the filtered one.
     share: f64,
@@ -43,7 +24,7 @@ pub(super) struct TorqueEstimate {
 
 impl TorqueEstimate {
     /// `filter` is the time constant of the filter [s].
-    pub(super) fn new(source: TorqueSource, drive: Drive, period: f64, filter: f64) -> Self {
+    pub(super) fn new(source: TorqueSource, drive: Motor, period: f64, filter: f64) -> Self {
         Self {
             source,
             drive,
@@ -60,16 +41,15 @@ impl TorqueEstimate {
         let before = self.velocity_before.replace(velocity);
         let back_emf = self.drive.back_emf();
         let driving = match self.source {
-            TorqueSource::Sensor => return seen.torque,
+            TorqueSource::Sensor | TorqueSource::Driving => return seen.torque,
             TorqueSource::Voltage => {
                 let mean = 0.5 * (velocity + before.unwrap_or(velocity));
-                (seen.voltage_applied - back_emf * mean) * back_emf
-                    / self.drive.parameters().armature_resistance
+                (seen.voltage_applied - back_emf * mean) * back_emf / self.drive.armature_resistance
             }
             TorqueSource::Current => back_emf * seen.motor_current.unwrap_or(f64::NAN),
         };
         let acceleration = before.map_or(0.0, |before| (velocity - before) / self.period);
-        let raw = driving - self.drive.parameters().inertia * acceleration;
+        let raw = driving - self.drive.inertia * acceleration;
         if !raw.is_finite() {
             return f64::NAN;
         }
