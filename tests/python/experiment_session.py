@@ -49,7 +49,7 @@ def run(program, out, *more):
 
 
 def ask(result):
-    """Asks the experiment runner with the analysis package."""
+    """Asks the experiment runner with the Python package."""
     command = [sys.executable, "-m", "friction_analysis.experiment", "position-tracking", "--model", "proposed"]
     command += ["--repetitions", "1", "--set", "quick", "--set", "rig=nodes", "--json", str(result)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ)

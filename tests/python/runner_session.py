@@ -186,7 +186,7 @@ def converse(session: Session, runs: Path) -> dict:
     )
     report["identify"] = plain(session.call("identify", request))
 
-    # The analysis package's own client.
+    # The Python package's own client.
     command = [sys.executable, "-m", "friction_analysis.experiment", "velocity-tracking", "--model", "lugre"]
     client = subprocess.run([*command, "--set", "quick", "--set", "seed=5"], capture_output=True, text=True)
     report["client"] = {"code": client.returncode, "out": client.stdout, "err": client.stderr}

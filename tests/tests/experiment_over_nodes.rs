@@ -66,7 +66,7 @@ fn an_experiment_over_the_nodes_is_the_one_of_a_single_process_and_ends_well_wha
         .arg(tests::node_programs())
         .arg(program.get_program())
         .arg(folder.path())
-        .env("PYTHONPATH", tests::checkout().join("analysis"))
+        .env("PYTHONPATH", tests::checkout().join("python"))
         .env("ROS_DOMAIN_ID", "76")
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("ROS_LOG_DIR", folder.path().join("log"))

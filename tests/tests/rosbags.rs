@@ -205,7 +205,7 @@ fn type_hashes_are_those_that_ros_generates() {
 }
 
 #[test]
-fn the_analysis_package_makes_a_table_of_a_bag() {
+fn the_python_package_makes_a_table_of_a_bag() {
     let Some(python) = python::interpreter("bag_tools") else { return };
     let folder = tempfile::tempdir().expect("a folder");
     let dir = folder.path().join("bag");
@@ -220,7 +220,7 @@ fn the_analysis_package_makes_a_table_of_a_bag() {
     }
     bag.finish().expect("the end");
 
-    let package = tests::checkout().join("analysis");
+    let package = tests::checkout().join("python");
     let csv = folder.path().join("table.csv");
     let run = |arguments: &[&std::ffi::OsStr]| {
         Command::new(&python)

@@ -34,7 +34,7 @@ fn session(place: Place) -> Option<(tempfile::TempDir, Value)> {
         .arg("serve")
         .arg("--runs")
         .arg(&runs)
-        .env("PYTHONPATH", tests::checkout().join("analysis"))
+        .env("PYTHONPATH", tests::checkout().join("python"))
         .env("ROS_DOMAIN_ID", "74")
         .env("ROS_LOG_DIR", folder.path().join("log"))
         .output()
@@ -52,7 +52,7 @@ fn rclpy_runs_cancels_and_is_refused() {
         bad_requests_are_answered(&report);
         one_runs_to_its_end(&report);
         a_bag_is_identified(&report);
-        the_analysis_package_runs_one_too(&report);
+        the_python_package_runs_one_too(&report);
         one_at_a_time(&report);
         it_leaves_when_it_is_told(&report);
     }
@@ -144,7 +144,7 @@ fn a_bag_is_identified(report: &Value) {
     assert!(Path::new(text(found, "report")).is_file());
 }
 
-fn the_analysis_package_runs_one_too(report: &Value) {
+fn the_python_package_runs_one_too(report: &Value) {
     let client = &report["client"];
     assert_eq!(client["code"], 0, "{client}");
     assert!(text(client, "out").contains("velocity-tracking-1 is complete"), "{client}");

@@ -1,7 +1,7 @@
 """The commands that speak ROS, against a stand-in made with rclpy, and against the real experiment runner where it can be had.
 
 Only with FRICTION_ROS_TESTS=1: what is published here would be heard by every ROS program on the network, so the tests of the
-workspace (`cargo test -p tests --test analysis`) run them in a network namespace of their own.
+workspace (`cargo test -p tests --test python_package`) run them in a network namespace of their own.
 """
 
 import json

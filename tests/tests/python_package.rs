@@ -7,7 +7,7 @@ use std::process::Command;
 use tests::{network, python};
 
 fn package() -> PathBuf {
-    tests::checkout().join("analysis")
+    tests::checkout().join("python")
 }
 
 #[test]

@@ -122,5 +122,5 @@ def laboratory_bag():
     """A bag that `frictionlab run` or `live` has written, named by FRICTION_TEST_BAG."""
     named = os.environ.get("FRICTION_TEST_BAG")
     if not named:
-        pytest.skip("FRICTION_TEST_BAG names no bag of the laboratory; `cargo test -p tests --test analysis` makes one")
+        pytest.skip("FRICTION_TEST_BAG names no bag of the laboratory; `cargo test -p tests --test python_package` makes one")
     return Path(named)
