@@ -1,4 +1,5 @@
-//! `--json`: one document on standard output and nothing else, with the keys that docs/json.md
+//! `--json`: one document on standard output and nothing else, with the keys that
+//! docs/reference/json.md
 //! explains.
 
 use std::fs;
@@ -8,7 +9,8 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 fn documented() -> String {
-    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/json.md")).unwrap()
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/json.md"))
+        .unwrap()
 }
 
 /// The row of the table for a command.
@@ -90,7 +92,7 @@ fn every_key_is_explained_and_the_file_is_what_is_printed() {
     ] {
         let document = run(folder, args);
         let explained = row(&documentation, command.trim_end_matches('`'));
-        assert!(!explained.is_empty(), "{command} is not in docs/json.md");
+        assert!(!explained.is_empty(), "{command} is not in docs/reference/json.md");
         for key in document.as_object().unwrap().keys() {
             assert!(
                 explained.contains(&format!("`{key}`")),

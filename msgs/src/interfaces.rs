@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn the_documentation_shows_these_interfaces() {
         let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        for page in ["docs/ros.md", "README.md"] {
+        for page in ["docs/reference/topics.md"] {
             let path = root.join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
             for (name, made) in [

@@ -3,7 +3,8 @@
 //!
 //! Nothing in [`Firmware`] needs the standard library or an allocator. On a microcontroller
 //! implement [`Board`] over its drivers, make the `Firmware`, and call `cycle` from a timer's
-//! interrupt or a ticker, with the hardware watchdog reloaded behind it; see `docs/firmware.md`.
+//! interrupt or a ticker, with the hardware watchdog reloaded behind it; see
+//! `docs/how-to/write-firmware.md`.
 //! Here a made-up board stands in, so that the example is compiled and run with the tests:
 //! `cargo run -p rig_protocol --example firmware`.
 

@@ -169,7 +169,7 @@ impl RigProfile {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
-            "# Rig profile by frictionlab {}: docs/rigs.md says what uses it. `rig check`, `rig calibrate` and `identify-drive` write their\n\
+            "# Rig profile by frictionlab {}: docs/reference/rig-profile.md says what uses it. `rig check`, `rig calibrate` and `identify-drive` write their\n\
              # parts anew; comments of your own are lost then.\n\
              # [V], [s], [rad], [N m], [A], [ohm], [kg m^2], at the load side of the gear.\n\
              rig: {}\n",

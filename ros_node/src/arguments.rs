@@ -25,7 +25,7 @@ ROS arguments, behind --ros-args and up to -- or the end:
       --enable-rosout-logs, --disable-rosout-logs, --enable-stdout-logs, --disable-stdout-logs
   -e, --enclave PATH                the enclave in the keystore, where security is on; /NAME of the program unless given
 Environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (LOCALHOST unless set), ROS_NAMESPACE,
-  ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE, ROS_SECURITY_ENCLAVE_OVERRIDE (docs/security.md)
+  ROS_SECURITY_ENABLE, ROS_SECURITY_STRATEGY, ROS_SECURITY_KEYSTORE, ROS_SECURITY_ENCLAVE_OVERRIDE (docs/how-to/secure-the-network.md)
 ";
 
 /// The command line was not understood, or a file that it names cannot be read.

@@ -1,7 +1,7 @@
 //! What anybody on the network may send to the nodes, and what becomes of it: the list of inputs
 //! that may stop the rig. None may move it but the voltages of the one who commands.
 //!
-//! The nodes' own tests give each input to the logic and hold it to its row; `docs/ros.md` shows
+//! The nodes' own tests give each input to the logic and hold it to its row; `docs/reference/nodes.md` shows
 //! the rows.
 
 use std::fmt;
@@ -141,7 +141,7 @@ mod tests {
             made += &format!("| {node} | {input} | {from} | {effect} |\n");
         }
         let (begin, end) = ("<!-- hostile -->\n", "<!-- end of hostile -->\n");
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/ros.md");
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/nodes.md");
         let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
         let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
         let to = text.find(end).expect("the page marks where the table ends");

@@ -33,10 +33,10 @@ def fields(kind):
 
 
 def declared():
-    """Parameters of each node with type and default, out of the tables in docs/ros.md, which are made from the code."""
-    file = ROOT / "docs/ros.md"
+    """Parameters of each node with type and default, out of the tables in docs/reference/parameters.md, which are made from the code."""
+    file = ROOT / "docs/reference/parameters.md"
     if not file.is_file():
-        pytest.skip("docs/ros.md, the table of parameters, is not here")
+        pytest.skip("docs/reference/parameters.md, the table of parameters, is not here")
     found, node = {}, None
     for line in file.read_text(encoding="utf-8").splitlines():
         if heading := re.match(r"### (\w+)$", line):
@@ -187,7 +187,7 @@ def test_parameter_files_name_only_parameters_that_the_node_declares(name):
     assert values
     known = declared().get(node)
     if known is None:
-        pytest.skip(f"docs/ros.md has no table of {node}")
+        pytest.skip(f"docs/reference/parameters.md has no table of {node}")
     kinds = {bool: "bool", int: "integer", float: "double", str: "string"}
     for parameter, value in values.items():
         assert parameter in known, f"{node} has no parameter {parameter}"

@@ -187,7 +187,7 @@ fn has_ros2() -> bool {
     Command::new("ros2").arg("--help").output().is_ok_and(|said| said.status.success())
 }
 
-/// The way that docs/ros2.md describes, from an empty folder, with the real cargo.
+/// The way of docs/tutorials/ros-workspace.md, from an empty folder, with the real cargo.
 #[test]
 fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
     if std::env::var_os("FRICTION_FULL").is_none() {

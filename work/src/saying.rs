@@ -7,7 +7,8 @@ use crate::progress::set_verbose;
 /// What is told besides the results.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct Saying {
-    /// Print the result as JSON for programs, and nothing else on standard output (docs/json.md)
+    /// Print the result as JSON for programs, and nothing else on standard output
+    /// (docs/reference/json.md)
     #[arg(long)]
     pub json: bool,
     /// Say on standard error what is being done, stage by stage

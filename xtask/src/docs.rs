@@ -1,4 +1,4 @@
-//! `cargo xtask docs`: one page a friction model under `docs/models/`.
+//! `cargo xtask docs`: one page a friction model under `docs/reference/models/`.
 //!
 //! A page is made of what exists already: the text at the head of the model's source file, its
 //! parameter table, and the figures that the tests of `friction_features` hold. A test here fails
@@ -49,7 +49,7 @@ impl Docs {
     /// A source, the snapshot or a page that cannot be read or written.
     pub fn run(&self) -> Result<()> {
         let root = root()?;
-        let folder = root.join("docs/models");
+        let folder = root.join("docs/reference/models");
         fs::create_dir_all(&folder)?;
         for (file, text) in pages(&root)? {
             fs::write(folder.join(&file), text).with_context(|| format!("cannot write {file}"))?;
@@ -189,11 +189,11 @@ mod tests {
     fn the_pages_on_disk_are_up_to_date() {
         let root = root().unwrap();
         for (file, text) in pages(&root).unwrap() {
-            let path = root.join("docs/models").join(&file);
+            let path = root.join("docs/reference/models").join(&file);
             let disk = fs::read_to_string(&path).unwrap_or_default();
             assert!(
                 disk == text,
-                "docs/models/{file} is not what its sources say: run `cargo xtask docs`"
+                "docs/reference/models/{file} is not what its sources say: run `cargo xtask docs`"
             );
         }
     }

@@ -38,7 +38,7 @@ enum Task {
     /// Nanoseconds of a whole control step, estimator and controller, for every model and
     /// technique.
     BenchStep(bench_step::BenchStep),
-    /// The pages of the friction models under docs/models, from their sources and tested figures.
+    /// The pages of the friction models under docs/reference/models, from their sources and tested figures.
     Docs(docs::Docs),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv(python_env::PythonEnvCommand),

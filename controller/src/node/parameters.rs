@@ -273,7 +273,7 @@ mod tests {
     fn the_documentation_shows_these_parameters() {
         let made = ros_node::parameters::markdown_table(&declarations(&[]));
         let (begin, end) = ("<!-- controller -->\n", "<!-- end of controller -->\n");
-        for page in ["../docs/ros.md", "../README.md"] {
+        for page in ["../docs/reference/parameters.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
             let from =

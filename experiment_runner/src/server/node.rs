@@ -342,7 +342,7 @@ mod tests {
     fn the_documentation_shows_these_parameters() {
         let made = ros_node::parameters::markdown_table(&super::declarations());
         let (begin, end) = ("<!-- experiment_runner -->\n", "<!-- end of experiment_runner -->\n");
-        for page in ["../docs/ros.md", "../README.md"] {
+        for page in ["../docs/reference/parameters.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
             let from =

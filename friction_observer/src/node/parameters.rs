@@ -346,7 +346,7 @@ mod tests {
             .collect();
         let made = ros_node::parameters::markdown_table(&own);
         let (begin, end) = ("<!-- friction_observer -->\n", "<!-- end of friction_observer -->\n");
-        for page in ["../docs/ros.md", "../README.md"] {
+        for page in ["../docs/reference/parameters.md"] {
             let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
             let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
             let from =

@@ -37,7 +37,7 @@ enum BagCommand {
         /// Folder of the bag, or an .mcap file
         #[arg(value_name = "DIR")]
         bag: PathBuf,
-        /// Print it as JSON for programs (docs/json.md)
+        /// Print it as JSON for programs (docs/reference/json.md)
         #[arg(long)]
         json: bool,
     },

@@ -113,7 +113,7 @@ pub struct LiveArgs {
     #[arg(long)]
     pub quiet: bool,
     /// Print what the run came to as JSON for programs, and nothing else on standard output
-    /// (docs/json.md)
+    /// (docs/reference/json.md)
     #[arg(long)]
     pub json: bool,
     /// Arguments of ROS for the nodes, last on the line: -r __ns:=/axis_1, -p controller:fade:=0.2,

@@ -23,7 +23,7 @@ pub struct ModelsArgs {
     /// Print a parameter file in YAML
     #[arg(long)]
     yaml: bool,
-    /// Print names and parameters as JSON for programs (docs/json.md)
+    /// Print names and parameters as JSON for programs (docs/reference/json.md)
     #[arg(long, conflicts_with = "yaml")]
     json: bool,
     /// Whose values

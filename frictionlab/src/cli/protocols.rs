@@ -16,7 +16,7 @@ pub struct ProtocolsArgs {
     /// The protocol to print
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// Print the list as JSON for programs (docs/json.md)
+    /// Print the list as JSON for programs (docs/reference/json.md)
     #[arg(long, conflicts_with = "name")]
     json: bool,
 }

@@ -30,7 +30,7 @@ use work::saying::print;
 /// Set a rig up: list, check, jog, calibrate
 ///
 /// A new rig goes through these in order. Every voltage goes through the driver's safety layer
-/// (docs/safety.md), and ctrl-C puts the motor at zero volts.
+/// (docs/explanation/safety.md), and ctrl-C puts the motor at zero volts.
 ///
 ///   frictionlab rig list                        what is connected
 ///   frictionlab rig jog --volts 0.8 --seconds 1 a first small move, all channels shown

@@ -11,7 +11,7 @@ use work::saying::print;
 /// viewers; `check` looks at one and shows who may do what; `policy` prints the policy behind it,
 /// to change it for `init --policy` or `ros2 security`. Programs are secured with
 /// ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE=DIR;
-/// docs/security.md says what that holds.
+/// docs/how-to/secure-the-network.md says what that holds.
 #[derive(Debug, clap::Args)]
 pub struct SecurityArgs {
     #[command(subcommand)]
@@ -105,7 +105,7 @@ fn check(args: &CheckArgs) -> anyhow::Result<()> {
 fn not_built() -> anyhow::Error {
     BadInput(
         "this frictionlab was built without DDS Security: build it with `--features security` (Debian: apt-get install libssl-dev), or make \
-         the keystore with `ros2 security` and the policy that `frictionlab security policy` prints (docs/security.md)"
+         the keystore with `ros2 security` and the policy that `frictionlab security policy` prints (docs/how-to/secure-the-network.md)"
             .to_owned(),
     )
     .into()

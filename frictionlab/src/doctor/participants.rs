@@ -82,7 +82,7 @@ fn state(name: &str, heard: &Heard) -> Finding {
             name,
             found,
             format!(
-                "mend what it names, then call {name}/clear_fault or {name}/reset, and activate the node; docs/safety.md has every fault"
+                "mend what it names, then call {name}/clear_fault or {name}/reset, and activate the node; docs/reference/faults.md has every fault"
             ),
         ),
     }

@@ -75,7 +75,7 @@ fn secured(
         Ok(found) if !found.notes.is_empty() => Finding::look(
             "ROS_SECURITY_KEYSTORE",
             format!("{}: {}", enclave.name, found.notes.join("; ")),
-            "see docs/security.md",
+            "see docs/how-to/secure-the-network.md",
         ),
         Ok(found) => {
             Finding::fine("ROS_SECURITY_KEYSTORE", format!("secured as {}", found.subject))

@@ -51,7 +51,7 @@ impl LiveReport {
 }
 
 impl LiveReport {
-    /// The same for programs; docs/json.md explains its keys.
+    /// The same for programs; docs/reference/json.md explains its keys.
     #[must_use]
     pub fn document(&self) -> serde_json::Value {
         let percentiles = |p: &Percentiles| serde_json::json!({"p50": p.p50, "p99": p.p99, "p99_9": p.p999, "max": p.max});

@@ -6,7 +6,7 @@
 //! in contradiction.
 //!
 //! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does
-//! ([`FAULTS`]). `docs/safety.md` shows both; a test holds it to the tables.
+//! ([`FAULTS`]). `docs/reference/faults.md` shows both; a test holds it to the tables.
 
 mod fault;
 mod lifecycle;
@@ -22,7 +22,7 @@ mod temperature;
 pub use fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
 pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
 pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Standstill, Travel};
-pub use pages::{fault_table, state_diagram, transition_table};
+pub use pages::{fault_table, transition_list, transition_table};
 pub use stop_latch::StopLatch;
 pub use supervised::Supervised;
 pub use supervisor::SafetySupervisor;

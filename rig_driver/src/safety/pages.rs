@@ -1,18 +1,16 @@
-//! The tables as Markdown, for `docs/safety.md` and the README.
+//! The tables as Markdown, for `docs/reference/faults.md`.
 
 use std::fmt::Write;
 
 use super::{Event, FAULTS, Reaction, State, TRANSITIONS};
 
-/// The states and their transitions as a Mermaid diagram.
+/// The transitions in words, one a line: what the picture of the states describes itself with.
 #[must_use]
-pub fn state_diagram() -> String {
-    let mut text = String::from("```mermaid\nstateDiagram-v2\n    [*] --> unconfigured\n");
-    // Writing to a string cannot fail.
-    for rule in TRANSITIONS {
-        let _ = writeln!(text, "    {} --> {}: {}", rule.from, rule.to, rule.event.as_str());
-    }
-    text + "    finalized --> [*]\n```\n"
+pub fn transition_list() -> String {
+    let line = |rule: &super::Transition| {
+        format!("{} to {}: {}\n", rule.from, rule.to, rule.event.as_str())
+    };
+    TRANSITIONS.iter().map(line).collect()
 }
 
 /// State by event: where each leads; a dash is refused.
@@ -69,13 +67,9 @@ mod tests {
     /// They stand in the documentation as they are made here; `UPDATE_DOCS=1` writes them anew.
     #[test]
     fn the_documentation_shows_the_tables_of_the_code() {
-        let made = [
-            ("states", state_diagram()),
-            ("transitions", transition_table()),
-            ("faults", fault_table()),
-        ];
-        hold("docs/safety.md", &made);
-        hold("README.md", &made[2..]);
+        hold("docs/pictures/safety_states.svg", &[("states", transition_list())]);
+        let made = [("transitions", transition_table()), ("faults", fault_table())];
+        hold("docs/reference/faults.md", &made);
     }
 
     fn hold(page: &str, tables: &[(&str, String)]) {

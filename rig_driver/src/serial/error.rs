@@ -158,7 +158,7 @@ const fn name(state: State) -> &'static str {
 /// Which side is older, and how it is brought up to date.
 const fn update(theirs: u8) -> &'static str {
     if theirs < VERSION {
-        "update the device: build its firmware anew with this program's rig_protocol (its example `firmware` shows what changed, docs/firmware.md how)"
+        "update the device: build its firmware anew with this program's rig_protocol (its example `firmware` shows what changed, docs/how-to/write-firmware.md how)"
     } else {
         "update this program"
     }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::Assessment;
 use super::worth::sentences;
 
-/// The document; docs/json.md explains its keys.
+/// The document; docs/reference/json.md explains its keys.
 #[must_use]
 pub fn document(found: &Assessment) -> Value {
     let options = &found.options;
