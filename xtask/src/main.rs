@@ -7,8 +7,8 @@ mod bench_live;
 mod bench_monte_carlo;
 mod bench_ros;
 mod bench_step;
+mod book;
 mod distribution;
-mod docs;
 mod python_env;
 mod soak;
 mod test;
@@ -38,8 +38,9 @@ enum Task {
     /// Nanoseconds of a whole control step, estimator and controller, for every model and
     /// technique.
     BenchStep(bench_step::BenchStep),
-    /// The pages of the friction models under docs/reference/models, from their sources and tested figures.
-    Docs(docs::Docs),
+    /// The book, from docs/ into target/book, with the pages that are made from the code made anew
+    /// first.
+    Book(book::Book),
     /// A Python environment with `rosbags` and the real rclpy, for the tests that use them.
     PythonEnv(python_env::PythonEnvCommand),
     /// The loop at 1 kHz for minutes, with the real rclpy listening: memory, losses, drift.
@@ -57,7 +58,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchMonteCarlo(bench) => bench.run(),
         Task::BenchRos(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
-        Task::Docs(docs) => docs.run(),
+        Task::Book(book) => book.run(),
         Task::PythonEnv(python_env) => python_env.run(),
         Task::Soak(soak) => soak.run(),
         Task::Test(test) => test.run(),

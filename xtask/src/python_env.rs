@@ -81,7 +81,10 @@ pub fn rclpy(distribution: Distribution) -> anyhow::Result<PathBuf> {
 }
 
 /// The target folder.
-fn target() -> anyhow::Result<PathBuf> {
+///
+/// # Errors
+/// None in a checkout: this package stands in the workspace.
+pub fn target() -> anyhow::Result<PathBuf> {
     let root = root()?;
     Ok(env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir)))
 }
@@ -145,13 +148,19 @@ impl PythonEnvCommand {
     }
 }
 
-struct Environment {
-    dir: PathBuf,
+/// A virtual environment of Python.
+pub struct Environment {
+    /// Its folder.
+    pub dir: PathBuf,
     python: PathBuf,
 }
 
 impl Environment {
-    fn make(dir: &Path) -> anyhow::Result<Self> {
+    /// Makes it, or finds it made.
+    ///
+    /// # Errors
+    /// No Python 3 with `venv`, or a folder that cannot be written.
+    pub fn make(dir: &Path) -> anyhow::Result<Self> {
         let python = dir.join("bin/python");
         if !python.exists() {
             let interpreter = env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
@@ -169,7 +178,10 @@ impl Environment {
     }
 
     /// Makes a half unless its stamp says that it stands. The stamp is what the half was made of.
-    fn half(
+    ///
+    /// # Errors
+    /// What keeps the half from being made, and a stamp that cannot be written.
+    pub fn half(
         &self,
         name: &str,
         key: String,
@@ -199,7 +211,11 @@ impl Environment {
         })
     }
 
-    fn install<S: AsRef<std::ffi::OsStr>>(&self, requirements: &[S]) -> anyhow::Result<()> {
+    /// Installs packages by pip, which gets these words behind `install`.
+    ///
+    /// # Errors
+    /// What pip says.
+    pub fn install<S: AsRef<std::ffi::OsStr>>(&self, requirements: &[S]) -> anyhow::Result<()> {
         let mut pip = Command::new(&self.python);
         pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
         run_quietly(pip.args(requirements))

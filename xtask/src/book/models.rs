@@ -1,12 +1,12 @@
-//! `cargo xtask docs`: one page a friction model under `docs/reference/models/`.
+//! One page a friction model under `docs/reference/models/`.
 //!
 //! A page is made of what exists already: the text at the head of the model's source file, its
 //! parameter table, and the figures that the tests of `friction_features` hold. A test here fails
 //! when the pages on disk are not what would be made.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::{env, fs};
+use std::fs;
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use friction_model::{AnyParameters, ModelName, Parameter};
@@ -38,30 +38,17 @@ const FIGURES: &[(&str, &str, &str, f64)] = &[
     ("sensitivity.rms_elasticity", "Root mean square elasticity of breakaway and lag", "-", 1.0),
 ];
 
-/// Arguments of `cargo xtask docs`.
-#[derive(Debug, clap::Args)]
-pub struct Docs {}
-
-impl Docs {
-    /// Writes the pages.
-    ///
-    /// # Errors
-    /// A source, the snapshot or a page that cannot be read or written.
-    pub fn run(&self) -> Result<()> {
-        let root = root()?;
-        let folder = root.join("docs/reference/models");
-        fs::create_dir_all(&folder)?;
-        for (file, text) in pages(&root)? {
-            fs::write(folder.join(&file), text).with_context(|| format!("cannot write {file}"))?;
-        }
-        println!("{} pages in {}", ModelName::ALL.len() + 1, folder.display());
-        Ok(())
+/// Writes the pages.
+///
+/// # Errors
+/// A source, the snapshot or a page that cannot be read or written.
+pub fn write(root: &Path) -> Result<()> {
+    let folder = root.join("docs/reference/models");
+    fs::create_dir_all(&folder)?;
+    for (file, text) in pages(root)? {
+        fs::write(folder.join(&file), text).with_context(|| format!("cannot write {file}"))?;
     }
-}
-
-fn root() -> Result<PathBuf> {
-    let parent = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
-    Ok(parent.context("xtask stands in the workspace")?.to_owned())
+    Ok(())
 }
 
 /// All pages: file name and text.
@@ -73,7 +60,7 @@ fn pages(root: &Path) -> Result<Vec<(String, String)>> {
         serde_json::from_str(&text).context("the snapshot of the features is no JSON")?;
     let mut pages = Vec::new();
     let mut index = String::from(
-        "# Friction models\n\nOne page each, made by `cargo xtask docs` from the source, the parameter table and the tested figures.\n\n\
+        "# Friction models\n\nOne page each, made by `cargo xtask book` from the source, the parameter table and the tested figures.\n\n\
          | model | name in files | what it is |\n|---|---|---|\n",
     );
     for name in ModelName::ALL {
@@ -98,7 +85,7 @@ fn pages(root: &Path) -> Result<Vec<(String, String)>> {
 
 fn page(name: ModelName, file: &str, head: &str, figures: &Value) -> Result<String> {
     let mut page = format!(
-        "<!-- Made by `cargo xtask docs` from {file}; edit that file. -->\n\n# {}\n\n{head}\n",
+        "<!-- Made by `cargo xtask book` from {file}; edit that file. -->\n\n# {}\n\n{head}\n",
         name.title()
     );
     page += "\n## Parameters in files\n\n| parameter | unit | range | test bed | chapter 3 |\n|---|---|---|---|---|\n";
@@ -187,13 +174,13 @@ mod tests {
 
     #[test]
     fn the_pages_on_disk_are_up_to_date() {
-        let root = root().unwrap();
-        for (file, text) in pages(&root).unwrap() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        for (file, text) in pages(root).unwrap() {
             let path = root.join("docs/reference/models").join(&file);
             let disk = fs::read_to_string(&path).unwrap_or_default();
             assert!(
                 disk == text,
-                "docs/reference/models/{file} is not what its sources say: run `cargo xtask docs`"
+                "docs/reference/models/{file} is not what its sources say: run `cargo xtask book`"
             );
         }
     }
