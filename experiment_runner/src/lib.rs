@@ -8,6 +8,7 @@ pub mod constant_velocity;
 pub mod control_loop;
 pub mod cycle;
 mod exact;
+pub mod experiments;
 pub mod messages;
 pub mod models;
 #[cfg(feature = "ros")]

@@ -141,7 +141,8 @@ mod tests {
             made += &format!("| {node} | {input} | {from} | {effect} |\n");
         }
         let (begin, end) = ("<!-- hostile -->\n", "<!-- end of hostile -->\n");
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/nodes.md");
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/nodes.md");
         let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
         let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
         let to = text.find(end).expect("the page marks where the table ends");

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use experiment_runner::models::Preset;
 use experiment_runner::models::file;
-use experiment_runner::protocol::Protocol;
+use experiment_runner::experiments;
 use experiment_runner::run::{read_controller, read_parameter_file};
 use friction_ident::{
     AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues,
@@ -143,7 +143,10 @@ fn protocols() {
         .collect();
     assert!(valid.len() >= 6);
     fuzz(1_000_000, &valid, |bytes| {
-        let _ = Protocol::read(&text(bytes));
+        let text = text(bytes);
+        if let Ok(experiment) = experiments::of_protocol(&text) {
+            let _ = experiment.read(&text);
+        }
     });
 }
 

@@ -4,8 +4,10 @@
 pub mod rig;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::thread;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName, Motor};
@@ -23,15 +25,14 @@ use work::{BadInput, drive_errors};
 use self::rig::{Chosen, choose};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
+use crate::experiments;
 use crate::models::file;
 use crate::protocol::{
-    CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol, Protocol,
-    TrackingProtocol,
+    BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol,
+    PreSlidingProtocol, ProtocolFile, TrackingProtocol, VaryingVelocityProtocol,
 };
-use crate::run::{
-    Appendix, Beside, Experiment, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunOptions,
-    shipped,
-};
+use crate::run::experiment::{Experiment, Put, Selection};
+use crate::run::{Appendix, Beside, Given, Origin, Pace, ProfileUsed, RecordPolicy, RunOptions};
 use crate::test_bed::{TestBed, nominal_drive};
 
 /// Run experiments on the simulated test bed or a real rig
@@ -47,8 +48,8 @@ pub struct RunArgs {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = NOT_RESUMED)]
     pub resume: Option<PathBuf>,
     /// What to run [default: all, or the experiment of the protocol given]
-    #[arg(value_enum)]
-    pub experiment: Option<Experiment>,
+    #[arg(value_parser = selections())]
+    pub experiment: Option<Selection>,
     /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or
     /// `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with their observer and
     /// controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C
@@ -151,6 +152,15 @@ pub struct RunArgs {
     /// What is told besides.
     #[command(flatten)]
     pub saying: Saying,
+}
+
+/// Reads the name of a selection; help and completion show every one with what it does.
+fn selections() -> impl TypedValueParser<Value = Selection> {
+    let names = experiments::selections()
+        .into_iter()
+        .map(|one| PossibleValue::new(one.as_str()).help(one.about()));
+    PossibleValuesParser::new(names)
+        .try_map(|name| experiments::selection(&name).ok_or("there is no such experiment"))
 }
 
 /// Options that a run that goes on has already.
@@ -265,20 +275,6 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
     controller.compensation.volts_per_newton_metre = coupling.volts_per_newton_metre(&drive);
     let estimator =
         EstimatorOptions { drive: nominal_drive(&drive, coupling), ..Default::default() };
-    let mut constant_velocity = if args.quick {
-        ConstantVelocityProtocol::quick()
-    } else {
-        ConstantVelocityProtocol::default()
-    };
-    let mut velocity_tracking = TrackingProtocol::velocity();
-    let mut position_tracking = TrackingProtocol::position();
-    if args.quick {
-        (velocity_tracking.repetitions, position_tracking.repetitions) = (1, 1);
-    }
-    if let Some(repetitions) = args.repetitions {
-        constant_velocity.repetitions = repetitions;
-        (velocity_tracking.repetitions, position_tracking.repetitions) = (repetitions, repetitions);
-    }
     let mut models = args.model.clone();
     models.dedup();
     let mut means = args.means.clone();
@@ -296,7 +292,6 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
         let why = "--torque-source voltage and current need friction that acts as a torque: leave --friction as-volts out";
         return Err(BadInput(why.to_owned()).into());
     }
-    let (varying_velocity, pre_sliding, breakaway_rate) = shipped()?;
     let mut options = RunOptions {
         experiment,
         rig: rig.clone(),
@@ -317,17 +312,17 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
             RigChoice::Simulated => RecordPolicy::Thinned,
             _ => RecordPolicy::Full,
         }),
-        constant_velocity,
-        varying_velocity,
-        pre_sliding,
-        breakaway_rate,
+        constant_velocity: ConstantVelocityProtocol::default(),
+        varying_velocity: VaryingVelocityProtocol::shipped()?,
+        pre_sliding: PreSlidingProtocol::shipped()?,
+        breakaway_rate: BreakawayRateProtocol::shipped()?,
         drive_excitation: DriveExcitationProtocol::shipped()?,
         sequence: None,
         compensation: CompensationProtocol::shipped()?,
         appendix: appendix(args, beside)?,
         torque: TorqueReading::new(source, &drive, &sensors, errors),
-        velocity_tracking,
-        position_tracking,
+        velocity_tracking: TrackingProtocol::velocity(),
+        position_tracking: TrackingProtocol::position(),
         workers: if args.real_time {
             1
         } else {
@@ -335,21 +330,16 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
                 .map_or_else(|| thread::available_parallelism().map_or(1, usize::from), usize::from)
         },
     };
-    if args.quick {
-        options.varying_velocity = options.varying_velocity.quick();
-        options.pre_sliding = options.pre_sliding.quick();
-        options.breakaway_rate = options.breakaway_rate.quick();
-        options.compensation = options.compensation.repeated(1);
-    }
-    if let Some(repetitions) = args.repetitions {
-        options.varying_velocity.repetitions = repetitions;
-        options.pre_sliding.repetitions = repetitions;
-        options.breakaway_rate.repetitions = repetitions;
-        options.drive_excitation.repetitions = repetitions;
-        options.compensation = options.compensation.repeated(repetitions);
+    for experiment in experiments::all() {
+        if args.quick {
+            experiment.shorten(&mut options);
+        }
+        if let Some(repetitions) = args.repetitions {
+            experiment.repeat(&mut options, repetitions);
+        }
     }
     // A file says everything itself: neither --quick nor --repetitions changes it.
-    protocols.into_iter().for_each(|protocol| options.set(protocol));
+    protocols.into_iter().for_each(|(_, put)| put(&mut options));
     Ok(options)
 }
 
@@ -391,55 +381,59 @@ pub fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibr
     read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
 }
 
+/// A protocol that was given, and the experiment that it is of.
+type OfFile = (Arc<dyn Experiment>, Put);
+
 /// Reads the protocols.
-fn protocols(files: &[PathBuf]) -> Result<Vec<Protocol>, BadInput> {
-    let mut protocols: Vec<Protocol> = Vec::with_capacity(files.len());
+fn protocols(files: &[PathBuf]) -> Result<Vec<OfFile>, BadInput> {
+    let mut protocols: Vec<OfFile> = Vec::with_capacity(files.len());
     for path in files {
         let say = |what: String| {
             BadInput(format!("the protocol {} cannot be driven: {what}", path.display()))
         };
         let text = files::input::text(path).map_err(|e| say(e.to_string()))?;
-        let protocol = Protocol::read(&text).map_err(|e| say(e.to_string()))?;
-        if protocols.iter().any(|other| other.kind() == protocol.kind()) {
+        let experiment = experiments::of_protocol(&text).map_err(|e| say(e.to_string()))?;
+        let put = experiment.read(&text).map_err(|e| say(e.to_string()))?;
+        if protocols.iter().any(|(other, _)| other.name() == experiment.name()) {
             return Err(say(format!(
                 "there is another for {}; give one of a kind",
-                protocol.kind().name()
+                experiment.name()
             )));
         }
-        protocols.push(protocol);
+        protocols.push((experiment, put));
     }
     Ok(protocols)
 }
 
 /// What is run: as asked for, or as the protocols say.
-fn experiment(args: &RunArgs, protocols: &[Protocol]) -> Result<Experiment, BadInput> {
-    let experiment = match (args.experiment, protocols) {
-        (Some(experiment), _) => experiment,
-        (None, []) => Experiment::All,
-        (None, [protocol]) => Experiment::of(protocol.kind()),
-        (None, _) => Experiment::Characterise,
+fn experiment(args: &RunArgs, protocols: &[OfFile]) -> Result<Selection, BadInput> {
+    let selection = match (&args.experiment, protocols) {
+        (Some(selection), _) => selection.clone(),
+        (None, []) => experiments::whole_job(),
+        (None, [(experiment, _)]) => Selection::alone(Arc::clone(experiment)),
+        (None, _) => experiments::characterise(),
     };
-    if let Some(other) = protocols.iter().find(|protocol| !experiment.includes(protocol.kind())) {
+    let name = selection.as_str();
+    if let Some((other, _)) = protocols.iter().find(|(one, _)| !selection.includes(one.name())) {
         return Err(BadInput(format!(
-            "`{}` does not run {}, for which a protocol is given; leave the name out, or the protocol",
-            experiment.as_str(),
-            other.kind().name()
+            "`{name}` does not run {}, for which a protocol is given; leave the name out, or the protocol",
+            other.name()
         )));
     }
-    if args.thesis_tables && experiment != Experiment::Compensation {
+    if args.thesis_tables && name != CompensationProtocol::NAME {
         let mend = "`frictionlab run compensation --thesis-tables` does";
         return Err(BadInput(format!(
-            "`{}` does not compute the thesis's tables of compensation; {mend}",
-            experiment.as_str()
+            "`{name}` does not compute the thesis's tables of compensation; {mend}"
         )));
     }
-    if experiment == Experiment::Sequence && protocols.is_empty() {
-        let mend = "`frictionlab protocols sequence > mine.yaml` prints one to start from";
-        return Err(BadInput(format!(
-            "`run sequence` needs its protocol, --protocol FILE; {mend}"
-        )));
+    if let Some(part) = selection.parts().find(|part| part.needs_protocol())
+        && protocols.is_empty()
+    {
+        let name = part.name();
+        let mend = format!("`frictionlab protocols {name} > mine.yaml` prints one to start from");
+        return Err(BadInput(format!("`run {name}` needs its protocol, --protocol FILE; {mend}")));
     }
-    Ok(experiment)
+    Ok(selection)
 }
 
 /// The thesis's tables, where they are wanted.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::pre_sliding::{OnsetSheet, ramp};
 use super::quantity::{Dimension, Quantity};
 use super::{Displacement, OnsetRule, ProtocolError, count, within};
@@ -48,15 +49,6 @@ impl BreakawayRateProtocol {
         Profile::new(vec![Segment::REST, wave])
     }
 
-    /// The protocol that is part of the program.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
-    pub fn shipped() -> Result<Self, ProtocolError> {
-        let name = super::Kind::BreakawayRate.name();
-        super::sheet::<Sheet>(super::Kind::BreakawayRate.text(), name)?.try_into()
-    }
-
     /// A short form to try things out.
     #[must_use]
     pub fn quick(self) -> Self {
@@ -72,12 +64,18 @@ impl BreakawayRateProtocol {
     }
 }
 
+impl ProtocolFile for BreakawayRateProtocol {
+    const NAME: &'static str = "breakaway-rate";
+    const TEXT: &'static str = include_str!("../../protocols/breakaway-rate.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     ramps: Ramps,
     sines: Sines,
     onset: OnsetSheet,

@@ -3,9 +3,10 @@
 use controller::ControlMode;
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::quantity::{Dimension, Quantity};
 use super::tracking::{InverseUse, TrackingProtocol};
-use super::{Kind, ProtocolError, count, within};
+use super::{ProtocolError, count, within};
 use crate::waveform::Waveform;
 
 /// One task with its name.
@@ -25,14 +26,6 @@ pub struct CompensationProtocol {
 }
 
 impl CompensationProtocol {
-    /// The protocol that is part of the program.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
-    pub fn shipped() -> Result<Self, ProtocolError> {
-        super::sheet::<Sheet>(Kind::Compensation.text(), Kind::Compensation.name())?.try_into()
-    }
-
     /// The same with `repetitions` of each task.
     #[must_use]
     pub fn repeated(mut self, repetitions: u32) -> Self {
@@ -47,12 +40,18 @@ impl CompensationProtocol {
     }
 }
 
+impl ProtocolFile for CompensationProtocol {
+    const NAME: &'static str = "compensation";
+    const TEXT: &'static str = include_str!("../../protocols/compensation.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: Kind,
+    _experiment: String,
     tasks: Vec<TaskSheet>,
     repetitions: u32,
 }
@@ -151,7 +150,6 @@ fn reference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::Protocol;
 
     #[test]
     fn the_shipped_tasks_are_those_of_the_thesis_tables() {
@@ -200,9 +198,10 @@ mod tests {
                 "`repetitions` must be a whole number from 1 to 1000",
             ),
         ] {
-            let text = Kind::Compensation.text();
+            let text = CompensationProtocol::TEXT;
             assert!(text.contains(from), "{from} is not in the shipped file");
-            let message = Protocol::read(&text.replacen(from, to, 1)).unwrap_err().to_string();
+            let message =
+                CompensationProtocol::read(&text.replacen(from, to, 1)).unwrap_err().to_string();
             assert!(message.contains(said), "{from} -> {to}: {message}");
         }
     }

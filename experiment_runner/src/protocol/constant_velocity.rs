@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::quantity::{Dimension, Quantity};
 use super::{ProtocolError, count, within};
 
@@ -59,12 +60,18 @@ impl ConstantVelocityProtocol {
     }
 }
 
+impl ProtocolFile for ConstantVelocityProtocol {
+    const NAME: &'static str = "constant-velocity";
+    const TEXT: &'static str = include_str!("../../protocols/constant-velocity.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     velocities: Vec<Span>,
     duration: Quantity,
     drop_first: Quantity,

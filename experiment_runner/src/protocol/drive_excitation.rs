@@ -3,6 +3,7 @@
 use rig_driver::HIGHEST_VOLTAGE;
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::quantity::{Dimension, Quantity};
 use super::{ProtocolError, count, within};
 use crate::profile::{DrivenQuantity, Excitation, Profile, Segment};
@@ -21,15 +22,6 @@ pub struct DriveExcitationProtocol {
 }
 
 impl DriveExcitationProtocol {
-    /// The protocol that is part of the program.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
-    pub fn shipped() -> Result<Self, ProtocolError> {
-        let kind = super::Kind::DriveExcitation;
-        super::sheet::<Sheet>(kind.text(), kind.name())?.try_into()
-    }
-
     /// Time that the experiment takes on a rig [s].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
@@ -37,12 +29,18 @@ impl DriveExcitationProtocol {
     }
 }
 
+impl ProtocolFile for DriveExcitationProtocol {
+    const NAME: &'static str = "drive-excitation";
+    const TEXT: &'static str = include_str!("../../protocols/drive-excitation.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     steps: Option<Steps>,
     prbs: Option<Prbs>,
     chirp: Option<Chirp>,
@@ -167,7 +165,6 @@ fn bits_of(number: usize) -> impl Iterator<Item = bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::Protocol;
 
     #[test]
     fn the_shipped_protocol_stays_within_its_voltage_and_drives_both_ways() {
@@ -195,13 +192,16 @@ mod tests {
     #[test]
     fn a_part_may_be_left_out_but_not_all() {
         let text = "experiment: drive-excitation\nsteps: {levels: [2 V], duration: 1 s}\ntravel: 3 rad\nrepetitions: 2\n";
-        let Protocol::DriveExcitation(protocol) = Protocol::read(text).unwrap() else {
-            panic!("{text}")
-        };
+        let protocol = DriveExcitationProtocol::read(text).unwrap();
         assert_eq!((protocol.highest, protocol.travel, protocol.repetitions), (2.0, 3.0, 2));
         let empty = "experiment: drive-excitation\ntravel: 3 rad\nrepetitions: 2\n";
-        assert!(Protocol::read(empty).unwrap_err().to_string().contains("prbs"));
+        assert!(DriveExcitationProtocol::read(empty).unwrap_err().to_string().contains("prbs"));
         let much = text.replace("2 V", "61 V");
-        assert!(Protocol::read(&much).unwrap_err().to_string().contains("steps.levels[0]"));
+        assert!(
+            DriveExcitationProtocol::read(&much)
+                .unwrap_err()
+                .to_string()
+                .contains("steps.levels[0]")
+        );
     }
 }

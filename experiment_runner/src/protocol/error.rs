@@ -14,6 +14,20 @@ pub enum ProtocolError {
         /// The protocol that is nearest.
         name: &'static str,
     },
+    /// An experiment that there is not.
+    #[error("there is no experiment `{name}` that takes a protocol; expected one of {known}")]
+    Unknown {
+        /// What came.
+        name: String,
+        /// Those that there are.
+        known: String,
+    },
+    /// An experiment that takes no protocol file.
+    #[error("the experiment {name} takes no protocol; its options are those of `run`")]
+    None {
+        /// The experiment.
+        name: &'static str,
+    },
     /// A value that cannot be.
     #[error("`{key}` must be {expected}, but is {found}; change it there")]
     Value {

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::quantity::{Dimension, Quantity};
 use super::{ProtocolError, count, within};
 use crate::profile::{Profile, Segment};
@@ -70,15 +71,6 @@ impl PreSlidingProtocol {
         Profile::new(segments)
     }
 
-    /// The protocol that is part of the program.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
-    pub fn shipped() -> Result<Self, ProtocolError> {
-        let name = super::Kind::PreSliding.name();
-        super::sheet::<Sheet>(super::Kind::PreSliding.text(), name)?.try_into()
-    }
-
     /// A short form to try things out.
     #[must_use]
     pub fn quick(self) -> Self {
@@ -101,12 +93,18 @@ pub(super) fn ramp(rate: f64, up_to: f64, direction: f64) -> Profile {
     ])
 }
 
+impl ProtocolFile for PreSlidingProtocol {
+    const NAME: &'static str = "pre-sliding";
+    const TEXT: &'static str = include_str!("../../protocols/pre-sliding.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     ramps: Ramps,
     onset: OnsetSheet,
     path: Path,

@@ -3,6 +3,7 @@
 use rig_driver::HIGHEST_VOLTAGE;
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::pre_sliding::check_turns;
 use super::quantity::{Dimension, Quantity};
 use super::{ProtocolError, count, within};
@@ -29,12 +30,18 @@ impl SequenceProtocol {
     }
 }
 
+impl ProtocolFile for SequenceProtocol {
+    const NAME: &'static str = "sequence";
+    const TEXT: &'static str = include_str!("../../protocols/sequence.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     name: String,
     drive: DrivenQuantity,
     #[serde(default)]

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ProtocolFile;
 use super::quantity::{Dimension, Quantity};
 use super::{ProtocolError, count, within};
 use crate::profile::{Profile, Segment};
@@ -60,15 +61,6 @@ impl VaryingVelocityProtocol {
         ])
     }
 
-    /// The protocol that is part of the program.
-    ///
-    /// # Errors
-    /// [`ProtocolError`] if the file that is part of the program is wrong; a test reads it.
-    pub fn shipped() -> Result<Self, ProtocolError> {
-        let name = super::Kind::VaryingVelocity.name();
-        super::sheet::<Sheet>(super::Kind::VaryingVelocity.text(), name)?.try_into()
-    }
-
     /// A short form to try things out.
     #[must_use]
     pub fn quick(self) -> Self {
@@ -83,12 +75,18 @@ impl VaryingVelocityProtocol {
     }
 }
 
+impl ProtocolFile for VaryingVelocityProtocol {
+    const NAME: &'static str = "varying-velocity";
+    const TEXT: &'static str = include_str!("../../protocols/varying-velocity.yaml");
+    type Sheet = Sheet;
+}
+
 /// The file's form.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Sheet {
+pub struct Sheet {
     #[serde(rename = "experiment")]
-    _experiment: super::Kind,
+    _experiment: String,
     bias: Quantity,
     amplitude: Quantity,
     frequencies: Vec<Quantity>,

@@ -12,6 +12,7 @@ use rig_driver::RigError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::experiment::Experiment;
 use super::journal::Journal;
 use super::recorder::{Kept, Marks, Stream};
 use super::results::Reconnection;
@@ -22,7 +23,6 @@ use crate::control_loop::{ControlLoop, EPOCH_NS, RunningLoop};
 use crate::nodes::{NodesBench, Task, Wanted};
 use crate::paced::Paced;
 use crate::profile::Excitation;
-use crate::protocol::Kind;
 use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
 use rig_setup::{
@@ -32,7 +32,7 @@ use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
 
 /// The axis that a run drives.
-pub(super) enum Axis {
+pub(crate) enum Axis {
     /// A simulated one, which every run has for itself.
     Simulated,
     /// A real one, whose loop is closed here.
@@ -43,11 +43,11 @@ pub(super) enum Axis {
 }
 
 /// What all experiments of a run share.
-pub(super) struct Bench<'a> {
-    pub(super) options: &'a RunOptions,
+pub(crate) struct Bench<'a> {
+    pub(crate) options: &'a RunOptions,
     axis: Axis,
-    pub(super) progress: &'a Progress,
-    pub(super) cancel: &'a Arc<AtomicBool>,
+    pub(crate) progress: &'a Progress,
+    pub(crate) cancel: &'a Arc<AtomicBool>,
     /// Where cycles go at once.
     stream: Option<Stream>,
     /// Why the rig ended the run.
@@ -61,7 +61,7 @@ pub(super) struct Bench<'a> {
 }
 
 /// What became of a job.
-pub(super) struct Made<R> {
+pub(crate) struct Made<R> {
     /// Start of its run [ns since the Unix epoch].
     pub start_ns: u64,
     /// What goes into the bag.
@@ -158,9 +158,7 @@ fn open_nodes(
 }
 
 fn require_sensors(options: &RunOptions, sensors: SensorsPresent) -> Result<(), RunError> {
-    let experiment = options.experiment;
-    let of_torque = [Kind::VaryingVelocity, Kind::PreSliding, Kind::BreakawayRate, Kind::Sequence];
-    if !(experiment.identifies() || of_torque.into_iter().any(|kind| experiment.includes(kind))) {
+    if !options.experiment.parts().any(Experiment::reads_torque) {
         return Ok(());
     }
     match options.torque.source {
@@ -235,11 +233,7 @@ impl<'a> Bench<'a> {
     /// Puts every loop together once, so that a parameter out of range is told before anything is
     /// written.
     pub fn check(options: &RunOptions) -> Result<(), RunError> {
-        let (asked, limit) =
-            (options.drive_excitation.highest, options.test_bed.simulation.voltage_limit);
-        if options.experiment.includes(Kind::DriveExcitation) && asked > limit {
-            return Err(RunError::ExcitedTooFar { asked, limit });
-        }
+        options.experiment.parts().try_for_each(|part| part.check(options))?;
         let tasks = options.compensation.tasks.iter().map(|task| &task.protocol);
         for protocol in
             [&options.velocity_tracking, &options.position_tracking].into_iter().chain(tasks)
@@ -528,7 +522,7 @@ fn lend(
 
 /// A stop in the middle of a run, for tests: after so many jobs of whatever experiment.
 #[cfg(test)]
-pub(super) mod stop_after {
+pub(crate) mod stop_after {
     use std::cell::Cell;
     use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -7,9 +7,9 @@ use friction_ident::FrictionTorque;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::bench::{Bench, Made};
+use super::bench::Made;
+use super::experiment::{Progressed, Running};
 use super::options::stream_seed;
-use super::recorder::{Recorder, Timeline};
 use super::{RecordPolicy, RunError};
 use crate::characterise::Channels;
 use crate::characterise::channels::block_means;
@@ -22,7 +22,7 @@ const KEPT_CYCLES: f64 = 10_000.0;
 
 /// One run to be driven.
 #[derive(Debug, Clone)]
-pub(super) struct ExcitedJob {
+pub struct ExcitedJob {
     /// What it is, in words.
     pub stage: String,
     /// Which of the experiment's groups of repetitions, from 0.
@@ -39,7 +39,7 @@ pub(super) struct ExcitedJob {
 
 /// The means over the repetitions of a group, one value a cycle, as long as the shortest run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct MeanRecord {
+pub struct MeanRecord {
     /// Time [s].
     #[serde(with = "crate::exact::column")]
     pub time: Vec<f64>,
@@ -152,7 +152,7 @@ impl MeanRecord {
 }
 
 /// What the runs of an experiment gave.
-pub(super) struct Driven<R> {
+pub struct Driven<R> {
     /// What was made of each run, with its group.
     pub results: Vec<(usize, R)>,
     /// The means of each group.
@@ -161,6 +161,12 @@ pub(super) struct Driven<R> {
     pub rig_seconds: f64,
     /// Whether all were driven.
     pub completion: Completion,
+}
+
+impl<R> From<&Driven<R>> for Progressed {
+    fn from(driven: &Driven<R>) -> Self {
+        Self::new(driven.completion, driven.rig_seconds)
+    }
 }
 
 impl<R> Driven<R> {
@@ -172,7 +178,7 @@ impl<R> Driven<R> {
 
 /// Name, noise stream and displacement sensor of an experiment.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Series {
+pub struct Series {
     /// Name on `/experiment_status`.
     pub name: &'static str,
     /// Stream of the sensors' noise; no two experiments share one.
@@ -184,17 +190,20 @@ pub(super) struct Series {
     pub every_cycle: bool,
 }
 
-impl Bench<'_> {
-    /// Drives the jobs in order and makes something of each.
-    pub(super) fn drive<R: Send + Serialize + DeserializeOwned>(
-        &self,
+impl Running<'_, '_> {
+    /// Drives the jobs in order and makes something of each; what is made is kept for a run that
+    /// goes on after a stop.
+    ///
+    /// # Errors
+    /// [`RunError`] for what ends the run.
+    pub fn drive<R: Send + Serialize + DeserializeOwned>(
+        &mut self,
         series: Series,
         jobs: Vec<ExcitedJob>,
-        recorder: &mut Recorder,
-        timeline: &mut Timeline,
         reduce: impl Fn(&ExcitedJob, &Channels, &FrictionTorque) -> R + Sync,
     ) -> Result<Driven<R>, RunError> {
-        let options = self.options;
+        let Self { bench, recorder, timeline, .. } = self;
+        let options = bench.options;
         let period = options.test_bed.simulation.period;
         let jobs: Vec<(u64, u64, ExcitedJob)> = jobs
             .into_iter()
@@ -214,9 +223,9 @@ impl Bench<'_> {
         };
         let work = |(start_ns, seed, job): &(u64, u64, ExcitedJob)| {
             let mut control =
-                self.excited_loop(job.excitation.clone(), job.feed_forward, (*seed, *start_ns))?;
+                bench.excited_loop(job.excitation.clone(), job.feed_forward, (*seed, *start_ns))?;
             let start_ns = control.start_ns();
-            let mut kept = self.kept(every(job));
+            let mut kept = bench.kept(every(job));
             let mut channels = Channels::new(period);
             for _ in 0..=(job.excitation.profile.duration() / period).round() as u64 {
                 let sample = control.step()?;
@@ -240,11 +249,11 @@ impl Bench<'_> {
             completion: Completion::All,
         };
         let total = jobs.len() as f64;
-        driven.completion = self.in_order(&jobs, work, |(_, _, job), made| {
+        driven.completion = bench.in_order(&jobs, work, |(_, _, job), made| {
             let Made { start_ns, kept, result: (result, record), replayed } = made;
             let stage = format!("{}, repetition {}", job.stage, job.repetition + 1);
             if job.repetition == 0 {
-                self.progress.stage(format!("{}: {}", series.name, job.stage));
+                bench.progress.stage(format!("{}: {}", series.name, job.stage));
             }
             if every(job).is_some() && !replayed {
                 recorder.status(
@@ -256,7 +265,7 @@ impl Bench<'_> {
             }
             recorder.write(kept)?;
             let seconds = record.time.len() as f64 * period;
-            self.progress.advance(job.excitation.profile.duration());
+            bench.progress.advance(job.excitation.profile.duration());
             driven.rig_seconds += seconds;
             driven.means[job.group].add(&record);
             driven.results.push((job.group, result));

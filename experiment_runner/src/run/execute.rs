@@ -6,29 +6,21 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use friction_ident::{StribeckOptions, StribeckParameter, fit_stribeck};
 use friction_model::ModelName;
-
-use super::bench::{self, Bench, Made};
-use super::characterisation::Progressed;
-use super::journal::Journal;
-use super::options::stream_seed;
-use super::recorder::{Recorder, Timeline};
-use super::results::{
-    BagFigures, Comparison, Identification, Parameter, RunResults, Status, Timing, static_truth,
-};
-use super::tracked::{Sorted, TrackedTask};
-use super::{Characterisation, Experiment, RunError, RunOptions, page, parameter_file};
-use crate::compensation::Arm;
-use crate::constant_velocity::{SteadyJob, SteadyRun};
-use crate::control_loop::EPOCH_NS;
-use crate::protocol::Kind;
-use files::{OutputError, is_empty_or_missing, write_all};
 use recording::bag;
 use report::{linked, render_page};
-use rig_setup::RigChoice;
 use work::progress::Progress;
 use work::sequencer::Completion;
+
+use super::bench::{self, Bench};
+use super::experiment::{Found, Running};
+use super::journal::Journal;
+use super::recorder::{Recorder, Timeline};
+use super::results::{BagFigures, RunResults, Status, Timing};
+use super::{CHARACTERISE, RunError, RunOptions, page, parameter_file};
+use crate::constant_velocity::SteadyRun;
+use crate::control_loop::EPOCH_NS;
+use files::{OutputError, is_empty_or_missing, write_all};
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -38,14 +30,6 @@ pub struct Outcome {
     /// The output folder.
     pub folder: PathBuf,
 }
-
-/// One of experiments 2 to 4, or a sequence.
-type Characterise<'a> = fn(
-    &Bench<'a>,
-    &mut Characterisation,
-    &mut Recorder,
-    &mut Timeline,
-) -> Result<Progressed, RunError>;
 
 /// Folder of the bag in the run's folder.
 const BAG: &str = "bag";
@@ -128,79 +112,40 @@ pub fn execute_in(
         Beginning::Resumed(journal) => bench.keep_in(*journal),
     }
     let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
-    let compared = TrackedTask::of(options);
     let mut status = Status::Complete;
     let mut rig_seconds = 0.0;
-    let mut note = |completion: Completion| {
-        if completion != Completion::All {
-            status = Status::Interrupted;
-        }
-        completion == Completion::All
-    };
-
     let mut models = options.compensators.clone();
-    let mut steady = Vec::new();
-    let mut identification = None;
+    let mut found = Found::default();
     let mut going = true;
+    // Hours of measuring are not thrown away because no curve fits.
     let mut unfit = None;
-    if options.experiment.identifies() {
-        let (runs, completion) = bench.constant_velocity(&mut recorder, &mut timeline)?;
-        rig_seconds += options.constant_velocity.duration * runs.len() as f64;
-        steady = runs;
-        going = note(completion);
-        if going {
-            progress.stage("identify");
-            match identify(options, &steady) {
-                Ok(found) => {
-                    models = models.with_static(&found.fit.parameters)?;
-                    identification = Some(found);
-                }
-                // Hours of measuring are not thrown away because no curve fits.
-                Err(error) => {
-                    going = false;
-                    unfit = Some(error.to_string());
-                }
-            }
-        }
-    }
-
-    let mut characterisation = Characterisation::default();
-    for (kind, experiment) in [
-        (Kind::VaryingVelocity, Bench::varying_velocity as Characterise<'_>),
-        (Kind::PreSliding, Bench::pre_sliding),
-        (Kind::BreakawayRate, Bench::breakaway_rate),
-        (Kind::DriveExcitation, Bench::drive_excitation),
-        (Kind::Sequence, Bench::sequence),
-    ] {
-        if options.experiment.includes(kind) && going {
-            let progressed =
-                experiment(&bench, &mut characterisation, &mut recorder, &mut timeline)?;
-            rig_seconds += progressed.rig_seconds;
-            going = note(progressed.completion);
-        }
-    }
-
-    let arms = Arm::all(&options.means, &options.models);
-    let mut tasks = Vec::new();
-    for TrackedTask { name, protocol, stream, .. } in &compared {
+    for experiment in options.experiment.parts() {
         if !going {
             break;
         }
-        let tracked =
-            bench.track((name, protocol, *stream), &arms, &models, &mut recorder, &mut timeline)?;
-        rig_seconds += protocol.duration * tracked.runs.len() as f64;
-        going = note(tracked.completion);
-        tasks.push((Comparison::new(protocol.mode, &arms, tracked.runs), tracked.traces));
+        let progressed = experiment.carry_out(&mut Running {
+            bench: &bench,
+            recorder: &mut recorder,
+            timeline: &mut timeline,
+            models: &mut models,
+            found: &mut found,
+        })?;
+        rig_seconds += progressed.rig_seconds;
+        if progressed.completion != Completion::All {
+            status = Status::Interrupted;
+        }
+        unfit = progressed.ended;
+        going = progressed.completion == Completion::All && unfit.is_none();
     }
 
     let mut tables = None;
     if let Some(appendix) = options.appendix.filter(|_| going) {
-        let found = (appendix.compute)(options.seed, options.workers, progress, cancel)?;
+        let computed = (appendix.compute)(options.seed, options.workers, progress, cancel)?;
         rig_seconds += (appendix.rig_seconds)();
-        if !found.complete {
+        if !computed.complete {
             status = Status::Interrupted;
         }
-        tables = Some(found);
+        tables = Some(computed);
     }
 
     // The rig is let go before the report is written.
@@ -220,15 +165,13 @@ pub fn execute_in(
     let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
     let name = format!("`run {}` in {}", options.experiment.as_str(), folder.display());
     let parameters =
-        parameter_file::render(options, &models, chosen, identification.as_ref(), &name)?;
+        parameter_file::render(options, &models, chosen, found.identification.as_ref(), &name)?;
     let (parameters, origin) = (parameters.text, parameters.origins);
     recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
     let bag = recorder.finish()?;
     let wall_seconds = started.elapsed().as_secs_f64();
-    let mut sorted = Sorted::default();
-    for (task, (comparison, traces)) in compared.into_iter().zip(tasks) {
-        sorted.take(task, comparison, traces);
-    }
+    let Found { steady, identification, characterisation, tracked, own, blocks, tables: of_own } =
+        found;
     let results = RunResults {
         program_version: env!("CARGO_PKG_VERSION"),
         status: if ended.is_some() { Status::Interrupted } else { status },
@@ -240,10 +183,11 @@ pub fn execute_in(
         constant_velocity: steady,
         identification,
         characterisation,
-        velocity_tracking: sorted.velocity,
-        position_tracking: sorted.position,
-        compensation: sorted.tasks,
+        velocity_tracking: tracked.velocity,
+        position_tracking: tracked.position,
+        compensation: tracked.tasks,
         thesis_tables: tables,
+        own,
         bag: BagFigures {
             folder: BAG,
             messages: bag.messages,
@@ -257,10 +201,11 @@ pub fn execute_in(
     let mut files = vec![("parameters.yaml", parameters), ("run.json", json)];
     let tables = &results.characterisation.records;
     files.extend(tables.iter().map(|(name, record)| (name.as_str(), record.csv())));
-    if options.experiment == Experiment::Characterise && !results.constant_velocity.is_empty() {
+    files.extend(of_own.iter().map(|(name, table)| (name.as_str(), table.clone())));
+    if options.experiment.as_str() == CHARACTERISE && !results.constant_velocity.is_empty() {
         files.push(("steady_points.csv", steady_points(&results.constant_velocity)));
     }
-    let page = page::build(&results, &models, &sorted.traces);
+    let page = page::build(&results, &models, &tracked.traces, blocks);
     let report =
         render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
     files.push(("report.html", report));
@@ -337,98 +282,6 @@ fn require_empty(folder: &Path) -> Result<(), RunError> {
         Ok(true) => Ok(()),
         Ok(false) => Err(OutputError::NotEmpty(folder.to_owned()).into()),
         Err(source) => Err(OutputError::Write { path: folder.to_owned(), source }.into()),
-    }
-}
-
-/// Fits the Stribeck curve to the first set and tries it on the others.
-fn identify(options: &RunOptions, steady: &[SteadyRun]) -> Result<Identification, RunError> {
-    let points: Vec<_> = steady.iter().filter(|run| run.set == 0).map(SteadyRun::point).collect();
-    let fit =
-        fit_stribeck(&points, &StribeckOptions::default()).map_err(RunError::Identification)?;
-    let squares: Vec<f64> = steady
-        .iter()
-        .filter(|run| run.set != 0)
-        .map(|run| (run.torque - fit.torque(run.velocity)).powi(2))
-        .collect();
-    let mse_validation =
-        (!squares.is_empty()).then(|| squares.iter().sum::<f64>() / squares.len() as f64);
-    let truth = match options.rig {
-        RigChoice::Simulated => static_truth(&options.test_bed.friction),
-        _ => [None; 4],
-    };
-    let units = ["N m", "N m", "rad/s", "N m s/rad"];
-    let parameters = StribeckParameter::ALL
-        .into_iter()
-        .zip(units)
-        .zip(truth)
-        .map(|((parameter, unit), truth)| Parameter {
-            name: parameter.name(),
-            unit,
-            estimate: fit.estimate(parameter),
-            truth,
-        })
-        .collect();
-    Ok(Identification { mse_identification: fit.mse, mse_validation, parameters, fit })
-}
-
-impl Bench<'_> {
-    /// Experiment 1, both sets.
-    fn constant_velocity(
-        &self,
-        recorder: &mut Recorder,
-        timeline: &mut Timeline,
-    ) -> Result<(Vec<SteadyRun>, Completion), RunError> {
-        let protocol = &self.options.constant_velocity;
-        let jobs: Vec<(u64, u64, SteadyJob)> = SteadyJob::all(protocol)
-            .into_iter()
-            .zip(0..)
-            .map(|(job, index)| {
-                (timeline.start_of(protocol.duration), stream_seed(self.options.seed, index), job)
-            })
-            .collect();
-        let work = |&(start_ns, seed, job): &(u64, u64, SteadyJob)| {
-            let bed = &self.options.test_bed;
-            // Nothing compensates here: the observer only keeps the recorder's topics alike.
-            let observer = self.options.compensators.get(ModelName::Proposed);
-            let task = (SteadyJob::MODE, job.reference());
-            let control = self.control_loop(bed, task, &observer, None, (seed, start_ns))?;
-            let start_ns = control.start_ns();
-            let mut kept = self.kept(self.options.record.every_of_steady(&job));
-            let run =
-                job.run(protocol, &self.options.torque, control, |sample| kept.add(sample))?;
-            Ok(Made { start_ns, kept, result: run, replayed: false })
-        };
-        let total = jobs.len() as f64;
-        let mut runs: Vec<SteadyRun> = Vec::with_capacity(jobs.len());
-        let completion = self.in_order(&jobs, work, |(_, _, job), made| {
-            let Made { start_ns, kept, result: run, replayed } = made;
-            let stage = format!(
-                "set {} of {}, repetition {}",
-                job.set + 1,
-                protocol.sets,
-                job.repetition + 1
-            );
-            if runs
-                .last()
-                .is_none_or(|last| (last.set, last.repetition) != (job.set, job.repetition))
-            {
-                self.progress.stage(format!("friction: {stage}"));
-                if !replayed {
-                    recorder.status(
-                        start_ns,
-                        "constant-velocity",
-                        &stage,
-                        runs.len() as f64 / total,
-                    )?;
-                }
-            }
-            recorder.write(kept)?;
-            self.progress.advance(protocol.duration);
-            runs.push(run);
-            Ok(())
-        })?;
-        recorder.flush()?;
-        Ok((runs, completion))
     }
 }
 

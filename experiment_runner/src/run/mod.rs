@@ -5,38 +5,29 @@
 //! same figures, on any number of cores.
 
 mod appendix;
-mod bench;
+pub(crate) mod bench;
 mod characterisation;
 mod characterisation_page;
-#[cfg(test)]
-mod characterisation_tests;
 mod comparison_page;
-#[cfg(test)]
-mod compensation_tests;
 mod compensators;
 mod controller_parameters;
 mod differences;
 mod error;
-mod excited;
+pub mod excited;
 mod execute;
+pub mod experiment;
 mod given;
 mod journal;
-mod options;
+pub(crate) mod options;
 mod origin;
 mod page;
 mod parameter_file;
-#[cfg(test)]
-mod provenance_tests;
-mod recorder;
-mod results;
-#[cfg(test)]
-mod resume_tests;
+pub(crate) mod recorder;
+pub(crate) mod results;
 mod sequence_page;
-#[cfg(test)]
-mod supervision_tests;
 pub mod terminal;
 mod trace;
-mod tracked;
+pub(crate) mod tracked;
 
 pub use appendix::{Appended, Appendix, Beside};
 pub use characterisation::{BreakawayFigures, Characterisation, ClosureFigures, LagFigures};
@@ -46,8 +37,11 @@ pub use error::RunError;
 pub use execute::{Beginning, Outcome, check, check_options, execute, execute_in};
 pub use given::{Given, read as read_parameter_file, read_controller};
 pub use journal::Journal;
-pub use options::{Experiment, Pace, ProfileUsed, RecordPolicy, RunOptions, shipped};
+pub use options::{Pace, ProfileUsed, RecordPolicy, RunOptions};
 pub use origin::{Origin, Origins};
 #[cfg(feature = "ros")]
 pub use parameter_file::render_bed as render_parameter_file;
 pub use results::{Comparison, Identification, RunResults, Session, Status, TaskComparison};
+
+/// Name of the selection that leaves its steady points in a table of their own.
+pub const CHARACTERISE: &str = "characterise";

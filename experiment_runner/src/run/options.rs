@@ -6,114 +6,18 @@ use friction_model::ModelName;
 use rig_driver::Calibration;
 use serde::{Deserialize, Serialize};
 
+use super::experiment::Selection;
 use super::{Compensators, Origins};
 use crate::characterise::TorqueReading;
 use crate::compensation::{Arm, Means};
 use crate::constant_velocity::SteadyJob;
 use crate::protocol::{
     BreakawayRateProtocol, CompensationProtocol, ConstantVelocityProtocol, DriveExcitationProtocol,
-    Kind, PreSlidingProtocol, Protocol, ProtocolError, SequenceProtocol, TrackingProtocol,
-    VaryingVelocityProtocol,
+    PreSlidingProtocol, SequenceProtocol, TrackingProtocol, VaryingVelocityProtocol,
 };
 use crate::test_bed::TestBed;
 use crate::tracking::TrackingJob;
 use rig_setup::{RigChoice, RigDescription, RigLimits};
-
-/// Which experiments a run is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Experiment {
-    /// Characterise, identify, compensate with what was identified, compare
-    #[default]
-    All,
-    /// Friction at constant velocities, and the Stribeck curve through them
-    ConstantVelocity,
-    /// Experiments 1 to 4: constant and varying velocity, pre-sliding, breakaway against rate
-    Characterise,
-    /// Friction under a velocity that varies without a reversal: frictional lag
-    VaryingVelocity,
-    /// Breakaway by slow ramps of torque, and hysteresis below it
-    PreSliding,
-    /// Breakaway against the rate of the torque
-    BreakawayRate,
-    /// Voltage that shows the drive: steps, a binary sequence, a chirp, a slow triangle;
-    /// `identify-drive` reads its bag
-    DriveExcitation,
-    /// A sequence of one's own, from `--protocol FILE`
-    Sequence,
-    /// Compensations compared: tracking and regulation of velocity and position
-    Compensation,
-    /// Follow a sine of velocity with and without compensation
-    VelocityTracking,
-    /// Follow a sine of position with and without compensation
-    PositionTracking,
-}
-
-impl Experiment {
-    /// Whether the steady characteristic is measured and identified.
-    #[must_use]
-    pub const fn identifies(self) -> bool {
-        matches!(self, Self::All | Self::ConstantVelocity | Self::Characterise)
-    }
-
-    /// Whether velocity tracking is run.
-    #[must_use]
-    pub const fn tracks_velocity(self) -> bool {
-        matches!(self, Self::All | Self::VelocityTracking)
-    }
-
-    /// Whether position tracking is run.
-    #[must_use]
-    pub const fn tracks_position(self) -> bool {
-        matches!(self, Self::All | Self::PositionTracking)
-    }
-
-    /// Whether the experiment of that kind of protocol is part of it.
-    #[must_use]
-    pub const fn includes(self, kind: Kind) -> bool {
-        match kind {
-            Kind::ConstantVelocity => self.identifies(),
-            Kind::VaryingVelocity => matches!(self, Self::Characterise | Self::VaryingVelocity),
-            Kind::PreSliding => matches!(self, Self::Characterise | Self::PreSliding),
-            Kind::BreakawayRate => matches!(self, Self::Characterise | Self::BreakawayRate),
-            Kind::Compensation => matches!(self, Self::Compensation),
-            Kind::DriveExcitation => matches!(self, Self::DriveExcitation),
-            Kind::Sequence => matches!(self, Self::Sequence),
-        }
-    }
-
-    /// The experiment of that kind of protocol alone.
-    #[must_use]
-    pub const fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::ConstantVelocity => Self::ConstantVelocity,
-            Kind::VaryingVelocity => Self::VaryingVelocity,
-            Kind::PreSliding => Self::PreSliding,
-            Kind::BreakawayRate => Self::BreakawayRate,
-            Kind::Compensation => Self::Compensation,
-            Kind::DriveExcitation => Self::DriveExcitation,
-            Kind::Sequence => Self::Sequence,
-        }
-    }
-
-    /// The name on the command line.
-    #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::All => "all",
-            Self::ConstantVelocity => "constant-velocity",
-            Self::Characterise => "characterise",
-            Self::VaryingVelocity => "varying-velocity",
-            Self::PreSliding => "pre-sliding",
-            Self::BreakawayRate => "breakaway-rate",
-            Self::DriveExcitation => "drive-excitation",
-            Self::Sequence => "sequence",
-            Self::Compensation => "compensation",
-            Self::VelocityTracking => "velocity-tracking",
-            Self::PositionTracking => "position-tracking",
-        }
-    }
-}
 
 /// How much of a run goes into the bag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -185,7 +89,7 @@ pub struct ProfileUsed {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunOptions {
     /// Which experiments.
-    pub experiment: Experiment,
+    pub experiment: Selection,
     /// Which rig. A real one takes the simulated one's place in the bench: its period, and its
     /// voltage limit where that is lower.
     pub rig: RigChoice,
@@ -243,19 +147,6 @@ pub struct RunOptions {
 }
 
 impl RunOptions {
-    /// Takes a protocol in, in place of the one of the same kind.
-    pub fn set(&mut self, protocol: Protocol) {
-        match protocol {
-            Protocol::ConstantVelocity(protocol) => self.constant_velocity = protocol,
-            Protocol::VaryingVelocity(protocol) => self.varying_velocity = protocol,
-            Protocol::PreSliding(protocol) => self.pre_sliding = protocol,
-            Protocol::BreakawayRate(protocol) => self.breakaway_rate = protocol,
-            Protocol::Compensation(protocol) => self.compensation = protocol,
-            Protocol::DriveExcitation(protocol) => self.drive_excitation = protocol,
-            Protocol::Sequence(protocol) => self.sequence = Some(protocol),
-        }
-    }
-
     /// Compensations compared: none, and each model.
     #[must_use]
     pub fn arms(&self) -> usize {
@@ -265,28 +156,8 @@ impl RunOptions {
     /// Time that the run would take on a rig [s].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
-        let mut seconds = 0.0;
-        for (kind, of_kind) in [
-            (Kind::VaryingVelocity, self.varying_velocity.rig_seconds()),
-            (Kind::PreSliding, self.pre_sliding.rig_seconds()),
-            (Kind::BreakawayRate, self.breakaway_rate.rig_seconds()),
-            (Kind::Compensation, self.compensation.rig_seconds(self.arms())),
-            (Kind::DriveExcitation, self.drive_excitation.rig_seconds()),
-            (Kind::Sequence, self.sequence.as_ref().map_or(0.0, SequenceProtocol::rig_seconds)),
-        ] {
-            if self.experiment.includes(kind) {
-                seconds += of_kind;
-            }
-        }
-        if self.experiment.identifies() {
-            seconds += self.constant_velocity.rig_seconds();
-        }
-        if self.experiment.tracks_velocity() {
-            seconds += self.velocity_tracking.rig_seconds(self.arms());
-        }
-        if self.experiment.tracks_position() {
-            seconds += self.position_tracking.rig_seconds(self.arms());
-        }
+        let of_parts = self.experiment.parts().map(|part| part.rig_seconds(self));
+        let mut seconds: f64 = of_parts.sum();
         if let Some(appendix) = self.appendix {
             seconds += (appendix.rig_seconds)();
         }
@@ -294,22 +165,9 @@ impl RunOptions {
     }
 }
 
-/// The protocols of experiments 2 to 4 that are part of the program.
-///
-/// # Errors
-/// [`ProtocolError`] if a file that is part of the program is wrong; a test reads them all.
-pub fn shipped()
--> Result<(VaryingVelocityProtocol, PreSlidingProtocol, BreakawayRateProtocol), ProtocolError> {
-    Ok((
-        VaryingVelocityProtocol::shipped()?,
-        PreSlidingProtocol::shipped()?,
-        BreakawayRateProtocol::shipped()?,
-    ))
-}
-
 /// Independent streams from one seed (the finaliser of SplitMix64, Steele, Lea and Flood 2014).
 #[must_use]
-pub(super) fn stream_seed(seed: u64, stream: u64) -> u64 {
+pub(crate) fn stream_seed(seed: u64, stream: u64) -> u64 {
     let mut z = seed.wrapping_add(stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -317,21 +175,22 @@ pub(super) fn stream_seed(seed: u64, stream: u64) -> u64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use friction_model::AnyModel;
 
     use super::*;
+    use crate::experiments;
+    use crate::protocol::ProtocolFile;
 
     /// A run so short that a test can afford it.
     pub fn options() -> RunOptions {
         let simulation = rig_driver::SimulationOptions::default();
-        let shipped = shipped().unwrap();
         RunOptions {
             rig: RigChoice::Simulated,
             rig_profile: None,
             calibration: None,
             limits: RigLimits::default(),
-            experiment: Experiment::All,
+            experiment: experiments::whole_job(),
             test_bed: TestBed {
                 simulation: Default::default(),
                 friction: AnyModel::test_bed(ModelName::Proposed),
@@ -346,9 +205,9 @@ pub(super) mod tests {
             pace: Pace::Offline,
             record: RecordPolicy::Thinned,
             constant_velocity: ConstantVelocityProtocol::quick(),
-            varying_velocity: shipped.0.quick(),
-            pre_sliding: shipped.1.quick(),
-            breakaway_rate: shipped.2.quick(),
+            varying_velocity: VaryingVelocityProtocol::shipped().unwrap().quick(),
+            pre_sliding: PreSlidingProtocol::shipped().unwrap().quick(),
+            breakaway_rate: BreakawayRateProtocol::shipped().unwrap().quick(),
             drive_excitation: DriveExcitationProtocol::shipped().unwrap(),
             sequence: None,
             compensation: CompensationProtocol::shipped().unwrap().repeated(1),

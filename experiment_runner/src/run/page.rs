@@ -11,6 +11,7 @@ use super::trace::Trace;
 use crate::characterise::Measured;
 use crate::compensation::Arm;
 use crate::constant_velocity::SteadyRun;
+use crate::protocol::{ConstantVelocityProtocol, ProtocolFile};
 use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace as Drawn};
 use report::numbers;
 use rig_setup::RigChoice;
@@ -20,6 +21,7 @@ pub(super) fn build(
     results: &RunResults,
     models: &Compensators,
     traces: &[(String, Vec<(Arm, Trace)>)],
+    own: Vec<Block>,
 ) -> Page {
     let options = &results.options;
     let mut blocks = vec![summary(results)];
@@ -60,6 +62,7 @@ pub(super) fn build(
         blocks.push(Block::Table(comparison_table(&title, comparison)));
         blocks.push(Block::Figure(tracking_figure(&title, comparison.mode, of_task)));
     }
+    blocks.extend(own);
     blocks.extend(results.thesis_tables.iter().flat_map(|found| found.blocks.clone()));
     blocks.push(Block::Heading("How this was made".to_owned()));
     blocks.push(Block::Text(how(results)));
@@ -298,7 +301,7 @@ fn how(results: &RunResults) -> String {
         numbers::plain(simulation.voltage_limit, 6),
         1.0 / simulation.period
     );
-    if options.experiment.identifies() {
+    if options.experiment.includes(ConstantVelocityProtocol::NAME) {
         text += &format!(
             "Constant velocities: {} from {} to {} rad/s, {} s each of which {} s count, {}, {}. ",
             p.velocities.len(),
@@ -317,7 +320,9 @@ fn how(results: &RunResults) -> String {
              show, are those the run was given. "
         }
         (None, true) => "The observers compensate with the parameters that the run was given. ",
-        (None, false) if options.experiment.identifies() => "Nothing was identified. ",
+        (None, false) if options.experiment.includes(ConstantVelocityProtocol::NAME) => {
+            "Nothing was identified. "
+        }
         _ => "",
     };
     text += "Sensors have noise and converter steps; the observers run on the tachometer.";

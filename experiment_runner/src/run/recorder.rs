@@ -28,7 +28,7 @@ const FLUSH: Duration = Duration::from_millis(500);
 
 /// Hands out the time at which each run starts: one after the other, as on a rig.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Timeline {
+pub(crate) struct Timeline {
     next_ns: u64,
 }
 
@@ -49,7 +49,7 @@ impl Timeline {
 /// Where the cycles of runs in real time go at once: whatever ends such a run, what it measured is
 /// kept.
 #[derive(Clone)]
-pub(super) struct Stream {
+pub(crate) struct Stream {
     cycles: SyncSender<Streamed>,
     lost: Arc<AtomicU64>,
 }
@@ -63,7 +63,7 @@ enum Streamed {
 
 /// Cycles of one run that go into the bag, encoded on the thread that ran it.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(crate) struct Kept {
     every: Option<u64>,
     cycles: Vec<EncodedCycle>,
     stream: Option<Stream>,
@@ -100,7 +100,7 @@ impl Kept {
 }
 
 /// The bag that is being written.
-pub(super) struct Recorder {
+pub(crate) struct Recorder {
     writing: Arc<Mutex<Writing>>,
     bag_path: String,
     stream: Option<(Stream, JoinHandle<Result<(), BagError>>)>,
@@ -112,7 +112,7 @@ struct Writing {
 }
 
 /// Marks in the bag what was repeated.
-pub(super) struct Marks {
+pub(crate) struct Marks {
     writing: Arc<Mutex<Writing>>,
     bag_path: String,
 }

@@ -1,10 +1,13 @@
 //! What a run found: the content of `run.json`.
 
+use std::collections::BTreeMap;
+
 use controller::ControlMode;
 use friction_ident::statistics::Sample;
 use friction_ident::{StribeckEstimate, StribeckFit};
 use friction_model::AnyModel;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::{Appended, Characterisation, Origins, RunOptions};
 use crate::compensation::{Arm, LimitCycle};
@@ -55,6 +58,9 @@ pub struct RunResults {
     pub compensation: Vec<TaskComparison>,
     /// What was computed besides.
     pub thesis_tables: Option<Appended>,
+    /// Figures of experiments that are not part of this crate, by name.
+    #[serde(flatten)]
+    pub own: BTreeMap<String, Value>,
     /// The bag.
     pub bag: BagFigures,
     /// How long it took: the only part that differs between two runs with the same seed.
@@ -186,7 +192,7 @@ pub struct Parameter {
 /// The plant's value of the static parameters `f_s`, `f_c`, `v_s`, `f_v`, as far as its model has
 /// them.
 #[must_use]
-pub(super) fn static_truth(plant: &AnyModel) -> [Option<f64>; 4] {
+pub(crate) fn static_truth(plant: &AnyModel) -> [Option<f64>; 4] {
     ["f_s", "f_c", "v_s", "f_v"].map(|name| plant.parameter(name))
 }
 

@@ -6,7 +6,7 @@ use crate::cycle::CycleSample;
 
 /// Signals over time, kept at a tenth of the loop's rate.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Trace {
+pub(crate) struct Trace {
     /// Time [s].
     #[serde(with = "crate::exact::column")]
     pub t: Vec<f64>,

@@ -3,12 +3,12 @@
 use controller::ControlMode;
 use friction_model::ModelName;
 
-use super::bench::{Bench, Made};
+use super::RunError;
+use super::bench::Made;
+use super::experiment::{Progressed, Running};
 use super::options::stream_seed;
-use super::recorder::{Recorder, Timeline};
 use super::results::{Comparison, TaskComparison};
 use super::trace::Trace;
-use super::{Compensators, Experiment, RunError, RunOptions};
 use crate::compensation::Arm;
 use crate::protocol::TrackingProtocol;
 use crate::tracking::{TrackingJob, TrackingRun};
@@ -16,7 +16,7 @@ use work::sequencer::Completion;
 
 /// One task of a run.
 #[derive(Debug, Clone)]
-pub(super) struct TrackedTask {
+pub(crate) struct TrackedTask {
     /// Name in tables.
     pub name: String,
     /// What is driven.
@@ -27,44 +27,9 @@ pub(super) struct TrackedTask {
     pub compared: bool,
 }
 
-impl TrackedTask {
-    /// Every task of the run, in its order.
-    pub fn of(options: &RunOptions) -> Vec<Self> {
-        let mut tasks = Vec::new();
-        for (wanted, name, protocol, stream) in [
-            (
-                options.experiment.tracks_velocity(),
-                "velocity tracking",
-                &options.velocity_tracking,
-                1 << 32,
-            ),
-            (
-                options.experiment.tracks_position(),
-                "position tracking",
-                &options.position_tracking,
-                2 << 32,
-            ),
-        ] {
-            if wanted {
-                let protocol = protocol.clone();
-                tasks.push(Self { name: name.to_owned(), protocol, stream, compared: false });
-            }
-        }
-        if options.experiment == Experiment::Compensation {
-            tasks.extend(options.compensation.tasks.iter().zip(3u64..).map(|(task, n)| Self {
-                name: task.name.clone(),
-                protocol: task.protocol.clone(),
-                stream: n << 32,
-                compared: true,
-            }));
-        }
-        tasks
-    }
-}
-
 /// What the tasks found, where the results have a place for it.
 #[derive(Debug, Default)]
-pub(super) struct Sorted {
+pub(crate) struct Sorted {
     /// Velocity tracking.
     pub velocity: Option<Comparison>,
     /// Position tracking.
@@ -103,16 +68,24 @@ pub(super) struct Tracked {
     pub completion: Completion,
 }
 
-impl Bench<'_> {
-    /// One task, with its name and its stream of noise, under each compensation.
-    pub(super) fn track(
-        &self,
+impl Running<'_, '_> {
+    /// One task under each compensation, its runs side by side.
+    pub(crate) fn compare(&mut self, task: TrackedTask) -> Result<Progressed, RunError> {
+        let options = self.options();
+        let arms = Arm::all(&options.means, &options.models);
+        let tracked = self.track((&task.name, &task.protocol, task.stream), &arms)?;
+        let rig_seconds = task.protocol.duration * tracked.runs.len() as f64;
+        let comparison = Comparison::new(task.protocol.mode, &arms, tracked.runs);
+        self.found.tracked.take(task, comparison, tracked.traces);
+        Ok(Progressed::new(tracked.completion, rig_seconds))
+    }
+
+    fn track(
+        &mut self,
         (name, protocol, stream): (&str, &TrackingProtocol, u64),
         arms: &[Arm],
-        models: &Compensators,
-        recorder: &mut Recorder,
-        timeline: &mut Timeline,
     ) -> Result<Tracked, RunError> {
+        let Self { bench, recorder, timeline, models, .. } = self;
         let jobs: Vec<(u64, TrackingJob)> = TrackingJob::all(protocol, arms)
             .into_iter()
             .map(|job| (timeline.start_of(protocol.duration), job))
@@ -120,14 +93,14 @@ impl Bench<'_> {
         let work = |&(start_ns, job): &(u64, TrackingJob)| {
             // Repetition n has the same noise under every compensation: differences are the
             // compensation's.
-            let seed = stream_seed(self.options.seed, stream + u64::from(job.repetition));
+            let seed = stream_seed(bench.options.seed, stream + u64::from(job.repetition));
             let model = models.get(job.arm.model().unwrap_or(ModelName::Proposed));
-            let bed = self.options.test_bed.with_inverse(protocol.inverse);
+            let bed = bench.options.test_bed.with_inverse(protocol.inverse);
             let task = (protocol.mode, protocol.reference);
             let control =
-                self.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
+                bench.control_loop(&bed, task, &model, job.arm.means(), (seed, start_ns))?;
             let start_ns = control.start_ns();
-            let mut kept = self.kept(Some(self.options.record.every_of_tracking(&job)));
+            let mut kept = bench.kept(Some(bench.options.record.every_of_tracking(&job)));
             let mut trace = Trace::default();
             let run = job.run(protocol, control, |sample| {
                 kept.add(sample);
@@ -140,18 +113,18 @@ impl Bench<'_> {
         let total = jobs.len() as f64;
         let mut runs: Vec<TrackingRun> = Vec::with_capacity(jobs.len());
         let mut traces = Vec::new();
-        let completion = self.in_order(&jobs, work, |(_, job), made| {
+        let completion = bench.in_order(&jobs, work, |(_, job), made| {
             let Made { start_ns, kept, result: (run, trace), replayed } = made;
             let stage = format!("compensation {}", job.arm);
             if job.repetition == 0 {
-                self.progress.stage(format!("{name}: {}", job.arm));
+                bench.progress.stage(format!("{name}: {}", job.arm));
                 if !replayed {
                     recorder.status(start_ns, name, &stage, runs.len() as f64 / total)?;
                 }
                 traces.push((job.arm, trace));
             }
             recorder.write(kept)?;
-            self.progress.advance(protocol.duration);
+            bench.progress.advance(protocol.duration);
             runs.push(run);
             Ok(())
         })?;

@@ -2,35 +2,33 @@
 
 use std::path::PathBuf;
 
-use clap::{Arg, ValueEnum};
+use clap::Arg;
 use msgs::friction_msgs::{ExperimentDescription, ExperimentParameter};
 
 use super::permissions::Permissions;
 use super::request::{ExperimentRequest, NOT_OF_RUN, run_command};
-use crate::run::Experiment;
+use crate::experiments;
+use crate::run::experiment::Selection;
 use rig_setup::RigChoice;
 
 /// Every experiment, with what it can be told and how long it takes.
 #[must_use]
-pub fn experiments() -> Vec<ExperimentDescription> {
+pub fn descriptions() -> Vec<ExperimentDescription> {
     let parameters = parameters();
-    Experiment::value_variants()
+    experiments::selections()
         .iter()
         .map(|experiment| ExperimentDescription {
             name: experiment.as_str().to_owned(),
-            description: experiment
-                .to_possible_value()
-                .and_then(|value| value.get_help().map(ToString::to_string))
-                .unwrap_or_default(),
-            duration: duration(*experiment, false),
-            quick_duration: duration(*experiment, true),
+            description: experiment.about().to_owned(),
+            duration: duration(experiment, false),
+            quick_duration: duration(experiment, true),
             parameters: parameters.clone(),
         })
         .collect()
 }
 
 /// Time the experiment takes in real time [s]; not a number where it needs a file that says so.
-fn duration(experiment: Experiment, quick: bool) -> f64 {
+fn duration(experiment: &Selection, quick: bool) -> f64 {
     let quick =
         quick.then(|| msgs::friction_msgs::Setting { name: "quick".into(), value: String::new() });
     let request = ExperimentRequest {
@@ -74,8 +72,8 @@ mod tests {
 
     #[test]
     fn every_experiment_says_what_it_does_and_how_long_it_takes() {
-        let listed = experiments();
-        assert_eq!(listed.len(), Experiment::value_variants().len());
+        let listed = descriptions();
+        assert_eq!(listed.len(), experiments::selections().len());
         for experiment in &listed {
             assert!(!experiment.description.is_empty(), "{experiment:?}");
             if experiment.name != "sequence" {

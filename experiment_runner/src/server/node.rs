@@ -200,7 +200,7 @@ impl Runner {
             start(&starts, asked.into())
         })?;
         node.serve::<ListExperiments>("~/list_experiments", |_| ListExperimentsResponse {
-            experiments: listing::experiments(),
+            experiments: listing::descriptions(),
         })?;
         node.serve::<Identify>("~/identify", move |asked| {
             identification::identify(&asked, &for_recordings, &cancel)

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::builder::ValueParser;
-use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser, ValueEnum};
+use clap::{Arg, Args, Command, CommandFactory, FromArgMatches, Parser};
 use msgs::friction_msgs::{IdentifyRequest, RunExperimentGoal, Setting, StartExperimentRequest};
 use rig_driver::safety::SafetyLimits;
 
@@ -11,7 +11,9 @@ use super::Refusal;
 use super::permissions::Permissions;
 use crate::asked::RunArgs;
 use crate::asked::rig::choose;
-use crate::run::{Experiment, RunOptions};
+use crate::experiments;
+use crate::run::RunOptions;
+use crate::run::experiment::Selection;
 use identification::asked::IdentifyArgs;
 use rig_setup::RigChoice;
 
@@ -97,18 +99,12 @@ impl ExperimentRequest {
         usual: &RigChoice,
         permissions: &Permissions,
     ) -> Result<RunOptions, Refusal> {
-        let known = || {
-            let names: Vec<&str> =
-                Experiment::value_variants().iter().map(|e| e.as_str()).collect();
-            names.join(", ")
-        };
-        let Some(experiment) =
-            Experiment::value_variants().iter().find(|e| e.as_str() == self.experiment)
-        else {
+        let Some(experiment) = experiments::selection(&self.experiment) else {
+            let known: Vec<_> = experiments::selections().iter().map(Selection::as_str).collect();
             return Err(Refusal::BadRequest(format!(
                 "there is no experiment `{}`; expected one of {}",
                 self.experiment,
-                known()
+                known.join(", ")
             )));
         };
         let mut line = vec![experiment.as_str().to_owned()];
@@ -317,7 +313,7 @@ mod tests {
             )
         };
         let options = asked.options(&RigChoice::Simulated, &permitted()).unwrap();
-        assert_eq!(options.experiment, Experiment::PositionTracking);
+        assert_eq!(options.experiment.as_str(), "position-tracking");
         assert_eq!(options.models, [ModelName::LuGre, ModelName::Dahl]);
         assert_eq!((options.seed, options.position_tracking.repetitions), (7, 3));
         assert_eq!(options.test_bed.simulation.voltage_limit, 4.5);

@@ -1,6 +1,6 @@
 //! `frictionlab protocols`: the experiments as files.
 
-use experiment_runner::protocol::Kind;
+use experiment_runner::experiments;
 use work::BadInput;
 use work::saying::print;
 use work::suggestion::did_you_mean;
@@ -26,22 +26,25 @@ pub struct ProtocolsArgs {
 /// # Errors
 /// [`BadInput`] for a name that there is not.
 pub fn execute(args: &ProtocolsArgs) -> anyhow::Result<()> {
+    let known = experiments::all();
+    let protocols: Vec<_> =
+        known.iter().filter_map(|one| Some((one.name(), one.about(), one.protocol()?))).collect();
     let Some(name) = &args.name else {
         if args.json {
-            let one =
-                |kind: Kind| serde_json::json!({"name": kind.name(), "what": kind.describe()});
-            let protocols = Kind::ALL.map(one);
+            let one = |(name, what, _): &_| serde_json::json!({"name": name, "what": what});
+            let protocols: Vec<_> = protocols.iter().map(one).collect();
             let list = serde_json::json!({"format": "frictionlab-protocols", "format_version": 1, "protocols": protocols});
             return print(&format!("{list:#}\n"));
         }
-        let line = |kind: Kind| format!("{:<18} {}\n", kind.name(), kind.describe());
-        return print(&Kind::ALL.map(line).concat());
+        let line = |(name, what, _): &_| format!("{name:<18} {what}\n");
+        return print(&protocols.iter().map(line).collect::<String>());
     };
-    match Kind::ALL.into_iter().find(|kind| kind.name() == name) {
-        Some(kind) => print(kind.text()),
+    match protocols.iter().find(|protocol| protocol.0 == name) {
+        Some((_, _, text)) => print(text),
         None => {
-            let names = Kind::ALL.map(Kind::name).join(", ");
-            let meant = did_you_mean(name, Kind::ALL.map(Kind::name));
+            let names: Vec<_> = protocols.iter().map(|protocol| protocol.0).collect();
+            let meant = did_you_mean(name, names.iter().copied());
+            let names = names.join(", ");
             Err(BadInput(format!("there is no protocol `{name}`; expected one of {names}{meant}"))
                 .into())
         }

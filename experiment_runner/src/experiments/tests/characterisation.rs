@@ -9,10 +9,13 @@ use friction_model::AnyModel;
 use msgs::friction_msgs::ExperimentStatus;
 use rig_driver::Sensors;
 
-use super::options::tests::options;
-use super::*;
 use crate::characterise::Measured;
 use crate::constant_velocity::SteadyRun;
+use crate::experiments;
+use crate::protocol::{PreSlidingProtocol, ProtocolFile};
+use crate::run::experiment::Selection;
+use crate::run::options::tests::options;
+use crate::run::*;
 use recording::bag::BagReader;
 use work::progress::Progress;
 
@@ -21,7 +24,7 @@ fn run(options: &RunOptions, folder: &Path) -> RunResults {
     execute(options, folder, &progress, &Arc::default()).unwrap().results
 }
 
-fn of(experiment: Experiment) -> RunOptions {
+fn of(experiment: Selection) -> RunOptions {
     let mut options = RunOptions { experiment, ..options() };
     options.varying_velocity.repetitions = 4;
     options.pre_sliding.repetitions = 4;
@@ -41,7 +44,9 @@ fn with_lag(plant: &AnyModel) -> AnyModel {
 #[test]
 fn slow_ramps_break_away_where_the_thesis_says() {
     let root = tempfile::tempdir().unwrap();
-    let found = run(&of(Experiment::PreSliding), &root.path().join("run")).characterisation;
+    let found =
+        run(&of(Selection::alone(Arc::new(experiments::PreSliding))), &root.path().join("run"))
+            .characterisation;
     assert_eq!((found.ramps.len(), found.notes.len()), (2, 0), "{:?}", found.notes);
     for figures in &found.ramps {
         assert!((0.095..0.12).contains(&figures.torque.mean), "{figures:?}");
@@ -56,8 +61,8 @@ fn slow_ramps_break_away_where_the_thesis_says() {
 #[test]
 fn the_nested_loops_close_and_take_the_work_of_the_closed_form() {
     let root = tempfile::tempdir().unwrap();
-    let mut options = of(Experiment::PreSliding);
-    options.pre_sliding = shipped().unwrap().1;
+    let mut options = of(Selection::alone(Arc::new(experiments::PreSliding)));
+    options.pre_sliding = PreSlidingProtocol::shipped().unwrap();
     options.pre_sliding.repetitions = 1;
     options.test_bed.simulation.sensors = Sensors::ideal();
     let found = run(&options, &root.path().join("run")).characterisation;
@@ -82,7 +87,7 @@ fn the_nested_loops_close_and_take_the_work_of_the_closed_form() {
 #[test]
 fn lag_is_that_of_a_first_order_lag_and_widens_with_the_frequency() {
     let root = tempfile::tempdir().unwrap();
-    let mut options = of(Experiment::VaryingVelocity);
+    let mut options = of(Selection::alone(Arc::new(experiments::VaryingVelocity)));
     options.varying_velocity.repetitions = 1;
     options.test_bed.simulation.sensors = Sensors::ideal();
     let short = run(&options, &root.path().join("short")).characterisation.lag;
@@ -134,7 +139,7 @@ fn lagged_area(plant: &AnyModel, figures: &LagFigures, tau: f64) -> f64 {
 fn sensor_voltage_and_current_agree_within_the_stated_uncertainty() {
     let root = tempfile::tempdir().unwrap();
     let run = |source: TorqueSource| {
-        let mut options = of(Experiment::Characterise);
+        let mut options = of(experiments::characterise());
         options.constant_velocity.repetitions = 1;
         options.torque.source = source;
         let drive = &mut options.torque.drive;
@@ -190,7 +195,7 @@ fn sensor_voltage_and_current_agree_within_the_stated_uncertainty() {
 #[test]
 fn breakaway_is_found_at_every_rate_and_moves_as_measure_and_rate_say() {
     let root = tempfile::tempdir().unwrap();
-    let mut options = of(Experiment::BreakawayRate);
+    let mut options = of(Selection::alone(Arc::new(experiments::BreakawayRate)));
     options.test_bed.simulation.sensors = Sensors::ideal();
     let found = run(&options, &root.path().join("run")).characterisation;
     assert_eq!((found.rates.len(), found.notes.len()), (11, 0), "{:?}", found.notes);
@@ -208,7 +213,7 @@ fn breakaway_is_found_at_every_rate_and_moves_as_measure_and_rate_say() {
 #[test]
 fn a_characterisation_leaves_stretches_that_can_be_told_apart_and_tables_whatever_the_threads() {
     let root = tempfile::tempdir().unwrap();
-    let mut short = of(Experiment::Characterise);
+    let mut short = of(experiments::characterise());
     short.constant_velocity.repetitions = 1;
     short.varying_velocity.repetitions = 2;
     short.pre_sliding.repetitions = 2;

@@ -5,12 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::ValueEnum;
 use serde_json::Value;
 
-use super::bench::stop_after;
-use super::provenance_tests::short;
-use super::{Beginning, Experiment, Journal, Outcome, RunError, RunOptions, Status, execute_in};
+use super::provenance::short;
+use crate::experiments;
+use crate::protocol::{ConstantVelocityProtocol, ProtocolFile};
+use crate::run::bench::stop_after;
+use crate::run::experiment::Selection;
+use crate::run::{Beginning, Journal, Outcome, RunError, RunOptions, Status, execute_in};
 use recording::bag::BagReader;
 use work::progress::Progress;
 
@@ -65,9 +67,9 @@ fn refusal(folder: &Path) -> String {
     Journal::open(folder).unwrap_err().to_string()
 }
 
-fn goes_on_from_everywhere(experiment: Experiment) {
+fn goes_on_from_everywhere(experiment: &Selection) {
     let root = tempfile::tempdir().unwrap();
-    let options = short(experiment);
+    let options = short(experiment.clone());
     let whole = root.path().join("whole");
     let all = 1_000_000;
     run(&options, &whole, begun(), None);
@@ -82,7 +84,7 @@ fn goes_on_from_everywhere(experiment: Experiment) {
 
     let steady = (options.constant_velocity.velocities.len()
         * options.constant_velocity.sets as usize)
-        * usize::from(experiment.identifies());
+        * usize::from(experiment.includes(ConstantVelocityProtocol::NAME));
     let mut stops: Vec<usize> = (0..jobs).step_by(jobs.div_ceil(5)).collect();
     stops.extend(
         [1, steady, steady + 1, jobs.saturating_sub(1)].into_iter().filter(|&stop| stop < jobs),
@@ -119,17 +121,15 @@ fn goes_on_from_everywhere(experiment: Experiment) {
 
 #[test]
 fn every_experiment_goes_on_from_wherever_it_was_stopped() {
-    for experiment in Experiment::value_variants() {
-        if *experiment != Experiment::Sequence || short(*experiment).sequence.is_some() {
-            goes_on_from_everywhere(*experiment);
-        }
+    for experiment in experiments::selections() {
+        goes_on_from_everywhere(&experiment);
     }
 }
 
 #[test]
 fn a_run_goes_on_as_often_as_it_is_stopped_and_what_was_measured_is_not_measured_again() {
     let root = tempfile::tempdir().unwrap();
-    let options = RunOptions { workers: 1, ..short(Experiment::All) };
+    let options = RunOptions { workers: 1, ..short(experiments::whole_job()) };
     run(&options, &root.path().join("whole"), begun(), None);
     let folder = root.path().join("run");
     run(&options, &folder, begun(), Some(3));
@@ -152,7 +152,7 @@ fn a_run_goes_on_as_often_as_it_is_stopped_and_what_was_measured_is_not_measured
 #[test]
 fn what_a_kill_cut_off_is_measured_again() {
     let root = tempfile::tempdir().unwrap();
-    let options = RunOptions { workers: 1, ..short(Experiment::All) };
+    let options = RunOptions { workers: 1, ..short(experiments::whole_job()) };
     let whole = root.path().join("whole");
     run(&options, &whole, begun(), None);
     let stop = |name: &str| {
@@ -187,7 +187,7 @@ fn what_a_kill_cut_off_is_measured_again() {
     *third = third.replace("\"torque\":", "\"torque\":null,\"was\":");
     fs::write(&journal, lines.join("\n") + "\n").unwrap();
     let stopped = resumed(&options, &spoilt, Some(3)).results;
-    let sittings = |sessions: &[super::Session]| {
+    let sittings = |sessions: &[crate::run::Session]| {
         sessions.iter().map(|s| (s.first_job, s.jobs)).collect::<Vec<_>>()
     };
     let stopped = sittings(&stopped.sessions);
@@ -206,7 +206,10 @@ fn what_a_kill_cut_off_is_measured_again() {
 #[test]
 fn a_run_that_would_not_be_the_same_does_not_go_on() {
     let root = tempfile::tempdir().unwrap();
-    let options = RunOptions { workers: 1, ..short(Experiment::ConstantVelocity) };
+    let options = RunOptions {
+        workers: 1,
+        ..short(Selection::alone(Arc::new(experiments::ConstantVelocity)))
+    };
     let folder = root.path().join("run");
     run(&options, &folder, begun(), Some(3));
     let before = fs::read(folder.join("journal.jsonl")).unwrap();

@@ -5,19 +5,19 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::ValueEnum;
-
-use super::bench::stop_after;
-use super::options::tests::options;
-use super::{
-    Experiment, Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file,
+use crate::experiments;
+use crate::protocol::{ConstantVelocityProtocol, ProtocolFile, SequenceProtocol};
+use crate::run::bench::stop_after;
+use crate::run::experiment::Selection;
+use crate::run::options::tests::options;
+use crate::run::{
+    Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file,
 };
-use crate::protocol::{Kind, Protocol, SequenceProtocol};
 use recording::bag::BagReader;
 use work::progress::Progress;
 
 /// As short as the curve allows: every experiment in all its stages, in a second or so.
-pub(super) fn short(experiment: Experiment) -> RunOptions {
+pub(super) fn short(experiment: Selection) -> RunOptions {
     let mut options = RunOptions { experiment, ..options() };
     let steady = &mut options.constant_velocity;
     steady.repetitions = 1;
@@ -32,10 +32,7 @@ pub(super) fn short(experiment: Experiment) -> RunOptions {
 }
 
 fn sequence() -> Option<SequenceProtocol> {
-    match Protocol::read(Kind::Sequence.text()) {
-        Ok(Protocol::Sequence(protocol)) => Some(protocol),
-        _ => None,
-    }
+    SequenceProtocol::shipped().ok()
 }
 
 fn stopped(options: &RunOptions, folder: &Path, after: Option<usize>) -> Outcome {
@@ -77,21 +74,18 @@ fn honest(outcome: &Outcome, options: &RunOptions) {
     }
     if !done {
         assert_eq!(models, options.compensators, "the numbers are those that were given");
-        assert!(!super::terminal::summary(outcome).contains("Stribeck"));
+        assert!(!crate::run::terminal::summary(outcome).contains("Stribeck"));
     }
 }
 
 #[test]
 fn no_run_claims_an_identification_that_did_not_take_place() {
     let root = tempfile::tempdir().unwrap();
-    for experiment in Experiment::value_variants() {
-        let options = short(*experiment);
-        if *experiment == Experiment::Sequence && options.sequence.is_none() {
-            continue;
-        }
+    for experiment in experiments::selections() {
+        let options = short(experiment.clone());
         let steady = (options.constant_velocity.velocities.len()
             * options.constant_velocity.sets as usize)
-            * usize::from(experiment.identifies());
+            * usize::from(experiment.includes(ConstantVelocityProtocol::NAME));
         // Before the first run, after it, in the middle of the characteristic, with its last run,
         // and in what comes after it.
         let mut stops = vec![0, 1, steady / 2, steady, steady + 1, steady + 2];
@@ -119,7 +113,7 @@ fn no_run_claims_an_identification_that_did_not_take_place() {
 #[test]
 fn a_whole_run_says_which_of_its_numbers_it_identified() {
     let root = tempfile::tempdir().unwrap();
-    let mut options = short(Experiment::ConstantVelocity);
+    let mut options = short(Selection::alone(Arc::new(experiments::ConstantVelocity)));
     options.origins.set("friction_observer.lugre", Origin::File { file: "mine.yaml".to_owned() });
     let outcome = stopped(&options, &root.path().join("run"), None);
     assert_eq!(outcome.results.status, Status::Complete);

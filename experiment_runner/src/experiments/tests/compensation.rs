@@ -4,10 +4,11 @@ use std::sync::Arc;
 use friction_model::{AnyModel, ModelName};
 use rig_driver::Sensors;
 
-use super::options::tests::options;
-use super::results::Status;
-use super::*;
 use crate::compensation::{Arm, Means};
+use crate::experiments;
+use crate::run::experiment::Selection;
+use crate::run::options::tests::options;
+use crate::run::*;
 use recording::bag::BagReader;
 use work::progress::Progress;
 
@@ -17,7 +18,10 @@ fn run(options: &RunOptions, folder: &Path) -> Outcome {
 
 /// The shipped tasks, shortened.
 fn short() -> RunOptions {
-    let mut options = RunOptions { experiment: Experiment::Compensation, ..options() };
+    let mut options = RunOptions {
+        experiment: Selection::alone(Arc::new(experiments::Compensation)),
+        ..options()
+    };
     for task in &mut options.compensation.tasks {
         task.protocol.duration = 6.0;
         task.protocol.repetitions = 2;

@@ -3,8 +3,10 @@
 
 use std::sync::Arc;
 
-use super::options::tests::options;
-use super::*;
+use crate::experiments;
+use crate::run::experiment::Selection;
+use crate::run::options::tests::options;
+use crate::run::*;
 use work::progress::Progress;
 
 fn figures(options: &RunOptions) -> serde_json::Value {
@@ -43,7 +45,7 @@ fn same(plain: &serde_json::Value, supervised: &serde_json::Value, path: &str) -
     }
 }
 
-fn runs_the_same_under_supervision(experiment: Experiment) {
+fn runs_the_same_under_supervision(experiment: Selection) {
     let plain = RunOptions { experiment, ..options() };
     let mut supervised = plain.clone();
     supervised.test_bed.simulation = supervised.test_bed.simulation.supervised();
@@ -53,10 +55,10 @@ fn runs_the_same_under_supervision(experiment: Experiment) {
 
 #[test]
 fn characterisation_identification_and_tracking_run_the_same_under_the_safety_layer() {
-    runs_the_same_under_supervision(Experiment::All);
+    runs_the_same_under_supervision(experiments::whole_job());
 }
 
 #[test]
 fn experiments_1_to_4_run_the_same_under_the_safety_layer() {
-    runs_the_same_under_supervision(Experiment::Characterise);
+    runs_the_same_under_supervision(experiments::characterise());
 }
