@@ -1,32 +1,29 @@
 //! What the formulas of models are written with, beside the functions of floating-point numbers.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
-use crate::MAX_SPEED;
+use crate::{MAX_SPEED, Real};
 
 /// A velocity that the fixed-step forms can be stepped with.
 #[inline]
 #[must_use]
-pub fn bounded(velocity: f64) -> f64 {
-    if velocity.is_nan() { 0.0 } else { velocity.clamp(-MAX_SPEED, MAX_SPEED) }
+pub fn bounded<T: Real>(velocity: T) -> T {
+    if velocity.is_nan() { T::ZERO } else { saturate(T::of(MAX_SPEED), velocity) }
 }
 
 /// `int_0^h exp(-a t) dt`: what is left after `h` [s] of a rate of one into a state that relaxes at
 /// `a` [1/s], zero or more.
 #[inline]
 #[must_use]
-pub fn relaxed(a: f64, h: f64) -> f64 {
+pub fn relaxed<T: Real>(a: T, h: T) -> T {
     let x = a * h;
     // The quotient loses digits below this, where the series is exact.
-    if x < 1e-8 { h } else { -(-x).exp_m1() / a }
+    if x < T::of(1e-8) { h } else { -(-x).exp_m1() / a }
 }
 
 /// `a b + c`: with one rounding where the program is built for a processor that has an instruction
 /// for it, as C compilers do.
 #[inline]
 #[must_use]
-pub fn fused(a: f64, b: f64, c: f64) -> f64 {
+pub fn fused<T: Real>(a: T, b: T, c: T) -> T {
     #[cfg(all(feature = "std", target_feature = "fma"))]
     return a.mul_add(b, c);
     #[cfg(not(all(feature = "std", target_feature = "fma")))]
@@ -36,14 +33,14 @@ pub fn fused(a: f64, b: f64, c: f64) -> f64 {
 /// `sgn v` with `sgn 0 = 0`.
 #[inline]
 #[must_use]
-pub fn sign(v: f64) -> f64 {
-    if v == 0.0 { 0.0 } else { v.signum() }
+pub fn sign<T: Real>(v: T) -> T {
+    if v == T::ZERO { T::ZERO } else { v.signum() }
 }
 
 /// `sat(b, x)`: `x` cut to `[-b, b]`, for `b >= 0`.
 #[inline]
 #[must_use]
-pub fn saturate(b: f64, x: f64) -> f64 {
+pub fn saturate<T: Real>(b: T, x: T) -> T {
     between(-b, b, x)
 }
 
@@ -51,7 +48,7 @@ pub fn saturate(b: f64, x: f64) -> f64 {
 /// which must sort out what is not a number, each comparison is one instruction.
 #[inline]
 #[must_use]
-pub fn between(low: f64, high: f64, x: f64) -> f64 {
+pub fn between<T: Real>(low: T, high: T, x: T) -> T {
     let x = if x < high { x } else { high };
     if x > low { x } else { low }
 }

@@ -21,7 +21,7 @@
 //! stiffness differs: moving a stuck contact to and fro would then raise its force by
 //! `(k_forward - k_backward) dx` a cycle, energy from nowhere.
 
-use crate::{Evaluation, FrictionModel, Holding, Internals, State, TimeStep};
+use crate::{Evaluation, FrictionModel, Holding, Internals, Real, State, TimeStep};
 
 /// One model with parameters for each direction. State: both contacts' states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,22 +32,22 @@ pub struct Asymmetric<M> {
     pub backward: M,
 }
 
-impl<M: FrictionModel> Asymmetric<M> {
+impl<M> Asymmetric<M> {
     /// The side that a motion at `velocity` loads.
-    const fn side(&self, velocity: f64) -> &M {
-        if velocity < 0.0 { &self.backward } else { &self.forward }
+    fn side<T: Real>(&self, velocity: T) -> &M {
+        if velocity < T::ZERO { &self.backward } else { &self.forward }
     }
 }
 
 /// The sum of what the forward contact pushes and the backward one pulls.
 #[inline]
-fn carried(forward: f64, backward: f64) -> f64 {
-    let push = if forward > 0.0 { forward } else { 0.0 };
-    let pull = if backward < 0.0 { backward } else { 0.0 };
+fn carried<T: Real>(forward: T, backward: T) -> T {
+    let push = if forward > T::ZERO { forward } else { T::ZERO };
+    let pull = if backward < T::ZERO { backward } else { T::ZERO };
     push + pull
 }
 
-type Pair<T> = (T, T);
+type Pair<C> = (C, C);
 
 /// Splits a joint state into those of the two contacts, runs `f`, and puts it together again.
 #[inline]
@@ -62,7 +62,7 @@ fn with_both<C: Copy, M, R>(
     result
 }
 
-impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
+impl<T: Real, M: FrictionModel<T>> FrictionModel<T> for Asymmetric<M> {
     const NAME: &'static str = M::NAME;
     type Parameters = M::Parameters;
     type Continuous = Pair<M::Continuous>;
@@ -85,16 +85,16 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         &self,
         state: &Self::Continuous,
         memory: &Self::Memory,
-        velocity: f64,
-    ) -> Evaluation<Self::Continuous> {
+        velocity: T,
+    ) -> Evaluation<Self::Continuous, T> {
         self.at(velocity)(state, memory)
     }
 
     #[inline]
     fn at(
         &self,
-        velocity: f64,
-    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+        velocity: T,
+    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous, T> {
         let (forward, backward) = (self.forward.at(velocity), self.backward.at(velocity));
         move |(a, b), memory| {
             let forward = forward(a, &memory.0.memory);
@@ -107,7 +107,7 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64) {
+    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: T, dt: T) {
         with_both(state, |a, b| {
             self.forward.commit(a, velocity, dt);
             self.backward.commit(b, velocity, dt);
@@ -123,8 +123,8 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         &self,
         discrete: &Self::Discrete,
         state: &mut State<Self::Continuous, Self::Memory>,
-        velocity: f64,
-    ) -> f64 {
+        velocity: T,
+    ) -> T {
         with_both(state, |a, b| {
             carried(
                 self.forward.step(&discrete.0, a, velocity),
@@ -139,9 +139,9 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         discrete: &Self::Discrete,
         dt: TimeStep,
         state: &mut State<Self::Continuous, Self::Memory>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+        velocity: T,
+        rate: T,
+    ) -> T {
         with_both(state, |a, b| {
             let forward = self.forward.step_injected(&discrete.0, dt, a, velocity, rate);
             let backward = self.backward.step_injected(&discrete.1, dt, b, velocity, rate);
@@ -149,13 +149,17 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         })
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.side(velocity).steady_state(velocity)
     }
 
     /// Those of the side that the motion loads.
-    fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: f64) -> Internals {
-        let (memory, continuous) = if velocity < 0.0 {
+    fn internals(
+        &self,
+        state: &State<Self::Continuous, Self::Memory>,
+        velocity: T,
+    ) -> Internals<T> {
+        let (memory, continuous) = if velocity < T::ZERO {
             (&state.memory.1.memory, state.continuous.1)
         } else {
             (&state.memory.0.memory, state.continuous.0)
@@ -163,11 +167,11 @@ impl<M: FrictionModel> FrictionModel for Asymmetric<M> {
         self.side(velocity).internals(&State { continuous, memory: memory.clone() }, velocity)
     }
 
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.side(velocity).viscous(velocity)
     }
 
-    fn holding(&self, force_rate: f64) -> Option<Holding> {
+    fn holding(&self, force_rate: T) -> Option<Holding<T>> {
         let (forward, backward) =
             (self.forward.holding(force_rate)?, self.backward.holding(force_rate)?);
         Some(Holding {

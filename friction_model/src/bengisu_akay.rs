@@ -29,84 +29,81 @@
 //!
 //! Fixed-step form: the law itself; there is no state.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State, built_from,
     memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`BengisuAkay`] as files carry them.
-    BengisuAkayParameters {
+    BengisuAkayParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Speed v_0 at which friction is largest [m/s or rad/s], above zero.
-        v_0: f64, Speed, Range::Positive;
+        v_0: T, Speed, Range::Positive;
         /// Rate xi at which friction falls with speed beyond v_0 [s/m or s/rad], above zero.
-        xi: f64, PerSpeed, Range::Positive;
+        xi: T, PerSpeed, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Bengisu and Akay's characteristic with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BengisuAkay {
-    parameters: BengisuAkayParameters,
+pub struct BengisuAkay<T: Real = f64> {
+    parameters: BengisuAkayParameters<T>,
 }
 
-impl BengisuAkay {
+impl<T: Real> BengisuAkay<T> {
     /// Friction without its viscous part and without its sign.
     #[inline]
-    fn level(&self, velocity: f64) -> f64 {
+    fn level(&self, velocity: T) -> T {
         let p = &self.parameters;
         let speed = velocity.abs();
         if speed <= p.v_0 {
-            let below = speed / p.v_0 - 1.0;
-            p.f_s * (1.0 - below * below)
+            let below = speed / p.v_0 - T::ONE;
+            p.f_s * (T::ONE - below * below)
         } else {
             p.f_c + (p.f_s - p.f_c) * (-p.xi * (speed - p.v_0)).exp()
         }
     }
 }
 
-impl TryFrom<BengisuAkayParameters> for BengisuAkay {
+impl<T: Real> TryFrom<BengisuAkayParameters<T>> for BengisuAkay<T> {
     type Error = ModelError;
 
-    fn try_from(p: BengisuAkayParameters) -> Result<Self, ModelError> {
+    fn try_from(p: BengisuAkayParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        BengisuAkayParameters::require(Self::NAME, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        p.require(Self::NAME, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
         Ok(Self { parameters: p })
     }
 }
 
-built_from!(BengisuAkay, BengisuAkayParameters);
+built_from!([T: Real] BengisuAkay<T>, BengisuAkayParameters<T>);
 
-impl FrictionModel for BengisuAkay {
+impl<T: Real> FrictionModel<T> for BengisuAkay<T> {
     const NAME: &'static str = "bengisu_akay";
-    memoryless!(BengisuAkayParameters);
+    memoryless!([T] BengisuAkayParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         sign(velocity) * self.level(velocity) + self.parameters.f_v * velocity
     }
 
     /// Slip beyond the top; below it the contact creeps where others stick.
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
         let regime =
             if velocity.abs() > self.parameters.v_0 { Regime::Slip } else { Regime::Stick };
-        Internals { deflection: 0.0, gamma: self.level(velocity), regime }
+        Internals { deflection: T::ZERO, gamma: self.level(velocity), regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 }

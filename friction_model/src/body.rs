@@ -5,7 +5,7 @@
 //! events: the body is held while the applied force lies within the holding levels, and a change of
 //! sign of the velocity ends a slip.
 
-use crate::{ContinuousState, FrictionModel, State};
+use crate::{ContinuousState, FrictionModel, Real, State};
 
 /// Where a body is when the applied force is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,11 +198,10 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
 
 /// `x + h/6 (k1 + 2 k2 + 2 k3 + k4)`.
 #[inline]
-pub(crate) fn sum<C: ContinuousState>(x: &C, [k1, k2, k3, k4]: [&C; 4], h: f64) -> C {
-    x.plus_scaled(k1, h / 6.0)
-        .plus_scaled(k2, h / 3.0)
-        .plus_scaled(k3, h / 3.0)
-        .plus_scaled(k4, h / 6.0)
+pub(crate) fn sum<T: Real, C: ContinuousState<T>>(x: &C, k: [&C; 4], h: T) -> C {
+    let [k1, k2, k3, k4] = k;
+    let (sixth, third) = (h / T::of(6.0), h / T::of(3.0));
+    x.plus_scaled(k1, sixth).plus_scaled(k2, third).plus_scaled(k3, third).plus_scaled(k4, sixth)
 }
 
 #[cfg(test)]

@@ -15,49 +15,49 @@
 
 use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
-    memoryless, parameters,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`Coulomb`] as files carry them.
-    CoulombParameters {
+    CoulombParameters<T> {
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
     }
 }
 
 /// Coulomb friction with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coulomb {
-    parameters: CoulombParameters,
+pub struct Coulomb<T: Real = f64> {
+    parameters: CoulombParameters<T>,
 }
 
-impl TryFrom<CoulombParameters> for Coulomb {
+impl<T: Real> TryFrom<CoulombParameters<T>> for Coulomb<T> {
     type Error = ModelError;
 
-    fn try_from(parameters: CoulombParameters) -> Result<Self, ModelError> {
+    fn try_from(parameters: CoulombParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
 
-built_from!(Coulomb, CoulombParameters);
+built_from!([T: Real] Coulomb<T>, CoulombParameters<T>);
 
-impl FrictionModel for Coulomb {
+impl<T: Real> FrictionModel<T> for Coulomb<T> {
     const NAME: &'static str = "coulomb";
-    memoryless!(CoulombParameters);
+    memoryless!([T] CoulombParameters<T>);
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_c * sign(velocity)
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
-        Internals { deflection: 0.0, gamma: self.parameters.f_c, regime }
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let regime = if velocity == T::ZERO { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: T::ZERO, gamma: self.parameters.f_c, regime }
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.parameters.f_c))
     }
 }

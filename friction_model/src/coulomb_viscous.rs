@@ -22,57 +22,57 @@
 
 use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
-    memoryless, parameters,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`CoulombViscous`] as files carry them.
-    CoulombViscousParameters {
+    CoulombViscousParameters<T> {
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Coulomb and viscous friction with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CoulombViscous {
-    parameters: CoulombViscousParameters,
+pub struct CoulombViscous<T: Real = f64> {
+    parameters: CoulombViscousParameters<T>,
 }
 
-impl TryFrom<CoulombViscousParameters> for CoulombViscous {
+impl<T: Real> TryFrom<CoulombViscousParameters<T>> for CoulombViscous<T> {
     type Error = ModelError;
 
-    fn try_from(parameters: CoulombViscousParameters) -> Result<Self, ModelError> {
+    fn try_from(parameters: CoulombViscousParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
 
-built_from!(CoulombViscous, CoulombViscousParameters);
+built_from!([T: Real] CoulombViscous<T>, CoulombViscousParameters<T>);
 
-impl FrictionModel for CoulombViscous {
+impl<T: Real> FrictionModel<T> for CoulombViscous<T> {
     const NAME: &'static str = "coulomb_viscous";
-    memoryless!(CoulombViscousParameters);
+    memoryless!([T] CoulombViscousParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_c * sign(velocity) + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
-        Internals { deflection: 0.0, gamma: self.parameters.f_c, regime }
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let regime = if velocity == T::ZERO { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: T::ZERO, gamma: self.parameters.f_c, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.parameters.f_c))
     }
 }

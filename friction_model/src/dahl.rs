@@ -25,111 +25,108 @@
 //! `w <- [w^(1-delta) - (1-delta) sigma0 |d| / F_c]^(1/(1-delta))`, zero once the bracket of a
 //! brittle contact is used up.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, fused, relaxed, saturate, sign};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Dahl`] as files carry them.
-    DahlParameters {
+    DahlParameters<T> {
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stiffness at rest sigma_0 [N/m or N m/rad], above zero.
-        sigma0: f64, Stiffness, Range::Positive;
+        sigma0: T, Stiffness, Range::Positive;
         /// Shape of the stress-strain curve, above 0 and at most 10; 1 if left out.
         #[serde(default = "DahlParameters::linear")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Dahl's model with valid parameters. State: `[z]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dahl {
-    parameters: DahlParameters,
+pub struct Dahl<T: Real = f64> {
+    parameters: DahlParameters<T>,
     /// `F_c / sigma0`: deflection in steady sliding [m or rad].
-    z_c: f64,
-    inverse_z_c: f64,
+    z_c: T,
+    inverse_z_c: T,
 }
 
-impl DahlParameters {
+impl<T: Real> DahlParameters<T> {
     /// The exponent `delta` that files may leave out.
     #[must_use]
-    pub const fn linear() -> f64 {
-        1.0
+    pub const fn linear() -> T {
+        T::ONE
     }
 }
 
-built_from!(Dahl, DahlParameters);
+built_from!([T: Real] Dahl<T>, DahlParameters<T>);
 
-impl TryFrom<DahlParameters> for Dahl {
+impl<T: Real> TryFrom<DahlParameters<T>> for Dahl<T> {
     type Error = ModelError;
 
-    fn try_from(p: DahlParameters) -> Result<Self, ModelError> {
+    fn try_from(p: DahlParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let z_c = p.f_c / p.sigma0;
-        let usable = z_c > 0.0 && (1.0 / z_c).is_finite() && z_c.is_finite();
-        DahlParameters::require(
+        let usable = z_c > T::ZERO && (T::ONE / z_c).is_finite() && z_c.is_finite();
+        p.require(
             Self::NAME,
             usable,
             "sigma0",
             p.sigma0,
             "such that f_c / sigma0 is a finite deflection",
         )?;
-        Ok(Self { parameters: p, z_c, inverse_z_c: 1.0 / z_c })
+        Ok(Self { parameters: p, z_c, inverse_z_c: T::ONE / z_c })
     }
 }
 
-impl Dahl {
+impl<T: Real> Dahl<T> {
     /// How much of `w = 1 - u` is left after a travel of `strain = sigma0 |d| / F_c`, for an
     /// exponent other than 1.
-    fn remaining(&self, w: f64, strain: f64) -> f64 {
-        let e = 1.0 - self.parameters.delta;
+    fn remaining(&self, w: T, strain: T) -> T {
+        let e = T::ONE - self.parameters.delta;
         let left = w.powf(e) - e * strain;
-        if left > 0.0 { left.powf(1.0 / e) } else { 0.0 }
+        if left > T::ZERO { left.powf(T::ONE / e) } else { T::ZERO }
     }
 }
 
-impl FrictionModel for Dahl {
+impl<T: Real> FrictionModel<T> for Dahl<T> {
     const NAME: &'static str = "dahl";
-    type Parameters = DahlParameters;
-    type Continuous = [f64; 1];
+    type Parameters = DahlParameters<T>;
+    type Continuous = [T; 1];
     type Memory = ();
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &DahlParameters {
+    fn parameters(&self) -> &DahlParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], ()> {
-        State { continuous: [0.0], memory: () }
+    fn rest(&self) -> State<[T; 1], ()> {
+        State { continuous: [T::ZERO], memory: () }
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[T; 1], (): &(), velocity: T) -> Evaluation<[T; 1], T> {
         self.at(velocity)(state, &())
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 1], &()) -> Evaluation<[T; 1], T> {
         let p = &self.parameters;
         // u per deflection, and how fast the rate falls with it for delta = 1 [1/s].
         let per_z = self.inverse_z_c * sign(velocity);
         let relaxation = velocity * per_z;
         move |&[z], ()| {
-            let z_rate = if p.delta == 1.0 {
+            let z_rate = if p.delta == T::ONE {
                 fused(-relaxation, z, velocity)
             } else {
-                let w = 1.0 - z * per_z;
+                let w = T::ONE - z * per_z;
                 velocity * w.abs().powf(p.delta) * sign(w)
             };
             Evaluation { force: p.sigma0 * z + p.f_v * velocity, rates: [z_rate] }
@@ -137,66 +134,60 @@ impl FrictionModel for Dahl {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], ()>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 1], ()>, _: T, _: T) {
         let [z] = state.continuous;
         state.continuous = [saturate(self.z_c, z)];
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], ()>, velocity: T) -> T {
         let p = &self.parameters;
         let v = bounded(velocity);
         let [z] = state.continuous;
         let strain = v.abs() * self.inverse_z_c * dt;
         let z_end = self.z_c.copysign(v);
-        if p.delta == 1.0 {
+        if p.delta == T::ONE {
             state.continuous = [z_end + (z - z_end) * (-strain).exp()];
-        } else if v != 0.0 {
-            let w = self.remaining(1.0 - z / z_end, strain);
-            state.continuous = [saturate(self.z_c, z_end * (1.0 - w))];
+        } else if v != T::ZERO {
+            let w = self.remaining(T::ONE - z / z_end, strain);
+            state.continuous = [saturate(self.z_c, z_end * (T::ONE - w))];
         }
         p.sigma0 * z + p.f_v * v
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 1], ()>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 1], ()>, velocity: T, rate: T) -> T {
         let [z] = state.continuous;
-        let moved = rate * relaxed(velocity.abs() * self.inverse_z_c, dt.seconds());
+        let moved = rate * relaxed(velocity.abs() * self.inverse_z_c, T::of(dt.seconds()));
         state.continuous = [saturate(self.z_c, z + moved)];
-        0.0
+        T::ZERO
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_c * sign(velocity) + self.parameters.f_v * velocity
     }
 
     /// Slip once the bristle force is within 5 % of F_c in the direction of motion; Dahl's model
     /// itself knows no switch.
-    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], ()>, velocity: T) -> Internals<T> {
         let [z] = state.continuous;
         let regime =
-            if z * sign(velocity) >= 0.95 * self.z_c { Regime::Slip } else { Regime::Stick };
+            if z * sign(velocity) >= T::of(0.95) * self.z_c { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma: self.parameters.f_c, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], ()>) -> Option<T> {
         let [z] = state.continuous;
-        Some(0.5 * self.parameters.sigma0 * z * z)
+        Some(T::HALF * self.parameters.sigma0 * z * z)
     }
 }
 

@@ -35,7 +35,7 @@
 macro_rules! parameters {
     (
         $(#[doc = $about:literal])+
-        $set:ident {
+        $set:ident $(<$real:ident>)? {
             $(
                 $(#[doc = $doc:literal])+
                 $(#[serde($($serde:tt)+)])?
@@ -50,8 +50,8 @@ macro_rules! parameters {
                     Debug, Clone, Copy, PartialEq,
                     $crate::__serde::Serialize, $crate::__serde::Deserialize,
                 )]
-                #[serde(deny_unknown_fields, crate = "friction_model::__serde")]
-                pub struct $set {
+                #[serde(deny_unknown_fields, crate = "friction_model::__serde", bound = "")]
+                pub struct $set $(<$real: $crate::Real = f64>)? {
                     $(
                         $(#[doc = $doc])+
                         $(#[serde($($serde)+)])?
@@ -62,13 +62,15 @@ macro_rules! parameters {
             {
                 $(#[doc = $about])+
                 #[derive(Debug, Clone, Copy, PartialEq)]
-                pub struct $set {
+                pub struct $set $(<$real: $crate::Real = f64>)? {
                     $($(#[doc = $doc])+ pub $field: $kind,)*
                 }
             }
         }
 
-        impl $crate::ParameterSet for $set {
+        $crate::__cast! { $set [$($real)?] $($field)* }
+
+        impl $(<$real: $crate::Real>)? $crate::ParameterSet for $set $(<$real>)? {
             const TABLE: &'static [$crate::Parameter] = &[
                 $($crate::Parameter {
                     name: stringify!($field),
@@ -161,12 +163,18 @@ macro_rules! built_from {
 /// `memoryless!(Parameters)` or `memoryless!(Parameters, method)`, inside the `impl` of the trait.
 #[macro_export]
 macro_rules! memoryless {
+    ([$real:ty] $set:ty) => {
+        $crate::memoryless!([$real] $set, steady_state);
+    };
     ($set:ty) => {
-        $crate::memoryless!($set, steady_state);
+        $crate::memoryless!([f64] $set, steady_state);
     };
     ($set:ty, $force:ident) => {
+        $crate::memoryless!([f64] $set, $force);
+    };
+    ([$real:ty] $set:ty, $force:ident) => {
         type Parameters = $set;
-        type Continuous = [f64; 0];
+        type Continuous = [$real; 0];
         type Memory = ();
         type Discrete = ();
 
@@ -174,22 +182,38 @@ macro_rules! memoryless {
             &self.parameters
         }
 
-        fn rest(&self) -> $crate::State<[f64; 0], ()> {
+        fn rest(&self) -> $crate::State<[$real; 0], ()> {
             $crate::State { continuous: [], memory: () }
         }
 
         #[inline]
-        fn evaluate(&self, _: &[f64; 0], (): &(), velocity: f64) -> $crate::Evaluation<[f64; 0]> {
+        fn evaluate(&self, _: &[$real; 0], (): &(), velocity: $real) -> $crate::Evaluation<[$real; 0], $real> {
             $crate::Evaluation { force: self.$force(velocity), rates: [] }
         }
 
-        fn commit(&self, _: &mut $crate::State<[f64; 0], ()>, _: f64, _: f64) {}
+        fn commit(&self, _: &mut $crate::State<[$real; 0], ()>, _: $real, _: $real) {}
 
         fn discretise(&self, _: $crate::TimeStep) {}
 
         #[inline]
-        fn step(&self, (): &(), _: &mut $crate::State<[f64; 0], ()>, velocity: f64) -> f64 {
+        fn step(&self, (): &(), _: &mut $crate::State<[$real; 0], ()>, velocity: $real) -> $real {
             self.steady_state($crate::arithmetic::bounded(velocity))
+        }
+    };
+}
+
+/// The method `cast` of a parameter set that is generic over its numbers.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __cast {
+    ($set:ident [] $($field:ident)*) => {};
+    ($set:ident [$real:ident] $($field:ident)*) => {
+        impl<$real: $crate::Real> $set<$real> {
+            /// The same parameters in numbers of another precision.
+            #[must_use]
+            pub fn cast<To: $crate::Real>(self) -> $set<To> {
+                $set { $($field: $crate::Cast::cast(self.$field),)* }
+            }
         }
     };
 }

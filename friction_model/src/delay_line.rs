@@ -5,6 +5,8 @@
 //! interpolates between them. So a straight signal is delayed exactly, one that curves to second
 //! order in the spacing, and a jump is smeared over one spacing and one step.
 
+use crate::Real;
+
 /// Intervals into which the delay is divided.
 pub(crate) const INTERVALS: usize = 32;
 
@@ -13,43 +15,46 @@ const LENGTH: usize = INTERVALS + 1;
 
 /// A signal's recent past, up to the delay.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct DelayLine {
-    delay: f64,
+pub(crate) struct DelayLine<T: Real = f64> {
+    delay: T,
     /// Time between samples; zero for no delay.
-    spacing: f64,
+    spacing: T,
     /// A ring.
-    samples: [f64; LENGTH],
+    samples: [T; LENGTH],
     newest: usize,
     /// Time since the newest sample, less than the spacing.
-    since: f64,
+    since: T,
     /// The signal now.
-    now: f64,
+    now: T,
 }
 
-impl DelayLine {
+impl<T: Real> DelayLine<T> {
     /// A line of `delay` [s], zero or more, in which the signal has always been `value`.
-    pub(crate) fn new(delay: f64, value: f64) -> Self {
-        let spacing = delay / INTERVALS as f64;
-        Self { delay, spacing, samples: [value; LENGTH], newest: 0, since: 0.0, now: value }
+    pub(crate) fn new(delay: T, value: T) -> Self {
+        let spacing = delay / T::of(INTERVALS as f64);
+        Self { delay, spacing, samples: [value; LENGTH], newest: 0, since: T::ZERO, now: value }
     }
 
     /// The signal now.
     #[inline]
-    pub(crate) const fn now(&self) -> f64 {
+    pub(crate) const fn now(&self) -> T {
         self.now
     }
 
     /// `dt` [s] go by, in which the signal goes straight to `value`. With no time it jumps there.
     #[inline]
-    pub(crate) fn push(&mut self, value: f64, dt: f64) {
-        if self.spacing > 0.0 && dt > 0.0 {
+    pub(crate) fn push(&mut self, value: T, dt: T) {
+        if self.spacing > T::ZERO && dt > T::ZERO {
             let end = self.since + dt;
             // Truncated; a number too large becomes the largest.
-            let passed = (end / self.spacing) as usize;
-            self.since =
-                crate::arithmetic::between(0.0, self.spacing, end - passed as f64 * self.spacing);
+            let passed = (end / self.spacing).double() as usize;
+            self.since = crate::arithmetic::between(
+                T::ZERO,
+                self.spacing,
+                end - T::of(passed as f64) * self.spacing,
+            );
             for later in (0..passed.min(LENGTH)).rev() {
-                let ago = later as f64 * self.spacing + self.since;
+                let ago = T::of(later as f64) * self.spacing + self.since;
                 self.newest = (self.newest + 1) % LENGTH;
                 self.samples[self.newest] = between(value, self.now, ago / dt);
             }
@@ -60,11 +65,11 @@ impl DelayLine {
     /// The delayed signal at a moment `ahead` [s] of now, to which the signal goes straight to
     /// `value`.
     #[inline]
-    pub(crate) fn delayed(&self, value: f64, ahead: f64) -> f64 {
+    pub(crate) fn delayed(&self, value: T, ahead: T) -> T {
         let ago = self.delay - ahead;
-        if self.spacing == 0.0 {
+        if self.spacing == T::ZERO {
             value
-        } else if ago < 0.0 {
+        } else if ago < T::ZERO {
             between(value, self.now, self.delay / ahead)
         } else {
             self.past(ago)
@@ -73,31 +78,31 @@ impl DelayLine {
 
     /// The signal `ago` [s] before now, from zero to the delay.
     #[inline]
-    fn past(&self, ago: f64) -> f64 {
+    fn past(&self, ago: T) -> T {
         let newest = self.sample(0);
         if ago <= self.since {
-            return if self.since > 0.0 {
+            return if self.since > T::ZERO {
                 between(self.now, newest, ago / self.since)
             } else {
                 self.now
             };
         }
         let place = (ago - self.since) / self.spacing;
-        let before = place as usize;
-        between(self.sample(before), self.sample(before + 1), place - before as f64)
+        let before = place.double() as usize;
+        between(self.sample(before), self.sample(before + 1), place - T::of(before as f64))
     }
 
     /// The sample `k` before the newest; the oldest if that is further back.
     #[inline]
-    fn sample(&self, k: usize) -> f64 {
+    fn sample(&self, k: usize) -> T {
         self.samples[(self.newest + LENGTH - k.min(INTERVALS)) % LENGTH]
     }
 }
 
 /// The value at `fraction` of the way from `a` to `b`, not beyond them.
 #[inline]
-fn between(a: f64, b: f64, fraction: f64) -> f64 {
-    a + (b - a) * crate::arithmetic::between(0.0, 1.0, fraction)
+fn between<T: Real>(a: T, b: T, fraction: T) -> T {
+    a + (b - a) * crate::arithmetic::between(T::ZERO, T::ONE, fraction)
 }
 
 #[cfg(test)]
@@ -188,7 +193,7 @@ mod tests {
     /// The time that a push takes does not grow with the number of spacings that it passes.
     #[test]
     fn a_step_of_a_million_delays_leaves_the_line_full_of_the_present() {
-        let mut line = DelayLine::new(1e-9, 1.0);
+        let mut line = DelayLine::<f64>::new(1e-9, 1.0);
         line.push(3.0, 1e-3);
         assert!((line.delayed(3.0, 0.0) - 3.0).abs() < 1e-5);
         assert!((line.delayed(7.0, 1e-2) - 7.0).abs() < 1e-6);

@@ -27,103 +27,101 @@
 
 use core::f64::consts::PI;
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`ElastoPlastic`] as files carry them.
-    ElastoPlasticParameters {
+    ElastoPlasticParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
-        sigma0: f64, Stiffness, Range::Positive;
+        sigma0: T, Stiffness, Range::Positive;
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
-        sigma1: f64, Damping, Range::NonNegative;
+        sigma1: T, Damping, Range::NonNegative;
         /// Deflection z_ba up to which the contact is elastic [m or rad], above zero and below
         /// `f_c / sigma0`.
-        z_ba: f64, Deflection, Range::Positive;
+        z_ba: T, Deflection, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// The elasto-plastic model with valid parameters. State: `[z]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ElastoPlastic {
-    parameters: ElastoPlasticParameters,
-    curve: StribeckCurve,
+pub struct ElastoPlastic<T: Real = f64> {
+    parameters: ElastoPlasticParameters<T>,
+    curve: StribeckCurve<T>,
 }
 
-built_from!(ElastoPlastic, ElastoPlasticParameters);
+built_from!([T: Real] ElastoPlastic<T>, ElastoPlasticParameters<T>);
 
-impl TryFrom<ElastoPlasticParameters> for ElastoPlastic {
+impl<T: Real> TryFrom<ElastoPlasticParameters<T>> for ElastoPlastic<T> {
     type Error = ModelError;
 
-    fn try_from(p: ElastoPlasticParameters) -> Result<Self, ModelError> {
+    fn try_from(p: ElastoPlasticParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
         let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
         let elastic = p.z_ba < p.f_c / p.sigma0;
         let below = "below f_c / sigma0, the deflection at which the contact slides fully";
-        ElastoPlasticParameters::require(name, elastic, "z_ba", p.z_ba, below)?;
+        p.require(name, elastic, "z_ba", p.z_ba, below)?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-impl ElastoPlastic {
+impl<T: Real> ElastoPlastic<T> {
     /// The part of the motion that is plastic, from 0 (elastic) to 1 (sliding), where the sliding
     /// deflection is `z_ss`.
     #[inline]
-    fn alpha(&self, z: f64, velocity: f64, z_ss: f64) -> f64 {
+    fn alpha(&self, z: T, velocity: T, z_ss: T) -> T {
         let z_ba = self.parameters.z_ba;
         let deflection = z.abs();
         if sign(velocity) != sign(z) || deflection <= z_ba {
-            0.0
+            T::ZERO
         } else if deflection >= z_ss {
-            1.0
+            T::ONE
         } else {
-            0.5 * (PI * (deflection - 0.5 * (z_ss + z_ba)) / (z_ss - z_ba)).sin() + 0.5
+            T::HALF * (T::of(PI) * (deflection - T::HALF * (z_ss + z_ba)) / (z_ss - z_ba)).sin()
+                + T::HALF
         }
     }
 }
 
-impl FrictionModel for ElastoPlastic {
+impl<T: Real> FrictionModel<T> for ElastoPlastic<T> {
     const NAME: &'static str = "elasto_plastic";
-    type Parameters = ElastoPlasticParameters;
-    type Continuous = [f64; 1];
+    type Parameters = ElastoPlasticParameters<T>;
+    type Continuous = [T; 1];
     type Memory = ();
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &ElastoPlasticParameters {
+    fn parameters(&self) -> &ElastoPlasticParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], ()> {
-        State { continuous: [0.0], memory: () }
+    fn rest(&self) -> State<[T; 1], ()> {
+        State { continuous: [T::ZERO], memory: () }
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[T; 1], (): &(), velocity: T) -> Evaluation<[T; 1], T> {
         self.at(velocity)(state, &())
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 1], &()) -> Evaluation<[T; 1], T> {
         let p = &self.parameters;
         let z_ss = self.curve.level(velocity) / p.sigma0;
         move |&[z], ()| {
@@ -136,21 +134,21 @@ impl FrictionModel for ElastoPlastic {
     }
 
     #[inline]
-    fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
+    fn commit(&self, _: &mut State<[T; 1], ()>, _: T, _: T) {}
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], ()>, velocity: T) -> T {
         let p = &self.parameters;
         let v = bounded(velocity);
         let [z] = state.continuous;
         let z_ss = self.curve.level(v) / p.sigma0;
         // Rate at which z relaxes while velocity and alpha are held [1/s].
         let rate = self.alpha(z, v, z_ss) * v.abs() / z_ss;
-        let next = if rate > 0.0 {
+        let next = if rate > T::ZERO {
             let z_end = v / rate;
             z_end + (z - z_end) * (-rate * dt).exp()
         } else {
@@ -163,46 +161,40 @@ impl FrictionModel for ElastoPlastic {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 1], ()>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 1], ()>, velocity: T, rate: T) -> T {
         let p = &self.parameters;
         let [z] = state.continuous;
         let z_ss = self.curve.level(velocity) / p.sigma0;
         let relaxation = self.alpha(z, velocity, z_ss) * velocity.abs() / z_ss;
-        let moved = rate * relaxed(relaxation, dt.seconds());
+        let moved = rate * relaxed(relaxation, T::of(dt.seconds()));
         state.continuous = [saturate(p.f_s / p.sigma0, z + moved)];
         p.sigma1 * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
     /// Slip once more than half of the motion is plastic.
-    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], ()>, velocity: T) -> Internals<T> {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);
         let alpha = self.alpha(z, velocity, gamma / self.parameters.sigma0);
         Internals {
             deflection: z,
             gamma,
-            regime: if alpha > 0.5 { Regime::Slip } else { Regime::Stick },
+            regime: if alpha > T::HALF { Regime::Slip } else { Regime::Stick },
         }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], ()>) -> Option<T> {
         let [z] = state.continuous;
-        Some(0.5 * self.parameters.sigma0 * z * z)
+        Some(T::HALF * self.parameters.sigma0 * z * z)
     }
 }
 

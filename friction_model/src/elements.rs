@@ -2,84 +2,95 @@
 
 use core::ops::{Deref, DerefMut};
 
-use crate::{ModelError, Range, Unit};
+use crate::{Cast, ModelError, Range, Real, Unit};
 
 /// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
 #[derive(Clone, Copy)]
-pub struct Elements<const CAPACITY: usize = 16> {
+pub struct Elements<const CAPACITY: usize = 16, T: Real = f64> {
     length: usize,
-    values: [f64; CAPACITY],
+    values: [T; CAPACITY],
 }
 
-impl<const CAPACITY: usize> Elements<CAPACITY> {
+impl<const CAPACITY: usize, T: Real> Elements<CAPACITY, T> {
     /// The numbers of `values`; `None` if there are more than `CAPACITY`.
     #[must_use]
-    pub fn from_slice(values: &[f64]) -> Option<Self> {
-        let mut list = Self { length: values.len(), values: [0.0; CAPACITY] };
+    pub fn from_slice(values: &[T]) -> Option<Self> {
+        let mut list = Self { length: values.len(), values: [T::ZERO; CAPACITY] };
         list.values.get_mut(..values.len())?.copy_from_slice(values);
         Some(list)
     }
 
     /// `length` numbers, at most `CAPACITY`, each computed from its index.
     #[must_use]
-    pub fn from_fn(length: usize, f: impl FnMut(usize) -> f64) -> Self {
+    pub fn from_fn(length: usize, f: impl FnMut(usize) -> T) -> Self {
         Self { length: length.min(CAPACITY), values: core::array::from_fn(f) }
     }
 }
 
-impl<const N: usize, const CAPACITY: usize> From<[f64; N]> for Elements<CAPACITY> {
+impl<const N: usize, const CAPACITY: usize, T: Real> From<[T; N]> for Elements<CAPACITY, T> {
     /// The array's numbers, as many as there is room for.
-    fn from(values: [f64; N]) -> Self {
-        Self::from_fn(N, |i| values.get(i).copied().unwrap_or(0.0))
+    fn from(values: [T; N]) -> Self {
+        Self::from_fn(N, |i| values.get(i).copied().unwrap_or(T::ZERO))
     }
 }
 
-impl<const CAPACITY: usize> Deref for Elements<CAPACITY> {
-    type Target = [f64];
-    fn deref(&self) -> &[f64] {
+impl<const CAPACITY: usize, T: Real> Deref for Elements<CAPACITY, T> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
         self.values.get(..self.length).unwrap_or(&self.values)
     }
 }
 
-impl<const CAPACITY: usize> DerefMut for Elements<CAPACITY> {
-    fn deref_mut(&mut self) -> &mut [f64] {
+impl<const CAPACITY: usize, T: Real> DerefMut for Elements<CAPACITY, T> {
+    fn deref_mut(&mut self) -> &mut [T] {
         let length = self.length.min(CAPACITY);
         &mut self.values[..length]
     }
 }
 
-impl<const CAPACITY: usize> core::fmt::Debug for Elements<CAPACITY> {
+impl<const CAPACITY: usize, T: Real> core::fmt::Debug for Elements<CAPACITY, T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_list().entries(self.iter()).finish()
     }
 }
 
-impl<const CAPACITY: usize> PartialEq for Elements<CAPACITY> {
+impl<const CAPACITY: usize, T: Real> PartialEq for Elements<CAPACITY, T> {
     fn eq(&self, other: &Self) -> bool {
         **self == **other
+    }
+}
+
+impl<const CAPACITY: usize, T: Real, U: Real> Cast<Elements<CAPACITY, U>>
+    for Elements<CAPACITY, T>
+{
+    fn cast(self) -> Elements<CAPACITY, U> {
+        Elements { length: self.length, values: self.values.map(Cast::cast) }
     }
 }
 
 /// In files, a list of numbers.
 #[cfg(feature = "serde")]
 mod in_files {
+    use core::marker::PhantomData;
+
     use serde::de::{Error, SeqAccess, Visitor};
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     use super::Elements;
+    use crate::Real;
 
-    impl<const CAPACITY: usize> Serialize for Elements<CAPACITY> {
+    impl<const CAPACITY: usize, T: Real> Serialize for Elements<CAPACITY, T> {
         fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
             serializer.collect_seq(self.iter())
         }
     }
 
-    impl<'de, const CAPACITY: usize> Deserialize<'de> for Elements<CAPACITY> {
+    impl<'de, const CAPACITY: usize, T: Real> Deserialize<'de> for Elements<CAPACITY, T> {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            struct List<const CAPACITY: usize>;
+            struct List<const CAPACITY: usize, T>(PhantomData<T>);
 
-            impl<'de, const CAPACITY: usize> Visitor<'de> for List<CAPACITY> {
-                type Value = Elements<CAPACITY>;
+            impl<'de, const CAPACITY: usize, T: Real> Visitor<'de> for List<CAPACITY, T> {
+                type Value = Elements<CAPACITY, T>;
 
                 fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
                     write!(f, "a list of at most {CAPACITY} numbers")
@@ -89,7 +100,7 @@ mod in_files {
                     self,
                     mut list: A,
                 ) -> Result<Self::Value, A::Error> {
-                    let mut elements = Elements { length: 0, values: [0.0; CAPACITY] };
+                    let mut elements = Elements { length: 0, values: [T::ZERO; CAPACITY] };
                     while let Some(value) = list.next_element()? {
                         let Some(place) = elements.values.get_mut(elements.length) else {
                             return Err(A::Error::invalid_length(elements.length + 1, &self));
@@ -101,7 +112,7 @@ mod in_files {
                 }
             }
 
-            deserializer.deserialize_seq(List)
+            deserializer.deserialize_seq(List(PhantomData))
         }
     }
 }
@@ -110,12 +121,12 @@ mod in_files {
 /// and every other list is as long.
 ///
 /// Printed shares are rounded, so their sum may be off by a thousandth.
-pub(crate) fn check(
+pub(crate) fn check<T: Real>(
     model: &'static str,
     room: usize,
     shares: &'static str,
-    share: &[f64],
-    others: &[(&'static str, &[f64])],
+    share: &[T],
+    others: &[(&'static str, &[T])],
 ) -> Result<(), ModelError> {
     let length =
         |parameter, given, expected| ModelError::Elements { model, parameter, given, expected };
@@ -127,13 +138,13 @@ pub(crate) fn check(
             return Err(length(*parameter, list.len(), share.len()));
         }
     }
-    let sum: f64 = share.iter().sum();
-    if (sum - 1.0).abs() > 1e-3 {
+    let sum: T = share.iter().copied().sum();
+    if (sum - T::ONE).abs() > T::of(1e-3) {
         let expected = Range::Such("such that all sum to 1 (the value given is their sum)");
         return Err(ModelError::OutOfRange {
             model,
             parameter: shares,
-            value: sum,
+            value: sum.double(),
             unit: Unit::None,
             expected,
         });

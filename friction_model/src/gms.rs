@@ -32,68 +32,65 @@
 //! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
 //! nothing.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
-    StribeckCurve, TimeStep, built_from, parameters,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime,
+    State, StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Gms`] as files carry them; the lists have one number an element, at most 16.
-    GmsParameters {
+    GmsParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Share alpha of each element, above zero; they sum to 1.
-        alpha: Elements, None, Range::Positive;
+        alpha: Elements<16, T>, None, Range::Positive;
         /// Stiffness sigma_0 of each element [N/m or N m/rad], above zero.
-        sigma0: Elements, Stiffness, Range::Positive;
+        sigma0: Elements<16, T>, Stiffness, Range::Positive;
         /// Micro-damping sigma_1 of each element [N s/m or N m s/rad], zero or more.
-        sigma1: Elements, Damping, Range::NonNegative;
+        sigma1: Elements<16, T>, Damping, Range::NonNegative;
         /// Attraction C of each element [m/s or rad/s], above zero.
-        c: Elements, Speed, Range::Positive;
+        c: Elements<16, T>, Speed, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// GMS with valid parameters and room for `N` elements. State: `[z_i]`, and in which direction each
 /// element slips.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gms<const N: usize> {
-    parameters: GmsParameters,
-    curve: StribeckCurve,
-    elements: [Element; N],
+pub struct Gms<const N: usize, T: Real = f64> {
+    parameters: GmsParameters<T>,
+    curve: StribeckCurve<T>,
+    elements: [Element<T>; N],
 }
 
 /// One element; all zero for one that carries nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Element {
-    sigma0: f64,
-    sigma1: f64,
+struct Element<T: Real = f64> {
+    sigma0: T,
+    sigma1: T,
     /// `alpha / sigma0`: W per unit of g.
-    width: f64,
+    width: T,
     /// `sigma0 / alpha`.
-    inverse_width: f64,
-    c: f64,
+    inverse_width: T,
+    c: T,
 }
 
-built_from!([const N: usize] Gms<N>, GmsParameters);
+built_from!([T: Real, const N: usize] Gms<N, T>, GmsParameters<T>);
 
-impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
+impl<T: Real, const N: usize> TryFrom<GmsParameters<T>> for Gms<N, T> {
     type Error = ModelError;
 
-    fn try_from(p: GmsParameters) -> Result<Self, ModelError> {
+    fn try_from(p: GmsParameters<T>) -> Result<Self, ModelError> {
         let model = Self::NAME;
         p.check(model)?;
         let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
@@ -109,8 +106,8 @@ impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
         for (element, ((&alpha, &sigma0), (&sigma1, &c))) in elements.iter_mut().zip(lists) {
             *element =
                 Element { sigma0, sigma1, width: alpha / sigma0, inverse_width: sigma0 / alpha, c };
-            let usable = element.width > 0.0 && element.inverse_width.is_finite();
-            GmsParameters::require(
+            let usable = element.width > T::ZERO && element.inverse_width.is_finite();
+            p.require(
                 model,
                 usable,
                 "sigma0",
@@ -122,31 +119,31 @@ impl<const N: usize> TryFrom<GmsParameters> for Gms<N> {
     }
 }
 
-impl<const N: usize> FrictionModel for Gms<N> {
+impl<T: Real, const N: usize> FrictionModel<T> for Gms<N, T> {
     const NAME: &'static str = "gms";
-    type Parameters = GmsParameters;
-    type Continuous = [f64; N];
+    type Parameters = GmsParameters<T>;
+    type Continuous = [T; N];
     /// Direction in which each element slips: -1, 1, or 0 while it sticks.
-    type Memory = [f64; N];
+    type Memory = [T; N];
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &GmsParameters {
+    fn parameters(&self) -> &GmsParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; N], [f64; N]> {
-        State { continuous: [0.0; N], memory: [0.0; N] }
+    fn rest(&self) -> State<[T; N], [T; N]> {
+        State { continuous: [T::ZERO; N], memory: [T::ZERO; N] }
     }
 
     #[inline]
-    fn evaluate(&self, z: &[f64; N], slips: &[f64; N], velocity: f64) -> Evaluation<[f64; N]> {
+    fn evaluate(&self, z: &[T; N], slips: &[T; N], velocity: T) -> Evaluation<[T; N], T> {
         self.at(velocity)(z, slips)
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; N], &[f64; N]) -> Evaluation<[f64; N]> {
-        let inverse_g = 1.0 / self.curve.level(velocity);
+    fn at(&self, velocity: T) -> impl Fn(&[T; N], &[T; N]) -> Evaluation<[T; N], T> {
+        let inverse_g = T::ONE / self.curve.level(velocity);
         let direction = sign(velocity);
         move |z, slips| {
             let mut force = self.parameters.f_v * velocity;
@@ -154,7 +151,7 @@ impl<const N: usize> FrictionModel for Gms<N> {
             for (((element, &z), &slips), rate) in
                 self.elements.iter().zip(z).zip(slips).zip(&mut rates)
             {
-                if slips * direction > 0.0 {
+                if slips * direction > T::ZERO {
                     *rate = element.c * (direction - z * element.inverse_width * inverse_g);
                 }
                 force += element.sigma0 * z + element.sigma1 * *rate;
@@ -164,38 +161,38 @@ impl<const N: usize> FrictionModel for Gms<N> {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; N], [f64; N]>, velocity: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; N], [T; N]>, velocity: T, _: T) {
         let g = self.curve.level(velocity);
         let direction = sign(velocity);
         for ((element, z), slips) in
             self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory)
         {
-            if *slips == 0.0 {
-                if direction != 0.0 && direction * *z >= element.width * g {
+            if *slips == T::ZERO {
+                if direction != T::ZERO && direction * *z >= element.width * g {
                     *slips = direction;
                     *z = direction * element.width * g;
                 }
             } else if *slips != direction {
-                *slips = 0.0;
+                *slips = T::ZERO;
             }
         }
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; N], [f64; N]>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; N], [T; N]>, velocity: T) -> T {
         let v = bounded(velocity);
         let g = self.curve.level(v);
-        let inverse_g = 1.0 / g;
+        let inverse_g = T::ONE / g;
         let direction = sign(v);
         let mut force = self.parameters.f_v * v;
         for ((element, z), slips) in
             self.elements.iter().zip(&mut state.continuous).zip(&mut state.memory)
         {
-            if *slips * direction > 0.0 {
+            if *slips * direction > T::ZERO {
                 // Rate at which the element relaxes towards W [1/s].
                 let relaxation = element.c * element.inverse_width * inverse_g;
                 let rest = direction * element.width * g;
@@ -206,8 +203,8 @@ impl<const N: usize> FrictionModel for Gms<N> {
                 force += element.sigma0 * *z + element.sigma1 * v;
                 *z += v * dt;
                 let width = element.width * g;
-                let slides = direction != 0.0 && direction * *z >= width;
-                *slips = if slides { direction } else { 0.0 };
+                let slides = direction != T::ZERO && direction * *z >= width;
+                *slips = if slides { direction } else { T::ZERO };
                 *z = if slides { direction * width } else { *z };
             }
         }
@@ -215,52 +212,52 @@ impl<const N: usize> FrictionModel for Gms<N> {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; N], [f64; N]>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; N], [T; N]>, velocity: T, rate: T) -> T {
         let p = &self.parameters;
-        let inverse_g = 1.0 / self.curve.level(velocity);
-        let mut damping = 0.0;
+        let inverse_g = T::ONE / self.curve.level(velocity);
+        let mut damping = T::ZERO;
         for ((element, z), slips) in
             self.elements.iter().zip(&mut state.continuous).zip(&state.memory)
         {
-            let relaxation =
-                if *slips == 0.0 { 0.0 } else { element.c * element.inverse_width * inverse_g };
-            *z = saturate(element.width * p.f_s, *z + rate * relaxed(relaxation, dt.seconds()));
+            let relaxation = if *slips == T::ZERO {
+                T::ZERO
+            } else {
+                element.c * element.inverse_width * inverse_g
+            };
+            *z = saturate(
+                element.width * p.f_s,
+                *z + rate * relaxed(relaxation, T::of(dt.seconds())),
+            );
             damping += element.sigma1;
         }
         damping * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
     /// The mean deflection, weighted by the shares; slip once all elements slip.
-    fn internals(&self, state: &State<[f64; N], [f64; N]>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; N], [T; N]>, velocity: T) -> Internals<T> {
         let alpha = &self.parameters.alpha;
-        let deflection = alpha.iter().zip(&state.continuous).map(|(alpha, z)| alpha * z).sum();
+        let deflection = alpha.iter().zip(&state.continuous).map(|(&alpha, &z)| alpha * z).sum();
         let direction = sign(velocity);
-        let all = state.memory.iter().take(alpha.len()).all(|slips| slips * direction > 0.0);
+        let all = state.memory.iter().take(alpha.len()).all(|&slips| slips * direction > T::ZERO);
         let regime = if all { Regime::Slip } else { Regime::Stick };
         Internals { deflection, gamma: self.curve.level(velocity), regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; N], [f64; N]>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; N], [T; N]>) -> Option<T> {
         Some(
             self.elements
                 .iter()
                 .zip(&state.continuous)
-                .map(|(element, z)| 0.5 * element.sigma0 * z * z)
+                .map(|(element, &z)| T::HALF * element.sigma0 * z * z)
                 .sum(),
         )
     }

@@ -34,86 +34,86 @@
 
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`Karnopp`] as files carry them.
-    KarnoppParameters {
+    KarnoppParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Speed D_v up to which the contact counts as standing still [m/s or rad/s], above zero.
-        d_v: f64, Speed, Range::Positive;
+        d_v: T, Speed, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Karnopp's model with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Karnopp {
-    parameters: KarnoppParameters,
-    curve: StribeckCurve,
+pub struct Karnopp<T: Real = f64> {
+    parameters: KarnoppParameters<T>,
+    curve: StribeckCurve<T>,
 }
 
-impl Karnopp {
-    fn sticks(&self, velocity: f64) -> bool {
+impl<T: Real> Karnopp<T> {
+    fn sticks(&self, velocity: T) -> bool {
         velocity.abs() <= self.parameters.d_v
     }
 
     /// The force of a contact that slides, at any speed.
     #[inline]
-    fn sliding(&self, velocity: f64) -> f64 {
+    fn sliding(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 }
 
-impl TryFrom<KarnoppParameters> for Karnopp {
+impl<T: Real> TryFrom<KarnoppParameters<T>> for Karnopp<T> {
     type Error = ModelError;
 
-    fn try_from(p: KarnoppParameters) -> Result<Self, ModelError> {
+    fn try_from(p: KarnoppParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-built_from!(Karnopp, KarnoppParameters);
+built_from!([T: Real] Karnopp<T>, KarnoppParameters<T>);
 
-impl FrictionModel for Karnopp {
+impl<T: Real> FrictionModel<T> for Karnopp<T> {
     const NAME: &'static str = "karnopp";
-    memoryless!(KarnoppParameters, sliding);
+    memoryless!([T] KarnoppParameters<T>, sliding);
 
     /// Zero within the band.
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
-        if self.sticks(velocity) { 0.0 } else { self.sliding(velocity) }
+    fn steady_state(&self, velocity: T) -> T {
+        if self.sticks(velocity) { T::ZERO } else { self.sliding(velocity) }
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
         let (gamma, regime) = if self.sticks(velocity) {
             (self.parameters.f_s, Regime::Stick)
         } else {
             (self.curve.level(velocity), Regime::Slip)
         };
-        Internals { deflection: 0.0, gamma, regime }
+        Internals { deflection: T::ZERO, gamma, regime }
     }
 
     /// Zero within the band.
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
-        if self.sticks(velocity) { 0.0 } else { self.parameters.f_v * velocity }
+    fn viscous(&self, velocity: T) -> T {
+        if self.sticks(velocity) { T::ZERO } else { self.parameters.f_v * velocity }
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding { band: self.parameters.d_v, ..Holding::up_to(self.parameters.f_s) })
     }
 }

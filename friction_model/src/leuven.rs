@@ -31,109 +31,106 @@
 //! `dz = v dt h / (1 + |v| dt B)` with `h = 1 - sgn(r)|r|^n`. It never passes the sliding
 //! deflection, at any period.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Regime,
-    State, StribeckCurve, TimeStep, built_from, parameters,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Real,
+    Regime, State, StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Leuven`] as files carry them.
-    LeuvenParameters {
+    LeuvenParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// End of the virgin curve f_h [N or N m], at least `f_s`.
-        f_h: f64, Force, Range::Positive;
+        f_h: T, Force, Range::Positive;
         /// Deflection z_b at the end of the virgin curve [m or rad], above zero.
-        z_b: f64, Deflection, Range::Positive;
+        z_b: T, Deflection, Range::Positive;
         /// Exponent n of the transition to sliding, from 1 to 20; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        n: f64, None, Range::FromTo(1.0, 20.0);
+        n: T, None, Range::FromTo(1.0, 20.0);
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
-        sigma1: f64, Damping, Range::NonNegative;
+        sigma1: T, Damping, Range::NonNegative;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// The modified Leuven model with valid parameters. State: `[z]` and the reversal points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leuven {
-    parameters: LeuvenParameters,
-    curve: StribeckCurve,
-    sine: Sine,
+pub struct Leuven<T: Real = f64> {
+    parameters: LeuvenParameters<T>,
+    curve: StribeckCurve<T>,
+    sine: Sine<T>,
 }
 
-built_from!(Leuven, LeuvenParameters);
+built_from!([T: Real] Leuven<T>, LeuvenParameters<T>);
 
-impl TryFrom<LeuvenParameters> for Leuven {
+impl<T: Real> TryFrom<LeuvenParameters<T>> for Leuven<T> {
     type Error = ModelError;
 
-    fn try_from(p: LeuvenParameters) -> Result<Self, ModelError> {
+    fn try_from(p: LeuvenParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
         let curve = StribeckCurve::new(name, p.f_s, p.f_c, p.v_s, p.delta)?;
         let reaches = "at least f_s: otherwise the bristles cannot carry the sliding level";
-        LeuvenParameters::require(name, p.f_h >= p.f_s, "f_h", p.f_h, reaches)?;
+        p.require(name, p.f_h >= p.f_s, "f_h", p.f_h, reaches)?;
         let sine = Sine::new(p.f_h, p.z_b);
         let steep = "large enough for a finite stiffness";
-        LeuvenParameters::require(name, sine.stiffness().is_finite(), "z_b", p.z_b, steep)?;
+        p.require(name, sine.stiffness().is_finite(), "z_b", p.z_b, steep)?;
         Ok(Self { parameters: p, curve, sine })
     }
 }
 
-impl Leuven {
+impl<T: Real> Leuven<T> {
     /// `h = 1 - sgn(r) |r|^n`, the part of the motion that deflects the bristles, and `|r|`.
     #[inline]
-    fn elastic_part(&self, hysteresis: f64, velocity: f64, g: f64) -> (f64, f64) {
+    fn elastic_part(&self, hysteresis: T, velocity: T, g: T) -> (T, T) {
         let r = hysteresis * sign(velocity) / g;
         let magnitude = r.abs();
         let n = self.parameters.n;
-        let power = if n == 2.0 { magnitude * magnitude } else { magnitude.powf(n) };
-        (1.0 - sign(r) * power, magnitude)
+        let power = if n == T::TWO { magnitude * magnitude } else { magnitude.powf(n) };
+        (T::ONE - sign(r) * power, magnitude)
     }
 }
 
-impl FrictionModel for Leuven {
+impl<T: Real> FrictionModel<T> for Leuven<T> {
     const NAME: &'static str = "leuven";
-    type Parameters = LeuvenParameters;
-    type Continuous = [f64; 1];
-    type Memory = Hysteresis;
+    type Parameters = LeuvenParameters<T>;
+    type Continuous = [T; 1];
+    type Memory = Hysteresis<T>;
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &LeuvenParameters {
+    fn parameters(&self) -> &LeuvenParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], Hysteresis> {
-        State { continuous: [0.0], memory: Hysteresis::default() }
+    fn rest(&self) -> State<[T; 1], Hysteresis<T>> {
+        State { continuous: [T::ZERO], memory: Hysteresis::default() }
     }
 
     #[inline]
     fn evaluate(
         &self,
-        state: &[f64; 1],
-        memory: &Hysteresis,
-        velocity: f64,
-    ) -> Evaluation<[f64; 1]> {
+        state: &[T; 1],
+        memory: &Hysteresis<T>,
+        velocity: T,
+    ) -> Evaluation<[T; 1], T> {
         self.at(velocity)(state, memory)
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &Hysteresis) -> Evaluation<[f64; 1]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 1], &Hysteresis<T>) -> Evaluation<[T; 1], T> {
         let p = &self.parameters;
         let g = self.curve.level(velocity);
         move |&[z], memory| {
@@ -145,65 +142,59 @@ impl FrictionModel for Leuven {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], Hysteresis>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 1], Hysteresis<T>>, _: T, _: T) {
         let z = saturate(self.parameters.z_b, state.continuous[0]);
         state.continuous = [z];
         state.memory.commit(&self.sine, z);
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], Hysteresis>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], Hysteresis<T>>, velocity: T) -> T {
         let p = &self.parameters;
         let v = bounded(velocity);
         let g = self.curve.level(v);
         let [z] = state.continuous;
         let hysteresis = state.memory.force();
         let (elastic, r) = self.elastic_part(hysteresis, v, g);
-        let steepening = if r > 1.0 { r.powf(p.n - 1.0) } else { 1.0 };
+        let steepening = if r > T::ONE { r.powf(p.n - T::ONE) } else { T::ONE };
         let travel = v * dt;
         let fall = p.n * steepening * self.sine.stiffness() / g;
-        state.memory.commit(&self.sine, z + travel * elastic / (1.0 + travel.abs() * fall));
+        state.memory.commit(&self.sine, z + travel * elastic / (T::ONE + travel.abs() * fall));
         state.continuous = [state.memory.deflection()];
         hysteresis + p.sigma1 * v * elastic + p.f_v * v
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 1], Hysteresis>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 1], Hysteresis<T>>, _: T, rate: T) -> T {
         let [z] = state.continuous;
-        state.memory.commit(&self.sine, z + rate * dt.seconds());
+        state.memory.commit(&self.sine, z + rate * T::of(dt.seconds()));
         state.continuous = [state.memory.deflection()];
         self.parameters.sigma1 * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
     /// Slip once more than half of the motion passes under the bristles.
-    fn internals(&self, state: &State<[f64; 1], Hysteresis>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], Hysteresis<T>>, velocity: T) -> Internals<T> {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);
         let (elastic, _) = self.elastic_part(state.memory.peek(&self.sine, z), velocity, gamma);
-        let regime = if elastic.abs() < 0.5 { Regime::Slip } else { Regime::Stick };
+        let regime = if elastic.abs() < T::HALF { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], Hysteresis>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], Hysteresis<T>>) -> Option<T> {
         Some(state.memory.stored_energy(&self.sine))
     }
 }

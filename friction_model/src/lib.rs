@@ -56,6 +56,7 @@ mod proposed;
 mod proposed_linear;
 mod rate_dependent_stiction;
 mod rbf_network;
+mod real;
 mod reset_integrator;
 pub mod rk4;
 mod stepper;
@@ -100,6 +101,7 @@ pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParamet
 pub use proposed_linear::ProposedLinear;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
 pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
+pub use real::{Cast, Real};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
 pub use stepper::Stepper;
 pub use stiction::{Stiction, StictionParameters};

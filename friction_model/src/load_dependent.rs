@@ -14,22 +14,22 @@
 //! constant load the model is as passive as it was; a load that changes while the bristles are
 //! deflected works on them, and that work is not friction's.
 
-use crate::{FrictionModel, ModelError, Range, State, Stepper, TimeStep, Unit};
+use crate::{FrictionModel, ModelError, Range, Real, State, Stepper, TimeStep, Unit};
 
 /// A model with load-dependent levels, stepped with velocity and load.
 #[derive(Debug, Clone)]
-pub struct LoadDependent<M: FrictionModel> {
-    stepper: Stepper<M>,
-    gain: f64,
+pub struct LoadDependent<M: FrictionModel<T>, T: Real = f64> {
+    stepper: Stepper<M, T>,
+    gain: T,
 }
 
-impl<M: FrictionModel> LoadDependent<M> {
+impl<T: Real, M: FrictionModel<T>> LoadDependent<M, T> {
     /// Starts `model` at rest with the period `dt`; its levels rise by `gain` [1/(N m)] of
     /// themselves per unit of load.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] unless `gain` is finite and not below zero.
-    pub fn new(model: M, gain: f64, dt: TimeStep) -> Result<Self, ModelError> {
+    pub fn new(model: M, gain: T, dt: TimeStep) -> Result<Self, ModelError> {
         if Range::NonNegative.holds(gain) {
             Ok(Self { stepper: Stepper::new(model, dt), gain })
         } else {
@@ -37,7 +37,7 @@ impl<M: FrictionModel> LoadDependent<M> {
             Err(ModelError::OutOfRange {
                 model: M::NAME,
                 parameter,
-                value: gain,
+                value: gain.double(),
                 unit: Unit::None,
                 expected,
             })
@@ -47,8 +47,8 @@ impl<M: FrictionModel> LoadDependent<M> {
     /// The friction now at `velocity` under the transmitted torque `load`; the state then advances
     /// by one period. A load that is not finite counts as none.
     #[inline]
-    pub fn step(&mut self, velocity: f64, load: f64) -> f64 {
-        let load = if load.is_finite() { load.abs() } else { 0.0 };
+    pub fn step(&mut self, velocity: T, load: T) -> T {
+        let load = if load.is_finite() { load.abs() } else { T::ZERO };
         let velocity = crate::arithmetic::bounded(velocity);
         let force = self.stepper.step(velocity);
         let viscous = self.stepper.model().viscous(velocity);
@@ -65,8 +65,8 @@ impl<M: FrictionModel> LoadDependent<M> {
 /// `force` of a contact, of which `viscous` is viscous, under the load's magnitude `load`.
 #[inline]
 #[must_use]
-pub fn loaded(force: f64, viscous: f64, gain: f64, load: f64) -> f64 {
-    (1.0 + gain * load) * (force - viscous) + viscous
+pub fn loaded<T: Real>(force: T, viscous: T, gain: T, load: T) -> T {
+    (T::ONE + gain * load) * (force - viscous) + viscous
 }
 
 #[cfg(test)]

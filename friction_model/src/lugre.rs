@@ -21,52 +21,49 @@
 //! `z <- z_s + (z - z_s) exp(-sigma0 |v| dt / g)` with `z_s = sgn(v) g(v) / sigma0`; stable at any
 //! period.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, relaxed, saturate};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`LuGre`] as files carry them.
-    LuGreParameters {
+    LuGreParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Bristle stiffness sigma_0 [N/m or N m/rad], above zero.
-        sigma0: f64, Stiffness, Range::Positive;
+        sigma0: T, Stiffness, Range::Positive;
         /// Micro-damping sigma_1 [N s/m or N m s/rad], zero or more.
-        sigma1: f64, Damping, Range::NonNegative;
+        sigma1: T, Damping, Range::NonNegative;
         /// Speed v_d at which the micro-damping has fallen to 1/e [m/s or rad/s], above zero;
         /// constant damping if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        v_d: Option<f64>, Speed, Range::Positive;
+        v_d: Option<T>, Speed, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// LuGre with valid parameters. State: `[z]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LuGre {
-    parameters: LuGreParameters,
-    curve: StribeckCurve,
+pub struct LuGre<T: Real = f64> {
+    parameters: LuGreParameters<T>,
+    curve: StribeckCurve<T>,
 }
 
-impl LuGre {
+impl<T: Real> LuGre<T> {
     /// `sigma1(v)`: constant, or falling as `sigma1 exp(-(v/v_d)^2)`.
     #[inline]
-    fn damping(&self, velocity: f64) -> f64 {
+    fn damping(&self, velocity: T) -> T {
         match self.parameters.v_d {
             None => self.parameters.sigma1,
             Some(v_d) => {
@@ -77,41 +74,41 @@ impl LuGre {
     }
 }
 
-impl TryFrom<LuGreParameters> for LuGre {
+impl<T: Real> TryFrom<LuGreParameters<T>> for LuGre<T> {
     type Error = ModelError;
 
-    fn try_from(p: LuGreParameters) -> Result<Self, ModelError> {
+    fn try_from(p: LuGreParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-built_from!(LuGre, LuGreParameters);
+built_from!([T: Real] LuGre<T>, LuGreParameters<T>);
 
-impl FrictionModel for LuGre {
+impl<T: Real> FrictionModel<T> for LuGre<T> {
     const NAME: &'static str = "lugre";
-    type Parameters = LuGreParameters;
-    type Continuous = [f64; 1];
+    type Parameters = LuGreParameters<T>;
+    type Continuous = [T; 1];
     type Memory = ();
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &LuGreParameters {
+    fn parameters(&self) -> &LuGreParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], ()> {
-        State { continuous: [0.0], memory: () }
+    fn rest(&self) -> State<[T; 1], ()> {
+        State { continuous: [T::ZERO], memory: () }
     }
 
     #[inline]
-    fn evaluate(&self, state: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, state: &[T; 1], (): &(), velocity: T) -> Evaluation<[T; 1], T> {
         self.at(velocity)(state, &())
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &()) -> Evaluation<[f64; 1]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 1], &()) -> Evaluation<[T; 1], T> {
         let p = &self.parameters;
         let g = self.curve.level(velocity);
         move |&[z], ()| {
@@ -124,14 +121,14 @@ impl FrictionModel for LuGre {
     }
 
     #[inline]
-    fn commit(&self, _: &mut State<[f64; 1], ()>, _: f64, _: f64) {}
+    fn commit(&self, _: &mut State<[T; 1], ()>, _: T, _: T) {}
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], ()>, velocity: T) -> T {
         let p = &self.parameters;
         let v = bounded(velocity);
         let [z] = state.continuous;
@@ -144,43 +141,37 @@ impl FrictionModel for LuGre {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 1], ()>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 1], ()>, velocity: T, rate: T) -> T {
         let p = &self.parameters;
         let [z] = state.continuous;
         let relaxation = p.sigma0 * velocity.abs() / self.curve.level(velocity);
-        let moved = rate * relaxed(relaxation, dt.seconds());
+        let moved = rate * relaxed(relaxation, T::of(dt.seconds()));
         state.continuous = [saturate(p.f_s / p.sigma0, z + moved)];
         self.damping(velocity) * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
     /// Slip once the bristle force is within 5 % of the sliding level in the direction of motion;
     /// LuGre itself knows no switch.
-    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], ()>, velocity: T) -> Internals<T> {
         let [z] = state.continuous;
         let gamma = self.curve.level(velocity);
         let loaded = self.parameters.sigma0 * z * crate::arithmetic::sign(velocity);
-        let regime = if loaded >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
+        let regime = if loaded >= T::of(0.95) * gamma { Regime::Slip } else { Regime::Stick };
         Internals { deflection: z, gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], ()>) -> Option<T> {
         let [z] = state.continuous;
-        Some(0.5 * self.parameters.sigma0 * z * z)
+        Some(T::HALF * self.parameters.sigma0 * z * z)
     }
 }
 

@@ -3,25 +3,25 @@
 use core::fmt::Debug;
 
 use crate::arithmetic::{between, bounded, fused};
-use crate::{ModelError, ParameterSet};
+use crate::{ModelError, ParameterSet, Real};
 
 /// Velocities beyond this magnitude are cut to it by the fixed-step form [m/s or rad/s].
 pub const MAX_SPEED: f64 = 1e6;
 
 /// The continuous states of a model: a small fixed array, so that integrators neither allocate nor
 /// loop over a length they do not know.
-pub trait ContinuousState: Copy + Debug + PartialEq {
+pub trait ContinuousState<T: Real = f64>: Copy + Debug + PartialEq {
     /// `self + h * rate`, element by element.
     #[must_use]
-    fn plus_scaled(&self, rate: &Self, h: f64) -> Self;
+    fn plus_scaled(&self, rate: &Self, h: T) -> Self;
 
     /// Calls `f` with every state in its order: for recorders that do not know the model.
     fn each(&self, f: &mut dyn FnMut(f64));
 }
 
-impl<const N: usize> ContinuousState for [f64; N] {
+impl<T: Real, const N: usize> ContinuousState<T> for [T; N] {
     #[inline]
-    fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
+    fn plus_scaled(&self, rate: &Self, h: T) -> Self {
         let mut sum = *self;
         for (s, r) in sum.iter_mut().zip(rate) {
             *s = fused(h, *r, *s);
@@ -30,14 +30,14 @@ impl<const N: usize> ContinuousState for [f64; N] {
     }
 
     fn each(&self, f: &mut dyn FnMut(f64)) {
-        self.iter().copied().for_each(f);
+        self.iter().for_each(|state| f(state.double()));
     }
 }
 
 /// Two states side by side, for instance of the two directions of an asymmetric contact.
-impl<A: ContinuousState, B: ContinuousState> ContinuousState for (A, B) {
+impl<T: Real, A: ContinuousState<T>, B: ContinuousState<T>> ContinuousState<T> for (A, B) {
     #[inline]
-    fn plus_scaled(&self, rate: &Self, h: f64) -> Self {
+    fn plus_scaled(&self, rate: &Self, h: T) -> Self {
         (self.0.plus_scaled(&rate.0, h), self.1.plus_scaled(&rate.1, h))
     }
 
@@ -58,9 +58,9 @@ pub struct State<C, M> {
 
 /// Force and rates at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Evaluation<C> {
+pub struct Evaluation<C, T = f64> {
     /// Friction force [N] or torque [N m], opposing motion.
-    pub force: f64,
+    pub force: T,
     /// Time derivatives of the continuous states.
     pub rates: C,
 }
@@ -82,11 +82,11 @@ pub enum Regime {
 
 /// The inner quantities that all models can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Internals {
+pub struct Internals<T = f64> {
     /// Bristle deflection z [m or rad]; zero for static models.
-    pub deflection: f64,
+    pub deflection: T,
     /// Level at which the contact slides now, gamma [N or N m].
-    pub gamma: f64,
+    pub gamma: T,
     /// Stick or slip.
     pub regime: Regime,
 }
@@ -118,28 +118,28 @@ impl TimeStep {
 /// How a model that is discontinuous at zero velocity holds there. A simulator treats the sticking
 /// as an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Holding {
+pub struct Holding<T = f64> {
     /// Speeds up to this one count as standing still [m/s or rad/s]; zero for all models but
     /// Karnopp's.
-    pub band: f64,
+    pub band: T,
     /// Largest force that is held against motion forward [N or N m].
-    pub forward: f64,
+    pub forward: T,
     /// Largest force that is held against motion backward, as a magnitude [N or N m].
-    pub backward: f64,
+    pub backward: T,
 }
 
-impl Holding {
+impl<T: Real> Holding<T> {
     /// Holds up to `level` both ways at exactly zero velocity.
     #[must_use]
-    pub const fn up_to(level: f64) -> Self {
-        Self { band: 0.0, forward: level, backward: level }
+    pub const fn up_to(level: T) -> Self {
+        Self { band: T::ZERO, forward: level, backward: level }
     }
 
     /// Whether the contact stays where it is at `velocity` under the sum `applied` of all other
     /// forces.
     #[inline]
     #[must_use]
-    pub fn holds(&self, velocity: f64, applied: f64) -> bool {
+    pub fn holds(&self, velocity: T, applied: T) -> bool {
         velocity.abs() <= self.band && applied <= self.forward && applied >= -self.backward
     }
 
@@ -147,23 +147,23 @@ impl Holding {
     /// eqs. 2.7, 2.8, 2.13).
     #[inline]
     #[must_use]
-    pub fn force(&self, applied: f64) -> f64 {
+    pub fn force(&self, applied: T) -> T {
         between(-self.backward, self.forward, applied)
     }
 }
 
-/// A friction model with valid parameters.
+/// A friction model with valid parameters, in numbers of type `T`.
 ///
 /// `F` opposes motion. For the derivative form use [`evaluate`](Self::evaluate) in the stages of an
 /// integrator and [`commit`](Self::commit) once for each accepted step. For the fixed-step form use
 /// a [`crate::Stepper`].
-pub trait FrictionModel: Clone + Debug {
+pub trait FrictionModel<T: Real = f64>: Clone + Debug {
     /// What messages call the model. A built-in model has the name that files have for it.
     const NAME: &'static str;
     /// Its parameters as files carry them.
     type Parameters: ParameterSet;
-    /// Continuous states, `[f64; N]`.
-    type Continuous: ContinuousState;
+    /// Continuous states, `[T; N]`.
+    type Continuous: ContinuousState<T>;
     /// Discrete memory; `()` for most models.
     type Memory: Clone + Debug + PartialEq;
     /// Coefficients of the fixed-step form that depend on the period only.
@@ -180,22 +180,22 @@ pub trait FrictionModel: Clone + Debug {
         &self,
         state: &Self::Continuous,
         memory: &Self::Memory,
-        velocity: f64,
-    ) -> Evaluation<Self::Continuous>;
+        velocity: T,
+    ) -> Evaluation<Self::Continuous, T>;
 
     /// [`evaluate`](Self::evaluate) at one velocity: what depends on the velocity alone is computed
     /// here, and not again for each state.
     #[inline]
     fn at(
         &self,
-        velocity: f64,
-    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous> {
+        velocity: T,
+    ) -> impl Fn(&Self::Continuous, &Self::Memory) -> Evaluation<Self::Continuous, T> {
         move |state, memory| self.evaluate(state, memory, velocity)
     }
 
     /// Accepts a step of `dt` [s] that ended at `velocity`: projects the states onto their bounds
     /// and lets the memory know where they arrived.
-    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: f64, dt: f64);
+    fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: T, dt: T);
 
     /// Coefficients of the fixed-step form for the period `dt`.
     fn discretise(&self, dt: TimeStep) -> Self::Discrete;
@@ -210,8 +210,8 @@ pub trait FrictionModel: Clone + Debug {
         &self,
         discrete: &Self::Discrete,
         state: &mut State<Self::Continuous, Self::Memory>,
-        velocity: f64,
-    ) -> f64;
+        velocity: T,
+    ) -> T;
 
     /// What an extra `rate` in the derivative of every continuous state does in one period `dt`,
     /// after [`step`](Self::step) at `velocity`: moves the states, projects them back onto their
@@ -223,10 +223,10 @@ pub trait FrictionModel: Clone + Debug {
         &self,
         _dt: TimeStep,
         _state: &mut State<Self::Continuous, Self::Memory>,
-        _velocity: f64,
-        _rate: f64,
-    ) -> f64 {
-        0.0
+        _velocity: T,
+        _rate: T,
+    ) -> T {
+        T::ZERO
     }
 
     /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, see
@@ -238,43 +238,54 @@ pub trait FrictionModel: Clone + Debug {
         discrete: &Self::Discrete,
         dt: TimeStep,
         state: &mut State<Self::Continuous, Self::Memory>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+        velocity: T,
+        rate: T,
+    ) -> T {
         let force = self.step(discrete, state, velocity);
         let rate = bounded(rate);
-        if rate == 0.0 { force } else { force + self.inject(dt, state, bounded(velocity), rate) }
+        if rate == T::ZERO {
+            force
+        } else {
+            force + self.inject(dt, state, bounded(velocity), rate)
+        }
     }
 
     /// The force after a long time at constant `velocity`.
-    fn steady_state(&self, velocity: f64) -> f64;
+    fn steady_state(&self, velocity: T) -> T;
 
     /// The inner quantities at this state and velocity.
-    fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: f64) -> Internals;
+    fn internals(&self, state: &State<Self::Continuous, Self::Memory>, velocity: T)
+    -> Internals<T>;
 
     /// The part of the force that is viscous, `f_v v`: what is left is the contact's. Zero for
     /// models without such a term.
-    fn viscous(&self, _velocity: f64) -> f64 {
-        0.0
+    fn viscous(&self, _velocity: T) -> T {
+        T::ZERO
     }
 
     /// How a model that is discontinuous at zero velocity holds there, where the applied force
     /// changes at `force_rate` [N/s or N m/s]. `None` for models that describe pre-sliding
     /// themselves.
-    fn holding(&self, _force_rate: f64) -> Option<Holding> {
+    fn holding(&self, _force_rate: T) -> Option<Holding<T>> {
         None
     }
 
     /// Energy stored in the deflected bristles [J], where the model defines one.
-    fn stored_energy(&self, _state: &State<Self::Continuous, Self::Memory>) -> Option<f64> {
+    fn stored_energy(&self, _state: &State<Self::Continuous, Self::Memory>) -> Option<T> {
         None
     }
 }
 
 /// A [`FrictionModel`] that can be built from its parameters: every model of this crate.
-pub trait FromParameters: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
+pub trait FromParameters<T: Real = f64>:
+    FrictionModel<T> + TryFrom<Self::Parameters, Error = ModelError>
+{
+}
 
-impl<M> FromParameters for M where M: FrictionModel + TryFrom<Self::Parameters, Error = ModelError> {}
+impl<T: Real, M> FromParameters<T> for M where
+    M: FrictionModel<T> + TryFrom<M::Parameters, Error = ModelError>
+{
+}
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use crate::{Elements, ModelError};
+use crate::{Elements, ModelError, Real};
 
 /// Unit of a parameter, for a linear axis and for a rotary one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,7 +87,8 @@ pub enum Range {
 impl Range {
     /// Whether `value` lies in the range; conditions in words hold for every finite number.
     #[must_use]
-    pub fn holds(self, value: f64) -> bool {
+    pub fn holds<T: Real>(self, value: T) -> bool {
+        let value = value.double();
         value.is_finite()
             && match self {
                 Self::Any | Self::Such(_) => true,
@@ -147,48 +148,56 @@ pub trait Value {
     }
 }
 
-impl Value for f64 {
-    fn each(&self, f: &mut dyn FnMut(f64)) {
-        f(*self);
-    }
-    fn scale(&mut self, factor: f64) {
-        *self *= factor;
-    }
-    fn set(&mut self, value: f64) -> bool {
-        *self = value;
-        true
-    }
+macro_rules! number {
+    ($($number:ty),+) => {
+        $(
+            impl Value for $number {
+                fn each(&self, f: &mut dyn FnMut(f64)) {
+                    f(self.double());
+                }
+                fn scale(&mut self, factor: f64) {
+                    *self = Self::of(self.double() * factor);
+                }
+                fn set(&mut self, value: f64) -> bool {
+                    *self = Self::of(value);
+                    true
+                }
+            }
+        )+
+    };
 }
 
-impl Value for Option<f64> {
+number!(f32, f64);
+
+impl<T: Real> Value for Option<T> {
     fn each(&self, f: &mut dyn FnMut(f64)) {
         if let Some(value) = self {
-            f(*value);
+            f(value.double());
         }
     }
     fn scale(&mut self, factor: f64) {
         if let Some(value) = self {
-            *value *= factor;
+            value.scale(factor);
         }
     }
     fn set(&mut self, value: f64) -> bool {
-        *self = Some(value);
+        *self = Some(T::of(value));
         true
     }
 }
 
-impl<const CAPACITY: usize> Value for Elements<CAPACITY> {
+impl<const CAPACITY: usize, T: Real> Value for Elements<CAPACITY, T> {
     fn each(&self, f: &mut dyn FnMut(f64)) {
-        self.iter().copied().for_each(f);
+        self.iter().for_each(|value| f(value.double()));
     }
     fn scale(&mut self, factor: f64) {
-        self.iter_mut().for_each(|value| *value *= factor);
+        self.iter_mut().for_each(|value| value.scale(factor));
     }
     fn set(&mut self, _: f64) -> bool {
         false
     }
     fn set_at(&mut self, index: usize, value: f64) -> bool {
-        self.get_mut(index).map(|place| *place = value).is_some()
+        self.get_mut(index).map(|place| *place = T::of(value)).is_some()
     }
 }
 
@@ -246,11 +255,12 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`].
-    fn require(
+    fn require<T: Real>(
+        &self,
         model: &'static str,
         holds: bool,
         parameter: &'static str,
-        value: f64,
+        value: T,
         condition: &'static str,
     ) -> Result<(), ModelError> {
         if holds {
@@ -261,7 +271,7 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
         Err(ModelError::OutOfRange {
             model,
             parameter,
-            value,
+            value: value.double(),
             unit,
             expected: Range::Such(condition),
         })

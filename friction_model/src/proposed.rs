@@ -33,151 +33,142 @@
 
 use core::fmt::Debug;
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{between, bounded, relaxed, saturate};
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
-    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Regime,
-    State, StribeckCurve, TimeStep, VirginCurve, built_from, parameters,
+    Evaluation, FrictionModel, Hysteresis, Internals, ModelError, ParameterSet, Range, Real,
+    Regime, State, StribeckCurve, TimeStep, VirginCurve, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Proposed`] as files carry them.
-    ProposedParameters {
+    ProposedParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Micro-damping sigma [N s/m or N m s/rad], above zero.
-        sigma: f64, Damping, Range::Positive;
+        sigma: T, Damping, Range::Positive;
         /// Time constant of the lag [s], above zero.
-        tau: f64, Time, Range::Positive;
+        tau: T, Time, Range::Positive;
         /// Breakaway deflection Z_b [m or rad], above zero.
-        z_b: f64, Deflection, Range::Positive;
+        z_b: T, Deflection, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// The structure of the proposed model over a virgin curve: [`Proposed`] with the thesis's sine,
 /// [`ProposedLinear`] with a straight line. State: `[gamma, z]` and the reversal points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NonDrift<C> {
-    parameters: ProposedParameters,
-    curve: StribeckCurve,
+pub struct NonDrift<C, T: Real = f64> {
+    parameters: ProposedParameters<T>,
+    curve: StribeckCurve<T>,
     virgin: C,
-    inverse_sigma: f64,
+    inverse_sigma: T,
 }
 
 /// The proposed model with valid parameters.
-pub type Proposed = NonDrift<Sine>;
+pub type Proposed<T = f64> = NonDrift<Sine<T>, T>;
 
 /// A virgin curve that [`NonDrift`] can be built over.
-pub trait Branch: VirginCurve + Copy + Debug + PartialEq {
+pub trait Branch<T: Real = f64>: VirginCurve<T> + Copy + Debug + PartialEq {
     /// Name of the model with this curve.
     const NAME: &'static str;
 
     /// The curve that ends at the force `f_s` and the deflection `z_b`.
-    fn new(f_s: f64, z_b: f64) -> Self;
+    fn new(f_s: T, z_b: T) -> Self;
 
     /// Its steepest slope [N/m or N m/rad].
-    fn stiffness(&self) -> f64;
+    fn stiffness(&self) -> T;
 }
 
-impl Branch for Sine {
+impl<T: Real> Branch<T> for Sine<T> {
     const NAME: &'static str = "proposed";
-    fn new(f_s: f64, z_b: f64) -> Self {
+    fn new(f_s: T, z_b: T) -> Self {
         Self::new(f_s, z_b)
     }
     #[inline]
-    fn stiffness(&self) -> f64 {
+    fn stiffness(&self) -> T {
         self.stiffness()
     }
 }
 
-impl<C: Branch> NonDrift<C> {
+impl<T: Real, C: Branch<T>> NonDrift<C, T> {
     /// The hysteresis force alone along a path: moves `memory` to deflection `z` [m or rad] and
     /// returns `F_hyst` there.
-    pub fn hysteresis_force(&self, memory: &mut Hysteresis, z: f64) -> f64 {
+    pub fn hysteresis_force(&self, memory: &mut Hysteresis<T>, z: T) -> T {
         memory.commit(&self.virgin, z)
     }
 
     /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` for the sine, `F_s / Z_b` for the line
     /// [N/m or N m/rad].
     #[must_use]
-    pub fn stiffness(&self) -> f64 {
+    pub fn stiffness(&self) -> T {
         self.virgin.stiffness()
     }
 }
 
-impl<C: Branch> TryFrom<ProposedParameters> for NonDrift<C> {
+impl<T: Real, C: Branch<T>> TryFrom<ProposedParameters<T>> for NonDrift<C, T> {
     type Error = ModelError;
 
-    fn try_from(p: ProposedParameters) -> Result<Self, ModelError> {
+    fn try_from(p: ProposedParameters<T>) -> Result<Self, ModelError> {
         p.check(C::NAME)?;
         let curve = StribeckCurve::new(C::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         let virgin = C::new(p.f_s, p.z_b);
         let steep = "large enough for a finite stiffness";
-        ProposedParameters::require(C::NAME, virgin.stiffness().is_finite(), "z_b", p.z_b, steep)?;
+        p.require(C::NAME, virgin.stiffness().is_finite(), "z_b", p.z_b, steep)?;
         let divisor = "large enough to divide by";
-        ProposedParameters::require(
-            C::NAME,
-            (1.0 / p.sigma).is_finite(),
-            "sigma",
-            p.sigma,
-            divisor,
-        )?;
-        Ok(Self { parameters: p, curve, virgin, inverse_sigma: 1.0 / p.sigma })
+        p.require(C::NAME, (T::ONE / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
+        Ok(Self { parameters: p, curve, virgin, inverse_sigma: T::ONE / p.sigma })
     }
 }
 
-built_from!([C: Branch] NonDrift<C>, ProposedParameters);
+built_from!([T: Real, C: Branch<T>] NonDrift<C, T>, ProposedParameters<T>);
 
 /// Coefficients of the fixed-step form.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProposedDiscrete {
-    dt: f64,
+pub struct ProposedDiscrete<T = f64> {
+    dt: T,
     /// `exp(-dt / tau)`.
-    gamma_decay: f64,
+    gamma_decay: T,
     /// `1 / (sigma + k dt)`.
-    implicit_gain: f64,
+    implicit_gain: T,
 }
 
-impl<C: Branch> FrictionModel for NonDrift<C> {
+impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
     const NAME: &'static str = C::NAME;
-    type Parameters = ProposedParameters;
-    type Continuous = [f64; 2];
-    type Memory = Hysteresis;
-    type Discrete = ProposedDiscrete;
+    type Parameters = ProposedParameters<T>;
+    type Continuous = [T; 2];
+    type Memory = Hysteresis<T>;
+    type Discrete = ProposedDiscrete<T>;
 
-    fn parameters(&self) -> &ProposedParameters {
+    fn parameters(&self) -> &ProposedParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 2], Hysteresis> {
-        State { continuous: [self.parameters.f_s, 0.0], memory: Hysteresis::default() }
+    fn rest(&self) -> State<[T; 2], Hysteresis<T>> {
+        State { continuous: [self.parameters.f_s, T::ZERO], memory: Hysteresis::default() }
     }
 
     #[inline]
     fn evaluate(
         &self,
-        state: &[f64; 2],
-        memory: &Hysteresis,
-        velocity: f64,
-    ) -> Evaluation<[f64; 2]> {
+        state: &[T; 2],
+        memory: &Hysteresis<T>,
+        velocity: T,
+    ) -> Evaluation<[T; 2], T> {
         self.at(velocity)(state, memory)
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 2], &Hysteresis) -> Evaluation<[f64; 2]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 2], &Hysteresis<T>) -> Evaluation<[T; 2], T> {
         let p = &self.parameters;
         let g = self.curve.level(velocity);
         move |&[gamma, z], memory| {
@@ -191,29 +182,29 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 2], Hysteresis>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 2], Hysteresis<T>>, _: T, _: T) {
         let [gamma, z] = state.continuous;
         let z = saturate(self.parameters.z_b, z);
         state.continuous = [between(self.parameters.f_c, self.parameters.f_s, gamma), z];
         state.memory.commit(&self.virgin, z);
     }
 
-    fn discretise(&self, dt: TimeStep) -> ProposedDiscrete {
-        let dt = dt.seconds();
+    fn discretise(&self, dt: TimeStep) -> ProposedDiscrete<T> {
+        let dt = T::of(dt.seconds());
         ProposedDiscrete {
             dt,
             gamma_decay: (-dt / self.parameters.tau).exp(),
-            implicit_gain: 1.0 / (self.parameters.sigma + self.stiffness() * dt),
+            implicit_gain: T::ONE / (self.parameters.sigma + self.stiffness() * dt),
         }
     }
 
     #[inline]
     fn step(
         &self,
-        discrete: &ProposedDiscrete,
-        state: &mut State<[f64; 2], Hysteresis>,
-        velocity: f64,
-    ) -> f64 {
+        discrete: &ProposedDiscrete<T>,
+        state: &mut State<[T; 2], Hysteresis<T>>,
+        velocity: T,
+    ) -> T {
         let p = &self.parameters;
         let v = bounded(velocity);
         let g = self.curve.level(v);
@@ -228,26 +219,20 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 2], Hysteresis>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 2], Hysteresis<T>>, _: T, rate: T) -> T {
         let p = &self.parameters;
         let [gamma, z] = state.continuous;
-        let gamma = gamma + rate * relaxed(1.0 / p.tau, dt.seconds());
-        state.memory.commit(&self.virgin, z + rate * dt.seconds());
+        let gamma = gamma + rate * relaxed(T::ONE / p.tau, T::of(dt.seconds()));
+        state.memory.commit(&self.virgin, z + rate * T::of(dt.seconds()));
         state.continuous = [between(p.f_c, p.f_s, gamma), state.memory.deflection()];
         p.sigma * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, state: &State<[f64; 2], Hysteresis>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 2], Hysteresis<T>>, velocity: T) -> Internals<T> {
         let [gamma, z] = state.continuous;
         let trial = state.memory.peek(&self.virgin, z) + self.parameters.sigma * velocity;
         let regime = if trial.abs() > gamma { Regime::Slip } else { Regime::Stick };
@@ -255,11 +240,11 @@ impl<C: Branch> FrictionModel for NonDrift<C> {
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 2], Hysteresis>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 2], Hysteresis<T>>) -> Option<T> {
         Some(state.memory.stored_energy(&self.virgin))
     }
 }

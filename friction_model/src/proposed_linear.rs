@@ -18,18 +18,18 @@
 //! is known to be elastic up to its breakaway.
 
 use crate::virgin_curve::Line;
-use crate::{Branch, NonDrift};
+use crate::{Branch, NonDrift, Real};
 
 /// The proposed model with straight branches.
-pub type ProposedLinear = NonDrift<Line>;
+pub type ProposedLinear<T = f64> = NonDrift<Line<T>, T>;
 
-impl Branch for Line {
+impl<T: Real> Branch<T> for Line<T> {
     const NAME: &'static str = "proposed_linear";
-    fn new(f_s: f64, z_b: f64) -> Self {
+    fn new(f_s: T, z_b: T) -> Self {
         Self::new(f_s, z_b)
     }
     #[inline]
-    fn stiffness(&self) -> f64 {
+    fn stiffness(&self) -> T {
         self.stiffness()
     }
 }

@@ -30,92 +30,86 @@
 use crate::arithmetic::sign;
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`RateDependentStiction`] as files carry them.
-    RateDependentStictionParameters {
+    RateDependentStictionParameters<T> {
         /// Breakaway level F_s under an infinitely slow ramp [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c, also the breakaway level under an infinitely fast ramp [N or N m],
         /// above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Force rate t_s that scales the fall of the breakaway level [N/s or N m/s], above zero.
-        t_s: f64, ForceRate, Range::Positive;
+        t_s: T, ForceRate, Range::Positive;
         /// Shape exponent of the fall, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta_t: f64, None, SHAPE;
+        delta_t: T, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Rate-dependent stiction with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RateDependentStiction {
-    parameters: RateDependentStictionParameters,
+pub struct RateDependentStiction<T: Real = f64> {
+    parameters: RateDependentStictionParameters<T>,
     /// `Phi_s`: the same function of the force rate as the Stribeck curve is of the velocity.
-    breakaway: StribeckCurve,
+    breakaway: StribeckCurve<T>,
 }
 
-impl RateDependentStiction {
+impl<T: Real> RateDependentStiction<T> {
     /// `Phi_s` [N or N m]: the applied force at which a contact at rest breaks away where that
     /// force changes at `force_rate` [N/s or N m/s]. A rate that is not a number counts as zero.
     #[inline]
     #[must_use]
-    pub fn breakaway_level(&self, force_rate: f64) -> f64 {
-        self.breakaway.level(if force_rate.is_nan() { 0.0 } else { force_rate })
+    pub fn breakaway_level(&self, force_rate: T) -> T {
+        self.breakaway.level(if force_rate.is_nan() { T::ZERO } else { force_rate })
     }
 }
 
-impl TryFrom<RateDependentStictionParameters> for RateDependentStiction {
+impl<T: Real> TryFrom<RateDependentStictionParameters<T>> for RateDependentStiction<T> {
     type Error = ModelError;
 
-    fn try_from(p: RateDependentStictionParameters) -> Result<Self, ModelError> {
+    fn try_from(p: RateDependentStictionParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
         let divisor = "large enough to divide by";
-        RateDependentStictionParameters::require(
-            name,
-            (1.0 / p.t_s).is_finite(),
-            "t_s",
-            p.t_s,
-            divisor,
-        )?;
+        p.require(name, (T::ONE / p.t_s).is_finite(), "t_s", p.t_s, divisor)?;
         let breakaway = StribeckCurve::new(name, p.f_s, p.f_c, p.t_s, p.delta_t)?;
         Ok(Self { parameters: p, breakaway })
     }
 }
 
-built_from!(RateDependentStiction, RateDependentStictionParameters);
+built_from!([T: Real] RateDependentStiction<T>, RateDependentStictionParameters<T>);
 
-impl FrictionModel for RateDependentStiction {
+impl<T: Real> FrictionModel<T> for RateDependentStiction<T> {
     const NAME: &'static str = "rate_dependent_stiction";
-    memoryless!(RateDependentStictionParameters);
+    memoryless!([T] RateDependentStictionParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_c * sign(velocity) + self.parameters.f_v * velocity
     }
 
     /// At rest `gamma` is the level of an infinitely slow ramp.
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let (gamma, regime) = if velocity == 0.0 {
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let (gamma, regime) = if velocity == T::ZERO {
             (self.parameters.f_s, Regime::Stick)
         } else {
             (self.parameters.f_c, Regime::Slip)
         };
-        Internals { deflection: 0.0, gamma, regime }
+        Internals { deflection: T::ZERO, gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn holding(&self, force_rate: f64) -> Option<Holding> {
+    fn holding(&self, force_rate: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.breakaway_level(force_rate)))
     }
 }

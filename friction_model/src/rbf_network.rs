@@ -32,13 +32,10 @@
 //! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
 //! known (see [`FrictionModel::holding`]).
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::sign;
 use crate::{
-    Elements, FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
-    built_from, memoryless, parameters,
+    Elements, FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime,
+    State, built_from, memoryless, parameters,
 };
 
 /// Most bells that a network can have.
@@ -46,51 +43,51 @@ const CAPACITY: usize = 32;
 
 parameters! {
     /// Parameters of [`RbfNetwork`] as files carry them: three lists of the same length.
-    RbfNetworkParameters {
+    RbfNetworkParameters<T> {
         /// Level w_0 far from all centres [N or N m], zero or more.
-        w0: f64, Force, Range::NonNegative;
+        w0: T, Force, Range::NonNegative;
         /// Heights w_i of the bells [N or N m], of any sign.
-        weights: Elements<32>, Force, Range::Any;
+        weights: Elements<32, T>, Force, Range::Any;
         /// Speeds c_i on which the bells are centred [m/s or rad/s], zero or more.
-        centres: Elements<32>, Speed, Range::NonNegative;
+        centres: Elements<32, T>, Speed, Range::NonNegative;
         /// Widths b_i of the bells [m/s or rad/s], above zero.
-        widths: Elements<32>, Speed, Range::Positive;
+        widths: Elements<32, T>, Speed, Range::Positive;
     }
 }
 
 /// A network of radial basis functions with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RbfNetwork {
-    parameters: RbfNetworkParameters,
+pub struct RbfNetwork<T: Real = f64> {
+    parameters: RbfNetworkParameters<T>,
     /// `1 / b_i`.
-    inverse_widths: Elements<32>,
+    inverse_widths: Elements<32, T>,
 }
 
-impl RbfNetwork {
+impl<T: Real> RbfNetwork<T> {
     /// `w_0` and the bells at a speed, before negative levels are cut.
     #[inline]
-    fn sum(&self, speed: f64) -> f64 {
+    fn sum(&self, speed: T) -> T {
         let p = &self.parameters;
         let bells = p.weights.iter().zip(p.centres.iter()).zip(self.inverse_widths.iter());
-        bells.fold(p.w0, |sum, ((weight, centre), inverse_width)| {
+        bells.fold(p.w0, |sum, ((&weight, &centre), &inverse_width)| {
             let r = (speed - centre) * inverse_width;
-            sum + weight * (-0.5 * r * r).exp()
+            sum + weight * (-T::HALF * r * r).exp()
         })
     }
 
     /// The friction of a contact that slides at a speed of this magnitude, zero or more; at zero
     /// speed `F(0+)`.
     #[inline]
-    fn level(&self, velocity: f64) -> f64 {
+    fn level(&self, velocity: T) -> T {
         let sum = self.sum(velocity.abs());
-        if sum > 0.0 { sum } else { 0.0 }
+        if sum > T::ZERO { sum } else { T::ZERO }
     }
 }
 
-impl TryFrom<RbfNetworkParameters> for RbfNetwork {
+impl<T: Real> TryFrom<RbfNetworkParameters<T>> for RbfNetwork<T> {
     type Error = ModelError;
 
-    fn try_from(p: RbfNetworkParameters) -> Result<Self, ModelError> {
+    fn try_from(p: RbfNetworkParameters<T>) -> Result<Self, ModelError> {
         let model = Self::NAME;
         let expected = p.weights.len();
         if !(1..=CAPACITY).contains(&expected) {
@@ -105,39 +102,40 @@ impl TryFrom<RbfNetworkParameters> for RbfNetwork {
         p.check(model)?;
         let largest = p.weights.iter().fold(p.w0, |sum, weight| sum + weight.abs());
         let finite = "small enough for a finite sum of all weights";
-        RbfNetworkParameters::require(model, largest.is_finite(), "weights", largest, finite)?;
-        let inverse_widths =
-            Elements::from_fn(expected, |i| p.widths.get(i).map_or(0.0, |width| 1.0 / width));
+        p.require(model, largest.is_finite(), "weights", largest, finite)?;
+        let inverse_widths = Elements::from_fn(expected, |i| {
+            p.widths.get(i).map_or(T::ZERO, |&width| T::ONE / width)
+        });
         for (width, inverse) in p.widths.iter().zip(inverse_widths.iter()) {
             let divisor = "large enough to divide by";
-            RbfNetworkParameters::require(model, inverse.is_finite(), "widths", *width, divisor)?;
+            p.require(model, inverse.is_finite(), "widths", *width, divisor)?;
         }
         let network = Self { parameters: p, inverse_widths };
-        let still = network.sum(0.0);
+        let still = network.sum(T::ZERO);
         let positive = "such that the level at standstill is above zero";
-        RbfNetworkParameters::require(model, still > 0.0, "weights", still, positive)?;
+        p.require(model, still > T::ZERO, "weights", still, positive)?;
         Ok(network)
     }
 }
 
-built_from!(RbfNetwork, RbfNetworkParameters);
+built_from!([T: Real] RbfNetwork<T>, RbfNetworkParameters<T>);
 
-impl FrictionModel for RbfNetwork {
+impl<T: Real> FrictionModel<T> for RbfNetwork<T> {
     const NAME: &'static str = "rbf_network";
-    memoryless!(RbfNetworkParameters);
+    memoryless!([T] RbfNetworkParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         sign(velocity) * self.level(velocity)
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
-        Internals { deflection: 0.0, gamma: self.level(velocity), regime }
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let regime = if velocity == T::ZERO { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: T::ZERO, gamma: self.level(velocity), regime }
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
-        Some(Holding::up_to(self.level(0.0)))
+    fn holding(&self, _: T) -> Option<Holding<T>> {
+        Some(Holding::up_to(self.level(T::ZERO)))
     }
 }
 

@@ -34,108 +34,108 @@
 
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`ResetIntegrator`] as files carry them.
-    ResetIntegratorParameters {
+    ResetIntegratorParameters<T> {
         /// Stiffness sigma_0 [N/m or N m/rad], above zero.
-        sigma0: f64, Stiffness, Range::Positive;
+        sigma0: T, Stiffness, Range::Positive;
         /// Damping sigma_1 while the contact sticks [N s/m or N m s/rad], zero or more.
-        sigma1: f64, Damping, Range::NonNegative;
+        sigma1: T, Damping, Range::NonNegative;
         /// Excess a of static over kinetic friction, relative to kinetic friction; zero or more.
-        a: f64, None, Range::NonNegative;
+        a: T, None, Range::NonNegative;
         /// Deflection p_0 at which the contact breaks away [m or rad], above zero.
-        p_0: f64, Deflection, Range::Positive;
+        p_0: T, Deflection, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
-impl ResetIntegratorParameters {
+impl<T: Real> ResetIntegratorParameters<T> {
     /// From the levels `f_s >= f_c` [N or N m] and the stiffness `(1 + a) sigma0` of the sticking
     /// contact [N/m or N m/rad].
     #[must_use]
-    pub fn from_levels(f_s: f64, f_c: f64, stiffness: f64, sigma1: f64, f_v: f64) -> Self {
+    pub fn from_levels(f_s: T, f_c: T, stiffness: T, sigma1: T, f_v: T) -> Self {
         let p_0 = f_s / stiffness;
-        Self { sigma0: f_c / p_0, sigma1, a: f_s / f_c - 1.0, p_0, f_v }
+        Self { sigma0: f_c / p_0, sigma1, a: f_s / f_c - T::ONE, p_0, f_v }
     }
 }
 
 /// The reset integrator with valid parameters. State: `[p]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResetIntegrator {
-    parameters: ResetIntegratorParameters,
+pub struct ResetIntegrator<T: Real = f64> {
+    parameters: ResetIntegratorParameters<T>,
 }
 
-impl ResetIntegrator {
+impl<T: Real> ResetIntegrator<T> {
     /// Sliding level F_c [N or N m].
-    fn kinetic(&self) -> f64 {
+    fn kinetic(&self) -> T {
         self.parameters.sigma0 * self.parameters.p_0
     }
 
     /// Whether the contact slides on: deflected to the end, and moving further.
     #[inline]
-    fn slides(&self, p: f64, velocity: f64) -> bool {
+    fn slides(&self, p: T, velocity: T) -> bool {
         sign(velocity) * p >= self.parameters.p_0
     }
 }
 
-impl TryFrom<ResetIntegratorParameters> for ResetIntegrator {
+impl<T: Real> TryFrom<ResetIntegratorParameters<T>> for ResetIntegrator<T> {
     type Error = ModelError;
 
-    fn try_from(p: ResetIntegratorParameters) -> Result<Self, ModelError> {
+    fn try_from(p: ResetIntegratorParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
-        let static_level = p.sigma0 * p.p_0 * (1.0 + p.a);
+        let static_level = p.sigma0 * p.p_0 * (T::ONE + p.a);
         let condition = "so that (1 + a) sigma0 p_0 is a finite number above zero";
-        let holds = static_level.is_finite() && p.sigma0 * p.p_0 > 0.0;
-        ResetIntegratorParameters::require(name, holds, "p_0", p.p_0, condition)?;
+        let holds = static_level.is_finite() && p.sigma0 * p.p_0 > T::ZERO;
+        p.require(name, holds, "p_0", p.p_0, condition)?;
         Ok(Self { parameters: p })
     }
 }
 
-built_from!(ResetIntegrator, ResetIntegratorParameters);
+built_from!([T: Real] ResetIntegrator<T>, ResetIntegratorParameters<T>);
 
-impl FrictionModel for ResetIntegrator {
+impl<T: Real> FrictionModel<T> for ResetIntegrator<T> {
     const NAME: &'static str = "reset_integrator";
-    type Parameters = ResetIntegratorParameters;
-    type Continuous = [f64; 1];
+    type Parameters = ResetIntegratorParameters<T>;
+    type Continuous = [T; 1];
     type Memory = ();
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &ResetIntegratorParameters {
+    fn parameters(&self) -> &ResetIntegratorParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], ()> {
-        State { continuous: [0.0], memory: () }
+    fn rest(&self) -> State<[T; 1], ()> {
+        State { continuous: [T::ZERO], memory: () }
     }
 
     #[inline]
-    fn evaluate(&self, &[p]: &[f64; 1], (): &(), velocity: f64) -> Evaluation<[f64; 1]> {
+    fn evaluate(&self, &[p]: &[T; 1], (): &(), velocity: T) -> Evaluation<[T; 1], T> {
         let ResetIntegratorParameters { sigma0, sigma1, a, p_0, f_v } = self.parameters;
-        let rate = if self.slides(p, velocity) { 0.0 } else { velocity };
-        let weight = if p.abs() < p_0 { 1.0 + a } else { 1.0 };
+        let rate = if self.slides(p, velocity) { T::ZERO } else { velocity };
+        let weight = if p.abs() < p_0 { T::ONE + a } else { T::ONE };
         let force = sigma0 * saturate(p_0, p) * weight + sigma1 * rate + f_v * velocity;
         Evaluation { force, rates: [rate] }
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], ()>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 1], ()>, _: T, _: T) {
         state.continuous = state.continuous.map(|p| saturate(self.parameters.p_0, p));
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], ()>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], ()>, velocity: T) -> T {
         let v = bounded(velocity);
         let [p] = state.continuous;
         let force = self.evaluate(&[p], &(), v).force;
@@ -144,30 +144,30 @@ impl FrictionModel for ResetIntegrator {
     }
 
     #[inline]
-    fn inject(&self, dt: TimeStep, state: &mut State<[f64; 1], ()>, _: f64, rate: f64) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 1], ()>, _: T, rate: T) -> T {
         let ResetIntegratorParameters { sigma1, p_0, .. } = self.parameters;
-        state.continuous = state.continuous.map(|p| saturate(p_0, p + rate * dt.seconds()));
+        state.continuous = state.continuous.map(|p| saturate(p_0, p + rate * T::of(dt.seconds())));
         sigma1 * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         sign(velocity) * self.kinetic() + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, state: &State<[f64; 1], ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], ()>, velocity: T) -> Internals<T> {
         let [p] = state.continuous;
         let regime = if self.slides(p, velocity) { Regime::Slip } else { Regime::Stick };
         Internals { deflection: p, gamma: self.kinetic(), regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], ()>) -> Option<T> {
         let [p] = state.continuous;
-        Some(0.5 * (1.0 + self.parameters.a) * self.parameters.sigma0 * p * p)
+        Some(T::HALF * (T::ONE + self.parameters.a) * self.parameters.sigma0 * p * p)
     }
 }
 

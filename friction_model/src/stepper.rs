@@ -1,17 +1,17 @@
 //! A model running in real time: its parameters, its coefficients for one period, and its state.
 
-use crate::{FrictionModel, Internals, State, TimeStep};
+use crate::{FrictionModel, Internals, Real, State, TimeStep};
 
 /// A model with its state, stepped once a period.
 #[derive(Debug, Clone)]
-pub struct Stepper<M: FrictionModel> {
+pub struct Stepper<M: FrictionModel<T>, T: Real = f64> {
     model: M,
     dt: TimeStep,
     discrete: M::Discrete,
     state: State<M::Continuous, M::Memory>,
 }
 
-impl<M: FrictionModel> Stepper<M> {
+impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
     /// Starts `model` at rest with the period `dt`.
     #[must_use]
     pub fn new(model: M, dt: TimeStep) -> Self {
@@ -21,21 +21,21 @@ impl<M: FrictionModel> Stepper<M> {
 
     /// The friction now at `velocity` [m/s or rad/s]; the state then advances by one period.
     #[inline]
-    pub fn step(&mut self, velocity: f64) -> f64 {
+    pub fn step(&mut self, velocity: T) -> T {
         self.model.step(&self.discrete, &mut self.state, velocity)
     }
 
     /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, for
     /// an observer's error injection. See [`FrictionModel::step_injected`].
     #[inline]
-    pub fn step_injected(&mut self, velocity: f64, rate: f64) -> f64 {
+    pub fn step_injected(&mut self, velocity: T, rate: T) -> T {
         self.model.step_injected(&self.discrete, self.dt, &mut self.state, velocity, rate)
     }
 
     /// The part of the force at `velocity` that is viscous.
     #[inline]
     #[must_use]
-    pub fn viscous(&self, velocity: f64) -> f64 {
+    pub fn viscous(&self, velocity: T) -> T {
         self.model.viscous(velocity)
     }
 
@@ -46,7 +46,7 @@ impl<M: FrictionModel> Stepper<M> {
 
     /// The inner quantities at `velocity`.
     #[must_use]
-    pub fn internals(&self, velocity: f64) -> Internals {
+    pub fn internals(&self, velocity: T) -> Internals<T> {
         self.model.internals(&self.state, velocity)
     }
 

@@ -25,66 +25,66 @@
 
 use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
-    memoryless, parameters,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`Stiction`] as files carry them.
-    StictionParameters {
+    StictionParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Stiction with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stiction {
-    parameters: StictionParameters,
+pub struct Stiction<T: Real = f64> {
+    parameters: StictionParameters<T>,
 }
 
-impl TryFrom<StictionParameters> for Stiction {
+impl<T: Real> TryFrom<StictionParameters<T>> for Stiction<T> {
     type Error = ModelError;
 
-    fn try_from(p: StictionParameters) -> Result<Self, ModelError> {
+    fn try_from(p: StictionParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        StictionParameters::require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        p.require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
         Ok(Self { parameters: p })
     }
 }
 
-built_from!(Stiction, StictionParameters);
+built_from!([T: Real] Stiction<T>, StictionParameters<T>);
 
-impl FrictionModel for Stiction {
+impl<T: Real> FrictionModel<T> for Stiction<T> {
     const NAME: &'static str = "stiction";
-    memoryless!(StictionParameters);
+    memoryless!([T] StictionParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_c * sign(velocity) + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let (gamma, regime) = if velocity == 0.0 {
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let (gamma, regime) = if velocity == T::ZERO {
             (self.parameters.f_s, Regime::Stick)
         } else {
             (self.parameters.f_c, Regime::Slip)
         };
-        Internals { deflection: 0.0, gamma, regime }
+        Internals { deflection: T::ZERO, gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.parameters.f_s))
     }
 }

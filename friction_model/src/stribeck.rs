@@ -19,66 +19,66 @@
 
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`Stribeck`] as files carry them.
-    StribeckParameters {
+    StribeckParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// The static Stribeck model with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stribeck {
-    parameters: StribeckParameters,
-    curve: StribeckCurve,
+pub struct Stribeck<T: Real = f64> {
+    parameters: StribeckParameters<T>,
+    curve: StribeckCurve<T>,
 }
 
-impl TryFrom<StribeckParameters> for Stribeck {
+impl<T: Real> TryFrom<StribeckParameters<T>> for Stribeck<T> {
     type Error = ModelError;
 
-    fn try_from(p: StribeckParameters) -> Result<Self, ModelError> {
+    fn try_from(p: StribeckParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
         Ok(Self { parameters: p, curve })
     }
 }
 
-built_from!(Stribeck, StribeckParameters);
+built_from!([T: Real] Stribeck<T>, StribeckParameters<T>);
 
-impl FrictionModel for Stribeck {
+impl<T: Real> FrictionModel<T> for Stribeck<T> {
     const NAME: &'static str = "stribeck";
-    memoryless!(StribeckParameters);
+    memoryless!([T] StribeckParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
-        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
-        Internals { deflection: 0.0, gamma: self.curve.level(velocity), regime }
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
+        let regime = if velocity == T::ZERO { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: T::ZERO, gamma: self.curve.level(velocity), regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.parameters.f_s))
     }
 }

@@ -1,26 +1,23 @@
 //! The level at which a contact slides, as a function of speed.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
-use crate::{ModelError, Range, Unit};
+use crate::{ModelError, Range, Real, Unit};
 
 /// The Stribeck curve `g(v) = F_c + (F_s - F_c) exp(-|v/v_s|^delta)` in units of force, thesis eqs.
 /// 2.9 to 2.11 with the absolute value inside the power.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StribeckCurve {
-    f_s: f64,
-    f_c: f64,
-    inverse_v_s: f64,
-    v_s: f64,
-    delta: f64,
+pub struct StribeckCurve<T: Real = f64> {
+    f_s: T,
+    f_c: T,
+    inverse_v_s: T,
+    v_s: T,
+    delta: T,
 }
 
-impl StribeckCurve {
+impl<T: Real> StribeckCurve<T> {
     /// The shape exponent of the Gaussian form, which parameter files may leave out.
     #[must_use]
-    pub const fn gaussian() -> f64 {
-        2.0
+    pub const fn gaussian() -> T {
+        T::TWO
     }
 
     /// A curve from the static level `f_s` and the kinetic level `f_c` [N or N m], the Stribeck
@@ -29,19 +26,13 @@ impl StribeckCurve {
     /// # Errors
     /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and
     /// `0 < delta <= 10`.
-    pub fn new(
-        model: &'static str,
-        f_s: f64,
-        f_c: f64,
-        v_s: f64,
-        delta: f64,
-    ) -> Result<Self, ModelError> {
+    pub fn new(model: &'static str, f_s: T, f_c: T, v_s: T, delta: T) -> Result<Self, ModelError> {
         let positive =
             [("f_s", f_s, Unit::Force), ("f_c", f_c, Unit::Force), ("v_s", v_s, Unit::Speed)];
-        let refusal = |parameter, value, unit, expected| ModelError::OutOfRange {
+        let refusal = |parameter, value: T, unit, expected| ModelError::OutOfRange {
             model,
             parameter,
-            value,
+            value: value.double(),
             unit,
             expected,
         };
@@ -55,52 +46,52 @@ impl StribeckCurve {
                 Range::Such("at most f_s: kinetic friction does not exceed static friction");
             return Err(refusal("f_c", f_c, Unit::Force, expected));
         }
-        if 1.0 / v_s == f64::INFINITY {
+        if T::ONE / v_s == T::infinity() {
             return Err(refusal("v_s", v_s, Unit::Speed, Range::Such("large enough to divide by")));
         }
         if !SHAPE.holds(delta) {
             return Err(refusal("delta", delta, Unit::None, SHAPE));
         }
-        Ok(Self { f_s, f_c, inverse_v_s: 1.0 / v_s, v_s, delta })
+        Ok(Self { f_s, f_c, inverse_v_s: T::ONE / v_s, v_s, delta })
     }
 
     /// `g(v)`, between `f_c` and `f_s`.
     #[inline]
     #[must_use]
-    pub fn level(&self, velocity: f64) -> f64 {
+    pub fn level(&self, velocity: T) -> T {
         let r = velocity * self.inverse_v_s;
-        let power = if self.delta == 2.0 { r * r } else { r.abs().powf(self.delta) };
+        let power = if self.delta == T::TWO { r * r } else { r.abs().powf(self.delta) };
         self.f_c + (self.f_s - self.f_c) * (-power).exp()
     }
 
     /// `s(v) = sgn(v) g(v)`.
     #[inline]
     #[must_use]
-    pub fn signed_level(&self, velocity: f64) -> f64 {
-        if velocity == 0.0 { 0.0 } else { self.level(velocity).copysign(velocity) }
+    pub fn signed_level(&self, velocity: T) -> T {
+        if velocity == T::ZERO { T::ZERO } else { self.level(velocity).copysign(velocity) }
     }
 
     /// Static level F_s [N or N m].
     #[must_use]
-    pub const fn f_s(&self) -> f64 {
+    pub const fn f_s(&self) -> T {
         self.f_s
     }
 
     /// Kinetic level F_c [N or N m].
     #[must_use]
-    pub const fn f_c(&self) -> f64 {
+    pub const fn f_c(&self) -> T {
         self.f_c
     }
 
     /// Stribeck velocity v_s [m/s or rad/s].
     #[must_use]
-    pub const fn v_s(&self) -> f64 {
+    pub const fn v_s(&self) -> T {
         self.v_s
     }
 
     /// Shape exponent.
     #[must_use]
-    pub const fn delta(&self) -> f64 {
+    pub const fn delta(&self) -> T {
         self.delta
     }
 }

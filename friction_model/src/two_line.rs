@@ -34,37 +34,34 @@
 //! Fixed-step form: the formula itself, with 0 at `v = 0`, where the applied force would have to be
 //! known (see [`FrictionModel::holding`]).
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::sign;
 use crate::{
-    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Regime, State,
+    FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, Unit, built_from, memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`TwoLine`] as files carry them.
-    TwoLineParameters {
+    TwoLineParameters<T> {
         /// Level a_1 from which the first line starts [N or N m], above zero.
-        a1: f64, Force, Range::Positive;
+        a1: T, Force, Range::Positive;
         /// Slope b_1 of the first line [N s/m or N m s/rad], of any sign.
-        b1: f64, Damping, Range::Any;
+        b1: T, Damping, Range::Any;
         /// Level a_2 at which the second line would start [N or N m], above zero.
-        a2: f64, Force, Range::Positive;
+        a2: T, Force, Range::Positive;
         /// Slope b_2 of the second line [N s/m or N m s/rad], zero or more.
-        b2: f64, Damping, Range::NonNegative;
+        b2: T, Damping, Range::NonNegative;
     }
 }
 
-impl TwoLineParameters {
+impl<T: Real> TwoLineParameters<T> {
     /// The tangents of the Tustin curve `F_c + (F_s - F_c) exp(-v/v_s) + f_v v` at standstill and
     /// at `v_max` [m/s or rad/s]: levels `f_s` and `f_c` [N or N m], Stribeck velocity `v_s`
     /// [m/s or rad/s], viscous coefficient `f_v` [N s/m or N m s/rad].
     ///
     /// ```
     /// use friction_model::{TwoLine, TwoLineParameters};
-    /// let lines = TwoLineParameters::from_tustin(0.0994, 0.0925, 0.1407, 0.0403, 4.0)?;
+    /// let lines = TwoLineParameters::<f64>::from_tustin(0.0994, 0.0925, 0.1407, 0.0403, 4.0)?;
     /// assert!((TwoLine::try_from(lines)?.switch_speed() - 0.1407).abs() < 1e-5);
     /// # Ok::<(), friction_model::ModelError>(())
     /// ```
@@ -73,21 +70,16 @@ impl TwoLineParameters {
     /// [`ModelError::OutOfRange`] unless `f_s > f_c > 0`, `v_s > 0`, `f_v >= 0` and `v_max > 0`,
     /// and where the tangents are no two-line model: at a `v_max` so low that the curve still falls
     /// there.
-    pub fn from_tustin(
-        f_s: f64,
-        f_c: f64,
-        v_s: f64,
-        f_v: f64,
-        v_max: f64,
-    ) -> Result<Self, ModelError> {
-        let model = TwoLine::NAME;
-        StribeckCurve::new(model, f_s, f_c, v_s, 1.0)?;
+    pub fn from_tustin(f_s: T, f_c: T, v_s: T, f_v: T, v_max: T) -> Result<Self, ModelError> {
+        let model = TwoLine::<T>::NAME;
+        StribeckCurve::new(model, f_s, f_c, v_s, T::ONE)?;
         let rest = [
             ("f_v", f_v, Unit::Damping, Range::NonNegative),
             ("v_max", v_max, Unit::Speed, Range::Positive),
         ];
         for (parameter, value, unit, expected) in rest {
             if !expected.holds(value) {
+                let value = value.double();
                 return Err(ModelError::OutOfRange { model, parameter, value, unit, expected });
             }
         }
@@ -96,7 +88,7 @@ impl TwoLineParameters {
         let lines = Self {
             a1: f_s,
             b1: f_v - dip / v_s,
-            a2: f_c + left * (1.0 + v_max / v_s),
+            a2: f_c + left * (T::ONE + v_max / v_s),
             b2: f_v - left / v_s,
         };
         lines.switch_speed()?;
@@ -107,75 +99,75 @@ impl TwoLineParameters {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for parameters that are no two-line model.
-    pub fn switch_speed(&self) -> Result<f64, ModelError> {
-        self.check(TwoLine::NAME)?;
+    pub fn switch_speed(&self) -> Result<T, ModelError> {
+        self.check(TwoLine::<T>::NAME)?;
         let speed = (self.a1 - self.a2) / (self.b2 - self.b1);
         let condition = "such that the lines meet at a speed above zero: below a1 if b1 is below b2, else above a1";
-        let meet = speed > 0.0 && (self.a2 + self.b2 * speed).is_finite();
-        Self::require(TwoLine::NAME, meet, "a2", self.a2, condition)?;
+        let meet = speed > T::ZERO && (self.a2 + self.b2 * speed).is_finite();
+        self.require(TwoLine::<T>::NAME, meet, "a2", self.a2, condition)?;
         Ok(speed)
     }
 }
 
 /// The two-line model with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TwoLine {
-    parameters: TwoLineParameters,
-    switch_speed: f64,
+pub struct TwoLine<T: Real = f64> {
+    parameters: TwoLineParameters<T>,
+    switch_speed: T,
 }
 
-impl TwoLine {
+impl<T: Real> TwoLine<T> {
     /// The speed v_sw at which the lines meet [m/s or rad/s].
     #[must_use]
-    pub const fn switch_speed(&self) -> f64 {
+    pub const fn switch_speed(&self) -> T {
         self.switch_speed
     }
 
     /// The line that counts at `velocity`.
     #[inline]
-    fn line(&self, velocity: f64) -> (f64, f64) {
+    fn line(&self, velocity: T) -> (T, T) {
         let p = &self.parameters;
         if velocity.abs() <= self.switch_speed { (p.a1, p.b1) } else { (p.a2, p.b2) }
     }
 }
 
-impl TryFrom<TwoLineParameters> for TwoLine {
+impl<T: Real> TryFrom<TwoLineParameters<T>> for TwoLine<T> {
     type Error = ModelError;
 
-    fn try_from(parameters: TwoLineParameters) -> Result<Self, ModelError> {
+    fn try_from(parameters: TwoLineParameters<T>) -> Result<Self, ModelError> {
         let switch_speed = parameters.switch_speed()?;
         Ok(Self { parameters, switch_speed })
     }
 }
 
-built_from!(TwoLine, TwoLineParameters);
+built_from!([T: Real] TwoLine<T>, TwoLineParameters<T>);
 
-impl FrictionModel for TwoLine {
+impl<T: Real> FrictionModel<T> for TwoLine<T> {
     const NAME: &'static str = "two_line";
-    memoryless!(TwoLineParameters);
+    memoryless!([T] TwoLineParameters<T>);
 
     #[inline]
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         let (a, b) = self.line(velocity);
         a * sign(velocity) + b * velocity
     }
 
     /// `gamma` is the force without its viscous part.
-    fn internals(&self, _: &State<[f64; 0], ()>, velocity: f64) -> Internals {
+    fn internals(&self, _: &State<[T; 0], ()>, velocity: T) -> Internals<T> {
         let (a, b) = self.line(velocity);
         let gamma = a + (b - self.parameters.b2) * velocity.abs();
-        let regime = if velocity == 0.0 { Regime::Stick } else { Regime::Slip };
-        Internals { deflection: 0.0, gamma, regime }
+        let regime = if velocity == T::ZERO { Regime::Stick } else { Regime::Slip };
+        Internals { deflection: T::ZERO, gamma, regime }
     }
 
     /// `b_2 v`: the slope at high speeds is the viscous coefficient of the curve that the lines
     /// stand for.
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.b2 * velocity
     }
 
-    fn holding(&self, _: f64) -> Option<Holding> {
+    fn holding(&self, _: T) -> Option<Holding<T>> {
         Some(Holding::up_to(self.parameters.a1))
     }
 }
@@ -193,7 +185,7 @@ mod tests {
     /// Table 4.13's parameters; the figures were computed independently.
     #[test]
     fn the_tangents_of_the_tustin_curve_have_the_known_figures() {
-        let p = TwoLineParameters::from_tustin(0.0994, 0.0925, 0.1407, 0.0403, 4.0).unwrap();
+        let p = TwoLineParameters::<f64>::from_tustin(0.0994, 0.0925, 0.1407, 0.0403, 4.0).unwrap();
         let model = TwoLine::try_from(p).unwrap();
         assert_eq!(p.a1, 0.0994);
         assert!((p.b1 + 0.0087405).abs() < 5e-8, "{p:?}");
@@ -269,7 +261,7 @@ mod tests {
             assert!(message.starts_with(&format!("two_line.{parameter} must be")), "{message}");
         }
         let tangents =
-            |f_s, v_s, v_max| TwoLineParameters::from_tustin(f_s, 0.09, v_s, 0.04, v_max);
+            |f_s, v_s, v_max| TwoLineParameters::<f64>::from_tustin(f_s, 0.09, v_s, 0.04, v_max);
         for (parameter, outcome) in [
             ("f_c", tangents(0.08, 0.14, 4.0)),
             ("a2", tangents(0.09, 0.14, 4.0)),

@@ -11,48 +11,48 @@
 //! Right for a full fluid film. It has no static friction at all: nothing sticks.
 
 use crate::{
-    FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, built_from,
+    FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State, built_from,
     memoryless, parameters,
 };
 
 parameters! {
     /// Parameters of [`Viscous`] as files carry them.
-    ViscousParameters {
+    ViscousParameters<T> {
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Viscous friction with valid parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Viscous {
-    parameters: ViscousParameters,
+pub struct Viscous<T: Real = f64> {
+    parameters: ViscousParameters<T>,
 }
 
-impl TryFrom<ViscousParameters> for Viscous {
+impl<T: Real> TryFrom<ViscousParameters<T>> for Viscous<T> {
     type Error = ModelError;
 
-    fn try_from(parameters: ViscousParameters) -> Result<Self, ModelError> {
+    fn try_from(parameters: ViscousParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
         Ok(Self { parameters })
     }
 }
 
-built_from!(Viscous, ViscousParameters);
+built_from!([T: Real] Viscous<T>, ViscousParameters<T>);
 
-impl FrictionModel for Viscous {
+impl<T: Real> FrictionModel<T> for Viscous<T> {
     const NAME: &'static str = "viscous";
-    memoryless!(ViscousParameters);
+    memoryless!([T] ViscousParameters<T>);
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn internals(&self, _: &State<[f64; 0], ()>, _: f64) -> Internals {
-        Internals { deflection: 0.0, gamma: 0.0, regime: Regime::Slip }
+    fn internals(&self, _: &State<[T; 0], ()>, _: T) -> Internals<T> {
+        Internals { deflection: T::ZERO, gamma: T::ZERO, regime: Regime::Slip }
     }
 
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 }

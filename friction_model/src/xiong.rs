@@ -30,69 +30,66 @@
 //! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
 //! nothing.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{between, bounded, relaxed, saturate};
 use crate::stribeck_curve::SHAPE;
 use crate::{
-    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State,
-    StribeckCurve, TimeStep, built_from, parameters,
+    Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime,
+    State, StribeckCurve, TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Xiong`] as files carry them; the lists have one number an element, at most
     /// 16.
-    XiongParameters {
+    XiongParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
-        delta: f64, None, SHAPE;
+        delta: T, None, SHAPE;
         /// Time constant of the lag [s], above zero.
-        tau: f64, Time, Range::Positive;
+        tau: T, Time, Range::Positive;
         /// Share lambda of each element, above zero; they sum to 1.
-        lambda: Elements, None, Range::Positive;
+        lambda: Elements<16, T>, None, Range::Positive;
         /// Stiffness K of each element [N/m or N m/rad], above zero.
-        k: Elements, Stiffness, Range::Positive;
+        k: Elements<16, T>, Stiffness, Range::Positive;
         /// Micro-damping sigma of each element [N s/m or N m s/rad], above zero.
-        sigma: Elements, Damping, Range::Positive;
+        sigma: Elements<16, T>, Damping, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// Xiong's model with valid parameters and room for `N` elements. State: `([gamma], [z_i])`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Xiong<const N: usize> {
-    parameters: XiongParameters,
-    curve: StribeckCurve,
-    elements: [Element; N],
+pub struct Xiong<const N: usize, T: Real = f64> {
+    parameters: XiongParameters<T>,
+    curve: StribeckCurve<T>,
+    elements: [Element<T>; N],
 }
 
 /// One element; one that carries nothing has neither share nor stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Element {
-    lambda: f64,
-    k: f64,
-    sigma: f64,
-    inverse_sigma: f64,
+struct Element<T: Real = f64> {
+    lambda: T,
+    k: T,
+    sigma: T,
+    inverse_sigma: T,
 }
 
-impl Element {
-    const NONE: Self = Self { lambda: 0.0, k: 0.0, sigma: 1.0, inverse_sigma: 1.0 };
+impl<T: Real> Element<T> {
+    const NONE: Self = Self { lambda: T::ZERO, k: T::ZERO, sigma: T::ONE, inverse_sigma: T::ONE };
 }
 
-built_from!([const N: usize] Xiong<N>, XiongParameters);
+built_from!([T: Real, const N: usize] Xiong<N, T>, XiongParameters<T>);
 
-impl<const N: usize> TryFrom<XiongParameters> for Xiong<N> {
+impl<T: Real, const N: usize> TryFrom<XiongParameters<T>> for Xiong<N, T> {
     type Error = ModelError;
 
-    fn try_from(p: XiongParameters) -> Result<Self, ModelError> {
+    fn try_from(p: XiongParameters<T>) -> Result<Self, ModelError> {
         let model = Self::NAME;
         p.check(model)?;
         let curve = StribeckCurve::new(model, p.f_s, p.f_c, p.v_s, p.delta)?;
@@ -100,9 +97,9 @@ impl<const N: usize> TryFrom<XiongParameters> for Xiong<N> {
         let mut elements = [Element::NONE; N];
         let lists = p.lambda.iter().zip(p.k.iter()).zip(p.sigma.iter());
         for (element, ((&lambda, &k), &sigma)) in elements.iter_mut().zip(lists) {
-            *element = Element { lambda, k, sigma, inverse_sigma: 1.0 / sigma };
+            *element = Element { lambda, k, sigma, inverse_sigma: T::ONE / sigma };
             let usable = element.inverse_sigma.is_finite();
-            XiongParameters::require(model, usable, "sigma", sigma, "large enough to divide by")?;
+            p.require(model, usable, "sigma", sigma, "large enough to divide by")?;
         }
         Ok(Self { parameters: p, curve, elements })
     }
@@ -110,27 +107,27 @@ impl<const N: usize> TryFrom<XiongParameters> for Xiong<N> {
 
 /// Coefficients of the fixed-step form.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct XiongDiscrete<const N: usize> {
-    dt: f64,
+pub struct XiongDiscrete<const N: usize, T: Real = f64> {
+    dt: T,
     /// `exp(-dt / tau)`.
-    gamma_decay: f64,
+    gamma_decay: T,
     /// `1 / (sigma_i + K_i dt)`.
-    implicit_gain: [f64; N],
+    implicit_gain: [T; N],
 }
 
-impl<const N: usize> FrictionModel for Xiong<N> {
+impl<T: Real, const N: usize> FrictionModel<T> for Xiong<N, T> {
     const NAME: &'static str = "xiong";
-    type Parameters = XiongParameters;
-    type Continuous = ([f64; 1], [f64; N]);
+    type Parameters = XiongParameters<T>;
+    type Continuous = ([T; 1], [T; N]);
     type Memory = ();
-    type Discrete = XiongDiscrete<N>;
+    type Discrete = XiongDiscrete<N, T>;
 
-    fn parameters(&self) -> &XiongParameters {
+    fn parameters(&self) -> &XiongParameters<T> {
         &self.parameters
     }
 
     fn rest(&self) -> State<Self::Continuous, ()> {
-        State { continuous: ([self.parameters.f_s], [0.0; N]), memory: () }
+        State { continuous: ([self.parameters.f_s], [T::ZERO; N]), memory: () }
     }
 
     #[inline]
@@ -138,17 +135,20 @@ impl<const N: usize> FrictionModel for Xiong<N> {
         &self,
         state: &Self::Continuous,
         (): &(),
-        velocity: f64,
-    ) -> Evaluation<Self::Continuous> {
+        velocity: T,
+    ) -> Evaluation<Self::Continuous, T> {
         self.at(velocity)(state, &())
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&Self::Continuous, &()) -> Evaluation<Self::Continuous> {
+    fn at(
+        &self,
+        velocity: T,
+    ) -> impl Fn(&Self::Continuous, &()) -> Evaluation<Self::Continuous, T> {
         let g = self.curve.level(velocity);
         move |&([gamma], z), ()| {
             let mut force = self.parameters.f_v * velocity;
-            let mut rates = [0.0; N];
+            let mut rates = [T::ZERO; N];
             for ((element, z), rate) in self.elements.iter().zip(z).zip(&mut rates) {
                 let elastic = element.k * z;
                 let contact = saturate(element.lambda * gamma, elastic + element.sigma * velocity);
@@ -160,32 +160,32 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<Self::Continuous, ()>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<Self::Continuous, ()>, _: T, _: T) {
         let ([gamma], _) = &mut state.continuous;
         *gamma = between(self.parameters.f_c, self.parameters.f_s, *gamma);
     }
 
-    fn discretise(&self, dt: TimeStep) -> XiongDiscrete<N> {
-        let dt = dt.seconds();
+    fn discretise(&self, dt: TimeStep) -> XiongDiscrete<N, T> {
+        let dt = T::of(dt.seconds());
         XiongDiscrete {
             dt,
             gamma_decay: (-dt / self.parameters.tau).exp(),
-            implicit_gain: self.elements.map(|element| 1.0 / (element.sigma + element.k * dt)),
+            implicit_gain: self.elements.map(|element| T::ONE / (element.sigma + element.k * dt)),
         }
     }
 
     #[inline]
     fn step(
         &self,
-        discrete: &XiongDiscrete<N>,
+        discrete: &XiongDiscrete<N, T>,
         state: &mut State<Self::Continuous, ()>,
-        velocity: f64,
-    ) -> f64 {
+        velocity: T,
+    ) -> T {
         let v = bounded(velocity);
         let g = self.curve.level(v);
         let ([gamma], z) = &mut state.continuous;
         let mut force = self.parameters.f_v * v;
-        for ((element, z), gain) in self.elements.iter().zip(z).zip(&discrete.implicit_gain) {
+        for ((element, z), &gain) in self.elements.iter().zip(z).zip(&discrete.implicit_gain) {
             let level = element.lambda * *gamma;
             let elastic = element.k * *z;
             force += saturate(level, elastic + element.sigma * v);
@@ -196,34 +196,29 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<Self::Continuous, ()>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<Self::Continuous, ()>, _: T, rate: T) -> T {
         let p = &self.parameters;
         let ([gamma], z) = &mut state.continuous;
-        *gamma = between(p.f_c, p.f_s, *gamma + rate * relaxed(1.0 / p.tau, dt.seconds()));
-        let mut damping = 0.0;
+        *gamma =
+            between(p.f_c, p.f_s, *gamma + rate * relaxed(T::ONE / p.tau, T::of(dt.seconds())));
+        let mut damping = T::ZERO;
         for (element, z) in self.elements.iter().zip(z).take(p.lambda.len()) {
-            *z = saturate(element.lambda * p.f_s / element.k, *z + rate * dt.seconds());
+            *z = saturate(element.lambda * p.f_s / element.k, *z + rate * T::of(dt.seconds()));
             damping += element.sigma;
         }
         damping * rate
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         self.curve.signed_level(velocity) + self.parameters.f_v * velocity
     }
 
     /// The mean deflection, weighted by the shares; slip once all elements slip.
-    fn internals(&self, state: &State<Self::Continuous, ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<Self::Continuous, ()>, velocity: T) -> Internals<T> {
         let ([gamma], z) = state.continuous;
         let present = || self.elements.iter().zip(&z).take(self.parameters.lambda.len());
-        let deflection = present().map(|(element, z)| element.lambda * z).sum();
-        let slips = |element: &Element, z: f64| {
+        let deflection = present().map(|(element, &z)| element.lambda * z).sum();
+        let slips = |element: &Element<T>, z: T| {
             (element.k * z + element.sigma * velocity).abs() > element.lambda * gamma
         };
         let all = present().all(|(element, &z)| slips(element, z));
@@ -232,13 +227,13 @@ impl<const N: usize> FrictionModel for Xiong<N> {
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<Self::Continuous, ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<Self::Continuous, ()>) -> Option<T> {
         let (_, z) = &state.continuous;
-        Some(self.elements.iter().zip(z).map(|(element, z)| 0.5 * element.k * z * z).sum())
+        Some(self.elements.iter().zip(z).map(|(element, &z)| T::HALF * element.k * z * z).sum())
     }
 }
 

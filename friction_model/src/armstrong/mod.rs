@@ -52,54 +52,54 @@
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::delay_line::DelayLine;
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Armstrong`] as files carry them.
-    ArmstrongParameters {
+    ArmstrongParameters<T> {
         /// Static friction F_s after a long rest [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Stribeck velocity v_s [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Tangential stiffness k_t of the stuck contact [N/m or N m/rad], above zero.
-        k_t: f64, Stiffness, Range::Positive;
+        k_t: T, Stiffness, Range::Positive;
         /// Time tau_l by which friction lags behind the velocity [s], zero or more.
-        tau_l: f64, Time, Range::NonNegative;
+        tau_l: T, Time, Range::NonNegative;
         /// Dwell time gamma after which half of the static friction has come back [s], above zero.
-        gamma: f64, Time, Range::Positive;
+        gamma: T, Time, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more.
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ArmstrongMemory {
+pub struct ArmstrongMemory<T: Real = f64> {
     /// The velocity, for its delayed value.
-    past: DelayLine,
+    past: DelayLine<T>,
     /// Direction of the slip; zero while stuck.
-    slip: f64,
+    slip: T,
     /// Stribeck friction: of this slip, or while stuck, that at the end of the last one [N or N m].
-    stribeck: f64,
+    stribeck: T,
     /// Time stuck [s].
-    dwell: f64,
+    dwell: T,
 }
 
 /// Armstrong-Helouvry's model with valid parameters. State: `[x, time since the last sample]`, the
 /// past velocity, the dwell.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Armstrong {
-    parameters: ArmstrongParameters,
+pub struct Armstrong<T: Real = f64> {
+    parameters: ArmstrongParameters<T>,
 }
 
-impl Armstrong {
+impl<T: Real> Armstrong<T> {
     /// `F_s(gamma, t_2)`, which the stuck contact has `ahead` [s] of the last sample.
     #[inline]
-    fn risen(&self, memory: &ArmstrongMemory, ahead: f64) -> f64 {
+    fn risen(&self, memory: &ArmstrongMemory<T>, ahead: T) -> T {
         let ArmstrongParameters { f_s, f_c, gamma, .. } = self.parameters;
         let dwell = memory.dwell + ahead;
         memory.stribeck + (f_s - f_c - memory.stribeck) * (dwell / (dwell + gamma))
@@ -107,54 +107,53 @@ impl Armstrong {
 
     /// The level that holds now: of breakaway while stuck, of sliding in a slip.
     #[inline]
-    fn level(&self, memory: &ArmstrongMemory, velocity: f64, ahead: f64) -> f64 {
+    fn level(&self, memory: &ArmstrongMemory<T>, velocity: T, ahead: T) -> T {
         let ArmstrongParameters { f_c, v_s, .. } = self.parameters;
-        if memory.slip == 0.0 {
+        if memory.slip == T::ZERO {
             f_c + self.risen(memory, ahead)
         } else {
             let r = memory.past.delayed(velocity, ahead) / v_s;
-            f_c + memory.stribeck / (1.0 + r * r)
+            f_c + memory.stribeck / (T::ONE + r * r)
         }
     }
 
     /// Lets `elapsed` [s] go by, to a moment at which the velocity is `velocity`, and changes
     /// between sticking and sliding.
     #[inline]
-    fn advance(&self, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64, elapsed: f64) {
+    fn advance(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, elapsed: T) {
         let ArmstrongParameters { f_c, k_t, .. } = self.parameters;
         let memory = &mut state.memory;
         let [x, _] = state.continuous;
-        let outward = memory.past.now() * x > 0.0 || velocity * x > 0.0;
+        let outward = memory.past.now() * x > T::ZERO || velocity * x > T::ZERO;
         memory.past.push(velocity, elapsed);
         let mut x = x;
-        if memory.slip == 0.0 {
+        if memory.slip == T::ZERO {
             memory.dwell += elapsed;
-            let level = self.level(memory, velocity, 0.0);
+            let level = self.level(memory, velocity, T::ZERO);
             if outward && k_t * x.abs() >= level {
-                memory.stribeck = self.risen(memory, 0.0);
+                memory.stribeck = self.risen(memory, T::ZERO);
                 memory.slip = sign(x);
                 x = memory.slip * level / k_t;
             }
         }
-        if memory.slip != 0.0 && velocity * memory.slip <= 0.0 {
-            let level = self.level(memory, velocity, 0.0);
+        if memory.slip != T::ZERO && velocity * memory.slip <= T::ZERO {
+            let level = self.level(memory, velocity, T::ZERO);
             x = memory.slip * level / k_t;
-            (memory.stribeck, memory.slip, memory.dwell) = (level - f_c, 0.0, 0.0);
+            (memory.stribeck, memory.slip, memory.dwell) = (level - f_c, T::ZERO, T::ZERO);
         }
-        state.continuous = [x, 0.0];
+        state.continuous = [x, T::ZERO];
     }
 }
 
-impl TryFrom<ArmstrongParameters> for Armstrong {
+impl<T: Real> TryFrom<ArmstrongParameters<T>> for Armstrong<T> {
     type Error = ModelError;
 
-    fn try_from(p: ArmstrongParameters) -> Result<Self, ModelError> {
+    fn try_from(p: ArmstrongParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
-        let require = ArmstrongParameters::require;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
-        require(
+        p.require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        p.require(
             name,
             (p.f_s / p.k_t).is_finite(),
             "k_t",
@@ -165,65 +164,69 @@ impl TryFrom<ArmstrongParameters> for Armstrong {
     }
 }
 
-built_from!(Armstrong, ArmstrongParameters);
+built_from!([T: Real] Armstrong<T>, ArmstrongParameters<T>);
 
-impl FrictionModel for Armstrong {
+impl<T: Real> FrictionModel<T> for Armstrong<T> {
     const NAME: &'static str = "armstrong";
-    type Parameters = ArmstrongParameters;
-    type Continuous = [f64; 2];
-    type Memory = ArmstrongMemory;
+    type Parameters = ArmstrongParameters<T>;
+    type Continuous = [T; 2];
+    type Memory = ArmstrongMemory<T>;
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &ArmstrongParameters {
+    fn parameters(&self) -> &ArmstrongParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 2], ArmstrongMemory> {
+    fn rest(&self) -> State<[T; 2], ArmstrongMemory<T>> {
         let p = &self.parameters;
-        let past = DelayLine::new(p.tau_l, 0.0);
-        let memory = ArmstrongMemory { past, slip: 0.0, stribeck: p.f_s - p.f_c, dwell: 0.0 };
-        State { continuous: [0.0, 0.0], memory }
+        let past = DelayLine::new(p.tau_l, T::ZERO);
+        let memory =
+            ArmstrongMemory { past, slip: T::ZERO, stribeck: p.f_s - p.f_c, dwell: T::ZERO };
+        State { continuous: [T::ZERO, T::ZERO], memory }
     }
 
     #[inline]
     fn evaluate(
         &self,
-        &[x, ahead]: &[f64; 2],
-        memory: &ArmstrongMemory,
-        velocity: f64,
-    ) -> Evaluation<[f64; 2]> {
+        &[x, ahead]: &[T; 2],
+        memory: &ArmstrongMemory<T>,
+        velocity: T,
+    ) -> Evaluation<[T; 2], T> {
         let level = self.level(memory, velocity, ahead);
-        if memory.slip == 0.0 {
+        if memory.slip == T::ZERO {
             return Evaluation {
                 force: saturate(level, self.parameters.k_t * x),
-                rates: [velocity, 1.0],
+                rates: [velocity, T::ONE],
             };
         }
         // A stage beyond the end of the slip: the force stays what it is, the viscous part is gone.
-        let forward = if velocity * memory.slip > 0.0 { velocity } else { 0.0 };
-        Evaluation { force: memory.slip * level + self.parameters.f_v * forward, rates: [0.0, 1.0] }
+        let forward = if velocity * memory.slip > T::ZERO { velocity } else { T::ZERO };
+        Evaluation {
+            force: memory.slip * level + self.parameters.f_v * forward,
+            rates: [T::ZERO, T::ONE],
+        }
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64, dt: f64) {
+    fn commit(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, dt: T) {
         self.advance(state, velocity, dt);
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     /// The period goes by at the beginning of the next step, when it is known where the velocity
     /// went.
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 2], ArmstrongMemory>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T) -> T {
         let v = bounded(velocity);
         let [_, elapsed] = state.continuous;
         self.advance(state, v, elapsed);
         let Evaluation { force, rates: [x_rate, _] } =
             self.evaluate(&state.continuous, &state.memory, v);
-        state.continuous = [state.continuous[0] + x_rate * dt, *dt];
+        state.continuous = [state.continuous[0] + x_rate * dt, dt];
         force
     }
 
@@ -232,49 +235,49 @@ impl FrictionModel for Armstrong {
     fn inject(
         &self,
         dt: TimeStep,
-        state: &mut State<[f64; 2], ArmstrongMemory>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
+        state: &mut State<[T; 2], ArmstrongMemory<T>>,
+        _: T,
+        rate: T,
+    ) -> T {
         let ArmstrongParameters { f_s, k_t, .. } = self.parameters;
         let [x, elapsed] = state.continuous;
-        if state.memory.slip == 0.0 {
-            state.continuous = [saturate(f_s / k_t, x + rate * dt.seconds()), elapsed];
+        if state.memory.slip == T::ZERO {
+            state.continuous = [saturate(f_s / k_t, x + rate * T::of(dt.seconds())), elapsed];
         }
-        0.0
+        T::ZERO
     }
 
     /// Of a slip after a long rest; after a short one the Stribeck part is smaller.
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         let ArmstrongParameters { f_s, f_c, v_s, f_v, .. } = self.parameters;
         let r = velocity / v_s;
-        sign(velocity) * (f_c + (f_s - f_c) / (1.0 + r * r)) + f_v * velocity
+        sign(velocity) * (f_c + (f_s - f_c) / (T::ONE + r * r)) + f_v * velocity
     }
 
-    fn internals(&self, state: &State<[f64; 2], ArmstrongMemory>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 2], ArmstrongMemory<T>>, velocity: T) -> Internals<T> {
         let [x, ahead] = state.continuous;
         let gamma = self.level(&state.memory, velocity, ahead);
-        let regime = if state.memory.slip == 0.0 { Regime::Stick } else { Regime::Slip };
+        let regime = if state.memory.slip == T::ZERO { Regime::Stick } else { Regime::Slip };
         let deflection = saturate(self.parameters.f_s / self.parameters.k_t, x);
         Internals { deflection, gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
     /// Of the spring; in a slip, as much as at its breakaway.
-    fn stored_energy(&self, state: &State<[f64; 2], ArmstrongMemory>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 2], ArmstrongMemory<T>>) -> Option<T> {
         let [x, ahead] = state.continuous;
         let k_t = self.parameters.k_t;
-        let most = if state.memory.slip == 0.0 {
-            self.level(&state.memory, 0.0, ahead) / k_t
+        let most = if state.memory.slip == T::ZERO {
+            self.level(&state.memory, T::ZERO, ahead) / k_t
         } else {
             x.abs()
         };
         let x = saturate(most, x);
-        Some(0.5 * k_t * x * x)
+        Some(T::HALF * k_t * x * x)
     }
 }
 

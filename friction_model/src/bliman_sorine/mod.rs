@@ -52,61 +52,58 @@
 //! `x_i <- x_i' + (x_i - x_i') exp(-|v| dt/l_i)` with `x' = (f_1, -f_2) sgn v` and
 //! `l = (eta eps_f, eps_f)`; stable at any period.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`BlimanSorine`] as files carry them.
-    BlimanSorineParameters {
+    BlimanSorineParameters<T> {
         /// Level f_1 of the fast part [N or N m], above `f_2`.
-        f_1: f64, Force, Range::Positive;
+        f_1: T, Force, Range::Positive;
         /// Level f_2 of the slow part [N or N m], zero or more.
-        f_2: f64, Force, Range::NonNegative;
+        f_2: T, Force, Range::NonNegative;
         /// Ratio eta of the distance constants of the fast and the slow part, between 0 and 1,
         /// neither allowed.
-        eta: f64, None, Range::Within(0.0, 1.0);
+        eta: T, None, Range::Within(0.0, 1.0);
         /// Distance constant eps_f of the slow part [m or rad], above zero.
-        eps_f: f64, Deflection, Range::Positive;
+        eps_f: T, Deflection, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
-impl BlimanSorineParameters {
+impl<T: Real> BlimanSorineParameters<T> {
     /// With `eta = 1/2`, from the peak `f_s >= f_c` that is reached from rest and the level `f_c`
     /// after it [N or N m], and the stiffness at rest [N/m or N m/rad].
     ///
     /// There `F_s - F_c = f_2^2 / (4 f_1)`, which determines `f_2`.
     #[must_use]
-    pub fn from_levels(f_s: f64, f_c: f64, stiffness: f64, f_v: f64) -> Self {
+    pub fn from_levels(f_s: T, f_c: T, stiffness: T, f_v: T) -> Self {
         let excess = f_s - f_c;
-        let f_2 = 2.0 * (excess + (excess * f_s).sqrt());
+        let f_2 = T::TWO * (excess + (excess * f_s).sqrt());
         let f_1 = f_c + f_2;
-        Self { f_1, f_2, eta: 0.5, eps_f: (2.0 * f_1 - f_2) / stiffness, f_v }
+        Self { f_1, f_2, eta: T::HALF, eps_f: (T::TWO * f_1 - f_2) / stiffness, f_v }
     }
 }
 
 /// Bliman and Sorine's model with valid parameters. State: `[x_1, x_2]` [N or N m].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BlimanSorine {
-    parameters: BlimanSorineParameters,
+pub struct BlimanSorine<T: Real = f64> {
+    parameters: BlimanSorineParameters<T>,
     /// `1/(eta eps_f)` and `1/eps_f`.
-    decay: [f64; 2],
+    decay: [T; 2],
     /// The storage function `x' P x / 2`: its diagonal and what lies beside it.
-    storage: [f64; 3],
+    storage: [T; 3],
 }
 
-impl BlimanSorine {
+impl<T: Real> BlimanSorine<T> {
     /// Stiffness at rest, `(f_1/eta - f_2)/eps_f` [N/m or N m/rad].
     #[must_use]
-    pub fn stiffness(&self) -> f64 {
+    pub fn stiffness(&self) -> T {
         let BlimanSorineParameters { f_1, f_2, .. } = self.parameters;
         f_1 * self.decay[0] - f_2 * self.decay[1]
     }
@@ -114,77 +111,76 @@ impl BlimanSorine {
     /// The stiction that is reached from rest: the distance [m or rad] and the force [N or N m],
     /// without viscous friction. `None` where the force only rises, `f_2 = 0`.
     #[must_use]
-    pub fn peak(&self) -> Option<(f64, f64)> {
+    pub fn peak(&self) -> Option<(T, T)> {
         let BlimanSorineParameters { f_1, f_2, eta, eps_f, .. } = self.parameters;
         let q = eta * f_2 / f_1;
-        let exponent = eta / (1.0 - eta);
-        let force = f_1 - f_2 + f_2 * (1.0 - eta) * q.powf(exponent);
-        (q > 0.0).then(|| (-eps_f * exponent * q.ln(), force))
+        let exponent = eta / (T::ONE - eta);
+        let force = f_1 - f_2 + f_2 * (T::ONE - eta) * q.powf(exponent);
+        (q > T::ZERO).then(|| (-eps_f * exponent * q.ln(), force))
     }
 
     /// Where the states come to rest in motion in the direction of `velocity`.
     #[inline]
-    fn ends(&self, velocity: f64) -> [f64; 2] {
+    fn ends(&self, velocity: T) -> [T; 2] {
         [self.parameters.f_1 * sign(velocity), -self.parameters.f_2 * sign(velocity)]
     }
 }
 
 /// The smallest storage function, in closed form. For `P B = C^T` one unknown is left, here `beta`;
 /// the dissipation inequality is a quadratic in it with the roots `2 / (u +- w)`.
-fn smallest_storage(p: &BlimanSorineParameters) -> [f64; 3] {
+fn smallest_storage<T: Real>(p: &BlimanSorineParameters<T>) -> [T; 3] {
     let BlimanSorineParameters { f_1, f_2, eta, eps_f, .. } = *p;
     let ratio = f_2 / f_1;
-    let u = 1.0 - eta * ratio;
-    let w = ((1.0 - ratio) * (1.0 - eta * eta * ratio)).sqrt();
-    let beta = 2.0 / (u + w);
+    let u = T::ONE - eta * ratio;
+    let w = ((T::ONE - ratio) * (T::ONE - eta * eta * ratio)).sqrt();
+    let beta = T::TWO / (u + w);
     // (beta - 1)/ratio without the division by a ratio of zero: 2 - u - w = 1 - w + eta ratio.
-    let slow = (1.0 + eta * eta - eta * eta * ratio) / (1.0 + w) + eta;
+    let slow = (T::ONE + eta * eta - eta * eta * ratio) / (T::ONE + w) + eta;
     let scale = eps_f / f_1;
-    [scale * eta * (1.0 + beta * eta * ratio), scale * beta * eta, scale * slow / (u + w)]
+    [scale * eta * (T::ONE + beta * eta * ratio), scale * beta * eta, scale * slow / (u + w)]
 }
 
-impl TryFrom<BlimanSorineParameters> for BlimanSorine {
+impl<T: Real> TryFrom<BlimanSorineParameters<T>> for BlimanSorine<T> {
     type Error = ModelError;
 
-    fn try_from(p: BlimanSorineParameters) -> Result<Self, ModelError> {
+    fn try_from(p: BlimanSorineParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
-        let require = BlimanSorineParameters::require;
-        require(
+        p.require(
             name,
             p.f_1 > p.f_2,
             "f_1",
             p.f_1,
             "above f_2: their difference is the kinetic friction",
         )?;
-        require(name, p.eta < 1.0, "eta", p.eta, "below 1: the slow part is the slower one")?;
-        let decay = [1.0 / (p.eta * p.eps_f), 1.0 / p.eps_f];
+        p.require(name, p.eta < T::ONE, "eta", p.eta, "below 1: the slow part is the slower one")?;
+        let decay = [T::ONE / (p.eta * p.eps_f), T::ONE / p.eps_f];
         let steep = "large enough for a finite stiffness";
-        require(name, (p.f_1 * decay[0]).is_finite(), "eps_f", p.eps_f, steep)?;
+        p.require(name, (p.f_1 * decay[0]).is_finite(), "eps_f", p.eps_f, steep)?;
         Ok(Self { parameters: p, decay, storage: smallest_storage(&p) })
     }
 }
 
-built_from!(BlimanSorine, BlimanSorineParameters);
+built_from!([T: Real] BlimanSorine<T>, BlimanSorineParameters<T>);
 
-impl FrictionModel for BlimanSorine {
+impl<T: Real> FrictionModel<T> for BlimanSorine<T> {
     const NAME: &'static str = "bliman_sorine";
-    type Parameters = BlimanSorineParameters;
-    type Continuous = [f64; 2];
+    type Parameters = BlimanSorineParameters<T>;
+    type Continuous = [T; 2];
     type Memory = ();
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &BlimanSorineParameters {
+    fn parameters(&self) -> &BlimanSorineParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 2], ()> {
-        State { continuous: [0.0, 0.0], memory: () }
+    fn rest(&self) -> State<[T; 2], ()> {
+        State { continuous: [T::ZERO, T::ZERO], memory: () }
     }
 
     #[inline]
-    fn evaluate(&self, &[x_1, x_2]: &[f64; 2], (): &(), velocity: f64) -> Evaluation<[f64; 2]> {
+    fn evaluate(&self, &[x_1, x_2]: &[T; 2], (): &(), velocity: T) -> Evaluation<[T; 2], T> {
         let ([end_1, end_2], [decay_1, decay_2]) = (self.ends(velocity), self.decay);
         let speed = velocity.abs();
         Evaluation {
@@ -194,22 +190,22 @@ impl FrictionModel for BlimanSorine {
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 2], ()>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 2], ()>, _: T, _: T) {
         let [x_1, x_2] = state.continuous;
         state.continuous = [saturate(self.parameters.f_1, x_1), saturate(self.parameters.f_2, x_2)];
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 2], ()>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 2], ()>, velocity: T) -> T {
         let v = bounded(velocity);
         let ([end_1, end_2], [decay_1, decay_2]) = (self.ends(v), self.decay);
         let [x_1, x_2] = state.continuous;
         let distance = v.abs() * dt;
-        if distance > 0.0 {
+        if distance > T::ZERO {
             state.continuous = [
                 end_1 + (x_1 - end_1) * (-distance * decay_1).exp(),
                 end_2 + (x_2 - end_2) * (-distance * decay_2).exp(),
@@ -219,46 +215,43 @@ impl FrictionModel for BlimanSorine {
     }
 
     #[inline]
-    fn inject(
-        &self,
-        dt: TimeStep,
-        state: &mut State<[f64; 2], ()>,
-        velocity: f64,
-        rate: f64,
-    ) -> f64 {
+    fn inject(&self, dt: TimeStep, state: &mut State<[T; 2], ()>, velocity: T, rate: T) -> T {
         let [x_1, x_2] = state.continuous;
         let [decay_1, decay_2] =
-            self.decay.map(|decay| relaxed(velocity.abs() * decay, dt.seconds()));
+            self.decay.map(|decay| relaxed(velocity.abs() * decay, T::of(dt.seconds())));
         let (f_1, f_2) = (self.parameters.f_1, self.parameters.f_2);
         state.continuous =
             [saturate(f_1, x_1 + rate * decay_1), saturate(f_2, x_2 + rate * decay_2)];
-        0.0
+        T::ZERO
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         let [end_1, end_2] = self.ends(velocity);
         end_1 + end_2 + self.parameters.f_v * velocity
     }
 
     /// The deflection that carries the force at the stiffness of rest. Slip once the force has come
     /// within 5 % of the kinetic level.
-    fn internals(&self, state: &State<[f64; 2], ()>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 2], ()>, velocity: T) -> Internals<T> {
         let [x_1, x_2] = state.continuous;
         let force = x_1 + x_2;
         let gamma = self.parameters.f_1 - self.parameters.f_2;
-        let regime =
-            if force * sign(velocity) >= 0.95 * gamma { Regime::Slip } else { Regime::Stick };
+        let regime = if force * sign(velocity) >= T::of(0.95) * gamma {
+            Regime::Slip
+        } else {
+            Regime::Stick
+        };
         Internals { deflection: force / self.stiffness(), gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 2], ()>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 2], ()>) -> Option<T> {
         let ([x_1, x_2], [fast, beside, slow]) = (state.continuous, self.storage);
-        Some(0.5 * (fast * x_1 * x_1 + 2.0 * beside * x_1 * x_2 + slow * x_2 * x_2))
+        Some(T::HALF * (fast * x_1 * x_1 + T::TWO * beside * x_1 * x_2 + slow * x_2 * x_2))
     }
 }
 

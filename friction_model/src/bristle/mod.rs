@@ -48,15 +48,13 @@
 //! Within a step of the derivative form, bonds beyond `delta_s` count with `delta_s`; they snap
 //! when the step is accepted.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng as _, SeedableRng as _};
 
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 /// Most bonds a model can have.
@@ -72,80 +70,80 @@ const MOST_SNAPS: u32 = 64;
 
 parameters! {
     /// Parameters of [`Bristle`] as files carry them.
-    BristleParameters {
+    BristleParameters<T> {
         /// Number N of bonds, from 1 to 128.
         bonds: u32, None, Range::FromTo(1.0, 128.0);
         /// Stiffness sigma_0 of one bond [N/m or N m/rad], above zero.
-        sigma0: f64, Stiffness, Range::Positive;
+        sigma0: T, Stiffness, Range::Positive;
         /// Extension delta_s at which a bond snaps [m or rad], above zero.
-        delta_s: f64, Deflection, Range::Positive;
+        delta_s: T, Deflection, Range::Positive;
         /// Seed of the random bonds: the same seed gives the same friction.
         seed: u32, None, Range::NonNegative;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
-impl BristleParameters {
+impl<T: Real> BristleParameters<T> {
     /// `bonds` bonds with the mean sliding force `f_c` [N or N m] and, from rest, the mean
     /// stiffness `stiffness` [N/m or N m/rad].
     #[must_use]
-    pub fn from_levels(bonds: u32, f_c: f64, stiffness: f64, f_v: f64) -> Self {
-        let sigma0 = 2.0 * stiffness / f64::from(bonds);
-        Self { bonds, sigma0, delta_s: 1.5 * f_c / stiffness, seed: 1, f_v }
+    pub fn from_levels(bonds: u32, f_c: T, stiffness: T, f_v: T) -> Self {
+        let sigma0 = T::TWO * stiffness / T::of(f64::from(bonds));
+        Self { bonds, sigma0, delta_s: T::of(1.5) * f_c / stiffness, seed: 1, f_v }
     }
 }
 
 /// What a bristle contact remembers: every bond's extension and the random numbers to come.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BristleMemory {
+pub struct BristleMemory<T: Real = f64> {
     /// Extensions [m or rad]; those beyond the number of bonds are not used.
-    extensions: [f64; MAX_BONDS],
+    extensions: [T; MAX_BONDS],
     random: Pcg32,
     /// Travel in the present direction, up to `2 delta_s`, after which every bond has snapped
     /// [m or rad].
-    run: f64,
+    run: T,
 }
 
 /// Haessig and Friedland's bristle model with valid parameters. State: the travel since the last
 /// accepted step, and the bonds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bristle {
-    parameters: BristleParameters,
+pub struct Bristle<T: Real = f64> {
+    parameters: BristleParameters<T>,
     /// Number of bonds.
     count: usize,
 }
 
-impl Bristle {
+impl<T: Real> Bristle<T> {
     /// Mean sliding force F_c, without viscous friction [N or N m].
     #[must_use]
-    pub fn kinetic(&self) -> f64 {
-        self.bound() / 3.0
+    pub fn kinetic(&self) -> T {
+        self.bound() / T::of(3.0)
     }
 
     /// Largest force, `N sigma0 delta_s`, without viscous friction [N or N m].
     #[must_use]
-    pub fn bound(&self) -> f64 {
-        f64::from(self.parameters.bonds) * self.parameters.sigma0 * self.parameters.delta_s
+    pub fn bound(&self) -> T {
+        T::of(f64::from(self.parameters.bonds)) * self.parameters.sigma0 * self.parameters.delta_s
     }
 
     /// Sum of the extensions after a further `travel`.
     #[inline]
-    fn sum(&self, bonds: &BristleMemory, travel: f64) -> f64 {
+    fn sum(&self, bonds: &BristleMemory<T>, travel: T) -> T {
         let end = self.parameters.delta_s;
-        bonds.extensions.iter().take(self.count).map(|u| saturate(end, u + travel)).sum()
+        bonds.extensions.iter().take(self.count).map(|u| saturate(end, *u + travel)).sum()
     }
 
     /// Lets every bond travel.
     #[inline]
-    fn travel(&self, bonds: &mut BristleMemory, travel: f64) {
-        if travel == 0.0 || travel.is_nan() {
+    fn travel(&self, bonds: &mut BristleMemory<T>, travel: T) {
+        if travel == T::ZERO || travel.is_nan() {
             return;
         }
         let end = self.parameters.delta_s;
-        let before = if bonds.run * travel > 0.0 { bonds.run } else { 0.0 };
-        bonds.run = saturate(2.0 * end, before + travel);
+        let before = if bonds.run * travel > T::ZERO { bonds.run } else { T::ZERO };
+        bonds.run = saturate(T::TWO * end, before + travel);
         let direction = sign(travel);
         for u in bonds.extensions.iter_mut().take(self.count) {
             *u = direction * travelled(&mut bonds.random, end, direction * *u, travel.abs());
@@ -155,9 +153,9 @@ impl Bristle {
 
 /// Extension of a bond that snaps at `end` and had the extension `u`, `travel` forward from there.
 #[inline]
-fn travelled(random: &mut Pcg32, end: f64, mut u: f64, travel: f64) -> f64 {
-    if travel > FORGOTTEN * end {
-        return end * (2.0 * uniform(random).sqrt() - 1.0);
+fn travelled<T: Real>(random: &mut Pcg32, end: T, mut u: T, travel: T) -> T {
+    if travel > T::of(FORGOTTEN) * end {
+        return end * (T::TWO * uniform::<T>(random).sqrt() - T::ONE);
     }
     let mut left = travel;
     for _ in 0..MOST_SNAPS {
@@ -165,85 +163,85 @@ fn travelled(random: &mut Pcg32, end: f64, mut u: f64, travel: f64) -> f64 {
             return u + left;
         }
         left -= end - u;
-        u = end * (2.0 * uniform(random) - 1.0);
+        u = end * (T::TWO * uniform(random) - T::ONE);
     }
     u
 }
 
 /// Uniform in (0, 1), neither end included.
 #[inline]
-fn uniform(random: &mut Pcg32) -> f64 {
+fn uniform<T: Real>(random: &mut Pcg32) -> T {
     const STEP: f64 = 1.0 / 4_294_967_296.0;
-    (f64::from(random.next_u32()) + 0.5) * STEP
+    T::of((f64::from(random.next_u32()) + 0.5) * STEP)
 }
 
-impl TryFrom<BristleParameters> for Bristle {
+impl<T: Real> TryFrom<BristleParameters<T>> for Bristle<T> {
     type Error = ModelError;
 
-    fn try_from(p: BristleParameters) -> Result<Self, ModelError> {
+    fn try_from(p: BristleParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
         let model = Self { parameters: p, count: (p.bonds as usize).min(MAX_BONDS) };
         let condition = "so that bonds sigma0 delta_s is a finite number above zero";
-        let holds = model.bound().is_finite() && model.kinetic() > 0.0;
-        BristleParameters::require(name, holds, "delta_s", p.delta_s, condition)?;
+        let holds = model.bound().is_finite() && model.kinetic() > T::ZERO;
+        p.require(name, holds, "delta_s", p.delta_s, condition)?;
         Ok(model)
     }
 }
 
-built_from!(Bristle, BristleParameters);
+built_from!([T: Real] Bristle<T>, BristleParameters<T>);
 
-impl FrictionModel for Bristle {
+impl<T: Real> FrictionModel<T> for Bristle<T> {
     const NAME: &'static str = "bristle";
-    type Parameters = BristleParameters;
-    type Continuous = [f64; 1];
-    type Memory = BristleMemory;
+    type Parameters = BristleParameters<T>;
+    type Continuous = [T; 1];
+    type Memory = BristleMemory<T>;
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &BristleParameters {
+    fn parameters(&self) -> &BristleParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], BristleMemory> {
-        let n = f64::from(self.parameters.bonds);
-        let mut extensions = [0.0; MAX_BONDS];
+    fn rest(&self) -> State<[T; 1], BristleMemory<T>> {
+        let n = T::of(f64::from(self.parameters.bonds));
+        let mut extensions = [T::ZERO; MAX_BONDS];
         for (i, u) in (0u32..).zip(extensions.iter_mut().take(self.count)) {
-            *u = self.parameters.delta_s * ((2.0 * f64::from(i) + 1.0 - n) / n);
+            *u = self.parameters.delta_s * ((T::TWO * T::of(f64::from(i)) + T::ONE - n) / n);
         }
         let random = Pcg32::seed_from_u64(u64::from(self.parameters.seed));
-        State { continuous: [0.0], memory: BristleMemory { extensions, random, run: 0.0 } }
+        State { continuous: [T::ZERO], memory: BristleMemory { extensions, random, run: T::ZERO } }
     }
 
     #[inline]
     fn evaluate(
         &self,
-        &[travel]: &[f64; 1],
-        bonds: &BristleMemory,
-        velocity: f64,
-    ) -> Evaluation<[f64; 1]> {
+        &[travel]: &[T; 1],
+        bonds: &BristleMemory<T>,
+        velocity: T,
+    ) -> Evaluation<[T; 1], T> {
         let force =
             self.parameters.sigma0 * self.sum(bonds, travel) + self.parameters.f_v * velocity;
         Evaluation { force, rates: [velocity] }
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], BristleMemory>, _: f64, _: f64) {
+    fn commit(&self, state: &mut State<[T; 1], BristleMemory<T>>, _: T, _: T) {
         let [travel] = state.continuous;
         self.travel(&mut state.memory, travel);
-        state.continuous = [0.0];
+        state.continuous = [T::ZERO];
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], BristleMemory>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], BristleMemory<T>>, velocity: T) -> T {
         let v = bounded(velocity);
         let force = self.evaluate(&state.continuous, &state.memory, v).force;
         let [travel] = state.continuous;
-        state.continuous = [0.0];
+        state.continuous = [T::ZERO];
         self.travel(&mut state.memory, travel + v * dt);
         force
     }
@@ -252,42 +250,42 @@ impl FrictionModel for Bristle {
     fn inject(
         &self,
         dt: TimeStep,
-        state: &mut State<[f64; 1], BristleMemory>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
-        self.travel(&mut state.memory, rate * dt.seconds());
-        0.0
+        state: &mut State<[T; 1], BristleMemory<T>>,
+        _: T,
+        rate: T,
+    ) -> T {
+        self.travel(&mut state.memory, rate * T::of(dt.seconds()));
+        T::ZERO
     }
 
     /// The mean: the force itself fluctuates.
-    fn steady_state(&self, velocity: f64) -> f64 {
+    fn steady_state(&self, velocity: T) -> T {
         sign(velocity) * self.kinetic() + self.parameters.f_v * velocity
     }
 
     /// The mean extension. Slip once the contact has travelled `2 delta_s` in one direction: by
     /// then every bond has snapped.
-    fn internals(&self, state: &State<[f64; 1], BristleMemory>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], BristleMemory<T>>, velocity: T) -> Internals<T> {
         let [travel] = state.continuous;
-        let deflection = self.sum(&state.memory, travel) / f64::from(self.parameters.bonds);
+        let deflection = self.sum(&state.memory, travel) / T::of(f64::from(self.parameters.bonds));
         let run = state.memory.run * sign(velocity);
         let regime =
-            if run >= 2.0 * self.parameters.delta_s { Regime::Slip } else { Regime::Stick };
+            if run >= T::TWO * self.parameters.delta_s { Regime::Slip } else { Regime::Stick };
         Internals { deflection, gamma: self.kinetic(), regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
     /// `sigma0/2 sum_i u_i^2`. At rest it is not zero: the bonds hold each other.
-    fn stored_energy(&self, state: &State<[f64; 1], BristleMemory>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], BristleMemory<T>>) -> Option<T> {
         let [travel] = state.continuous;
         let end = self.parameters.delta_s;
         let extensions = state.memory.extensions.iter().take(self.count);
-        let squares: f64 = extensions.map(|u| saturate(end, u + travel)).map(|u| u * u).sum();
-        Some(0.5 * self.parameters.sigma0 * squares)
+        let squares: T = extensions.map(|u| saturate(end, *u + travel)).map(|u| u * u).sum();
+        Some(T::HALF * self.parameters.sigma0 * squares)
     }
 }
 

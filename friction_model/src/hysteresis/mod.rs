@@ -14,27 +14,28 @@
 //! therefore close exactly, and congruent loops have the same shape wherever they lie. The operator
 //! equals a Prandtl-Ishlinskii operator with weight `w(r) = -f''(r)`.
 
+use crate::Real;
 use crate::arithmetic::saturate;
 
 /// A concave odd curve that a contact follows when it is loaded for the first time.
-pub trait VirginCurve {
+pub trait VirginCurve<T: Real = f64> {
     /// Force on the virgin curve at deflection `z`, for `|z| <= limit`.
-    fn force(&self, z: f64) -> f64;
+    fn force(&self, z: T) -> T;
 
     /// `stretch f(shrink z)`; both factors are powers of two, or their negatives.
     #[inline]
-    fn stretched(&self, stretch: f64, shrink: f64, z: f64) -> f64 {
+    fn stretched(&self, stretch: T, shrink: T, z: T) -> T {
         stretch * self.force(shrink * z)
     }
 
     /// Slope `f'(z)`, for `|z| <= limit`; even, and falling with `|z|`.
-    fn slope(&self, z: f64) -> f64;
+    fn slope(&self, z: T) -> T;
 
     /// `int_0^z f`, for `|z| <= limit`; even.
-    fn integral(&self, z: f64) -> f64;
+    fn integral(&self, z: T) -> T;
 
     /// Largest deflection: beyond it the contact slides and the memory is empty.
-    fn limit(&self) -> f64;
+    fn limit(&self) -> T;
 }
 
 /// Deepest nesting kept. A noisy sine of 200 000 samples reaches a depth of 19; only a strictly
@@ -42,35 +43,35 @@ pub trait VirginCurve {
 pub const CAPACITY: usize = 120;
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Point {
-    z: f64,
-    f: f64,
+struct Point<T: Real = f64> {
+    z: T,
+    f: T,
 }
 
 /// A branch between two turns: the virgin curve, or its double from a reversal on.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Course {
+struct Course<T: Real = f64> {
     /// Direction: -1, 0 before the first motion, or 1.
-    s: f64,
+    s: T,
     /// The reversal from which it starts; zero for the virgin curve.
-    origin: Point,
+    origin: Point<T>,
     /// Where it meets the point from which the previous branch started; infinitely far for the
     /// virgin curve.
-    closes_at: f64,
+    closes_at: T,
     /// `s` for the virgin curve, `2 s` for a doubled one; and the inverse.
-    stretch: f64,
-    shrink: f64,
+    stretch: T,
+    shrink: T,
 }
 
-impl Course {
+impl<T: Real> Course<T> {
     /// The branch in direction `s` with the reversals `points` behind it.
     #[inline]
-    fn behind(points: &[Point], s: f64) -> Self {
+    fn behind(points: &[Point<T>], s: T) -> Self {
         match points {
             [] => Self {
                 s,
                 origin: Point::default(),
-                closes_at: s * f64::INFINITY,
+                closes_at: s * T::infinity(),
                 stretch: s,
                 shrink: s,
             },
@@ -80,18 +81,18 @@ impl Course {
     }
 
     #[inline]
-    fn from(origin: Point, closes_at: f64, s: f64) -> Self {
-        Self { s, origin, closes_at, stretch: 2.0 * s, shrink: 0.5 * s }
+    fn from(origin: Point<T>, closes_at: T, s: T) -> Self {
+        Self { s, origin, closes_at, stretch: T::TWO * s, shrink: T::HALF * s }
     }
 
     /// Whether it is still open at `z`; false before the first motion.
     #[inline]
-    fn is_open_at(&self, z: f64) -> bool {
-        self.s * (z - self.closes_at) < 0.0
+    fn is_open_at(&self, z: T) -> bool {
+        self.s * (z - self.closes_at) < T::ZERO
     }
 
     #[inline]
-    fn force(&self, curve: &impl VirginCurve, z: f64) -> f64 {
+    fn force(&self, curve: &impl VirginCurve<T>, z: T) -> T {
         self.origin.f + curve.stretched(self.stretch, self.shrink, z - self.origin.z)
     }
 }
@@ -101,23 +102,23 @@ impl Course {
 /// When the stack is full the two innermost points, one closed loop, are dropped: the error is at
 /// most that loop.
 #[derive(Debug, Clone)]
-pub struct Hysteresis {
-    last: Point,
+pub struct Hysteresis<T: Real = f64> {
+    last: Point<T>,
     /// The present branch. It follows from the points, and is kept because most moves stay on it.
-    course: Course,
+    course: Course<T>,
     /// Number of reversal points remembered.
     depth: usize,
-    points: [Point; CAPACITY],
+    points: [Point<T>; CAPACITY],
 }
 
-impl Default for Hysteresis {
+impl<T: Real> Default for Hysteresis<T> {
     fn default() -> Self {
         let (last, course) = (Point::default(), Course::default());
         Self { last, course, depth: 0, points: [Point::default(); CAPACITY] }
     }
 }
 
-impl PartialEq for Hysteresis {
+impl<T: Real> PartialEq for Hysteresis<T> {
     /// Two memories are equal when they remember the same points; what lies above the stack's top
     /// does not count.
     fn eq(&self, other: &Self) -> bool {
@@ -127,12 +128,12 @@ impl PartialEq for Hysteresis {
     }
 }
 
-impl Hysteresis {
+impl<T: Real> Hysteresis<T> {
     /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for
     /// the stages of an integrator.
     #[inline]
     #[must_use]
-    pub fn peek(&self, curve: &impl VirginCurve, z: f64) -> f64 {
+    pub fn peek(&self, curve: &impl VirginCurve<T>, z: T) -> T {
         let z = saturate(curve.limit(), z);
         if z == self.last.z {
             self.last.f
@@ -146,7 +147,7 @@ impl Hysteresis {
     /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force
     /// there.
     #[inline]
-    pub fn commit(&mut self, curve: &impl VirginCurve, z: f64) -> f64 {
+    pub fn commit(&mut self, curve: &impl VirginCurve<T>, z: T) -> T {
         let z = saturate(curve.limit(), z);
         if z == self.last.z {
             return self.last.f;
@@ -161,12 +162,12 @@ impl Hysteresis {
 
     /// Whether a move to `z` stays on the present branch.
     #[inline]
-    fn goes_on_to(&self, z: f64) -> bool {
-        self.course.s * (z - self.last.z) > 0.0 && self.course.is_open_at(z)
+    fn goes_on_to(&self, z: T) -> bool {
+        self.course.s * (z - self.last.z) > T::ZERO && self.course.is_open_at(z)
     }
 
     #[inline(never)]
-    fn take_turn(&mut self, z: f64) {
+    fn take_turn(&mut self, z: T) {
         let (course, depth) = self.turn(z);
         (self.course, self.depth) = (course, depth);
         // The reversal from which the new branch starts; an old one stands there already.
@@ -179,8 +180,8 @@ impl Hysteresis {
     /// are behind it: a branch that has reached the point where it closes is forgotten together
     /// with the one that it closes.
     #[inline(never)]
-    fn turn(&self, z: f64) -> (Course, usize) {
-        let s = if z > self.last.z { 1.0 } else { -1.0 };
+    fn turn(&self, z: T) -> (Course<T>, usize) {
+        let s = if z > self.last.z { T::ONE } else { -T::ONE };
         let mut points = self.reversals();
         if self.course.s == -s {
             // The branch that starts here, then those that are open behind it. A full stack loses
@@ -206,19 +207,19 @@ impl Hysteresis {
 
     /// The reversal points remembered, the latest one last.
     #[inline]
-    fn reversals(&self) -> &[Point] {
+    fn reversals(&self) -> &[Point<T>] {
         self.points.get(..self.depth).unwrap_or(&self.points)
     }
 
     /// Force at the last committed deflection.
     #[must_use]
-    pub const fn force(&self) -> f64 {
+    pub const fn force(&self) -> T {
         self.last.f
     }
 
     /// The last committed deflection.
     #[must_use]
-    pub const fn deflection(&self) -> f64 {
+    pub const fn deflection(&self) -> T {
         self.last.z
     }
 
@@ -229,30 +230,30 @@ impl Hysteresis {
     /// `2 r`; since then it has moved with the deflection. So the reversals divide the thresholds
     /// into intervals on which `s_r` is linear in `r`.
     #[must_use]
-    pub fn stored_energy(&self, curve: &impl VirginCurve) -> f64 {
+    pub fn stored_energy(&self, curve: &impl VirginCurve<T>) -> T {
         let limit = curve.limit();
         // 1/2 int_r0^r1 w(r) (offset + side r)^2 dr, by parts.
-        let share = |r0: f64, r1: f64, side: f64, offset: f64| {
-            let at = |r: f64| {
+        let share = |r0: T, r1: T, side: T, offset: T| {
+            let at = |r: T| {
                 let stop = offset + side * r;
-                -curve.slope(r) * stop * stop + 2.0 * side * curve.force(r) * stop
-                    - 2.0 * side * side * curve.integral(r)
+                -curve.slope(r) * stop * stop + T::TWO * side * curve.force(r) * stop
+                    - T::TWO * side * side * curve.integral(r)
             };
-            if r1 > r0 { 0.5 * (at(r1) - at(r0)) } else { 0.0 }
+            if r1 > r0 { T::HALF * (at(r1) - at(r0)) } else { T::ZERO }
         };
         let z = self.last.z;
         let mut side = self.course.s;
-        let mut energy = 0.0;
-        let (mut from, mut cut_at) = (0.0, z);
+        let mut energy = T::ZERO;
+        let (mut from, mut cut_at) = (T::ZERO, z);
         for &Point { z: reversal, .. } in self.reversals().iter().rev() {
-            let to = 0.5 * (cut_at - reversal).abs();
+            let to = T::HALF * (cut_at - reversal).abs();
             energy += share(from, to, side, z - cut_at);
             (from, cut_at, side) = (to, reversal, -side);
         }
         let virgin = cut_at.abs();
         energy += share(from, virgin, side, z - cut_at);
         // Stops that were never cut, and those at the curve's end with what slope is left there.
-        energy + share(virgin, limit, 0.0, z) + 0.5 * curve.slope(limit) * z * z
+        energy + share(virgin, limit, T::ZERO, z) + T::HALF * curve.slope(limit) * z * z
     }
 
     /// Number of reversal points remembered.
@@ -264,7 +265,7 @@ impl Hysteresis {
 
 /// `points` without its last `n`; all are gone where there are fewer.
 #[inline]
-fn without(points: &[Point], n: usize) -> &[Point] {
+fn without<T: Real>(points: &[Point<T>], n: usize) -> &[Point<T>] {
     points.get(..points.len().saturating_sub(n)).unwrap_or(&[])
 }
 

@@ -49,84 +49,81 @@
 //! advances under the held velocity, and is cut to the level at the next step. In the derivative
 //! form `a` is that of the last accepted step.
 
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
-
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::{
-    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Regime, State, TimeStep,
-    built_from, parameters,
+    Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
+    TimeStep, built_from, parameters,
 };
 
 parameters! {
     /// Parameters of [`Wojewoda`] as files carry them.
-    WojewodaParameters {
+    WojewodaParameters<T> {
         /// Static friction F_s [N or N m], at least `f_c`.
-        f_s: f64, Force, Range::Positive;
+        f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c at high speed [N or N m], above zero.
-        f_c: f64, Force, Range::Positive;
+        f_c: T, Force, Range::Positive;
         /// Friction F_d at low speed while slowing down [N or N m], above zero, at most `f_s`;
         /// `f_c` if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        f_d: Option<f64>, Force, Range::Positive;
+        f_d: Option<T>, Force, Range::Positive;
         /// Speed v_s over which the branches approach each other [m/s or rad/s], above zero.
-        v_s: f64, Speed, Range::Positive;
+        v_s: T, Speed, Range::Positive;
         /// Stiffness k_t of the contact [N/m or N m/rad], above zero.
-        k_t: f64, Stiffness, Range::Positive;
+        k_t: T, Stiffness, Range::Positive;
         /// Acceleration a_0 at which a branch is reached [m/s^2 or rad/s^2], above zero; a jump at
         /// zero if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        a_0: Option<f64>, Acceleration, Range::Positive;
+        a_0: Option<T>, Acceleration, Range::Positive;
         /// Viscous coefficient f_v [N s/m or N m s/rad], zero or more; 0 if left out.
         #[serde(default)]
-        f_v: f64, Damping, Range::NonNegative;
+        f_v: T, Damping, Range::NonNegative;
     }
 }
 
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WojewodaMemory {
+pub struct WojewodaMemory<T: Real = f64> {
     /// At the last sample [m/s or rad/s].
-    velocity: f64,
+    velocity: T,
     /// Since the sample before [m/s^2 or rad/s^2].
-    acceleration: f64,
+    acceleration: T,
     /// Direction of the slip; zero while stuck.
-    slip: f64,
+    slip: T,
 }
 
 /// The hysteretic model with valid parameters. State: `[z]`, the last velocity and acceleration,
 /// and whether it slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wojewoda {
-    parameters: WojewodaParameters,
+pub struct Wojewoda<T: Real = f64> {
+    parameters: WojewodaParameters<T>,
     /// `(F_s + F_d)/2 - F_c` and `(F_s - F_d)/2`.
-    midway: f64,
-    half_width: f64,
+    midway: T,
+    half_width: T,
 }
 
-impl Wojewoda {
+impl<T: Real> Wojewoda<T> {
     /// `exp(-|v|/v_s)`: how far the branches still are from `F_c`.
     #[inline]
-    fn falling(&self, velocity: f64) -> f64 {
+    fn falling(&self, velocity: T) -> T {
         (-velocity.abs() / self.parameters.v_s).exp()
     }
 
     /// Level of sliding; `weight` is 1 on the upper branch, -1 on the lower one.
     #[inline]
-    fn sliding(&self, falling: f64, weight: f64) -> f64 {
+    fn sliding(&self, falling: T, weight: T) -> T {
         self.parameters.f_c + (self.midway + weight * self.half_width) * falling
     }
 
     /// The most that the contact carries now.
     #[inline]
-    fn level(&self, motion: &WojewodaMemory, velocity: f64, falling: f64) -> f64 {
-        if motion.slip == 0.0 {
+    fn level(&self, motion: &WojewodaMemory<T>, velocity: T, falling: T) -> T {
+        if motion.slip == T::ZERO {
             return self.parameters.f_s;
         }
-        let faster = if velocity < 0.0 { -motion.acceleration } else { motion.acceleration };
+        let faster = if velocity < T::ZERO { -motion.acceleration } else { motion.acceleration };
         self.sliding(
             falling,
-            self.parameters.a_0.map_or(sign(faster), |a_0| saturate(1.0, faster / a_0)),
+            self.parameters.a_0.map_or(sign(faster), |a_0| saturate(T::ONE, faster / a_0)),
         )
     }
 
@@ -134,22 +131,23 @@ impl Wojewoda {
     #[inline]
     fn contact(
         &self,
-        z: f64,
-        motion: &WojewodaMemory,
-        velocity: f64,
-        falling: f64,
-    ) -> Evaluation<[f64; 1]> {
+        z: T,
+        motion: &WojewodaMemory<T>,
+        velocity: T,
+        falling: T,
+    ) -> Evaluation<[T; 1], T> {
         let p = &self.parameters;
         let (level, spring) = (self.level(motion, velocity, falling), p.k_t * z);
-        let at_the_end = motion.slip != 0.0 && spring.abs() >= level && spring * velocity > 0.0;
-        let rate = if at_the_end { 0.0 } else { velocity };
+        let at_the_end =
+            motion.slip != T::ZERO && spring.abs() >= level && spring * velocity > T::ZERO;
+        let rate = if at_the_end { T::ZERO } else { velocity };
         Evaluation { force: saturate(level, spring) + p.f_v * velocity, rates: [rate] }
     }
 
     /// Breaks away if the spring carries `F_s`.
     #[inline]
-    fn break_away(&self, motion: &mut WojewodaMemory, z: f64) {
-        if motion.slip == 0.0 && self.parameters.k_t * z.abs() >= self.parameters.f_s {
+    fn break_away(&self, motion: &mut WojewodaMemory<T>, z: T) {
+        if motion.slip == T::ZERO && self.parameters.k_t * z.abs() >= self.parameters.f_s {
             motion.slip = sign(z);
         }
     }
@@ -158,104 +156,104 @@ impl Wojewoda {
     #[inline]
     fn sample(
         &self,
-        state: &mut State<[f64; 1], WojewodaMemory>,
-        velocity: f64,
-        falling: f64,
-        elapsed: f64,
+        state: &mut State<[T; 1], WojewodaMemory<T>>,
+        velocity: T,
+        falling: T,
+        elapsed: T,
     ) {
         let motion = &mut state.memory;
         let [z] = state.continuous;
         motion.acceleration = (velocity - motion.velocity) / elapsed;
         motion.velocity = velocity;
         self.break_away(motion, z);
-        if velocity * motion.slip <= 0.0 {
-            motion.slip = 0.0;
+        if velocity * motion.slip <= T::ZERO {
+            motion.slip = T::ZERO;
         }
         state.continuous =
             [saturate(self.level(motion, velocity, falling) / self.parameters.k_t, z)];
     }
 }
 
-impl TryFrom<WojewodaParameters> for Wojewoda {
+impl<T: Real> TryFrom<WojewodaParameters<T>> for Wojewoda<T> {
     type Error = ModelError;
 
-    fn try_from(p: WojewodaParameters) -> Result<Self, ModelError> {
+    fn try_from(p: WojewodaParameters<T>) -> Result<Self, ModelError> {
         let name = Self::NAME;
         p.check(name)?;
-        let require = WojewodaParameters::require;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
-        require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
+        p.require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
         let f_d = p.f_d.unwrap_or(p.f_c);
-        require(
+        p.require(
             name,
             f_d <= p.f_s,
             "f_d",
             f_d,
             "at most f_s: the lower branch lies below the upper one",
         )?;
-        require(
+        p.require(
             name,
             (p.f_s / p.k_t).is_finite(),
             "k_t",
             p.k_t,
             "large enough for a finite deflection",
         )?;
-        let (midway, half_width) = (0.5 * p.f_s + 0.5 * f_d - p.f_c, 0.5 * p.f_s - 0.5 * f_d);
+        let (midway, half_width) =
+            (T::HALF * p.f_s + T::HALF * f_d - p.f_c, T::HALF * p.f_s - T::HALF * f_d);
         Ok(Self { parameters: p, midway, half_width })
     }
 }
 
-built_from!(Wojewoda, WojewodaParameters);
+built_from!([T: Real] Wojewoda<T>, WojewodaParameters<T>);
 
-impl FrictionModel for Wojewoda {
+impl<T: Real> FrictionModel<T> for Wojewoda<T> {
     const NAME: &'static str = "wojewoda";
-    type Parameters = WojewodaParameters;
-    type Continuous = [f64; 1];
-    type Memory = WojewodaMemory;
+    type Parameters = WojewodaParameters<T>;
+    type Continuous = [T; 1];
+    type Memory = WojewodaMemory<T>;
     /// The period [s].
-    type Discrete = f64;
+    type Discrete = T;
 
-    fn parameters(&self) -> &WojewodaParameters {
+    fn parameters(&self) -> &WojewodaParameters<T> {
         &self.parameters
     }
 
-    fn rest(&self) -> State<[f64; 1], WojewodaMemory> {
+    fn rest(&self) -> State<[T; 1], WojewodaMemory<T>> {
         State {
-            continuous: [0.0],
-            memory: WojewodaMemory { velocity: 0.0, acceleration: 0.0, slip: 0.0 },
+            continuous: [T::ZERO],
+            memory: WojewodaMemory { velocity: T::ZERO, acceleration: T::ZERO, slip: T::ZERO },
         }
     }
 
     #[inline]
     fn evaluate(
         &self,
-        state: &[f64; 1],
-        motion: &WojewodaMemory,
-        velocity: f64,
-    ) -> Evaluation<[f64; 1]> {
+        state: &[T; 1],
+        motion: &WojewodaMemory<T>,
+        velocity: T,
+    ) -> Evaluation<[T; 1], T> {
         self.at(velocity)(state, motion)
     }
 
     #[inline]
-    fn at(&self, velocity: f64) -> impl Fn(&[f64; 1], &WojewodaMemory) -> Evaluation<[f64; 1]> {
+    fn at(&self, velocity: T) -> impl Fn(&[T; 1], &WojewodaMemory<T>) -> Evaluation<[T; 1], T> {
         let falling = self.falling(velocity);
         move |&[z], motion| self.contact(z, motion, velocity, falling)
     }
 
     #[inline]
-    fn commit(&self, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64, dt: f64) {
+    fn commit(&self, state: &mut State<[T; 1], WojewodaMemory<T>>, velocity: T, dt: T) {
         self.sample(state, velocity, self.falling(velocity), dt);
     }
 
-    fn discretise(&self, dt: TimeStep) -> f64 {
-        dt.seconds()
+    fn discretise(&self, dt: TimeStep) -> T {
+        T::of(dt.seconds())
     }
 
     #[inline]
-    fn step(&self, dt: &f64, state: &mut State<[f64; 1], WojewodaMemory>, velocity: f64) -> f64 {
+    fn step(&self, &dt: &T, state: &mut State<[T; 1], WojewodaMemory<T>>, velocity: T) -> T {
         let v = bounded(velocity);
         let falling = self.falling(v);
-        self.sample(state, v, falling, *dt);
+        self.sample(state, v, falling, dt);
         let [z] = state.continuous;
         let force = self.contact(z, &state.memory, v, falling).force;
         self.break_away(&mut state.memory, z + v * dt);
@@ -267,39 +265,40 @@ impl FrictionModel for Wojewoda {
     fn inject(
         &self,
         dt: TimeStep,
-        state: &mut State<[f64; 1], WojewodaMemory>,
-        _: f64,
-        rate: f64,
-    ) -> f64 {
+        state: &mut State<[T; 1], WojewodaMemory<T>>,
+        _: T,
+        rate: T,
+    ) -> T {
         let [z] = state.continuous;
-        let z = z + rate * dt.seconds();
+        let z = z + rate * T::of(dt.seconds());
         self.break_away(&mut state.memory, z);
         state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z)];
-        0.0
+        T::ZERO
     }
 
-    fn steady_state(&self, velocity: f64) -> f64 {
-        sign(velocity) * self.sliding(self.falling(velocity), 0.0) + self.parameters.f_v * velocity
+    fn steady_state(&self, velocity: T) -> T {
+        sign(velocity) * self.sliding(self.falling(velocity), T::ZERO)
+            + self.parameters.f_v * velocity
     }
 
-    fn internals(&self, state: &State<[f64; 1], WojewodaMemory>, velocity: f64) -> Internals {
+    fn internals(&self, state: &State<[T; 1], WojewodaMemory<T>>, velocity: T) -> Internals<T> {
         let [z] = state.continuous;
         let gamma = self.level(&state.memory, velocity, self.falling(velocity));
-        let regime = if state.memory.slip == 0.0 { Regime::Stick } else { Regime::Slip };
+        let regime = if state.memory.slip == T::ZERO { Regime::Stick } else { Regime::Slip };
         Internals { deflection: saturate(gamma / self.parameters.k_t, z), gamma, regime }
     }
 
     #[inline]
-    fn viscous(&self, velocity: f64) -> f64 {
+    fn viscous(&self, velocity: T) -> T {
         self.parameters.f_v * velocity
     }
 
-    fn stored_energy(&self, state: &State<[f64; 1], WojewodaMemory>) -> Option<f64> {
+    fn stored_energy(&self, state: &State<[T; 1], WojewodaMemory<T>>) -> Option<T> {
         let [z] = state.continuous;
         let velocity = state.memory.velocity;
         let level = self.level(&state.memory, velocity, self.falling(velocity));
         let z = saturate(level / self.parameters.k_t, z);
-        Some(0.5 * self.parameters.k_t * z * z)
+        Some(T::HALF * self.parameters.k_t * z * z)
     }
 }
 

@@ -1,0 +1,121 @@
+//! The floating-point numbers that models compute with.
+
+use core::fmt::{Debug, Display};
+use core::iter::Sum;
+
+use num_traits::{Float, NumAssign};
+
+use crate::Value;
+
+/// `f64` or `f32`. Models, parameters and steppers are of `f64` where nothing else is said.
+///
+/// With `f32` a model carries about seven digits, which is more than a sensor does, and is several
+/// times faster on a microcontroller that computes single precision only. Periods
+/// ([`TimeStep`](crate::TimeStep)), ranges and errors are told in `f64` throughout.
+///
+/// ```
+/// use friction_model::{LuGre, LuGreParameters, Stepper, TimeStep, presets::Presets};
+///
+/// let single: LuGreParameters<f32> = LuGreParameters::test_bed().cast();
+/// let mut friction = Stepper::new(LuGre::try_from(single)?, TimeStep::new(1e-3)?);
+/// let torque: f32 = friction.step(0.5);
+/// # assert!(torque.is_finite());
+/// # Ok::<(), friction_model::ModelError>(())
+/// ```
+pub trait Real:
+    Float
+    + NumAssign
+    + Sum
+    + Default
+    + Debug
+    + Display
+    + Value
+    + InFiles
+    + Send
+    + Sync
+    + Sealed
+    + 'static
+{
+    /// 0
+    const ZERO: Self;
+    /// 1/2
+    const HALF: Self;
+    /// 1
+    const ONE: Self;
+    /// 2
+    const TWO: Self;
+
+    /// The number nearest to `x`.
+    fn of(x: f64) -> Self;
+
+    /// The same number in double precision.
+    fn double(self) -> f64;
+}
+
+macro_rules! real {
+    ($($number:ty),+) => {
+        $(
+            impl Real for $number {
+                const ZERO: Self = 0.0;
+                const HALF: Self = 0.5;
+                const ONE: Self = 1.0;
+                const TWO: Self = 2.0;
+
+                #[inline]
+                fn of(x: f64) -> Self {
+                    x as Self
+                }
+
+                #[inline]
+                fn double(self) -> f64 {
+                    self.into()
+                }
+            }
+
+            impl Sealed for $number {}
+        )+
+    };
+}
+
+real!(f32, f64);
+
+/// Keeps [`Real`] to the numbers of this crate.
+pub trait Sealed {}
+
+/// What can be read from files and written to them.
+#[cfg(feature = "serde")]
+pub trait InFiles: serde::Serialize + serde::de::DeserializeOwned {}
+
+#[cfg(feature = "serde")]
+impl<T: serde::Serialize + serde::de::DeserializeOwned> InFiles for T {}
+
+/// Files are not asked for.
+#[cfg(not(feature = "serde"))]
+pub trait InFiles {}
+
+#[cfg(not(feature = "serde"))]
+impl<T> InFiles for T {}
+
+/// The same quantity in numbers of another precision.
+pub trait Cast<To> {
+    /// Each number becomes the nearest one.
+    fn cast(self) -> To;
+}
+
+impl<T: Real, U: Real> Cast<U> for T {
+    fn cast(self) -> U {
+        U::of(self.double())
+    }
+}
+
+impl<T: Real, U: Real> Cast<Option<U>> for Option<T> {
+    fn cast(self) -> Option<U> {
+        self.map(Cast::cast)
+    }
+}
+
+impl Cast<Self> for u32 {
+    fn cast(self) -> Self {
+        self
+    }
+}
