@@ -35,6 +35,13 @@
 //! assert!((result.period.unwrap() - 7.9275).abs() < 1e-3);
 //! ```
 
+#![deny(rustdoc::broken_intra_doc_links)]
+
+/// The code in the README is run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod breakaway;
 mod contact;
 pub mod describing_function;

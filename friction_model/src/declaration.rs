@@ -5,7 +5,8 @@
 /// [`ParameterSet`](crate::ParameterSet) table in one place.
 ///
 /// A field is its documentation (with the unit in brackets), a serde attribute where it may be left
-/// out, then `name: type, Unit, Range;`. A type is `f64`, `Option<f64>`, `u32` or
+/// out, then `name: type, Unit, Range;`. A square bracket is escaped, as rustdoc takes it for a link
+/// otherwise; [`Parameter::meaning`](crate::Parameter::meaning) has it without. A type is `f64`, `Option<f64>`, `u32` or
 /// [`Elements`](crate::Elements); [`Value`](crate::Value) can be implemented for more. With the
 /// feature `serde`, the struct is read and written by field names, and a name that it does not have
 /// is an error.
@@ -16,9 +17,9 @@
 /// parameters! {
 ///     /// Parameters of a spring.
 ///     SpringParameters {
-///         /// Stiffness k \[N/m\], above zero.
+///         /// Stiffness k \[N/m], above zero.
 ///         k: f64, Stiffness, Range::Positive;
-///         /// Force at rest \[N\]; zero if left out.
+///         /// Force at rest \[N]; zero if left out.
 ///         #[serde(default)]
 ///         f_0: f64, Force, Range::Any;
 ///     }
@@ -30,6 +31,7 @@
 ///     "spring.k must be a finite number above zero, but is -2 N m/rad; change it in the parameter file",
 /// );
 /// assert!(SpringParameters::TABLE[1].optional);
+/// assert_eq!(SpringParameters::TABLE[0].meaning, "Stiffness k [N/m], above zero.");
 /// ```
 #[macro_export]
 macro_rules! parameters {
@@ -74,7 +76,14 @@ macro_rules! parameters {
             const TABLE: &'static [$crate::Parameter] = &[
                 $($crate::Parameter {
                     name: stringify!($field),
-                    meaning: concat!($($doc),+).trim_ascii(),
+                    meaning: {
+                        const TEXT: &str = concat!($($doc),+).trim_ascii();
+                        const SHOWN: [u8; $crate::__shown_length(TEXT)] = $crate::__shown(TEXT);
+                        match ::core::str::from_utf8(&SHOWN) {
+                            Ok(shown) => shown,
+                            Err(_) => TEXT,
+                        }
+                    },
                     unit: $crate::Unit::$unit,
                     range: $range,
                     optional: !concat!("" $(, stringify!($($serde)+))?).is_empty(),
@@ -111,6 +120,37 @@ macro_rules! parameters {
             }
         }
     };
+}
+
+/// How long `text` is without the backslashes that escape square brackets.
+#[doc(hidden)]
+#[must_use]
+pub const fn __shown_length(text: &str) -> usize {
+    let (text, mut length, mut i) = (text.as_bytes(), 0, 0);
+    while i < text.len() {
+        length += !is_escape(text, i) as usize;
+        i += 1;
+    }
+    length
+}
+
+/// `text` without the backslashes that escape square brackets.
+#[doc(hidden)]
+#[must_use]
+pub const fn __shown<const LENGTH: usize>(text: &str) -> [u8; LENGTH] {
+    let (text, mut shown, mut length, mut i) = (text.as_bytes(), [0; LENGTH], 0, 0);
+    while i < text.len() {
+        if !is_escape(text, i) {
+            shown[length] = text[i];
+            length += 1;
+        }
+        i += 1;
+    }
+    shown
+}
+
+const fn is_escape(text: &[u8], i: usize) -> bool {
+    text[i] == b'\\' && i + 1 < text.len() && text[i + 1] == b'['
 }
 
 /// Ties a model to its parameters, which it keeps in a field of that name: `From` gives them back,

@@ -9,16 +9,62 @@
 //! * a **real-time observer** holds a [`Stepper`] and calls it once a period; the fixed-step form
 //!   is stable at any period up to 10 ms, allocates nothing and cannot panic.
 //!
-//! Conventions: `v` is the relative velocity, `z` the bristle deflection, and the friction `F`
+//! ```
+//! use friction_model::{LuGre, LuGreParameters, Stepper, TimeStep};
+//!
+//! // A small servo: N m, rad, s.
+//! let friction = LuGre::try_from(LuGreParameters {
+//!     f_s: 0.10,     // breaks away at
+//!     f_c: 0.09,     // slides at
+//!     v_s: 0.14,     // falls from one to the other around this speed
+//!     delta: 2.0,    // shape of that fall
+//!     sigma0: 16.5,  // stiffness of the bristles
+//!     sigma1: 0.25,  // their damping
+//!     v_d: None,
+//!     f_v: 0.04,     // viscous
+//! })?;
+//! let mut contact = Stepper::new(friction, TimeStep::new(1e-3)?);
+//! for _ in 0..1000 {
+//!     contact.step(0.5);
+//! }
+//! let torque: f64 = contact.step(0.5);
+//! assert!((torque - (0.09 + 0.04 * 0.5)).abs() < 1e-6);
+//! # Ok::<(), friction_model::ModelError>(())
+//! ```
+//!
+//! | to | see |
+//! |---|---|
+//! | step a model in a control loop | [`Stepper`] |
+//! | integrate it under a given motion, or with a mass | [`rk4`], [`Body`] |
+//! | choose a model by name while the program runs, or from a file | [`AnyModel`], [`ModelName`] |
+//! | know its parameters, their units and ranges | [`ParameterSet`], [`Parameter`] |
+//! | write a model of your own | [`FrictionModel`], [`parameters!`], [`memoryless!`], [`built_from!`] |
+//! | give each direction its friction, or let it grow with the load | [`Asymmetric`], [`LoadDependent`] |
+//! | compute in single precision | [`Real`] |
+//! | start from published values | [`presets`] |
+//!
+//! # Features
+//! * `std` (default): the mathematics of the standard library. Without it the crate is `no_std`,
+//!   allocates nothing and takes its mathematics from `libm`.
+//! * `serde` (default): parameters and models from and to files.
+//!
+//! # Conventions
+//! `v` is the relative velocity, `z` the bristle deflection, and the friction `F`
 //! *opposes* motion, so that `m x'' = F_e - F`. Quantities are SI: N, m, s for linear examples and
 //! N m, rad, s for the test bed; the formulas are the same. Equation numbers in the model files are
 //! those of the 2017 thesis on position and velocity drives subject to friction (A. C. Nnaji), with
 //! its misprints corrected where a file says so.
 
 #![cfg_attr(not(feature = "std"), no_std)]
+#![deny(rustdoc::broken_intra_doc_links)]
 
 // The macros name this crate as others do, in it and outside it.
 extern crate self as friction_model;
+
+/// The code in the README is run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 #[cfg(feature = "serde")]
 #[doc(hidden)]
@@ -82,6 +128,8 @@ pub use catalogue::{
 pub use coulomb::{Coulomb, CoulombParameters};
 pub use coulomb_viscous::{CoulombViscous, CoulombViscousParameters};
 pub use dahl::{Dahl, DahlParameters};
+#[doc(hidden)]
+pub use declaration::{__shown, __shown_length};
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticParameters};
 pub use elements::Elements;
 pub use error::ModelError;

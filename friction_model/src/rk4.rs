@@ -3,7 +3,7 @@
 use crate::body::sum;
 use crate::{ContinuousState, FrictionModel, Real, State};
 
-/// Advances `state` by `dt` [s] under a velocity given at the start, the middle and the end of the
+/// Advances `state` by `dt` \[s] under a velocity given at the start, the middle and the end of the
 /// step, commits, and returns the force at the end.
 ///
 /// Step sizes: LuGre needs `dt < 2.78 g / (sigma0 |v|)`; the proposed model `dt < 2.78 sigma / k`

@@ -19,7 +19,7 @@ impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
         Self { model, dt, discrete, state }
     }
 
-    /// The friction now at `velocity` [m/s or rad/s]; the state then advances by one period.
+    /// The friction now at `velocity` \[m/s or rad/s]; the state then advances by one period.
     #[inline]
     pub fn step(&mut self, velocity: T) -> T {
         self.model.step(&self.discrete, &mut self.state, velocity)
