@@ -20,17 +20,17 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BreakawaySettings {
-    /// Mass m \[kg or kg m^2].
+    /// Mass m \[kg or kg m^2\].
     pub inertia: f64,
-    /// Force rates \[N/s or N m/s].
+    /// Force rates \[N/s or N m/s\].
     pub rates: Vec<f64>,
-    /// Force at the end of the ramp \[N or N m], then held.
+    /// Force at the end of the ramp \[N or N m\], then held.
     pub limit: f64,
-    /// The largest friction is looked for up to this displacement \[m or rad].
+    /// The largest friction is looked for up to this displacement \[m or rad\].
     pub within: f64,
-    /// Velocity that counts as sliding \[m/s or rad/s].
+    /// Velocity that counts as sliding \[m/s or rad/s\].
     pub threshold: f64,
-    /// Integration step \[s]; found by step halving for each rate if left out.
+    /// Integration step \[s\]; found by step halving for each rate if left out.
     pub step: Option<f64>,
 }
 
@@ -51,15 +51,15 @@ impl Default for BreakawaySettings {
 /// Breakaway of one model at one force rate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Breakaway {
-    /// Force rate \[N/s or N m/s].
+    /// Force rate \[N/s or N m/s\].
     pub rate: f64,
-    /// Largest friction up to the displacement `within` \[N or N m].
+    /// Largest friction up to the displacement `within` \[N or N m\].
     pub friction_max: f64,
-    /// Displacement at which friction is largest \[m or rad]; `None` where friction has no peak,
+    /// Displacement at which friction is largest \[m or rad\]; `None` where friction has no peak,
     /// because it does not fall by a thousandth of its largest value afterwards. Zero for models
     /// that hold without pre-sliding.
     pub displacement: Option<f64>,
-    /// Applied force when the velocity first exceeds the threshold \[N or N m]; `None` if it never
+    /// Applied force when the velocity first exceeds the threshold \[N or N m\]; `None` if it never
     /// does.
     pub applied_at_threshold: Option<f64>,
     /// The run up to the displacement `within`.
@@ -72,13 +72,13 @@ pub struct Breakaway {
 /// at most 500.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BreakawayCourse {
-    /// Applied force \[N or N m].
+    /// Applied force \[N or N m\].
     pub applied: Vec<f64>,
-    /// Displacement \[m or rad].
+    /// Displacement \[m or rad\].
     pub displacement: Vec<f64>,
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Friction \[N or N m].
+    /// Friction \[N or N m\].
     pub friction: Vec<f64>,
 }
 
@@ -128,7 +128,7 @@ fn at_rate(
     result
 }
 
-/// A body that holds the limit for this long without moving will not move \[s].
+/// A body that holds the limit for this long without moving will not move \[s\].
 const PATIENCE: f64 = 10.0;
 
 fn run(contact: &Contact, settings: &BreakawaySettings, rate: f64, step: f64) -> Breakaway {

@@ -32,21 +32,21 @@ impl Contact {
         self.model.name()
     }
 
-    /// The force after a long time at constant `velocity` \[N or N m], see
+    /// The force after a long time at constant `velocity` \[N or N m\], see
     /// [`FrictionModel::steady_state`].
     #[must_use]
     pub fn steady_state(&self, velocity: f64) -> f64 {
         self.model.steady_state(velocity)
     }
 
-    /// The viscous part of the force at `velocity` \[N or N m], see [`FrictionModel::viscous`].
+    /// The viscous part of the force at `velocity` \[N or N m\], see [`FrictionModel::viscous`].
     #[must_use]
     pub fn viscous(&self, velocity: f64) -> f64 {
         self.erased.viscous(velocity)
     }
 
     /// How a model discontinuous at zero velocity holds there while the applied force changes at
-    /// `force_rate` \[N/s or N m/s]; `None` for models that describe pre-sliding themselves, see
+    /// `force_rate` \[N/s or N m/s\]; `None` for models that describe pre-sliding themselves, see
     /// [`FrictionModel::holding`].
     #[must_use]
     pub fn holding(&self, force_rate: f64) -> Option<Holding> {
@@ -66,7 +66,7 @@ impl Contact {
         self.model.start(dt)
     }
 
-    /// A body of `inertia` \[kg or kg m^2], above zero, at rest on the contact. Its driver has one
+    /// A body of `inertia` \[kg or kg m^2\], above zero, at rest on the contact. Its driver has one
     /// state.
     #[must_use]
     pub fn body(&self, inertia: f64) -> Box<dyn FreeBody> {
@@ -76,11 +76,11 @@ impl Contact {
 
 /// A contact under a prescribed velocity, integrated by [`rk4::step`].
 pub trait Prescribed {
-    /// Advances by `dt` \[s] under the velocity at the start, the middle and the end of the step
-    /// \[m/s or rad/s]; returns the force at the end \[N or N m].
+    /// Advances by `dt` \[s\] under the velocity at the start, the middle and the end of the step
+    /// \[m/s or rad/s\]; returns the force at the end \[N or N m\].
     fn step(&mut self, velocities: [f64; 3], dt: f64) -> f64;
 
-    /// The force now, at `velocity` \[N or N m].
+    /// The force now, at `velocity` \[N or N m\].
     fn force(&self, velocity: f64) -> f64;
 
     /// The inner quantities at `velocity`.
@@ -92,10 +92,10 @@ pub trait FreeBody {
     /// Where it is.
     fn moment(&self) -> &Moment<1>;
 
-    /// The friction now, while `applied` acts \[N or N m].
+    /// The friction now, while `applied` acts \[N or N m\].
     fn friction(&self, applied: f64) -> f64;
 
-    /// Advances by `h` \[s] under `drive`.
+    /// Advances by `h` \[s\] under `drive`.
     fn advance(&mut self, h: f64, drive: &dyn Fn(&Moment<1>) -> Drive<1>);
 
     /// The inner quantities of the friction now.

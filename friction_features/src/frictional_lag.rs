@@ -21,15 +21,15 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrictionalLagSettings {
-    /// Mean velocity \[m/s or rad/s].
+    /// Mean velocity \[m/s or rad/s\].
     pub mean: f64,
-    /// Amplitude of the velocity \[m/s or rad/s], below the mean.
+    /// Amplitude of the velocity \[m/s or rad/s\], below the mean.
     pub amplitude: f64,
-    /// Angular frequencies w \[rad/s].
+    /// Angular frequencies w \[rad/s\].
     pub frequencies: Vec<f64>,
     /// Number of periods, of which the last counts.
     pub periods: u32,
-    /// Integration step \[s]; found by step halving for each frequency if left out.
+    /// Integration step \[s\]; found by step halving for each frequency if left out.
     pub step: Option<f64>,
 }
 
@@ -58,14 +58,14 @@ impl FrictionalLagSettings {
 /// the velocity alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrictionalLag {
-    /// Angular frequency \[rad/s].
+    /// Angular frequency \[rad/s\].
     pub frequency: f64,
-    /// Area of the loop \[W], force times velocity.
+    /// Area of the loop \[W\], force times velocity.
     pub area: f64,
     /// Largest excess of the friction while the speed grows over that at the same speed while it
-    /// falls \[N or N m].
+    /// falls \[N or N m\].
     pub widest: f64,
-    /// Smallest such excess \[N or N m]: negative where the loop runs backwards; of another sign
+    /// Smallest such excess \[N or N m\]: negative where the loop runs backwards; of another sign
     /// than `widest` if it crosses itself.
     pub narrowest: f64,
     /// The last period.
@@ -77,11 +77,11 @@ pub struct FrictionalLag {
 /// A thinned record of the last period.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrictionalLagCourse {
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Friction at that velocity while the speed grows \[N or N m].
+    /// Friction at that velocity while the speed grows \[N or N m\].
     pub growing: Vec<f64>,
-    /// Friction at that velocity while the speed falls \[N or N m].
+    /// Friction at that velocity while the speed falls \[N or N m\].
     pub falling: Vec<f64>,
 }
 

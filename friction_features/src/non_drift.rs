@@ -23,26 +23,26 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NonDriftSettings {
-    /// Mass m \[kg or kg m^2].
+    /// Mass m \[kg or kg m^2\].
     pub inertia: f64,
-    /// Force at the end of the ramp \[N or N m], beyond breakaway.
+    /// Force at the end of the ramp \[N or N m\], beyond breakaway.
     pub push: f64,
-    /// Duration of the ramp \[s].
+    /// Duration of the ramp \[s\].
     pub ramp: f64,
-    /// Duration of the fall from `push` to `hold` \[s].
+    /// Duration of the fall from `push` to `hold` \[s\].
     pub fall: f64,
-    /// Force at which the body comes to rest, and mean of the triangles \[N or N m]; below the
+    /// Force at which the body comes to rest, and mean of the triangles \[N or N m\]; below the
     /// kinetic level.
     pub hold: f64,
-    /// Time at which the triangles start \[s].
+    /// Time at which the triangles start \[s\].
     pub start: f64,
-    /// Amplitude of the triangles \[N or N m].
+    /// Amplitude of the triangles \[N or N m\].
     pub amplitude: f64,
-    /// Their period \[s].
+    /// Their period \[s\].
     pub period: f64,
     /// Their number; 15 if it is less.
     pub cycles: u32,
-    /// Integration step \[s]; found by step halving if left out.
+    /// Integration step \[s\]; found by step halving if left out.
     pub step: Option<f64>,
 }
 
@@ -66,7 +66,7 @@ impl Default for NonDriftSettings {
 }
 
 impl NonDriftSettings {
-    /// The applied force at `time` \[N or N m]. Each triangle goes up first.
+    /// The applied force at `time` \[N or N m\]. Each triangle goes up first.
     #[must_use]
     pub fn force(&self, time: f64) -> f64 {
         if time <= self.ramp {
@@ -87,18 +87,18 @@ impl NonDriftSettings {
 /// Drift of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonDrift {
-    /// Displacement from the end of the first cycle to the end of the last \[m or rad]. Damped
+    /// Displacement from the end of the first cycle to the end of the last \[m or rad\]. Damped
     /// bristles creep for the first cycles until they have reached their closed loop, undamped ones
     /// ring: neither is drift.
     pub drift: f64,
-    /// Mean displacement per cycle near the end \[m or rad]: between the mean positions of the last
-    /// five cycles and of the five that end ten cycles earlier, each weighted with half a squared
-    /// sine.
+    /// Mean displacement per cycle near the end \[m or rad\]: between the mean positions of the
+    /// last five cycles and of the five that end ten cycles earlier, each weighted with half a
+    /// squared sine.
     pub drift_per_cycle: f64,
-    /// Range of the position in the last cycle \[m or rad]: what the contact gives way and takes
+    /// Range of the position in the last cycle \[m or rad\]: what the contact gives way and takes
     /// back.
     pub swing: f64,
-    /// Position at the end of each cycle relative to the start of the triangles \[m or rad].
+    /// Position at the end of each cycle relative to the start of the triangles \[m or rad\].
     pub cycle_ends: Vec<f64>,
     /// The run from the start of the triangles on.
     pub course: NonDriftCourse,
@@ -109,11 +109,11 @@ pub struct NonDrift {
 /// A thinned record of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonDriftCourse {
-    /// Time since the start of the triangles \[s].
+    /// Time since the start of the triangles \[s\].
     pub time: Vec<f64>,
-    /// Applied force \[N or N m].
+    /// Applied force \[N or N m\].
     pub force: Vec<f64>,
-    /// Position relative to the start of the triangles \[m or rad].
+    /// Position relative to the start of the triangles \[m or rad\].
     pub position: Vec<f64>,
 }
 

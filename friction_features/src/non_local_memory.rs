@@ -30,14 +30,14 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NonLocalMemorySettings {
-    /// Displacement A_1 of the first turn \[m or rad]; where the virgin curve reaches `level` if
+    /// Displacement A_1 of the first turn \[m or rad\]; where the virgin curve reaches `level` if
     /// left out.
     pub amplitude: Option<f64>,
     /// Share of the static level that the first turn reaches: nonlinear, but short of sliding.
     pub level: f64,
-    /// Time for a displacement of A_1 \[s].
+    /// Time for a displacement of A_1 \[s\].
     pub duration: f64,
-    /// Integration step \[s], found by step halving if left out. A tenth of `duration` is divided
+    /// Integration step \[s\], found by step halving if left out. A tenth of `duration` is divided
     /// into equal steps of at most this size.
     pub step: Option<f64>,
 }
@@ -69,13 +69,13 @@ impl Default for NonLocalMemorySettings {
 /// Memory of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonLocalMemory {
-    /// Displacement A_1 of the first turn \[m or rad].
+    /// Displacement A_1 of the first turn \[m or rad\].
     pub amplitude: f64,
-    /// Force at each turn and at the end \[N or N m].
+    /// Force at each turn and at the end \[N or N m\].
     pub tips: [f64; 6],
-    /// Force at the first arrival at 0.5 minus force at -0.1 \[N or N m].
+    /// Force at the first arrival at 0.5 minus force at -0.1 \[N or N m\].
     pub loop_height: f64,
-    /// Work that the inner loop takes up, `0.5 -> -0.1 -> 0.5` \[J].
+    /// Work that the inner loop takes up, `0.5 -> -0.1 -> 0.5` \[J\].
     pub loop_work: f64,
     /// How much the two legs of the inner loop differ by more than a constant, over its height.
     /// Zero if the contact is elastic there, apart from its damping: then neither a gap nor an
@@ -83,11 +83,11 @@ pub struct NonLocalMemory {
     pub loop_opening: f64,
     /// Closure gap over the height of the loop.
     pub closure_gap: f64,
-    /// Wiping-out error \[N or N m].
+    /// Wiping-out error \[N or N m\].
     pub wiping_out_error: f64,
     /// Congruency error over the height of a leg.
     pub congruency_error: f64,
-    /// How far apart the congruent loops lie, their mean distance in force \[N or N m].
+    /// How far apart the congruent loops lie, their mean distance in force \[N or N m\].
     pub congruency_distance: f64,
     /// Force along the turns.
     pub course: NonLocalMemoryCourse,
@@ -98,9 +98,9 @@ pub struct NonLocalMemory {
 /// A thinned record of the path with the inner loop.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NonLocalMemoryCourse {
-    /// Displacement \[m or rad].
+    /// Displacement \[m or rad\].
     pub displacement: Vec<f64>,
-    /// Friction \[N or N m].
+    /// Friction \[N or N m\].
     pub friction: Vec<f64>,
 }
 

@@ -48,11 +48,11 @@ impl Default for SensitivitySettings {
 /// What is measured of one variant of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Response {
-    /// Largest friction at breakaway \[N or N m].
+    /// Largest friction at breakaway \[N or N m\].
     pub breakaway_force: f64,
-    /// Displacement at breakaway \[m or rad], see [`crate::Breakaway::displacement`].
+    /// Displacement at breakaway \[m or rad\], see [`crate::Breakaway::displacement`].
     pub breakaway_displacement: Option<f64>,
-    /// Area of the loop of frictional lag \[W].
+    /// Area of the loop of frictional lag \[W\].
     pub lag_area: f64,
 }
 

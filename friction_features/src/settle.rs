@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// What a figure has been checked with.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
-    /// Integration step of the result \[s].
+    /// Integration step of the result \[s\].
     pub step: f64,
     /// Largest relative change of the result's figures when the step was halved to this one; `None`
     /// if the step was given instead of found, or if another number of figures came out with the
@@ -63,7 +63,7 @@ impl Default for Settling {
     }
 }
 
-/// Runs an experiment with the step `first` \[s], then with halves of it until `figures` hold; the
+/// Runs an experiment with the step `first` \[s\], then with halves of it until `figures` hold; the
 /// last result, and the evidence.
 ///
 /// Gives up early, after the third halving, if that still changed a figure by more than a hundred

@@ -14,13 +14,13 @@ use crate::{Contact, TimeScales};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SteadyStateSettings {
-    /// Speeds \[m/s or rad/s]; each is held in both directions, from rest.
+    /// Speeds \[m/s or rad/s\]; each is held in both directions, from rest.
     pub speeds: Vec<f64>,
-    /// Each is held over this displacement \[m or rad], over which bristles settle,
+    /// Each is held over this displacement \[m or rad\], over which bristles settle,
     pub distance: f64,
-    /// and for this time besides \[s], in which sliding levels settle.
+    /// and for this time besides \[s\], in which sliding levels settle.
     pub time: f64,
-    /// Period of the fixed-step form \[s], above 0 and at most 10 ms.
+    /// Period of the fixed-step form \[s\], above 0 and at most 10 ms.
     pub period: f64,
 }
 
@@ -37,17 +37,17 @@ impl Default for SteadyStateSettings {
 /// Steady sliding of one model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SteadyState {
-    /// Velocities, the speeds in both directions \[m/s or rad/s].
+    /// Velocities, the speeds in both directions \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// The force that the model promises there \[N or N m].
+    /// The force that the model promises there \[N or N m\].
     pub promised: Vec<f64>,
-    /// The force that the derivative form has reached \[N or N m].
+    /// The force that the derivative form has reached \[N or N m\].
     pub derivative_form: Vec<f64>,
-    /// The force that the fixed-step form has reached \[N or N m].
+    /// The force that the fixed-step form has reached \[N or N m\].
     pub fixed_step_form: Vec<f64>,
-    /// Largest distance of the derivative form from the promise \[N or N m].
+    /// Largest distance of the derivative form from the promise \[N or N m\].
     pub error: f64,
-    /// Largest distance of the fixed-step form from the promise \[N or N m].
+    /// Largest distance of the fixed-step form from the promise \[N or N m\].
     pub fixed_step_error: f64,
     /// The curve of promised forces, for drawing.
     pub curve: SteadyStateCurve,
@@ -56,9 +56,9 @@ pub struct SteadyState {
 /// Force against velocity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SteadyStateCurve {
-    /// Velocity \[m/s or rad/s], from minus to plus the largest speed.
+    /// Velocity \[m/s or rad/s\], from minus to plus the largest speed.
     pub velocity: Vec<f64>,
-    /// Friction \[N or N m].
+    /// Friction \[N or N m\].
     pub friction: Vec<f64>,
 }
 

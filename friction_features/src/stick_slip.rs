@@ -25,17 +25,17 @@ use friction_model::{Drive, Moment};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StickSlipSettings {
-    /// Mass m \[kg or kg m^2].
+    /// Mass m \[kg or kg m^2\].
     pub inertia: f64,
-    /// Stiffness K of the spring \[N/m or N m/rad].
+    /// Stiffness K of the spring \[N/m or N m/rad\].
     pub stiffness: f64,
-    /// Speed v0 of the spring's end \[m/s or rad/s].
+    /// Speed v0 of the spring's end \[m/s or rad/s\].
     pub speed: f64,
-    /// Duration \[s], from rest with the spring slack.
+    /// Duration \[s\], from rest with the spring slack.
     pub duration: f64,
-    /// Statistics are taken after this time \[s].
+    /// Statistics are taken after this time \[s\].
     pub settling: f64,
-    /// Integration step \[s]; found by step halving if left out.
+    /// Integration step \[s\]; found by step halving if left out.
     pub step: Option<f64>,
 }
 
@@ -70,18 +70,18 @@ pub enum Motion {
 pub struct StickSlip {
     /// What the mass ends up doing.
     pub motion: Motion,
-    /// Mean time between two jumps \[s]; `None` if there are not two.
+    /// Mean time between two jumps \[s\]; `None` if there are not two.
     pub period: Option<f64>,
     /// Share of a period in which the mass is slower than a tenth of the spring's end. A harmonic
     /// vibration that just comes to rest has 0.144.
     pub share_of_rest: Option<f64>,
-    /// Largest force of the spring \[N or N m].
+    /// Largest force of the spring \[N or N m\].
     pub spring_max: f64,
-    /// Smallest force of the spring \[N or N m].
+    /// Smallest force of the spring \[N or N m\].
     pub spring_min: f64,
-    /// Largest velocity of the mass \[m/s or rad/s].
+    /// Largest velocity of the mass \[m/s or rad/s\].
     pub velocity_max: f64,
-    /// Largest friction \[N or N m].
+    /// Largest friction \[N or N m\].
     pub friction_max: f64,
     /// The whole run.
     pub course: StickSlipCourse,
@@ -92,13 +92,13 @@ pub struct StickSlip {
 /// A thinned record of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StickSlipCourse {
-    /// Time \[s].
+    /// Time \[s\].
     pub time: Vec<f64>,
-    /// Force of the spring \[N or N m].
+    /// Force of the spring \[N or N m\].
     pub spring: Vec<f64>,
-    /// Friction \[N or N m].
+    /// Friction \[N or N m\].
     pub friction: Vec<f64>,
-    /// Velocity of the mass \[m/s or rad/s].
+    /// Velocity of the mass \[m/s or rad/s\].
     pub velocity: Vec<f64>,
 }
 
@@ -220,11 +220,11 @@ struct Jumps {
     speed: f64,
     armed: bool,
     before: Option<f64>,
-    /// First and last such time \[s], and the number of them.
+    /// First and last such time \[s\], and the number of them.
     first: f64,
     last: f64,
     count: u32,
-    /// Time at rest since the first jump, and up to the last one \[s].
+    /// Time at rest since the first jump, and up to the last one \[s\].
     rest: f64,
     rest_at_last: f64,
 }

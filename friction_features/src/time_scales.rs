@@ -19,30 +19,30 @@
 
 use crate::Contact;
 
-/// Velocity \[m/s or rad/s] and duration \[s] of the infinitesimal motion: a deflection of 1e-15,
+/// Velocity \[m/s or rad/s\] and duration \[s\] of the infinitesimal motion: a deflection of 1e-15,
 /// far below every breakaway.
 const PROBE: (f64, f64) = (1e-9, 1e-6);
 
-/// No time constant counts as shorter than this \[s]: an experiment of a minute would take too many
-/// steps. Where that is too long for a model, the evidence says that its figures do not hold.
+/// No time constant counts as shorter than this \[s\]: an experiment of a minute would take too
+/// many steps. Where that is too long for a model, the evidence says that its figures do not hold.
 const SHORTEST: f64 = 1e-6;
 
 /// The quantities that make up a contact's time constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeScales {
-    /// Stiffness of the bristles at rest \[N/m or N m/rad]; zero for models without pre-sliding.
+    /// Stiffness of the bristles at rest \[N/m or N m/rad\]; zero for models without pre-sliding.
     pub stiffness: f64,
-    /// Damping of the bristles at rest, with the viscous part \[N s/m or N m s/rad].
+    /// Damping of the bristles at rest, with the viscous part \[N s/m or N m s/rad\].
     pub damping: f64,
     /// Largest level at which the contact slides without its viscous part, or holds, F_s
-    /// \[N or N m].
+    /// \[N or N m\].
     pub highest_level: f64,
     /// Smallest level at which it slides at higher speeds than where it is largest, F_c \[N or N
-    /// m].
+    /// m\].
     pub lowest_level: f64,
-    /// Time constant of the sliding level \[s]; infinite where there is none.
+    /// Time constant of the sliding level \[s\]; infinite where there is none.
     pub lag: f64,
-    /// Time constant of slipping bristles \[s]; infinite where there is none.
+    /// Time constant of slipping bristles \[s\]; infinite where there is none.
     pub slip: f64,
 }
 
@@ -90,7 +90,7 @@ impl TimeScales {
     }
 
     /// Shortest time constant, at least 1 us, under a prescribed velocity of at most `speed`
-    /// \[m/s or rad/s]; infinite for static models.
+    /// \[m/s or rad/s\]; infinite for static models.
     #[must_use]
     pub fn prescribed(&self, speed: f64) -> f64 {
         let slips = self.slip < f64::INFINITY;
@@ -102,8 +102,8 @@ impl TimeScales {
         bristles.min(self.lag).max(SHORTEST)
     }
 
-    /// Shortest time constant, at least 1 us, of a body of `inertia` \[kg or kg m^2] that moves at
-    /// most at `speed` \[m/s or rad/s].
+    /// Shortest time constant, at least 1 us, of a body of `inertia` \[kg or kg m^2\] that moves at
+    /// most at `speed` \[m/s or rad/s\].
     #[must_use]
     pub fn body(&self, inertia: f64, speed: f64) -> f64 {
         let damped = if self.damping > 0.0 { inertia / self.damping } else { f64::INFINITY };

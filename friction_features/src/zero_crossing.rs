@@ -18,15 +18,15 @@ use crate::{Contact, Evidence, Figure, TimeScales};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ZeroCrossingSettings {
-    /// Speed before and after \[m/s or rad/s].
+    /// Speed before and after \[m/s or rad/s\].
     pub speed: f64,
-    /// Accelerations \[m/s^2 or rad/s^2].
+    /// Accelerations \[m/s^2 or rad/s^2\].
     pub accelerations: Vec<f64>,
-    /// Time at constant speed before and after the ramp \[s].
+    /// Time at constant speed before and after the ramp \[s\].
     pub hold: f64,
     /// Forward friction counts as established at this share of the kinetic level.
     pub level: f64,
-    /// Integration step \[s]; found by step halving for each acceleration if left out.
+    /// Integration step \[s\]; found by step halving for each acceleration if left out.
     pub step: Option<f64>,
 }
 
@@ -41,22 +41,22 @@ impl Default for ZeroCrossingSettings {
 /// Reversal of one model at one acceleration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ZeroCrossing {
-    /// Acceleration \[m/s^2 or rad/s^2].
+    /// Acceleration \[m/s^2 or rad/s^2\].
     pub acceleration: f64,
-    /// Friction at the instant at which the velocity is zero \[N or N m]: what the bristles still
+    /// Friction at the instant at which the velocity is zero \[N or N m\]: what the bristles still
     /// hold.
     pub friction_at_turn: f64,
-    /// Displacement from the turn to where friction is zero \[m or rad]; negative if that is before
-    /// the turn, `None` if it never is.
+    /// Displacement from the turn to where friction is zero \[m or rad\]; negative if that is
+    /// before the turn, `None` if it never is.
     pub displacement_to_zero: Option<f64>,
     /// Displacement from the turn to where friction without its viscous part reaches the level of
-    /// forward sliding \[m or rad]; `None` if it never does, or if the model has no such level.
+    /// forward sliding \[m or rad\]; `None` if it never does, or if the model has no such level.
     pub displacement_to_sliding: Option<f64>,
-    /// Time from the turn to there \[s].
+    /// Time from the turn to there \[s\].
     pub time_to_sliding: Option<f64>,
-    /// Largest friction after the turn \[N or N m].
+    /// Largest friction after the turn \[N or N m\].
     pub friction_max: f64,
-    /// Largest rate of change of the friction in the whole run \[N/s or N m/s]; `None` if it grows
+    /// Largest rate of change of the friction in the whole run \[N/s or N m/s\]; `None` if it grows
     /// without bound as the step shrinks: a jump.
     pub steepest: Option<f64>,
     /// From the start of the ramp on.
@@ -68,13 +68,13 @@ pub struct ZeroCrossing {
 /// A thinned record of the reversal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ZeroCrossingCourse {
-    /// Time since the turn \[s].
+    /// Time since the turn \[s\].
     pub time: Vec<f64>,
-    /// Displacement since the turn \[m or rad].
+    /// Displacement since the turn \[m or rad\].
     pub displacement: Vec<f64>,
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Friction \[N or N m].
+    /// Friction \[N or N m\].
     pub friction: Vec<f64>,
 }
 

@@ -3,10 +3,10 @@
 
 use friction_model::{Body, Drive, FrictionModel, LuGre, ModelError, rk4};
 
-/// Speed of the belt \[m/s].
+/// Speed of the belt \[m/s\].
 const BELT: f64 = 0.1;
 
-/// Stiffness of the spring \[N/m].
+/// Stiffness of the spring \[N/m\].
 const SPRING: f64 = 2.0;
 
 fn main() -> Result<(), ModelError> {

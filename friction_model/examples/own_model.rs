@@ -10,11 +10,11 @@ use friction_model::{
 parameters! {
     /// Parameters of [`SmoothCoulomb`].
     SmoothCoulombParameters {
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: f64, Force, Range::Positive;
-        /// Speed v_0 at which three quarters of it are reached \[m/s or rad/s], above zero.
+        /// Speed v_0 at which three quarters of it are reached \[m/s or rad/s\], above zero.
         v_0: f64, Speed, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: f64, Damping, Range::NonNegative;
     }

@@ -9,8 +9,8 @@ pub fn bounded<T: Real>(velocity: T) -> T {
     if velocity.is_nan() { T::ZERO } else { saturate(T::of(MAX_SPEED), velocity) }
 }
 
-/// `int_0^h exp(-a t) dt`: what is left after `h` \[s] of a rate of one into a state that relaxes
-/// at `a` \[1/s], zero or more.
+/// `int_0^h exp(-a t) dt`: what is left after `h` \[s\] of a rate of one into a state that relaxes
+/// at `a` \[1/s\], zero or more.
 #[inline]
 #[must_use]
 pub fn relaxed<T: Real>(a: T, h: T) -> T {

@@ -38,15 +38,15 @@ use crate::{
 parameters! {
     /// Parameters of [`BengisuAkay`] as files carry them.
     BengisuAkayParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Speed v_0 at which friction is largest \[m/s or rad/s], above zero.
+        /// Speed v_0 at which friction is largest \[m/s or rad/s\], above zero.
         v_0: T, Speed, Range::Positive;
-        /// Rate xi at which friction falls with speed beyond v_0 \[s/m or s/rad], above zero.
+        /// Rate xi at which friction falls with speed beyond v_0 \[s/m or s/rad\], above zero.
         xi: T, PerSpeed, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }

@@ -10,11 +10,11 @@ use crate::{ContinuousState, FrictionModel, Real, State};
 /// Where a body is when the applied force is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<const A: usize = 0> {
-    /// Time since the start \[s].
+    /// Time since the start \[s\].
     pub time: f64,
-    /// Position \[m or rad].
+    /// Position \[m or rad\].
     pub position: f64,
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: f64,
     /// States of whatever drives the body, for instance a controller's integral.
     pub driver: [f64; A],
@@ -23,7 +23,7 @@ pub struct Moment<const A: usize = 0> {
 /// What drives the body at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<const A: usize = 0> {
-    /// Applied force \[N] or torque \[N m].
+    /// Applied force \[N\] or torque \[N m\].
     pub force: f64,
     /// Rates of the driver's states.
     pub rates: [f64; A],
@@ -52,7 +52,7 @@ pub struct Body<M: FrictionModel, const A: usize = 0> {
 const CREEP: f64 = 1e-12;
 
 impl<M: FrictionModel, const A: usize> Body<M, A> {
-    /// A body of `inertia` \[kg or kg m^2], above zero, at rest at position zero.
+    /// A body of `inertia` \[kg or kg m^2\], above zero, at rest at position zero.
     #[must_use]
     pub fn new(model: M, inertia: f64) -> Self {
         let moment = Moment { time: 0.0, position: 0.0, velocity: 0.0, driver: [0.0; A] };
@@ -67,7 +67,7 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
         }
     }
 
-    /// Gives the body another `inertia` \[kg or kg m^2], above zero; it keeps its velocity.
+    /// Gives the body another `inertia` \[kg or kg m^2\], above zero; it keeps its velocity.
     pub fn set_inertia(&mut self, inertia: f64) {
         self.inverse_inertia = 1.0 / inertia;
     }
@@ -97,7 +97,7 @@ impl<M: FrictionModel, const A: usize> Body<M, A> {
         }
     }
 
-    /// Advances by `h` \[s] under the force and driver that `drive` gives at each moment.
+    /// Advances by `h` \[s\] under the force and driver that `drive` gives at each moment.
     #[inline]
     pub fn advance(&mut self, h: f64, drive: impl Fn(&Moment<A>) -> Drive<A>) {
         // Models without stiction never look at the rate; the compiler drops its computation for

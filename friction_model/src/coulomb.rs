@@ -22,7 +22,7 @@ use crate::{
 parameters! {
     /// Parameters of [`Coulomb`] as files carry them.
     CoulombParameters<T> {
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
     }
 }

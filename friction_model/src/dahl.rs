@@ -35,14 +35,14 @@ use crate::{
 parameters! {
     /// Parameters of [`Dahl`] as files carry them.
     DahlParameters<T> {
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stiffness at rest sigma_0 \[N/m or N m/rad], above zero.
+        /// Stiffness at rest sigma_0 \[N/m or N m/rad\], above zero.
         sigma0: T, Stiffness, Range::Positive;
         /// Shape of the stress-strain curve, above 0 and at most 10; 1 if left out.
         #[serde(default = "DahlParameters::linear")]
         delta: T, None, SHAPE;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }
@@ -52,7 +52,7 @@ parameters! {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dahl<T: Real = f64> {
     parameters: DahlParameters<T>,
-    /// `F_c / sigma0`: deflection in steady sliding \[m or rad].
+    /// `F_c / sigma0`: deflection in steady sliding \[m or rad\].
     z_c: T,
     inverse_z_c: T,
 }
@@ -100,7 +100,7 @@ impl<T: Real> FrictionModel<T> for Dahl<T> {
     type Parameters = DahlParameters<T>;
     type Continuous = [T; 1];
     type Memory = ();
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &DahlParameters<T> {

@@ -5,11 +5,14 @@
 /// [`ParameterSet`](crate::ParameterSet) table in one place.
 ///
 /// A field is its documentation (with the unit in brackets), a serde attribute where it may be left
-/// out, then `name: type, Unit, Range;`. A square bracket is escaped, as rustdoc takes it for a link
-/// otherwise; [`Parameter::meaning`](crate::Parameter::meaning) has it without. A type is `f64`, `Option<f64>`, `u32` or
-/// [`Elements`](crate::Elements); [`Value`](crate::Value) can be implemented for more. With the
-/// feature `serde`, the struct is read and written by field names, and a name that it does not have
-/// is an error.
+/// out, then `name: type, Unit, Range;`. Square brackets are escaped, as rustdoc takes them for a
+/// link otherwise; [`Parameter::meaning`](crate::Parameter::meaning) has them without. A type is
+/// `f64`, `Option<f64>`, `u32` or [`Elements`](crate::Elements); [`Value`](crate::Value) can be
+/// implemented for more. With the feature `serde`, the struct is read and written by field names,
+/// and a name that it does not have is an error.
+///
+/// With `Set<T>` for the name, and `T` for `f64` in the types, the parameters are generic over
+/// [`Real`](crate::Real), and have a method `cast` into another precision.
 ///
 /// ```
 /// use friction_model::{ParameterSet, Range, parameters};
@@ -17,9 +20,9 @@
 /// parameters! {
 ///     /// Parameters of a spring.
 ///     SpringParameters {
-///         /// Stiffness k \[N/m], above zero.
+///         /// Stiffness k \[N/m\], above zero.
 ///         k: f64, Stiffness, Range::Positive;
-///         /// Force at rest \[N]; zero if left out.
+///         /// Force at rest \[N\]; zero if left out.
 ///         #[serde(default)]
 ///         f_0: f64, Force, Range::Any;
 ///     }
@@ -150,7 +153,7 @@ pub const fn __shown<const LENGTH: usize>(text: &str) -> [u8; LENGTH] {
 }
 
 const fn is_escape(text: &[u8], i: usize) -> bool {
-    text[i] == b'\\' && i + 1 < text.len() && text[i + 1] == b'['
+    text[i] == b'\\' && i + 1 < text.len() && matches!(text[i + 1], b'[' | b']')
 }
 
 /// Ties a model to its parameters, which it keeps in a field of that name: `From` gives them back,

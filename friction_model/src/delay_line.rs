@@ -29,7 +29,7 @@ pub(crate) struct DelayLine<T: Real = f64> {
 }
 
 impl<T: Real> DelayLine<T> {
-    /// A line of `delay` \[s], zero or more, in which the signal has always been `value`.
+    /// A line of `delay` \[s\], zero or more, in which the signal has always been `value`.
     pub(crate) fn new(delay: T, value: T) -> Self {
         let spacing = delay / T::of(INTERVALS as f64);
         Self { delay, spacing, samples: [value; LENGTH], newest: 0, since: T::ZERO, now: value }
@@ -41,7 +41,7 @@ impl<T: Real> DelayLine<T> {
         self.now
     }
 
-    /// `dt` \[s] go by, in which the signal goes straight to `value`. With no time it jumps there.
+    /// `dt` \[s\] go by, in which the signal goes straight to `value`. With no time it jumps there.
     #[inline]
     pub(crate) fn push(&mut self, value: T, dt: T) {
         if self.spacing > T::ZERO && dt > T::ZERO {
@@ -62,7 +62,7 @@ impl<T: Real> DelayLine<T> {
         self.now = value;
     }
 
-    /// The delayed signal at a moment `ahead` \[s] of now, to which the signal goes straight to
+    /// The delayed signal at a moment `ahead` \[s\] of now, to which the signal goes straight to
     /// `value`.
     #[inline]
     pub(crate) fn delayed(&self, value: T, ahead: T) -> T {
@@ -76,7 +76,7 @@ impl<T: Real> DelayLine<T> {
         }
     }
 
-    /// The signal `ago` \[s] before now, from zero to the delay.
+    /// The signal `ago` \[s\] before now, from zero to the delay.
     #[inline]
     fn past(&self, ago: T) -> T {
         let newest = self.sample(0);

@@ -37,23 +37,23 @@ use crate::{
 parameters! {
     /// Parameters of [`ElastoPlastic`] as files carry them.
     ElastoPlasticParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// Bristle stiffness sigma_0 \[N/m or N m/rad], above zero.
+        /// Bristle stiffness sigma_0 \[N/m or N m/rad\], above zero.
         sigma0: T, Stiffness, Range::Positive;
-        /// Micro-damping sigma_1 \[N s/m or N m s/rad], zero or more.
+        /// Micro-damping sigma_1 \[N s/m or N m s/rad\], zero or more.
         sigma1: T, Damping, Range::NonNegative;
-        /// Deflection z_ba up to which the contact is elastic \[m or rad], above zero and below
+        /// Deflection z_ba up to which the contact is elastic \[m or rad\], above zero and below
         /// `f_c / sigma0`.
         z_ba: T, Deflection, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -104,7 +104,7 @@ impl<T: Real> FrictionModel<T> for ElastoPlastic<T> {
     type Parameters = ElastoPlasticParameters<T>;
     type Continuous = [T; 1];
     type Memory = ();
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &ElastoPlasticParameters<T> {

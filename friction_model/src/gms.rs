@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The printed 2.28 has the wrong fixed point for `v < 0`. `C_i` is a speed here; the original's
-//! common attraction `C_0` \[N/s] is `C_i = C_0 alpha_i / sigma0_i`.
+//! common attraction `C_0` \[N/s\] is `C_i = C_0 alpha_i / sigma0_i`.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -42,24 +42,24 @@ use crate::{
 parameters! {
     /// Parameters of [`Gms`] as files carry them; the lists have one number an element, at most 16.
     GmsParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
         /// Share alpha of each element, above zero; they sum to 1.
         alpha: Elements<16, T>, None, Range::Positive;
-        /// Stiffness sigma_0 of each element \[N/m or N m/rad], above zero.
+        /// Stiffness sigma_0 of each element \[N/m or N m/rad\], above zero.
         sigma0: Elements<16, T>, Stiffness, Range::Positive;
-        /// Micro-damping sigma_1 of each element \[N s/m or N m s/rad], zero or more.
+        /// Micro-damping sigma_1 of each element \[N s/m or N m s/rad\], zero or more.
         sigma1: Elements<16, T>, Damping, Range::NonNegative;
-        /// Attraction C of each element \[m/s or rad/s], above zero.
+        /// Attraction C of each element \[m/s or rad/s\], above zero.
         c: Elements<16, T>, Speed, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -125,7 +125,7 @@ impl<T: Real, const N: usize> FrictionModel<T> for Gms<N, T> {
     type Continuous = [T; N];
     /// Direction in which each element slips: -1, 1, or 0 while it sticks.
     type Memory = [T; N];
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &GmsParameters<T> {

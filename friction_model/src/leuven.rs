@@ -42,25 +42,25 @@ use crate::{
 parameters! {
     /// Parameters of [`Leuven`] as files carry them.
     LeuvenParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// End of the virgin curve f_h \[N or N m], at least `f_s`.
+        /// End of the virgin curve f_h \[N or N m\], at least `f_s`.
         f_h: T, Force, Range::Positive;
-        /// Deflection z_b at the end of the virgin curve \[m or rad], above zero.
+        /// Deflection z_b at the end of the virgin curve \[m or rad\], above zero.
         z_b: T, Deflection, Range::Positive;
         /// Exponent n of the transition to sliding, from 1 to 20; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         n: T, None, Range::FromTo(1.0, 20.0);
-        /// Micro-damping sigma_1 \[N s/m or N m s/rad], zero or more.
+        /// Micro-damping sigma_1 \[N s/m or N m s/rad\], zero or more.
         sigma1: T, Damping, Range::NonNegative;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -108,7 +108,7 @@ impl<T: Real> FrictionModel<T> for Leuven<T> {
     type Parameters = LeuvenParameters<T>;
     type Continuous = [T; 1];
     type Memory = Hysteresis<T>;
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &LeuvenParameters<T> {

@@ -151,7 +151,7 @@ pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionPa
 pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
 pub use real::{Cast, Real};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
-pub use stepper::Stepper;
+pub use stepper::{RunningContact, Stepper};
 pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;

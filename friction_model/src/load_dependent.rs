@@ -5,7 +5,7 @@
 //! ```
 //!
 //! so that the Coulomb level is `F_c + c F_c |T|`, and likewise every other level of the model. `T`
-//! is the transmitted torque \[N m] (or force), `c` the relative increase per torque \[1/(N m)];
+//! is the transmitted torque \[N m\] (or force), `c` the relative increase per torque \[1/(N m)\];
 //! the viscous part does not depend on the load. The thesis names load dependence as future work;
 //! gears show it (the slope `c F_c` is what a load experiment measures).
 //!
@@ -24,7 +24,7 @@ pub struct LoadDependent<M: FrictionModel<T>, T: Real = f64> {
 }
 
 impl<T: Real, M: FrictionModel<T>> LoadDependent<M, T> {
-    /// Starts `model` at rest with the period `dt`; its levels rise by `gain` \[1/(N m)] of
+    /// Starts `model` at rest with the period `dt`; its levels rise by `gain` \[1/(N m)\] of
     /// themselves per unit of load.
     ///
     /// # Errors

@@ -31,24 +31,24 @@ use crate::{
 parameters! {
     /// Parameters of [`LuGre`] as files carry them.
     LuGreParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// Bristle stiffness sigma_0 \[N/m or N m/rad], above zero.
+        /// Bristle stiffness sigma_0 \[N/m or N m/rad\], above zero.
         sigma0: T, Stiffness, Range::Positive;
-        /// Micro-damping sigma_1 \[N s/m or N m s/rad], zero or more.
+        /// Micro-damping sigma_1 \[N s/m or N m s/rad\], zero or more.
         sigma1: T, Damping, Range::NonNegative;
-        /// Speed v_d at which the micro-damping has fallen to 1/e \[m/s or rad/s], above zero;
+        /// Speed v_d at which the micro-damping has fallen to 1/e \[m/s or rad/s\], above zero;
         /// constant damping if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         v_d: Option<T>, Speed, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -91,7 +91,7 @@ impl<T: Real> FrictionModel<T> for LuGre<T> {
     type Parameters = LuGreParameters<T>;
     type Continuous = [T; 1];
     type Memory = ();
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &LuGreParameters<T> {

@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use crate::arithmetic::{between, bounded, fused};
 use crate::{ModelError, ParameterSet, Real};
 
-/// Velocities beyond this magnitude are cut to it by the fixed-step form \[m/s or rad/s].
+/// Velocities beyond this magnitude are cut to it by the fixed-step form \[m/s or rad/s\].
 pub const MAX_SPEED: f64 = 1e6;
 
 /// The continuous states of a model: a small fixed array, so that integrators neither allocate nor
@@ -59,7 +59,7 @@ pub struct State<C, M> {
 /// Force and rates at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evaluation<C, T = f64> {
-    /// Friction force \[N] or torque \[N m], opposing motion.
+    /// Friction force \[N\] or torque \[N m\], opposing motion.
     pub force: T,
     /// Time derivatives of the continuous states.
     pub rates: C,
@@ -83,9 +83,9 @@ pub enum Regime {
 /// The inner quantities that all models can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Internals<T = f64> {
-    /// Bristle deflection z \[m or rad]; zero for static models.
+    /// Bristle deflection z \[m or rad\]; zero for static models.
     pub deflection: T,
-    /// Level at which the contact slides now, gamma \[N or N m].
+    /// Level at which the contact slides now, gamma \[N or N m\].
     pub gamma: T,
     /// Stick or slip.
     pub regime: Regime,
@@ -108,7 +108,7 @@ impl TimeStep {
         }
     }
 
-    /// The period \[s].
+    /// The period \[s\].
     #[must_use]
     pub const fn seconds(self) -> f64 {
         self.0
@@ -119,12 +119,12 @@ impl TimeStep {
 /// as an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Holding<T = f64> {
-    /// Speeds up to this one count as standing still \[m/s or rad/s]; zero for all models but
+    /// Speeds up to this one count as standing still \[m/s or rad/s\]; zero for all models but
     /// Karnopp's.
     pub band: T,
-    /// Largest force that is held against motion forward \[N or N m].
+    /// Largest force that is held against motion forward \[N or N m\].
     pub forward: T,
-    /// Largest force that is held against motion backward, as a magnitude \[N or N m].
+    /// Largest force that is held against motion backward, as a magnitude \[N or N m\].
     pub backward: T,
 }
 
@@ -193,7 +193,7 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
         move |state, memory| self.evaluate(state, memory, velocity)
     }
 
-    /// Accepts a step of `dt` \[s] that ended at `velocity`: projects the states onto their bounds
+    /// Accepts a step of `dt` \[s\] that ended at `velocity`: projects the states onto their bounds
     /// and lets the memory know where they arrived.
     fn commit(&self, state: &mut State<Self::Continuous, Self::Memory>, velocity: T, dt: T);
 
@@ -264,13 +264,13 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
     }
 
     /// How a model that is discontinuous at zero velocity holds there, where the applied force
-    /// changes at `force_rate` \[N/s or N m/s]. `None` for models that describe pre-sliding
+    /// changes at `force_rate` \[N/s or N m/s\]. `None` for models that describe pre-sliding
     /// themselves.
     fn holding(&self, _force_rate: T) -> Option<Holding<T>> {
         None
     }
 
-    /// Energy stored in the deflected bristles \[J], where the model defines one.
+    /// Energy stored in the deflected bristles \[J\], where the model defines one.
     fn stored_energy(&self, _state: &State<Self::Continuous, Self::Memory>) -> Option<T> {
         None
     }

@@ -8,12 +8,14 @@
 //! All quantities at the load side of the gear: velocity `w` \[rad/s\], friction `F` \[N m\],
 //! voltage `u` \[V\].
 
-use serde::{Deserialize, Serialize};
-
 /// The constants of a geared DC motor with its load. Everybody who knows the motor knows it by
 /// these: the simulated plant, observers, controllers, identification and the safety layer.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Motor {
     /// Torque constant, equal to the back-EMF constant, K_m \[N m/A\], above zero.
     pub motor_constant: f64,
@@ -104,8 +106,12 @@ impl Motor {
 const SRV02_BACK_EMF: f64 = 70.0 * 0.007_67;
 
 /// Where the friction torque is taken from. Who takes it from some of these only says so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum TorqueSource {
     /// A torque sensor.
     #[default]

@@ -44,22 +44,22 @@ use crate::{
 parameters! {
     /// Parameters of [`Proposed`] as files carry them.
     ProposedParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// Micro-damping sigma \[N s/m or N m s/rad], above zero.
+        /// Micro-damping sigma \[N s/m or N m s/rad\], above zero.
         sigma: T, Damping, Range::Positive;
-        /// Time constant of the lag \[s], above zero.
+        /// Time constant of the lag \[s\], above zero.
         tau: T, Time, Range::Positive;
-        /// Breakaway deflection Z_b \[m or rad], above zero.
+        /// Breakaway deflection Z_b \[m or rad\], above zero.
         z_b: T, Deflection, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -85,7 +85,7 @@ pub trait Branch<T: Real = f64>: VirginCurve<T> + Copy + Debug + PartialEq {
     /// The curve that ends at the force `f_s` and the deflection `z_b`.
     fn new(f_s: T, z_b: T) -> Self;
 
-    /// Its steepest slope \[N/m or N m/rad].
+    /// Its steepest slope \[N/m or N m/rad\].
     fn stiffness(&self) -> T;
 }
 
@@ -101,14 +101,14 @@ impl<T: Real> Branch<T> for Sine<T> {
 }
 
 impl<T: Real, C: Branch<T>> NonDrift<C, T> {
-    /// The hysteresis force alone along a path: moves `memory` to deflection `z` \[m or rad] and
+    /// The hysteresis force alone along a path: moves `memory` to deflection `z` \[m or rad\] and
     /// returns `F_hyst` there.
     pub fn hysteresis_force(&self, memory: &mut Hysteresis<T>, z: T) -> T {
         memory.commit(&self.virgin, z)
     }
 
     /// Steepest slope of the hysteresis, `F_s pi / (2 Z_b)` for the sine, `F_s / Z_b` for the line
-    /// \[N/m or N m/rad].
+    /// \[N/m or N m/rad\].
     #[must_use]
     pub fn stiffness(&self) -> T {
         self.virgin.stiffness()

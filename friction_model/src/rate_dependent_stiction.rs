@@ -37,17 +37,17 @@ use crate::{
 parameters! {
     /// Parameters of [`RateDependentStiction`] as files carry them.
     RateDependentStictionParameters<T> {
-        /// Breakaway level F_s under an infinitely slow ramp \[N or N m], at least `f_c`.
+        /// Breakaway level F_s under an infinitely slow ramp \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
         /// Kinetic friction F_c, also the breakaway level under an infinitely fast ramp \[N or N
-        /// m], above zero.
+        /// m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Force rate t_s that scales the fall of the breakaway level \[N/s or N m/s], above zero.
+        /// Force rate t_s that scales the fall of the breakaway level \[N/s or N m/s\], above zero.
         t_s: T, ForceRate, Range::Positive;
         /// Shape exponent of the fall, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta_t: T, None, SHAPE;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -61,8 +61,8 @@ pub struct RateDependentStiction<T: Real = f64> {
 }
 
 impl<T: Real> RateDependentStiction<T> {
-    /// `Phi_s` \[N or N m]: the applied force at which a contact at rest breaks away where that
-    /// force changes at `force_rate` \[N/s or N m/s]. A rate that is not a number counts as zero.
+    /// `Phi_s` \[N or N m\]: the applied force at which a contact at rest breaks away where that
+    /// force changes at `force_rate` \[N/s or N m/s\]. A rate that is not a number counts as zero.
     #[inline]
     #[must_use]
     pub fn breakaway_level(&self, force_rate: T) -> T {
@@ -120,7 +120,7 @@ mod tests {
     use crate::presets::Presets;
     use crate::{Body, Drive};
 
-    /// Rates \[N/s] and breakaway levels \[N] of chapter 3's parameters, computed independently.
+    /// Rates \[N/s\] and breakaway levels \[N\] of chapter 3's parameters, computed independently.
     const LEVELS: [(f64, f64); 3] = [(0.05, 1.30327), (0.1, 1.18394), (0.2, 1.06767)];
 
     #[test]

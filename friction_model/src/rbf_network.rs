@@ -44,13 +44,13 @@ const CAPACITY: usize = 32;
 parameters! {
     /// Parameters of [`RbfNetwork`] as files carry them: three lists of the same length.
     RbfNetworkParameters<T> {
-        /// Level w_0 far from all centres \[N or N m], zero or more.
+        /// Level w_0 far from all centres \[N or N m\], zero or more.
         w0: T, Force, Range::NonNegative;
-        /// Heights w_i of the bells \[N or N m], of any sign.
+        /// Heights w_i of the bells \[N or N m\], of any sign.
         weights: Elements<32, T>, Force, Range::Any;
-        /// Speeds c_i on which the bells are centred \[m/s or rad/s], zero or more.
+        /// Speeds c_i on which the bells are centred \[m/s or rad/s\], zero or more.
         centres: Elements<32, T>, Speed, Range::NonNegative;
-        /// Widths b_i of the bells \[m/s or rad/s], above zero.
+        /// Widths b_i of the bells \[m/s or rad/s\], above zero.
         widths: Elements<32, T>, Speed, Range::Positive;
     }
 }

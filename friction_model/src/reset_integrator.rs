@@ -41,23 +41,23 @@ use crate::{
 parameters! {
     /// Parameters of [`ResetIntegrator`] as files carry them.
     ResetIntegratorParameters<T> {
-        /// Stiffness sigma_0 \[N/m or N m/rad], above zero.
+        /// Stiffness sigma_0 \[N/m or N m/rad\], above zero.
         sigma0: T, Stiffness, Range::Positive;
-        /// Damping sigma_1 while the contact sticks \[N s/m or N m s/rad], zero or more.
+        /// Damping sigma_1 while the contact sticks \[N s/m or N m s/rad\], zero or more.
         sigma1: T, Damping, Range::NonNegative;
         /// Excess a of static over kinetic friction, relative to kinetic friction; zero or more.
         a: T, None, Range::NonNegative;
-        /// Deflection p_0 at which the contact breaks away \[m or rad], above zero.
+        /// Deflection p_0 at which the contact breaks away \[m or rad\], above zero.
         p_0: T, Deflection, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }
 }
 
 impl<T: Real> ResetIntegratorParameters<T> {
-    /// From the levels `f_s >= f_c` \[N or N m] and the stiffness `(1 + a) sigma0` of the sticking
-    /// contact \[N/m or N m/rad].
+    /// From the levels `f_s >= f_c` \[N or N m\] and the stiffness `(1 + a) sigma0` of the sticking
+    /// contact \[N/m or N m/rad\].
     #[must_use]
     pub fn from_levels(f_s: T, f_c: T, stiffness: T, sigma1: T, f_v: T) -> Self {
         let p_0 = f_s / stiffness;
@@ -72,7 +72,7 @@ pub struct ResetIntegrator<T: Real = f64> {
 }
 
 impl<T: Real> ResetIntegrator<T> {
-    /// Sliding level F_c \[N or N m].
+    /// Sliding level F_c \[N or N m\].
     fn kinetic(&self) -> T {
         self.parameters.sigma0 * self.parameters.p_0
     }
@@ -105,7 +105,7 @@ impl<T: Real> FrictionModel<T> for ResetIntegrator<T> {
     type Parameters = ResetIntegratorParameters<T>;
     type Continuous = [T; 1];
     type Memory = ();
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &ResetIntegratorParameters<T> {

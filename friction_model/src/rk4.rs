@@ -3,8 +3,8 @@
 use crate::body::sum;
 use crate::{ContinuousState, FrictionModel, Real, State};
 
-/// Advances `state` by `dt` \[s] under a velocity given at the start, the middle and the end of the
-/// step, commits, and returns the force at the end.
+/// Advances `state` by `dt` \[s\] under a velocity given at the start, the middle and the end of
+/// the step, commits, and returns the force at the end.
 ///
 /// Step sizes: LuGre needs `dt < 2.78 g / (sigma0 |v|)`; the proposed model `dt < 2.78 sigma / k`
 /// and `2.78 tau`.

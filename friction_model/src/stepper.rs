@@ -1,6 +1,6 @@
 //! A model running in real time: its parameters, its coefficients for one period, and its state.
 
-use crate::{FrictionModel, Internals, Real, State, TimeStep};
+use crate::{AnyStepper, FrictionModel, Internals, Real, State, TimeStep};
 
 /// A model with its state, stepped once a period.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
         Self { model, dt, discrete, state }
     }
 
-    /// The friction now at `velocity` \[m/s or rad/s]; the state then advances by one period.
+    /// The friction now at `velocity` \[m/s or rad/s\]; the state then advances by one period.
     #[inline]
     pub fn step(&mut self, velocity: T) -> T {
         self.model.step(&self.discrete, &mut self.state, velocity)
@@ -68,3 +68,58 @@ impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
         self.dt
     }
 }
+
+/// A contact that runs, stepped once a period: a [`Stepper`] of a model known at compile time, of
+/// this crate or not, or an [`AnyStepper`]. What an observer is built over.
+pub trait RunningContact {
+    /// What messages call the model, see [`FrictionModel::NAME`].
+    fn model_name(&self) -> &'static str;
+
+    /// See [`Stepper::step`].
+    fn step(&mut self, velocity: f64) -> f64;
+
+    /// See [`Stepper::step_injected`].
+    fn step_injected(&mut self, velocity: f64, rate: f64) -> f64;
+
+    /// See [`Stepper::viscous`].
+    fn viscous(&self, velocity: f64) -> f64;
+
+    /// See [`Stepper::reset`].
+    fn reset(&mut self);
+
+    /// See [`Stepper::internals`].
+    fn internals(&self, velocity: f64) -> Internals;
+}
+
+/// Hands every method on to the type's own.
+macro_rules! running {
+    ($contact:ty, $self:ident => $name:expr $(, [$($generics:tt)+])?) => {
+        impl $(<$($generics)+>)? RunningContact for $contact {
+            fn model_name(&$self) -> &'static str {
+                $name
+            }
+            #[inline]
+            fn step(&mut self, velocity: f64) -> f64 {
+                self.step(velocity)
+            }
+            #[inline]
+            fn step_injected(&mut self, velocity: f64, rate: f64) -> f64 {
+                self.step_injected(velocity, rate)
+            }
+            #[inline]
+            fn viscous(&self, velocity: f64) -> f64 {
+                self.viscous(velocity)
+            }
+            fn reset(&mut self) {
+                self.reset();
+            }
+            #[inline]
+            fn internals(&self, velocity: f64) -> Internals {
+                self.internals(velocity)
+            }
+        }
+    };
+}
+
+running!(Stepper<M>, self => M::NAME, [M: FrictionModel]);
+running!(AnyStepper, self => self.name().as_str());

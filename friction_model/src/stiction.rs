@@ -32,11 +32,11 @@ use crate::{
 parameters! {
     /// Parameters of [`Stiction`] as files carry them.
     StictionParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }

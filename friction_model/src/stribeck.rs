@@ -26,16 +26,16 @@ use crate::{
 parameters! {
     /// Parameters of [`Stribeck`] as files carry them.
     StribeckParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }

@@ -20,8 +20,8 @@ impl<T: Real> StribeckCurve<T> {
         T::TWO
     }
 
-    /// A curve from the static level `f_s` and the kinetic level `f_c` \[N or N m], the Stribeck
-    /// velocity `v_s` \[m/s or rad/s] and the shape exponent `delta` (2 for the Gaussian form).
+    /// A curve from the static level `f_s` and the kinetic level `f_c` \[N or N m\], the Stribeck
+    /// velocity `v_s` \[m/s or rad/s\] and the shape exponent `delta` (2 for the Gaussian form).
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`], naming `model`, unless `0 < f_c <= f_s`, `v_s > 0` and
@@ -71,19 +71,19 @@ impl<T: Real> StribeckCurve<T> {
         if velocity == T::ZERO { T::ZERO } else { self.level(velocity).copysign(velocity) }
     }
 
-    /// Static level F_s \[N or N m].
+    /// Static level F_s \[N or N m\].
     #[must_use]
     pub const fn f_s(&self) -> T {
         self.f_s
     }
 
-    /// Kinetic level F_c \[N or N m].
+    /// Kinetic level F_c \[N or N m\].
     #[must_use]
     pub const fn f_c(&self) -> T {
         self.f_c
     }
 
-    /// Stribeck velocity v_s \[m/s or rad/s].
+    /// Stribeck velocity v_s \[m/s or rad/s\].
     #[must_use]
     pub const fn v_s(&self) -> T {
         self.v_s

@@ -43,21 +43,21 @@ use crate::{
 parameters! {
     /// Parameters of [`TwoLine`] as files carry them.
     TwoLineParameters<T> {
-        /// Level a_1 from which the first line starts \[N or N m], above zero.
+        /// Level a_1 from which the first line starts \[N or N m\], above zero.
         a1: T, Force, Range::Positive;
-        /// Slope b_1 of the first line \[N s/m or N m s/rad], of any sign.
+        /// Slope b_1 of the first line \[N s/m or N m s/rad\], of any sign.
         b1: T, Damping, Range::Any;
-        /// Level a_2 at which the second line would start \[N or N m], above zero.
+        /// Level a_2 at which the second line would start \[N or N m\], above zero.
         a2: T, Force, Range::Positive;
-        /// Slope b_2 of the second line \[N s/m or N m s/rad], zero or more.
+        /// Slope b_2 of the second line \[N s/m or N m s/rad\], zero or more.
         b2: T, Damping, Range::NonNegative;
     }
 }
 
 impl<T: Real> TwoLineParameters<T> {
     /// The tangents of the Tustin curve `F_c + (F_s - F_c) exp(-v/v_s) + f_v v` at standstill and
-    /// at `v_max` \[m/s or rad/s]: levels `f_s` and `f_c` \[N or N m], Stribeck velocity `v_s`
-    /// \[m/s or rad/s], viscous coefficient `f_v` \[N s/m or N m s/rad].
+    /// at `v_max` \[m/s or rad/s\]: levels `f_s` and `f_c` \[N or N m\], Stribeck velocity `v_s`
+    /// \[m/s or rad/s\], viscous coefficient `f_v` \[N s/m or N m s/rad\].
     ///
     /// ```
     /// use friction_model::{TwoLine, TwoLineParameters};
@@ -95,7 +95,7 @@ impl<T: Real> TwoLineParameters<T> {
         Ok(lines)
     }
 
-    /// The speed at which the lines meet \[m/s or rad/s].
+    /// The speed at which the lines meet \[m/s or rad/s\].
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for parameters that are no two-line model.
@@ -117,7 +117,7 @@ pub struct TwoLine<T: Real = f64> {
 }
 
 impl<T: Real> TwoLine<T> {
-    /// The speed v_sw at which the lines meet \[m/s or rad/s].
+    /// The speed v_sw at which the lines meet \[m/s or rad/s\].
     #[must_use]
     pub const fn switch_speed(&self) -> T {
         self.switch_speed

@@ -16,13 +16,13 @@ pub struct Sine<T: Real = f64> {
 }
 
 impl<T: Real> Sine<T> {
-    /// Rises to `end` \[N or N m] at `z_b` \[m or rad].
+    /// Rises to `end` \[N or N m\] at `z_b` \[m or rad\].
     #[must_use]
     pub fn new(end: T, z_b: T) -> Self {
         Self { end, z_b, wave_number: T::of(FRAC_PI_2) / z_b }
     }
 
-    /// Steepest slope, at zero: `end pi / (2 z_b)` \[N/m or N m/rad].
+    /// Steepest slope, at zero: `end pi / (2 z_b)` \[N/m or N m/rad\].
     #[inline]
     #[must_use]
     pub fn stiffness(&self) -> T {
@@ -66,13 +66,13 @@ pub struct Line<T: Real = f64> {
 }
 
 impl<T: Real> Line<T> {
-    /// Rises to `end` \[N or N m] at `z_b` \[m or rad].
+    /// Rises to `end` \[N or N m\] at `z_b` \[m or rad\].
     #[must_use]
     pub fn new(end: T, z_b: T) -> Self {
         Self { slope: end / z_b, z_b }
     }
 
-    /// The slope \[N/m or N m/rad].
+    /// The slope \[N/m or N m/rad\].
     #[inline]
     #[must_use]
     pub fn stiffness(&self) -> T {

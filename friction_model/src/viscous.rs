@@ -18,7 +18,7 @@ use crate::{
 parameters! {
     /// Parameters of [`Viscous`] as files carry them.
     ViscousParameters<T> {
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }

@@ -41,24 +41,24 @@ parameters! {
     /// Parameters of [`Xiong`] as files carry them; the lists have one number an element, at most
     /// 16.
     XiongParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
         /// Shape exponent of the Stribeck curve, above 0 and at most 10; 2 if left out.
         #[serde(default = "StribeckCurve::gaussian")]
         delta: T, None, SHAPE;
-        /// Time constant of the lag \[s], above zero.
+        /// Time constant of the lag \[s\], above zero.
         tau: T, Time, Range::Positive;
         /// Share lambda of each element, above zero; they sum to 1.
         lambda: Elements<16, T>, None, Range::Positive;
-        /// Stiffness K of each element \[N/m or N m/rad], above zero.
+        /// Stiffness K of each element \[N/m or N m/rad\], above zero.
         k: Elements<16, T>, Stiffness, Range::Positive;
-        /// Micro-damping sigma of each element \[N s/m or N m s/rad], above zero.
+        /// Micro-damping sigma of each element \[N s/m or N m s/rad\], above zero.
         sigma: Elements<16, T>, Damping, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }

@@ -7,6 +7,8 @@ use friction_model::{ModelName, Regime};
 pub enum Source {
     /// A friction model, adapted or not.
     Model(ModelName),
+    /// A friction model that is none of the built-in ones, by the name that it gives itself.
+    OwnModel(&'static str),
     /// The disturbance observer.
     DisturbanceObserver,
     /// The compensator that learns the curve.
@@ -19,12 +21,13 @@ impl Source {
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Model(model) => model.as_str(),
+            Self::OwnModel(name) => name,
             Self::DisturbanceObserver => "disturbance_observer",
             Self::RbfCompensator => "rbf_compensator",
         }
     }
 
-    /// The one of that name, if there is one.
+    /// The one of that name, if there is one; models that are not built in are not known by name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         [Self::DisturbanceObserver, Self::RbfCompensator]

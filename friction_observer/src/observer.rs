@@ -10,21 +10,39 @@
 //! rates, so that part of the injection is plain proportional gain: `sigma k` N m per unit of error
 //! for a model with micro-damping `sigma`.
 
-use friction_model::{AnyModel, AnyStepper, ModelName, TimeStep};
+use friction_model::{AnyModel, AnyStepper, ModelName, RunningContact, TimeStep};
 
 use crate::{Estimate, Source};
 
-/// A friction model that follows the measured velocity in real time.
+/// A friction model that follows the measured velocity in real time: a built-in one, chosen while
+/// the program runs, or any that [steps](friction_model::Stepper).
 #[derive(Debug, Clone)]
-pub struct FrictionObserver {
-    stepper: AnyStepper,
+pub struct FrictionObserver<C = AnyStepper> {
+    stepper: C,
+    source: Source,
 }
 
 impl FrictionObserver {
     /// An observer over `model`, at rest, called once every `dt`.
     #[must_use]
     pub fn new(model: &AnyModel, dt: TimeStep) -> Self {
-        Self { stepper: model.start(dt) }
+        Self { stepper: model.start(dt), source: Source::Model(model.name()) }
+    }
+
+    /// The model that estimates.
+    #[must_use]
+    pub const fn model(&self) -> ModelName {
+        self.stepper.name()
+    }
+}
+
+impl<C: RunningContact> FrictionObserver<C> {
+    /// An observer over a contact of a model that need not be built in, called once a period of
+    /// the contact.
+    #[must_use]
+    pub fn over(contact: C) -> Self {
+        let source = Source::OwnModel(contact.model_name());
+        Self { stepper: contact, source }
     }
 
     /// The friction now at the measured `velocity` [rad/s]; the model then advances by one period.
@@ -55,7 +73,7 @@ impl FrictionObserver {
             self.stepper.step_injected(velocity, rate)
         };
         Estimate {
-            source: Source::Model(self.stepper.name()),
+            source: self.source,
             torque,
             deflection: internals.deflection,
             gamma: internals.gamma,
@@ -75,12 +93,6 @@ impl FrictionObserver {
     /// Back to rest.
     pub fn reset(&mut self) {
         self.stepper.reset();
-    }
-
-    /// The model that estimates.
-    #[must_use]
-    pub const fn model(&self) -> ModelName {
-        self.stepper.name()
     }
 }
 

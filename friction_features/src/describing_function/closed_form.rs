@@ -54,14 +54,14 @@ pub fn elastic_plastic(stiffness: f64, f_c: f64, amplitude: f64) -> Complex<f64>
 /// operator on the displacement; see [`friction_model::Hysteresis`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SineHysteresis {
-    /// Static friction F_s \[N or N m], above zero.
+    /// Static friction F_s \[N or N m\], above zero.
     pub f_s: f64,
-    /// Breakaway deflection Z_b \[m or rad], above zero.
+    /// Breakaway deflection Z_b \[m or rad\], above zero.
     pub z_b: f64,
 }
 
 impl SineHysteresis {
-    /// N at the `amplitude` A > 0 \[m or rad] where the bristle slips: it carries at most `Z_b`,
+    /// N at the `amplitude` A > 0 \[m or rad\] where the bristle slips: it carries at most `Z_b`,
     /// and unloads from the moment of reversal, `z = clamp(z + dx, -Z_b, Z_b)`. This is what the
     /// model does.
     ///
@@ -160,7 +160,7 @@ fn bessel_j1(c: f64) -> f64 {
 /// `int_from^to f` by Gauss and Legendre's rule of five points on 32 panels.
 fn integral(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     const PANELS: u32 = 32;
-    /// Nodes on \[0, 1] and weights; the rule is symmetric about zero.
+    /// Nodes on \[0, 1\] and weights; the rule is symmetric about zero.
     const RULE: [(f64, f64); 3] = [
         (0.0, 0.568_888_888_888_888_9),
         (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),

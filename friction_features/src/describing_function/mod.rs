@@ -51,24 +51,24 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, HarmonicEr
 /// Fundamental of the steady force under `A sin(w t)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Harmonic {
-    /// Amplitude A of the displacement \[m or rad].
+    /// Amplitude A of the displacement \[m or rad\].
     pub amplitude: f64,
-    /// Angular frequency w \[rad/s].
+    /// Angular frequency w \[rad/s\].
     pub angular_frequency: f64,
-    /// b1, the part in phase with the displacement \[N or N m].
+    /// b1, the part in phase with the displacement \[N or N m\].
     pub in_phase: f64,
-    /// a1, the part in phase with the velocity \[N or N m].
+    /// a1, the part in phase with the velocity \[N or N m\].
     pub quadrature: f64,
 }
 
 impl Harmonic {
-    /// `N = (b1 + j a1) / A` \[N/m or N m/rad].
+    /// `N = (b1 + j a1) / A` \[N/m or N m/rad\].
     #[must_use]
     pub fn gain(&self) -> Complex<f64> {
         Complex::new(self.in_phase, self.quadrature) / self.amplitude
     }
 
-    /// Energy dissipated in a cycle, `pi A a1` \[J].
+    /// Energy dissipated in a cycle, `pi A a1` \[J\].
     #[must_use]
     pub fn dissipated(&self) -> f64 {
         PI * self.amplitude * self.quadrature
@@ -105,8 +105,8 @@ impl Default for Sampling {
     }
 }
 
-/// Describing function of `model` under `amplitude` \[m or rad] times `sin(w t)` with `w` the
-/// `angular_frequency` \[rad/s].
+/// Describing function of `model` under `amplitude` \[m or rad\] times `sin(w t)` with `w` the
+/// `angular_frequency` \[rad/s\].
 ///
 /// The contact starts at rest and unloaded. Samples lie in the middle of the steps, where the
 /// velocity is never exactly zero; the sums over them converge with the square of the step, for

@@ -11,15 +11,15 @@ use crate::describing_function::{HarmonicError, positive};
 /// A position loop: a body and its controller.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PidLoop {
-    /// Inertia m \[kg or kg m^2], above zero.
+    /// Inertia m \[kg or kg m^2\], above zero.
     pub inertia: f64,
-    /// Velocity gain K_v \[N s/m or N m s/rad].
+    /// Velocity gain K_v \[N s/m or N m s/rad\].
     pub k_v: f64,
-    /// Position gain K_p \[N/m or N m/rad].
+    /// Position gain K_p \[N/m or N m/rad\].
     pub k_p: f64,
-    /// Integral gain K_i \[N/(m s) or N m/(rad s)].
+    /// Integral gain K_i \[N/(m s) or N m/(rad s)\].
     pub k_i: f64,
-    /// Reference position r \[m or rad].
+    /// Reference position r \[m or rad\].
     pub reference: f64,
 }
 
@@ -31,7 +31,7 @@ impl PidLoop {
     }
 
     /// `G = s / (m s^3 + (K_v + f_v) s^2 + K_p s + K_i)`, from friction to displacement with the
-    /// sign turned; `f_v` \[N s/m or N m s/rad] is friction's viscous part, which is linear.
+    /// sign turned; `f_v` \[N s/m or N m s/rad\] is friction's viscous part, which is linear.
     ///
     /// # Errors
     /// [`HarmonicError`] if a number is not finite, or all are zero.
@@ -46,11 +46,11 @@ impl PidLoop {
 /// How long and how finely a loop is simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// Integration step \[s].
+    /// Integration step \[s\].
     pub dt: f64,
-    /// End of the simulation \[s].
+    /// End of the simulation \[s\].
     pub duration: f64,
-    /// From here on the motion counts as settled \[s].
+    /// From here on the motion counts as settled \[s\].
     pub settled: f64,
     /// One step in this many is kept for drawing.
     pub keep: u32,
@@ -66,20 +66,20 @@ impl Default for Schedule {
 /// A sustained oscillation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
-    /// Half of the distance between the extremes \[m or rad].
+    /// Half of the distance between the extremes \[m or rad\].
     pub amplitude: f64,
-    /// Mean time between upward crossings of the reference \[s].
+    /// Mean time between upward crossings of the reference \[s\].
     pub period: f64,
-    /// `2 pi / period` \[rad/s].
+    /// `2 pi / period` \[rad/s\].
     pub angular_frequency: f64,
 }
 
 /// The largest deviation between two crossings of the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
-    /// When \[s].
+    /// When \[s\].
     pub time: f64,
-    /// Position minus reference \[m or rad].
+    /// Position minus reference \[m or rad\].
     pub deviation: f64,
 }
 
@@ -92,9 +92,9 @@ pub struct Simulated {
     pub cycle: Option<Cycle>,
     /// Every peak from the first crossing of the reference on; the last one may be cut by the end.
     pub peaks: Vec<Peak>,
-    /// Times kept for drawing \[s].
+    /// Times kept for drawing \[s\].
     pub time: Vec<f64>,
-    /// Positions at these times \[m or rad].
+    /// Positions at these times \[m or rad\].
     pub position: Vec<f64>,
 }
 

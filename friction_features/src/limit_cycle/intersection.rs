@@ -32,7 +32,7 @@ impl TransferFunction {
         Ok(Self { numerator, denominator })
     }
 
-    /// `G(j w)` at the angular frequency w \[rad/s]; not finite at a pole.
+    /// `G(j w)` at the angular frequency w \[rad/s\]; not finite at a pole.
     #[must_use]
     pub fn at(&self, angular_frequency: f64) -> Complex<f64> {
         polynomial(&self.numerator, angular_frequency)
@@ -84,18 +84,18 @@ impl Span {
 /// Where to look for limit cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
-    /// Amplitudes \[m or rad].
+    /// Amplitudes \[m or rad\].
     pub amplitude: Span,
-    /// Angular frequencies \[rad/s].
+    /// Angular frequencies \[rad/s\].
     pub angular_frequency: Span,
 }
 
 /// A predicted limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Intersection {
-    /// Amplitude at the input of the nonlinear part \[m or rad].
+    /// Amplitude at the input of the nonlinear part \[m or rad\].
     pub amplitude: f64,
-    /// Angular frequency \[rad/s].
+    /// Angular frequency \[rad/s\].
     pub angular_frequency: f64,
     /// Whether oscillations near it approach it (Loeb's criterion), provided that the rest of the
     /// loop is stable.

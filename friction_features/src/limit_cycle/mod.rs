@@ -61,7 +61,7 @@ pub fn thesis_contact() -> Proposed {
 /// A curve in the complex plane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// What runs along it: the angular frequency \[rad/s], or the amplitude \[m or rad].
+    /// What runs along it: the angular frequency \[rad/s\], or the amplitude \[m or rad\].
     pub parameter: Vec<f64>,
     /// Real parts.
     pub re: Vec<f64>,

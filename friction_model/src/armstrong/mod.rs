@@ -59,19 +59,20 @@ use crate::{
 parameters! {
     /// Parameters of [`Armstrong`] as files carry them.
     ArmstrongParameters<T> {
-        /// Static friction F_s after a long rest \[N or N m], at least `f_c`.
+        /// Static friction F_s after a long rest \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c \[N or N m], above zero.
+        /// Kinetic friction F_c \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Stribeck velocity v_s \[m/s or rad/s], above zero.
+        /// Stribeck velocity v_s \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
-        /// Tangential stiffness k_t of the stuck contact \[N/m or N m/rad], above zero.
+        /// Tangential stiffness k_t of the stuck contact \[N/m or N m/rad\], above zero.
         k_t: T, Stiffness, Range::Positive;
-        /// Time tau_l by which friction lags behind the velocity \[s], zero or more.
+        /// Time tau_l by which friction lags behind the velocity \[s\], zero or more.
         tau_l: T, Time, Range::NonNegative;
-        /// Dwell time gamma after which half of the static friction has come back \[s], above zero.
+        /// Dwell time gamma after which half of the static friction has come back \[s\], above
+        /// zero.
         gamma: T, Time, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more.
         f_v: T, Damping, Range::NonNegative;
     }
 }
@@ -84,9 +85,9 @@ pub struct ArmstrongMemory<T: Real = f64> {
     /// Direction of the slip; zero while stuck.
     slip: T,
     /// Stribeck friction: of this slip, or while stuck, that at the end of the last one \[N or N
-    /// m].
+    /// m\].
     stribeck: T,
-    /// Time stuck \[s].
+    /// Time stuck \[s\].
     dwell: T,
 }
 
@@ -98,7 +99,7 @@ pub struct Armstrong<T: Real = f64> {
 }
 
 impl<T: Real> Armstrong<T> {
-    /// `F_s(gamma, t_2)`, which the stuck contact has `ahead` \[s] of the last sample.
+    /// `F_s(gamma, t_2)`, which the stuck contact has `ahead` \[s\] of the last sample.
     #[inline]
     fn risen(&self, memory: &ArmstrongMemory<T>, ahead: T) -> T {
         let ArmstrongParameters { f_s, f_c, gamma, .. } = self.parameters;
@@ -118,7 +119,7 @@ impl<T: Real> Armstrong<T> {
         }
     }
 
-    /// Lets `elapsed` \[s] go by, to a moment at which the velocity is `velocity`, and changes
+    /// Lets `elapsed` \[s\] go by, to a moment at which the velocity is `velocity`, and changes
     /// between sticking and sliding.
     #[inline]
     fn advance(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, elapsed: T) {
@@ -172,7 +173,7 @@ impl<T: Real> FrictionModel<T> for Armstrong<T> {
     type Parameters = ArmstrongParameters<T>;
     type Continuous = [T; 2];
     type Memory = ArmstrongMemory<T>;
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &ArmstrongParameters<T> {

@@ -61,16 +61,16 @@ use crate::{
 parameters! {
     /// Parameters of [`BlimanSorine`] as files carry them.
     BlimanSorineParameters<T> {
-        /// Level f_1 of the fast part \[N or N m], above `f_2`.
+        /// Level f_1 of the fast part \[N or N m\], above `f_2`.
         f_1: T, Force, Range::Positive;
-        /// Level f_2 of the slow part \[N or N m], zero or more.
+        /// Level f_2 of the slow part \[N or N m\], zero or more.
         f_2: T, Force, Range::NonNegative;
         /// Ratio eta of the distance constants of the fast and the slow part, between 0 and 1,
         /// neither allowed.
         eta: T, None, Range::Within(0.0, 1.0);
-        /// Distance constant eps_f of the slow part \[m or rad], above zero.
+        /// Distance constant eps_f of the slow part \[m or rad\], above zero.
         eps_f: T, Deflection, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }
@@ -78,7 +78,7 @@ parameters! {
 
 impl<T: Real> BlimanSorineParameters<T> {
     /// With `eta = 1/2`, from the peak `f_s >= f_c` that is reached from rest and the level `f_c`
-    /// after it \[N or N m], and the stiffness at rest \[N/m or N m/rad].
+    /// after it \[N or N m\], and the stiffness at rest \[N/m or N m/rad\].
     ///
     /// There `F_s - F_c = f_2^2 / (4 f_1)`, which determines `f_2`.
     #[must_use]
@@ -90,7 +90,7 @@ impl<T: Real> BlimanSorineParameters<T> {
     }
 }
 
-/// Bliman and Sorine's model with valid parameters. State: `[x_1, x_2]` \[N or N m].
+/// Bliman and Sorine's model with valid parameters. State: `[x_1, x_2]` \[N or N m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlimanSorine<T: Real = f64> {
     parameters: BlimanSorineParameters<T>,
@@ -101,15 +101,15 @@ pub struct BlimanSorine<T: Real = f64> {
 }
 
 impl<T: Real> BlimanSorine<T> {
-    /// Stiffness at rest, `(f_1/eta - f_2)/eps_f` \[N/m or N m/rad].
+    /// Stiffness at rest, `(f_1/eta - f_2)/eps_f` \[N/m or N m/rad\].
     #[must_use]
     pub fn stiffness(&self) -> T {
         let BlimanSorineParameters { f_1, f_2, .. } = self.parameters;
         f_1 * self.decay[0] - f_2 * self.decay[1]
     }
 
-    /// The stiction that is reached from rest: the distance \[m or rad] and the force \[N or N m],
-    /// without viscous friction. `None` where the force only rises, `f_2 = 0`.
+    /// The stiction that is reached from rest: the distance \[m or rad\] and the force \[N or N
+    /// m\], without viscous friction. `None` where the force only rises, `f_2 = 0`.
     #[must_use]
     pub fn peak(&self) -> Option<(T, T)> {
         let BlimanSorineParameters { f_1, f_2, eta, eps_f, .. } = self.parameters;
@@ -168,7 +168,7 @@ impl<T: Real> FrictionModel<T> for BlimanSorine<T> {
     type Parameters = BlimanSorineParameters<T>;
     type Continuous = [T; 2];
     type Memory = ();
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &BlimanSorineParameters<T> {

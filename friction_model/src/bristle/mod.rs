@@ -73,21 +73,21 @@ parameters! {
     BristleParameters<T> {
         /// Number N of bonds, from 1 to 128.
         bonds: u32, None, Range::FromTo(1.0, 128.0);
-        /// Stiffness sigma_0 of one bond \[N/m or N m/rad], above zero.
+        /// Stiffness sigma_0 of one bond \[N/m or N m/rad\], above zero.
         sigma0: T, Stiffness, Range::Positive;
-        /// Extension delta_s at which a bond snaps \[m or rad], above zero.
+        /// Extension delta_s at which a bond snaps \[m or rad\], above zero.
         delta_s: T, Deflection, Range::Positive;
         /// Seed of the random bonds: the same seed gives the same friction.
         seed: u32, None, Range::NonNegative;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }
 }
 
 impl<T: Real> BristleParameters<T> {
-    /// `bonds` bonds with the mean sliding force `f_c` \[N or N m] and, from rest, the mean
-    /// stiffness `stiffness` \[N/m or N m/rad].
+    /// `bonds` bonds with the mean sliding force `f_c` \[N or N m\] and, from rest, the mean
+    /// stiffness `stiffness` \[N/m or N m/rad\].
     #[must_use]
     pub fn from_levels(bonds: u32, f_c: T, stiffness: T, f_v: T) -> Self {
         let sigma0 = T::TWO * stiffness / T::of(f64::from(bonds));
@@ -98,11 +98,11 @@ impl<T: Real> BristleParameters<T> {
 /// What a bristle contact remembers: every bond's extension and the random numbers to come.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BristleMemory<T: Real = f64> {
-    /// Extensions \[m or rad]; those beyond the number of bonds are not used.
+    /// Extensions \[m or rad\]; those beyond the number of bonds are not used.
     extensions: [T; MAX_BONDS],
     random: Pcg32,
     /// Travel in the present direction, up to `2 delta_s`, after which every bond has snapped
-    /// \[m or rad].
+    /// \[m or rad\].
     run: T,
 }
 
@@ -116,13 +116,13 @@ pub struct Bristle<T: Real = f64> {
 }
 
 impl<T: Real> Bristle<T> {
-    /// Mean sliding force F_c, without viscous friction \[N or N m].
+    /// Mean sliding force F_c, without viscous friction \[N or N m\].
     #[must_use]
     pub fn kinetic(&self) -> T {
         self.bound() / T::of(3.0)
     }
 
-    /// Largest force, `N sigma0 delta_s`, without viscous friction \[N or N m].
+    /// Largest force, `N sigma0 delta_s`, without viscous friction \[N or N m\].
     #[must_use]
     pub fn bound(&self) -> T {
         T::of(f64::from(self.parameters.bonds)) * self.parameters.sigma0 * self.parameters.delta_s
@@ -196,7 +196,7 @@ impl<T: Real> FrictionModel<T> for Bristle<T> {
     type Parameters = BristleParameters<T>;
     type Continuous = [T; 1];
     type Memory = BristleMemory<T>;
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &BristleParameters<T> {

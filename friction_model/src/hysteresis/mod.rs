@@ -223,7 +223,7 @@ impl<T: Real> Hysteresis<T> {
         self.last.z
     }
 
-    /// Energy stored \[J]: that of the Prandtl-Ishlinskii stops, `1/2 int w(r) s_r^2 dr` with
+    /// Energy stored \[J\]: that of the Prandtl-Ishlinskii stops, `1/2 int w(r) s_r^2 dr` with
     /// `w = -f''`.
     ///
     /// The stop of threshold `r` was last cut at the latest reversal whose branch is longer than

@@ -58,23 +58,23 @@ use crate::{
 parameters! {
     /// Parameters of [`Wojewoda`] as files carry them.
     WojewodaParameters<T> {
-        /// Static friction F_s \[N or N m], at least `f_c`.
+        /// Static friction F_s \[N or N m\], at least `f_c`.
         f_s: T, Force, Range::Positive;
-        /// Kinetic friction F_c at high speed \[N or N m], above zero.
+        /// Kinetic friction F_c at high speed \[N or N m\], above zero.
         f_c: T, Force, Range::Positive;
-        /// Friction F_d at low speed while slowing down \[N or N m], above zero, at most `f_s`;
+        /// Friction F_d at low speed while slowing down \[N or N m\], above zero, at most `f_s`;
         /// `f_c` if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         f_d: Option<T>, Force, Range::Positive;
-        /// Speed v_s over which the branches approach each other \[m/s or rad/s], above zero.
+        /// Speed v_s over which the branches approach each other \[m/s or rad/s\], above zero.
         v_s: T, Speed, Range::Positive;
-        /// Stiffness k_t of the contact \[N/m or N m/rad], above zero.
+        /// Stiffness k_t of the contact \[N/m or N m/rad\], above zero.
         k_t: T, Stiffness, Range::Positive;
-        /// Acceleration a_0 at which a branch is reached \[m/s^2 or rad/s^2], above zero; a jump at
-        /// zero if left out.
+        /// Acceleration a_0 at which a branch is reached \[m/s^2 or rad/s^2\], above zero; a jump
+        /// at zero if left out.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         a_0: Option<T>, Acceleration, Range::Positive;
-        /// Viscous coefficient f_v \[N s/m or N m s/rad], zero or more; 0 if left out.
+        /// Viscous coefficient f_v \[N s/m or N m s/rad\], zero or more; 0 if left out.
         #[serde(default)]
         f_v: T, Damping, Range::NonNegative;
     }
@@ -83,9 +83,9 @@ parameters! {
 /// What the contact remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WojewodaMemory<T: Real = f64> {
-    /// At the last sample \[m/s or rad/s].
+    /// At the last sample \[m/s or rad/s\].
     velocity: T,
-    /// Since the sample before \[m/s^2 or rad/s^2].
+    /// Since the sample before \[m/s^2 or rad/s^2\].
     acceleration: T,
     /// Direction of the slip; zero while stuck.
     slip: T,
@@ -152,7 +152,7 @@ impl<T: Real> Wojewoda<T> {
         }
     }
 
-    /// Takes in a sample of the velocity, `elapsed` \[s] after the last one.
+    /// Takes in a sample of the velocity, `elapsed` \[s\] after the last one.
     #[inline]
     fn sample(
         &self,
@@ -210,7 +210,7 @@ impl<T: Real> FrictionModel<T> for Wojewoda<T> {
     type Parameters = WojewodaParameters<T>;
     type Continuous = [T; 1];
     type Memory = WojewodaMemory<T>;
-    /// The period \[s].
+    /// The period \[s\].
     type Discrete = T;
 
     fn parameters(&self) -> &WojewodaParameters<T> {
