@@ -40,6 +40,7 @@
 //! | know its parameters, their units and ranges | [`ParameterSet`], [`Parameter`] |
 //! | write a model of your own | [`FrictionModel`], [`parameters!`], [`memoryless!`], [`built_from!`] |
 //! | give each direction its friction, or let it grow with the load | [`Asymmetric`], [`LoadDependent`] |
+//! | check that it is a friction model | [`invariants`] |
 //! | compute in single precision | [`Real`] |
 //! | start from published values | [`presets`] |
 //!
@@ -89,6 +90,7 @@ mod elements;
 mod error;
 mod gms;
 mod hysteresis;
+pub mod invariants;
 mod karnopp;
 mod leuven;
 pub mod load_dependent;
