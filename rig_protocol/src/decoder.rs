@@ -24,7 +24,7 @@ pub(crate) mod sealed {
 
     /// How a direction's messages are read.
     pub trait Sealed: Sized {
-        /// Length of the payload of `kind` [byte]; none for a kind that this direction does not
+        /// Length of the payload of `kind` \[byte]; none for a kind that this direction does not
         /// have.
         fn length(kind: u8) -> Option<usize>;
 
@@ -57,7 +57,7 @@ pub enum Rejection {
     Length {
         /// The kind.
         kind: u8,
-        /// The payload's length [byte].
+        /// The payload's length \[byte].
         came: usize,
     },
     /// A field holds what it may not.

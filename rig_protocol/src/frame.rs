@@ -7,14 +7,14 @@ use crate::{VERSION, wire::Writer};
 
 /// Length of the longest payload [byte]: that of the device's hello.
 pub(crate) const MAX_PAYLOAD: usize = 66;
-/// Version and kind in front of a payload [byte].
+/// Version and kind in front of a payload \[byte].
 pub(crate) const HEADER: usize = 2;
-/// CRC behind a payload [byte].
+/// CRC behind a payload \[byte].
 pub(crate) const TRAILER: usize = 4;
-/// Length of the longest frame before it is stuffed [byte].
+/// Length of the longest frame before it is stuffed \[byte].
 pub(crate) const MAX_BODY: usize = HEADER + MAX_PAYLOAD + TRAILER;
 
-/// Length of the longest frame on the line [byte], its zero byte included. COBS adds one byte to up
+/// Length of the longest frame on the line \[byte], its zero byte included. COBS adds one byte to up
 /// to 254.
 pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_BODY) + 1;
 

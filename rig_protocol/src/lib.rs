@@ -10,7 +10,8 @@
 //! What goes over the line each cycle is in whole numbers of the device's own converters; their
 //! scales come once, in [`Hello`]. A microcontroller then needs no floating point, a recording can
 //! be scaled anew after a calibration, and a voltage that is not a number cannot be said.
-#![no_std]
+
+#![deny(rustdoc::broken_intra_doc_links)]#![no_std]
 #![forbid(unsafe_code)]
 
 mod decoder;

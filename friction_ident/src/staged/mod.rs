@@ -46,7 +46,7 @@ pub struct StagedOptions {
     pub joint: bool,
     /// Elements of models that have any.
     pub elements: usize,
-    /// Inertia that moves on the bristles [kg or kg m^2]; without it the micro-damping is left to
+    /// Inertia that moves on the bristles \[kg or kg m^2]; without it the micro-damping is left to
     /// the recordings.
     pub inertia: Option<Uncertain>,
     /// Damping ratio of that motion.
@@ -106,7 +106,7 @@ pub struct StageResult {
     pub stage: Stage,
     /// Points and samples it used; zero for one that computes.
     pub samples: usize,
-    /// Root mean square of predicted minus measured friction on them [N or N m].
+    /// Root mean square of predicted minus measured friction on them \[N or N m].
     pub rms: f64,
     /// The parameters it estimated.
     pub estimates: Estimates,
