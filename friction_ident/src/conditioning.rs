@@ -30,7 +30,7 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
-    /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling
+    /// What suits a recording with the sampling period `time_step` \[s]: a tenth of the sampling
     /// rate but at most 100 Hz, fourth order, 50 samples off each end, and decimation to about the
     /// cutoff. At 1 kHz this is the conditioning published with the EMPS benchmark.
     pub fn for_time_step(time_step: f64) -> Self {

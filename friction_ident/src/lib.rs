@@ -49,6 +49,7 @@
 //! * [`statistics`]: quantiles, means and scatter, Student's factor between an error and an interval.
 
 #![deny(rustdoc::broken_intra_doc_links)]
+
 pub mod axis_structure;
 pub mod bounded;
 pub mod cma_es;

@@ -4,7 +4,8 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use friction_ident::drive::{Calibration, Known};
+use friction_ident::Uncertain;
+use friction_ident::drive::Calibration;
 use friction_model::{AnyModel, ModelName};
 use identification::drive::parameters::{motor_of, read_motor, render};
 use identification::drive::{Identified, identify};
@@ -67,8 +68,8 @@ fn record(model: AnyModel, seed: u64) -> DrivenRecording {
 
 fn motor() -> Calibration {
     Calibration::Motor {
-        torque_constant: Known::exact(70.0 * 0.007_67),
-        resistance: Known::exact(2.6),
+        torque_constant: Uncertain::exact(70.0 * 0.007_67),
+        resistance: Uncertain::exact(2.6),
     }
 }
 

@@ -11,7 +11,8 @@
 //! scales come once, in [`Hello`]. A microcontroller then needs no floating point, a recording can
 //! be scaled anew after a calibration, and a voltage that is not a number cannot be said.
 
-#![deny(rustdoc::broken_intra_doc_links)]#![no_std]
+#![no_std]
+#![deny(rustdoc::broken_intra_doc_links)]
 #![forbid(unsafe_code)]
 
 mod decoder;

@@ -14,7 +14,7 @@ pub struct Shape {
     pub delay: f64,
     /// Stribeck velocity v_s \[m/s or rad/s].
     pub v_s: f64,
-    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb
+    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad]: Coulomb
     /// level over stiffness.
     pub displacement: f64,
     /// Length along the axis after which the harmonic force repeats \[m or rad].

@@ -17,7 +17,7 @@ pub struct Breakaway {
 
 /// How long the axis must have rested \[s].
 const REST: f64 = 0.1;
-/// Fastest change of the voltage that counts as slow \[V/s\]: a step would overshoot the deadband.
+/// Fastest change of the voltage that counts as slow \[V/s]: a step would overshoot the deadband.
 const SLOW: f64 = 3.0;
 
 /// Longest time from rest to motion, and on to twice its speed \[s].

@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::constants::{Calibration, Known};
+use super::constants::Calibration;
 use super::{Breakaway, breakaways};
 use crate::axis_structure::{
     AxisStructure, AxisUnits, LONGEST_DELAY, fit_structure, read_between, rows_of,
@@ -16,7 +16,7 @@ use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::statistics::{Sample, student_95};
 use crate::zero_phase::LowPass;
-use crate::{Ending, IdentError, least_squares};
+use crate::{Ending, IdentError, Uncertain, least_squares};
 
 /// What was recorded of a drive without a gap, all channels at the same instants. A voltage that is
 /// held over a sample stands at its beginning.
@@ -430,7 +430,7 @@ impl Report<'_> {
         speed: &[(ParameterId, f64)],
         units: &AxisUnits,
     ) {
-        let Known { value: force, standard_error: error } = calibration.force_per_volt();
+        let Uncertain { value: force, standard_error: error } = calibration.force_per_volt();
         let extra = (acceleration * error).powi(2);
         self.derive(
             "inertia",

@@ -25,5 +25,5 @@ mod fit;
 
 pub use breakaway::{Breakaway, breakaways};
 pub use combine::combine;
-pub use constants::{Calibration, Known};
+pub use constants::Calibration;
 pub use fit::{DriveFit, DriveRecording, fit_drive};

@@ -18,7 +18,7 @@ mod cosine_legs;
 
 use cosine_legs::Turns;
 
-/// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which
+/// The step of an encoder that can be seen in `position` \[m or rad]: the greatest length of which
 /// all differences are multiples, where the position stands still for a fifth of the samples at
 /// least. None for a position without such steps.
 ///
@@ -69,7 +69,7 @@ struct Crossing {
     side: f64,
 }
 
-/// The displacement from the first sample on \[unit of `resolution`\], between the counts of an
+/// The displacement from the first sample on \[unit of `resolution`], between the counts of an
 /// encoder that rounds down.
 ///
 /// `position` are the readings, whole multiples of `resolution` apart; `resolution` is one count.

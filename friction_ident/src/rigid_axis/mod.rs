@@ -35,7 +35,7 @@ pub enum AxisTerm {
     Viscous,
     /// Coulomb friction \[N or N m].
     Coulomb,
-    /// Constant force \[N or N m\]: gravity, or the offset of an amplifier.
+    /// Constant force \[N or N m]: gravity, or the offset of an amplifier.
     Offset,
     /// Viscous friction of motion in the positive direction.
     ViscousPositive,
@@ -187,7 +187,7 @@ pub struct Prediction {
     pub measured: Vec<f64>,
     /// Predicted force \[N or N m].
     pub predicted: Vec<f64>,
-    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left
+    /// Measured force less the model's inertia times the acceleration \[N or N m]: what is left
     /// for friction.
     pub friction: Vec<f64>,
     /// `100 |measured - predicted| / |measured|` \[%].

@@ -93,7 +93,7 @@ pub struct Breakaway {
 pub struct BreakawayOptions {
     /// Rest shorter than this does not count \[s].
     pub shortest_rest: f64,
-    /// The voltage is looked for this long before the first count \[s\]: the time it takes to turn
+    /// The voltage is looked for this long before the first count \[s]: the time it takes to turn
     /// by one count.
     pub look_back: f64,
 }

@@ -29,7 +29,7 @@ pub struct Phase {
     pub kind: PhaseKind,
 }
 
-/// Least travel of a slip \[counts\]: one count may be the toggling of an edge.
+/// Least travel of a slip \[counts]: one count may be the toggling of an edge.
 const LEAST_TRAVEL: i64 = 2;
 
 /// Splits the recording, with alternating sliding and rest.

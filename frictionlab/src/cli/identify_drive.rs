@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use friction_ident::drive::{Calibration, Known};
+use friction_ident::Uncertain;
+use friction_ident::drive::Calibration;
 
 use experiment_runner::asked::rig as rig_profile;
 use files::OutputFile;
@@ -96,24 +97,24 @@ pub struct IdentifyDriveArgs {
 
     /// Torque constant Km [N m/A], with its standard error if known.
     #[arg(long, value_name = "KM[:ERROR]", value_parser = known, requires = "resistance", help_heading = "What is known of the motor")]
-    motor_constant: Option<Known>,
+    motor_constant: Option<Uncertain>,
 
     /// Armature resistance Ra [Ohm], with its standard error if known.
     #[arg(long, value_name = "RA[:ERROR]", value_parser = known, requires = "motor_constant", help_heading = "What is known of the motor")]
-    resistance: Option<Known>,
+    resistance: Option<Uncertain>,
 
     /// Force or torque per volt [N/V or N m/V], with its standard error if known.
     #[arg(long, value_name = "GAIN[:ERROR]", value_parser = known, conflicts_with = "motor_constant", help_heading = "What is known of the motor")]
-    force_per_volt: Option<Known>,
+    force_per_volt: Option<Uncertain>,
 }
 
 /// `VALUE` or `VALUE:ERROR`.
-fn known(text: &str) -> Result<Known, String> {
+fn known(text: &str) -> Result<Uncertain, String> {
     let (value, error) = text.split_once(':').unwrap_or((text, "0"));
     let number = |text: &str| {
         text.trim().parse::<f64>().map_err(|_| format!("expected a number, but found `{text}`"))
     };
-    let known = Known { value: number(value)?, standard_error: number(error)? };
+    let known = Uncertain { value: number(value)?, standard_error: number(error)? };
     if !(known.value > 0.0 && known.value.is_finite()) {
         return Err(format!(
             "the value must be a finite number above zero, but is {}",
@@ -173,7 +174,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     let calibration = match (args.motor_constant, args.resistance, args.force_per_volt) {
         (Some(constant), Some(resistance), _) => {
             let ratio = args.gear_ratio.unwrap_or(1.0);
-            let torque_constant = Known {
+            let torque_constant = Uncertain {
                 value: ratio * constant.value,
                 standard_error: ratio * constant.standard_error,
             };

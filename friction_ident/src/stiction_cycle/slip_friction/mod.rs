@@ -28,7 +28,7 @@ use crate::{Conditioning, IdentError, Signals, condition};
 pub struct SlipOptions {
     /// Cutoff of the low-pass over all signals, forwards and backwards \[Hz].
     pub cutoff: f64,
-    /// Slower motion is left out \[rad/s\]: there the axis may stick.
+    /// Slower motion is left out \[rad/s]: there the axis may stick.
     pub slowest: f64,
     /// Longest delay from the voltage to its effect that is tried \[samples].
     pub longest_delay: usize,
@@ -51,7 +51,7 @@ pub struct SlipFriction {
     pub estimates: Estimates,
     /// Samples used.
     pub samples: usize,
-    /// Time from the voltage to its effect \[s\]: the one that explains most, with the interval of
+    /// Time from the voltage to its effect \[s]: the one that explains most, with the interval of
     /// its profile.
     pub delay: Estimate,
     /// Residual over voltage, both root mean square, over the samples used.
