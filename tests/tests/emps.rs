@@ -1,30 +1,13 @@
 //! The EMPS benchmark: a real ball-screw axis, against the figures its authors published.
 //!
-//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and
-//! beside the checkout, and says so where it finds none.
+//! The recordings are not part of the project: where they are not at hand, the test is ignored.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use friction_ident::{AxisModel, Conditioned, Conditioning, Signals, condition, fit_axis};
+use tests::shared_data;
 
 const NEWTONS_PER_VOLT: f64 = 35.150_651_882_485_47;
-
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found = folders
-        .map(|folder| folder.join("emps"))
-        .find(|folder| folder.join("estimation.csv").is_file());
-    if found.is_none() {
-        // Straight to the stream: the test harness would swallow eprintln.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: no emps/estimation.csv in $FRICTION_DATA or ../shared/data"
-        );
-    }
-    found
-}
 
 fn load(file: &Path) -> Conditioned {
     let text = std::fs::read_to_string(file).unwrap();
@@ -60,8 +43,12 @@ fn check(
 }
 
 #[test]
+#[cfg_attr(
+    not(recordings = "emps"),
+    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn agrees_with_the_published_table() {
-    let Some(folder) = data() else { return };
+    let folder = shared_data().unwrap().join("emps");
     let estimation = load(&folder.join("estimation.csv"));
     let validation = load(&folder.join("validation.csv"));
     let symmetric = [95.1089, 203.5034, 20.3935, -3.1648];

@@ -1,9 +1,8 @@
 //! The structure of the EMPS axis, chosen inside the estimation recording; the validation recording
 //! is read once, for the structure that was chosen.
 
-use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use friction_ident::axis_structure::closed_loop::{
     BristleAxis, CascadeController, Loop, Task, refine, relative_error,
@@ -12,23 +11,9 @@ use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, choose, cross_validate, fit_structure,
 };
 use friction_ident::{Conditioned, Conditioning, Signals, condition};
+use tests::shared_data;
 
 const NEWTONS_PER_VOLT: f64 = 35.150_651_882_485_47;
-
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found = folders
-        .map(|folder| folder.join("emps"))
-        .find(|folder| folder.join("estimation.csv").is_file());
-    if found.is_none() {
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED: no emps/estimation.csv in $FRICTION_DATA or ../shared/data"
-        );
-    }
-    found
-}
 
 fn rows(file: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(file).unwrap();
@@ -53,8 +38,12 @@ fn load(file: &Path) -> Conditioned {
 }
 
 #[test]
+#[cfg_attr(
+    not(recordings = "emps"),
+    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn the_chosen_structure_beats_the_published_models_on_both_recordings() {
-    let Some(folder) = data() else { return };
+    let folder = shared_data().unwrap().join("emps");
     let estimation = load(&folder.join("estimation.csv"));
     let scores: Vec<_> = AxisStructure::candidates()
         .into_iter()
@@ -92,8 +81,12 @@ fn the_chosen_structure_beats_the_published_models_on_both_recordings() {
 
 /// The bar is 3.2 and 3.7 % of raw control signal; published parameters give 4.55 and 5.24 %.
 #[test]
+#[cfg_attr(
+    not(recordings = "emps"),
+    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn the_closed_loop_reproduces_both_recordings() {
-    let Some(folder) = data() else { return };
+    let folder = shared_data().unwrap().join("emps");
     let estimation = rows(&folder.join("estimation.csv"));
     let (reference, position, control) =
         (column(&estimation, 1), column(&estimation, 2), column(&estimation, 3));

@@ -1,10 +1,8 @@
 //! The servo logs of Better Actuator Models (arXiv 2410.08650): the peer's own figures, reached
 //! with the peer's own parameters.
 //!
-//! The recordings are not part of the project. The tests look for them in `$FRICTION_DATA` and
-//! beside the checkout, and say so where they find none.
+//! The recordings are not part of the project: where they are not at hand, the tests are ignored.
 
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -12,23 +10,14 @@ use friction_ident::servo::ServoParameter::{self, *};
 use friction_ident::servo::{
     Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, TIME_STEP, search,
 };
+use tests::shared_data;
 
-fn logs() -> Option<Vec<ServoLog>> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let Some(folder) = folders.map(|folder| folder.join("xl330")).find(|folder| folder.is_dir())
-    else {
-        // Straight to the stream: the test harness would swallow eprintln.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED servo: no xl330 in $FRICTION_DATA or ../shared/data"
-        );
-        return None;
-    };
+fn logs() -> Vec<ServoLog> {
+    let folder = shared_data().unwrap().join("xl330");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    Some(files.iter().map(|file| load(file)).collect())
+    files.iter().map(|file| load(file)).collect()
 }
 
 fn load(file: &Path) -> ServoLog {
@@ -81,8 +70,12 @@ fn peer_m6() -> Physics {
 }
 
 #[test]
+#[cfg_attr(
+    not(recordings = "xl330"),
+    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn the_peers_parameters_have_the_peers_errors() {
-    let Some(logs) = logs() else { return };
+    let logs = logs();
     let (train, held) = split(&logs);
     assert_eq!((train.logs(), held.logs()), (12, 4));
     let [fitted, other] = [&train, &held].map(|lanes| 1e3 * lanes.error(&peer_m6(), f64::INFINITY));
@@ -92,8 +85,12 @@ fn the_peers_parameters_have_the_peers_errors() {
 
 /// One log, one step after the other, written out as in the paper, without lanes.
 #[test]
+#[cfg_attr(
+    not(recordings = "xl330"),
+    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn lanes_agree_with_a_plain_simulation() {
-    let Some(logs) = logs() else { return };
+    let logs = logs();
     // Five logs: one full group and one with three empty lanes.
     let few: Vec<&ServoLog> = logs.iter().take(5).collect();
     let found = Lanes::new(&few).positions(&peer_m6());
@@ -145,8 +142,12 @@ fn plain(log: &ServoLog, of: &dyn Fn(ServoParameter) -> f64) -> Vec<f64> {
 
 /// The peer's simplest level has one minimum: 56.05 mrad fitted, 62.82 held out.
 #[test]
+#[cfg_attr(
+    not(recordings = "xl330"),
+    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
-    let Some(logs) = logs() else { return };
+    let logs = logs();
     let (train, held) = split(&logs);
     let effort = Effort { evaluations: 2500, abandon: true };
     for seed in [0, 1] {
@@ -160,8 +161,12 @@ fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
 }
 
 #[test]
+#[cfg_attr(
+    not(recordings = "xl330"),
+    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
+)]
 fn a_search_is_reproducible_and_stops_when_told() {
-    let Some(logs) = logs() else { return };
+    let logs = logs();
     let lanes = Lanes::new(&logs.iter().take(1).collect::<Vec<_>>());
     let effort = Effort { evaluations: 600, abandon: true };
     let parameters = FrictionLevel::M4.parameters();
