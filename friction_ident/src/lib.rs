@@ -1,7 +1,6 @@
-//! Friction parameters from recordings: conditioning, least squares, uncertainty.
+#![doc = include_str!("../README.md")]
 //!
-//! The crate is pure: it sees arrays of numbers and returns numbers. Reading files is somebody
-//! else's work.
+//! # Modules
 //!
 //! * [`conditioning`]: from sampled position and force to velocity, acceleration and force without
 //!   phase shift.

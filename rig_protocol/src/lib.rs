@@ -1,12 +1,7 @@
-//! What a rig's microcontroller and its driver say to each other over a serial line, and how the
-//! device stays safe.
+#![doc = include_str!("../README.md")]
 //!
-//! Frames are `version | kind | payload | CRC-32`, stuffed with COBS and ended by a zero byte;
-//! `rig_driver/PROTOCOL.md` has every byte. [`HostMessage`] goes to the device, [`DeviceMessage`]
-//! comes from it, [`Decoder`] finds either in a stream of bytes. [`Device`] is the device's side:
-//! it decides once a cycle what voltage the motor gets, and it trusts no host.
+//! # Why whole numbers
 //!
-//! The crate needs neither the standard library nor an allocator, so firmware uses it as it is.
 //! What goes over the line each cycle is in whole numbers of the device's own converters; their
 //! scales come once, in [`Hello`]. A microcontroller then needs no floating point, a recording can
 //! be scaled anew after a calibration, and a voltage that is not a number cannot be said.
