@@ -5,8 +5,9 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
-    bag, design, exit_code, features, identify, identify_drive, identify_servo, identify_stiction,
-    models, monte_carlo, protocols, rig, run, simulate, told, truth_matrix,
+    bag, completions, design, exit_code, features, identify, identify_drive, identify_servo,
+    identify_stiction, manual, models, monte_carlo, protocols, rig, run, simulate, told,
+    truth_matrix,
 };
 use work::Interrupted;
 use work::suggestion::with_suggestion;
@@ -31,8 +32,10 @@ enum Command {
     IdentifyServo(Box<identify_servo::IdentifyServoArgs>),
     IdentifyStiction(Box<identify_stiction::IdentifyStictionArgs>),
     Bag(bag::BagArgs),
+    Completions(completions::CompletionsArgs),
     Design(design::DesignArgs),
     Features(features::FeaturesArgs),
+    Manual(manual::ManualArgs),
     Models(models::ModelsArgs),
     MonteCarlo(monte_carlo::MonteCarloArgs),
     Protocols(protocols::ProtocolsArgs),
@@ -76,8 +79,10 @@ fn main() -> ExitCode {
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),
         Command::Bag(args) => bag::execute(&args),
+        Command::Completions(args) => completions::execute(&args, &mut command),
         Command::Design(args) => design::execute(&args),
         Command::Features(args) => features::execute(&args),
+        Command::Manual(args) => manual::execute(&args, &command),
         Command::Models(args) => models::execute(&args),
         Command::MonteCarlo(args) => monte_carlo::execute(&args),
         Command::Protocols(args) => protocols::execute(&args),
@@ -135,9 +140,16 @@ mod tests {
             assert!(lines[0].chars().count() > 25, "{name} says nothing");
         }
         assert!(!help.contains("Others:"), "a command is in no group:\n{help}");
-        for title in
-            ["Measure:", "Identify:", "Compensate:", "Live on ROS 2:", "Rig:", "Science:", "Files:"]
-        {
+        for title in [
+            "Measure:",
+            "Identify:",
+            "Compensate:",
+            "Live on ROS 2:",
+            "Rig:",
+            "Science:",
+            "Files:",
+            "Help:",
+        ] {
             assert_eq!(
                 help.matches(title).count(),
                 usize::from(title != "Live on ROS 2:" || cfg!(feature = "ros"))

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use clap::{Arg, Command};
 
 /// The commands by what a person wants to do.
-const GROUPS: [(&str, &[&str]); 7] = [
+const GROUPS: [(&str, &[&str]); 8] = [
     ("Measure", &["run", "protocols"]),
     ("Identify", &["identify", "identify-drive", "identify-servo", "identify-stiction"]),
     ("Compensate", &["design", "monte-carlo"]),
@@ -14,6 +14,7 @@ const GROUPS: [(&str, &[&str]); 7] = [
     ("Rig", &["rig", "doctor"]),
     ("Science", &["models", "simulate", "features", "truth-matrix"]),
     ("Files", &["bag"]),
+    ("Help", &["completions", "manual"]),
 ];
 
 /// One meaning for each short option, in every command.

@@ -1,6 +1,7 @@
 //! The `frictionlab` command, one file a subcommand.
 
 pub mod bag;
+pub mod completions;
 pub mod design;
 #[cfg(feature = "ros")]
 pub mod doctor;
@@ -14,6 +15,7 @@ pub mod identify_stiction;
 pub mod launch;
 #[cfg(feature = "ros")]
 pub mod live;
+pub mod manual;
 pub mod models;
 pub mod monte_carlo;
 #[cfg(feature = "ros")]

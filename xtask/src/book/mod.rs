@@ -7,9 +7,13 @@
 mod mdbook;
 mod models;
 
+use std::env::consts::EXE_SUFFIX;
 use std::path::Path;
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+
+use crate::python_env;
 
 /// Arguments of `cargo xtask book`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +29,7 @@ impl Book {
             .parent()
             .context("xtask stands in the workspace")?;
         models::write(root)?;
+        commands(root)?;
         let mut mdbook = match mdbook::program() {
             Ok(mdbook) => mdbook,
             Err(error) => {
@@ -42,4 +47,18 @@ impl Book {
         println!("The book: {}", root.join("target/book/index.html").display());
         Ok(())
     }
+}
+
+/// Writes the page of the commands, by the command itself where it is built.
+fn commands(root: &Path) -> Result<()> {
+    let built = python_env::target()?.join("debug").join(format!("frictionlab{EXE_SUFFIX}"));
+    if !built.is_file() {
+        println!("The page of the commands stays as it is: `cargo build` first to make it anew.");
+        return Ok(());
+    }
+    let mut manual = Command::new(built);
+    manual.args(["manual", "--format", "markdown", "--force"]).arg(root.join("docs/reference"));
+    let status = manual.status().context("frictionlab cannot be run")?;
+    ensure!(status.success(), "the page of the commands cannot be made");
+    Ok(())
 }
