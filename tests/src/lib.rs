@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
+pub mod book;
 pub mod browser;
 pub mod emulated_rig;
 pub mod filled;

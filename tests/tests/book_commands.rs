@@ -1,18 +1,21 @@
-//! What the README shows of a command's output is what the command prints.
+//! The commands on the pages work, and print what the pages show.
 //!
-//! A line `<!-- prints: run characterise -->` before a block of the README names the words behind
-//! `frictionlab`; all commands run in one folder, in their order, so that later ones find what
-//! earlier ones wrote. Every line of the block must be a line of the output, in the same order, its
-//! figures equal to one unit of their last digit (another processor rounds otherwise); the block
-//! may leave lines out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
+//! Blocks of commands are run or checked, as their fences say (`tests::book`).
+//!
+//! A line `<!-- prints: run characterise -->` before a block names the words behind `frictionlab`.
+//! Every line of the block must be a line of the output, in the same order, its figures equal to
+//! one unit of their last digit (another processor rounds otherwise); the block may leave lines
+//! out. `UPDATE_DOCS=1` writes lines anew that differ in their figures only.
 //!
 //! A line `<!-- figures of: identify recording.csv -->` before a table does the same for the rows
 //! that begin with "this program": each number in them must be one of the output's, to the digits
 //! that the table has.
 
-use std::{fs, path::Path};
+use std::collections::BTreeMap;
+use std::fs;
 
-use tests::{checkout, frictionlab, shared_data, skip};
+use tests::book::{Page, Treatment, check, pages, script::Ran};
+use tests::{checkout, frictionlab};
 
 /// A block and what makes it.
 struct Shown<'a> {
@@ -58,15 +61,6 @@ fn missing<'a>(row: &'a str, output: &str) -> Option<&'a str> {
         })
     })
 }
-
-/// Recordings that are not part of the project, by the names that the README's commands have for
-/// them.
-const RECORDINGS: [(&str, &str); 4] = [
-    ("estimation.csv", "emps/estimation.csv"),
-    ("validation.csv", "emps/validation.csv"),
-    ("episode_1.csv", "qube_servo/episode_1.csv"),
-    ("episode_2.csv", "qube_servo/episode_2.csv"),
-];
 
 fn blocks(page: &str) -> Vec<Shown<'_>> {
     let mut lines = page.lines();
@@ -129,39 +123,17 @@ fn unit_of_last_digit(number: &str) -> f64 {
     10f64.powi(exponent.parse::<i32>().unwrap_or(0) - i32::try_from(digits).unwrap_or(0))
 }
 
-fn recordings(folder: &Path) -> bool {
-    let Some(data) = shared_data() else { return false };
-    RECORDINGS.iter().all(|(name, file)| fs::copy(data.join(file), folder.join(name)).is_ok())
-}
-
-#[test]
-fn the_readme_shows_what_its_commands_print() {
-    let path = checkout().join("README.md");
-    let page = fs::read_to_string(&path).expect("the README");
-    let blocks = blocks(&page);
-    assert!(!blocks.is_empty(), "the README shows no output");
-    let folder = tempfile::tempdir().expect("a folder");
-    let recorded = recordings(folder.path());
-    std::os::unix::fs::symlink(checkout().join("docs"), folder.path().join("docs"))
-        .expect("a link");
-    let printed = |words: &[&str]| {
-        let command = words.join(" ");
-        if !recorded && RECORDINGS.iter().any(|(name, _)| words.contains(name)) {
-            skip(&format!("`frictionlab {command}`: the recordings are not at hand"));
-            return None;
-        }
-        let output =
-            frictionlab().args(words).current_dir(folder.path()).output().expect("it starts");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "frictionlab {command}: {said}");
-        Some(String::from_utf8_lossy(&output.stdout).into_owned())
-    };
+/// Compares what a page shows with what its commands print; writes it anew with `UPDATE_DOCS=1`.
+fn hold(page: &Page, ran: &Ran) {
+    let name = page.path.display();
     let update = std::env::var_os("UPDATE_DOCS").is_some();
-    let mut anew = page.clone();
-    for Shown { words, lines } in &blocks {
-        let (command, Some(output)) = (words.join(" "), printed(words)) else { continue };
+    let mut anew = page.source.clone();
+    for Shown { words, lines } in &blocks(&page.source) {
+        let (command, Some(output)) = (words.join(" "), ran.printed(page, words)) else {
+            continue;
+        };
         let now = renewed(lines, &output).unwrap_or_else(|line| {
-            panic!("`frictionlab {command}` has no line\n{line}\nbut\n{output}")
+            panic!("{name}: `frictionlab {command}` has no line\n{line}\nbut\n{output}")
         });
         if update {
             anew = anew.replacen(&lines.join("\n"), &now.join("\n"), 1);
@@ -169,20 +141,124 @@ fn the_readme_shows_what_its_commands_print() {
             let other = lines.iter().zip(&now).find(|(line, now)| !alike(line, now));
             assert!(
                 other.is_none(),
-                "`frictionlab {command}` prints other figures, {other:?}: run the test with UPDATE_DOCS=1"
+                "{name}: `frictionlab {command}` prints other figures, {other:?}: run the test with UPDATE_DOCS=1"
             );
         }
     }
-    for Shown { words, lines } in rows(&page) {
-        let Some(output) = printed(&words) else { continue };
+    for Shown { words, lines } in rows(&page.source) {
+        let Some(output) = ran.printed(page, &words) else { continue };
         for line in lines {
             let missing = missing(line, &output);
-            assert!(missing.is_none(), "{missing:?} of the row\n{line}\nis not in\n{output}");
+            assert!(
+                missing.is_none(),
+                "{name}: {missing:?} of the row\n{line}\nis not in\n{output}"
+            );
         }
     }
-    if update {
-        fs::write(&path, anew).expect("the README can be written");
+    if update && anew != page.source {
+        fs::write(checkout().join(&page.path), anew).expect("the page can be written");
     }
+}
+
+/// Whether the commands of a page are ours to run: the README's and the book's.
+fn is_of_the_book(page: &Page) -> bool {
+    page.path.starts_with("docs") || page.path.as_os_str() == "README.md"
+}
+
+#[test]
+fn the_commands_of_the_pages_work_and_print_what_is_shown() {
+    let pages: Vec<Page> = pages().into_iter().filter(is_of_the_book).collect();
+    let shown: usize = pages.iter().map(|page| blocks(&page.source).len()).sum();
+    assert!(shown > 5, "the pages show {shown} outputs only");
+    // Their commands have threads of their own: more than a page at once gains nothing.
+    let mut known = BTreeMap::new();
+    for page in &pages {
+        let ran = Ran::new(page, &known);
+        hold(page, &ran);
+        known = ran.independent();
+    }
+}
+
+#[test]
+fn commands_that_are_not_run_are_commands_that_there_are() {
+    let mut faults = Vec::new();
+    let mut checked = 0;
+    for page in pages() {
+        let blocks = page.blocks.iter().filter(|block| {
+            let of_shell = block.treatment().expect("the words behind a fence");
+            of_shell.is_some_and(|treatment| !matches!(treatment, Treatment::Run { .. }))
+        });
+        // Within a line, a command with a placeholder says too little to be checked.
+        let whole = |span: &&String| {
+            let ours = ["frictionlab ", "cargo test -p ", "cargo install "];
+            let placeholder = |word: &str| {
+                word.contains("...")
+                    || word.len() > 2 && word.chars().all(|c| c.is_ascii_uppercase())
+            };
+            ours.iter().any(|start| span.starts_with(start))
+                && !span.split([' ', '=']).any(placeholder)
+        };
+        // An option that stands there to be named has no value.
+        let named = |span: &String| match span.rsplit_once(" --") {
+            Some((before, option)) if !option.contains(' ') => before.to_owned(),
+            _ => span.clone(),
+        };
+        let spans = page.spans.iter().filter(whole).map(named);
+        for text in blocks.map(|block| block.text.clone()).chain(spans) {
+            for words in check::commands(&text) {
+                checked += 1;
+                if let Err(fault) = check::check(&words) {
+                    faults.push(format!("{}: {}: {fault}", page.path.display(), words.join(" ")));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(checked > 60, "only {checked} commands were found");
+}
+
+#[test]
+fn a_command_that_there_is_not_is_found() {
+    for command in [
+        "frictionlab run --rig-flie rig.yaml",
+        "frictionlab rnu",
+        "frictionlab run pre-slidng",
+        "cargo test -p tests --test nothing",
+        "cargo install --path docs",
+        "friction-plot --nothing",
+        "ros2 launch friction_bringup nothing.launch.py",
+        "ros2 topic pub /reference friction_msgs/msg/Nothing",
+        "frictionlabs run",
+    ] {
+        let words = check::commands(command);
+        assert!(check::check(&words[0]).is_err(), "{command}");
+    }
+    let text =
+        "frictionlab run \\\n  --quick # quickly\nkill %1; frictionlab models 'a b' > x | jq .\n";
+    let words: Vec<String> = check::commands(text).iter().map(|words| words.join("+")).collect();
+    let expected = ["frictionlab+run+--quick", "kill+%1", "frictionlab+models+a b", "jq+."];
+    assert_eq!(words, expected);
+}
+
+#[test]
+fn the_page_of_the_commands_is_what_they_say() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let made = folder.path().join("made");
+    let mut manual = frictionlab();
+    let output = manual.args(["manual", "--format", "markdown"]).arg(&made).output();
+    let output = output.expect("frictionlab starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = checkout().join("docs/reference/commands.md");
+    let made = fs::read_to_string(made.join("commands.md")).expect("the page");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        fs::write(&page, &made).expect("the page can be written");
+    }
+    let disk = fs::read_to_string(&page).unwrap_or_default();
+    let line = made.lines().zip(disk.lines()).find(|(made, disk)| made != disk);
+    assert!(
+        made == disk,
+        "docs/reference/commands.md is not what the commands say ({line:?}): run `cargo build`, then `cargo xtask book`"
+    );
 }
 
 #[test]

@@ -64,3 +64,41 @@ fn main() -> anyhow::Result<()> {
         Task::Test(test) => test.run(),
     }
 }
+
+#[cfg(test)]
+mod held_to_the_pages {
+    use clap::CommandFactory;
+    use tests::book::{check, pages};
+
+    use super::Task;
+
+    /// What is wrong with the words behind `cargo xtask`, by its own definition.
+    fn fault(words: &[String]) -> Option<String> {
+        let [cargo, xtask, rest @ ..] = words else { return None };
+        if (cargo.as_str(), xtask.as_str()) != ("cargo", "xtask") {
+            return None;
+        }
+        let asked = std::iter::once("cargo xtask").chain(rest.iter().map(String::as_str));
+        Task::command().try_get_matches_from(asked).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_pages_name_only_tasks_and_options_that_there_are() {
+        let mut checked = 0;
+        for page in pages() {
+            let blocks = page.blocks.iter().filter(|block| block.info.starts_with("sh"));
+            let spans = page.spans.iter().filter(|span| span.starts_with("cargo xtask "));
+            for text in blocks.map(|block| &block.text).chain(spans) {
+                for words in check::commands(text) {
+                    checked += usize::from(words.get(1).is_some_and(|word| word == "xtask"));
+                    let fault = fault(&words);
+                    assert!(fault.is_none(), "{}: {words:?}: {fault:?}", page.path.display());
+                }
+            }
+        }
+        assert!(checked > 10, "only {checked} tasks were found");
+        for wrong in ["cargo xtask tset", "cargo xtask test --ful"] {
+            assert!(fault(&check::commands(wrong)[0]).is_some(), "{wrong}");
+        }
+    }
+}
