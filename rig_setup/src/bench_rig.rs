@@ -11,9 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 use rig_driver::safety::{Request, SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
 
-use super::choice::{Opened, SensorsPresent};
-use super::session::Pace;
-use super::{RigDescription, RigSetupError};
+use super::{Opened, Pace, RigDescription, RigSetupError, SensorsPresent};
 
 /// Time for the shaft to come to rest before each turn [s].
 pub const REST: f64 = 1.0;
@@ -449,7 +447,7 @@ mod tests {
     fn bench(stop: &Arc<AtomicBool>) -> BenchRig {
         let friction = AnyModel::test_bed(ModelName::LuGre);
         BenchRig::new(
-            RigChoice::Simulated.open(friction, 1, None, RigSetup::default()).unwrap(),
+            RigChoice::Simulated.open(&RigSetup { friction, ..RigSetup::default() }).unwrap(),
             Arc::clone(stop),
         )
         .unwrap()

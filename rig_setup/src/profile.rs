@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use friction_model::Motor;
 use rig_driver::Calibration;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{RigChoice, RigDescription, RigLimits, SensorsPresent};
 use files::commented_yaml::number;
@@ -18,7 +18,7 @@ pub const PROFILE: &str = "rig.yaml";
 #[serde(deny_unknown_fields)]
 pub struct RigProfile {
     /// Where it is.
-    #[serde(serialize_with = "address", deserialize_with = "read_address")]
+    #[serde(deserialize_with = "read_address")]
     pub rig: RigChoice,
     /// What it says of itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -118,8 +118,8 @@ impl RigProfile {
         })?;
         profile.drive.map_or(Ok(()), |drive| drive.check())?;
         let above_zero = |value: f64| value > 0.0 && value.is_finite();
-        let RigLimits { voltage, velocity, travel } = profile.limits;
-        for (name, value) in [("voltage", voltage), ("velocity", velocity)] {
+        let RigLimits { voltage, travel, .. } = profile.limits;
+        for (name, value) in numbers(&profile.limits) {
             if let Some(value) = value.filter(|value| !above_zero(*value)) {
                 return Err(format!(
                     "in `limits`: {name} must be a finite number above 0, but is {value}"
@@ -156,7 +156,7 @@ impl RigProfile {
         if self.drive.is_some() {
             parts.push("drive".to_owned());
         }
-        let RigLimits { voltage, velocity, travel } = self.limits;
+        let RigLimits { voltage, velocity, travel, .. } = self.limits;
         parts.extend(voltage.map(|volts| format!("at most {volts} V")));
         parts.extend(velocity.map(|velocity| format!("at most {velocity} rad/s")));
         parts.extend(
@@ -220,18 +220,17 @@ impl RigProfile {
                 "\n# Sensors that a rig may lack.\nsensors: {{torque: {torque}, current: {current}}}"
             );
         }
-        let RigLimits { voltage, velocity, travel } = self.limits;
         text.push_str("\n# What is allowed, within the device's own range: voltage [usual: 6 V], velocity [usual: 9.5 rad/s], travel {min, max, margin}.\n");
         if self.limits == RigLimits::default() {
             text.push_str("limits: {}\n");
         } else {
             text.push_str("limits:\n");
-            for (name, value) in [("voltage", voltage), ("velocity", velocity)] {
+            for (name, value) in numbers(&self.limits) {
                 if let Some(value) = value {
                     let _ = writeln!(text, "  {name}: {}", number(value));
                 }
             }
-            if let Some(travel) = travel {
+            if let Some(travel) = self.limits.travel {
                 let [min, max, margin] = [travel.min, travel.max, travel.margin].map(number);
                 let _ = writeln!(text, "  travel: {{min: {min}, max: {max}, margin: {margin}}}");
             }
@@ -269,13 +268,22 @@ impl RigProfile {
     }
 }
 
+/// The limits that are numbers, by name.
+const fn numbers(limits: &RigLimits) -> [(&'static str, Option<f64>); 7] {
+    [
+        ("voltage", limits.voltage),
+        ("slew", limits.slew),
+        ("velocity", limits.velocity),
+        ("command_age", limits.command_age),
+        ("command_lost", limits.command_lost),
+        ("cycle_late", limits.cycle_late),
+        ("cycle_lost", limits.cycle_lost),
+    ]
+}
+
 /// A text that no YAML reader takes for anything else.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', "''"))
-}
-
-fn address<S: Serializer>(rig: &RigChoice, to: S) -> Result<S::Ok, S::Error> {
-    to.collect_str(rig)
 }
 
 fn read_address<'de, D: Deserializer<'de>>(from: D) -> Result<RigChoice, D::Error> {
@@ -317,8 +325,9 @@ mod tests {
             sensors: Some(SensorsPresent { torque: true, current: false }),
             limits: RigLimits {
                 voltage: Some(12.0),
-                velocity: None,
+                cycle_lost: Some(0.25),
                 travel: Some(Travel { min: -20.0, max: 20.0, margin: 0.5 }),
+                ..RigLimits::default()
             },
             calibration: Some(Calibration {
                 encoder_sign: Sign::Reversed,

@@ -7,19 +7,7 @@ use std::time::{Duration, Instant};
 use rig_driver::safety::{SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
 
-use super::RigSetupError;
-use super::choice::Opened;
-
-/// Who sets the pace of a session.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pace {
-    /// Nobody: the rig is simulated and goes as fast as the processor.
-    LockStep,
-    /// The clock of this machine, one cycle a period.
-    Clock,
-    /// The device itself.
-    Device,
-}
+use super::{Opened, Pace, RigSetupError};
 
 /// The rig, active and paced. Dropped, it leaves zero volts.
 pub struct Session<'a> {

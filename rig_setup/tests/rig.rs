@@ -4,7 +4,7 @@
 use std::sync::atomic::AtomicBool;
 
 use friction_model::{AnyModel, ModelName};
-use rig_driver::{Calibration, Miswiring, Sign};
+use rig_driver::{Calibration, Miswiring, Sign, SimulationOptions};
 use rig_setup::{
     Findings, Procedure, RigChoice, RigSetup, RigSetupError, Session, read_calibration,
     render_calibration, run_procedure,
@@ -20,12 +20,10 @@ fn set_up(
 ) -> Result<Findings, RigSetupError> {
     let wiring = (!wiring.is_empty()).then(|| wiring.parse::<Miswiring>().unwrap());
     let plant = AnyModel::test_bed(ModelName::Proposed);
-    let opened = RigChoice::Simulated.open(
-        plant,
-        seed,
-        wiring,
-        RigSetup { calibration, ..Default::default() },
-    )?;
+    let simulation = SimulationOptions { seed, ..SimulationOptions::default() };
+    let setup =
+        RigSetup { calibration, simulation, friction: plant, wiring, ..RigSetup::default() };
+    let opened = RigChoice::Simulated.open(&setup)?;
     let stop = AtomicBool::new(false);
     run_procedure(&mut Session::new(opened, 2.0, &stop)?, &Procedure::default(), |_| {})
 }
@@ -126,9 +124,8 @@ fn plugs_that_are_out_are_named() {
 #[test]
 fn a_session_stops_when_it_is_told_to_and_refuses_voltages_above_the_rigs() {
     let open = || {
-        RigChoice::Simulated
-            .open(AnyModel::test_bed(ModelName::LuGre), 1, None, RigSetup::default())
-            .unwrap()
+        let friction = AnyModel::test_bed(ModelName::LuGre);
+        RigChoice::Simulated.open(&RigSetup { friction, ..RigSetup::default() }).unwrap()
     };
     let stop = AtomicBool::new(true);
     let mut session = Session::new(open(), 2.0, &stop).unwrap();

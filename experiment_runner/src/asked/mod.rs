@@ -22,7 +22,7 @@ use work::model_name::model_name;
 use work::saying::Saying;
 use work::{BadInput, drive_errors};
 
-use self::rig::{Chosen, choose};
+use self::rig::{Chosen, RigParser, choose};
 use crate::characterise::TorqueReading;
 use crate::compensation::Means;
 use crate::experiments;
@@ -50,11 +50,12 @@ pub struct RunArgs {
     /// What to run [default: all, or the experiment of the protocol given]
     #[arg(value_parser = selections())]
     pub experiment: Option<Selection>,
-    /// The rig: `simulated`, `serial:PORT[@BAUD]` as in serial:/dev/ttyACM0, `quanser[:CARD]`, or
-    /// `nodes[:NAMESPACE]`: whatever the running ROS 2 nodes drive, with their observer and
-    /// controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C
-    /// puts the motor at zero volts at once [default: the rig of --rig-file, else simulated]
-    #[arg(long, value_name = "RIG")]
+    /// The rig
+    #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
+        "The rig: {}, with their observer and controller. A real rig and the nodes run in real time, one run after the other, and ctrl-C puts the motor at \
+         zero volts at once [default: the rig of --rig-file, else simulated]",
+        RigChoice::grammar()
+    ))]
     pub rig: Option<RigChoice>,
     /// Rig profile: address, calibration, limits and drive in one file
     /// [default: rig.yaml of this folder, where --rig names the rig that it is of]

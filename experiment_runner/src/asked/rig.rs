@@ -3,10 +3,14 @@
 //! A profile never chooses a real rig by lying there: only `--rig-file` or `--rig` do. The one in
 //! the current folder is used where `--rig` names the rig that it is of.
 
+use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::{Arg, Command};
 use friction_model::{Motor, TorqueSource};
+use rig_driver::RigRegistry;
 
 use crate::run::{Origin, Origins};
 use rig_setup::{PROFILE, RigChoice, RigLimits, RigProfile};
@@ -41,7 +45,7 @@ fn choose_beside(
     let here = || default.is_file().then(|| default.display());
     let Some(file) = file else {
         return match rig {
-            Some(rig @ (RigChoice::Serial { .. } | RigChoice::Quanser { .. })) if default.is_file() => {
+            Some(rig) if rig.is_opened() && default.is_file() => {
                 let profile = read(default)?;
                 let used = profile.rig == *rig;
                 let note = if used {
@@ -68,7 +72,7 @@ fn choose_beside(
     };
     let profile = read(file)?;
     let rig = rig.cloned().unwrap_or_else(|| profile.rig.clone());
-    let note = match (rig == profile.rig, is_opened(&rig)) {
+    let note = match (rig == profile.rig, rig.is_opened()) {
         (true, true) => format!("rig profile {}: {rig}, {}", file.display(), profile.parts()),
         (false, true) => format!(
             "rig profile {}: {}, though it is of {} and --rig says {rig}",
@@ -85,9 +89,29 @@ fn choose_beside(
     Ok(Chosen { rig, profile: Some((file.to_owned(), profile)), note: Some(note) })
 }
 
-/// Whether the rig is a real one that is opened here.
-const fn is_opened(rig: &RigChoice) -> bool {
-    matches!(rig, RigChoice::Serial { .. } | RigChoice::Quanser { .. })
+/// Reads a rig of the command line; for completions it tells how addresses begin.
+#[derive(Debug, Clone, Copy)]
+pub struct RigParser;
+
+impl TypedValueParser for RigParser {
+    type Value = RigChoice;
+
+    fn parse_ref(
+        &self,
+        command: &Command,
+        option: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<RigChoice, clap::Error> {
+        TypedValueParser::parse_ref(&str::parse::<RigChoice>, command, option, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let kinds = RigRegistry::installed()
+            .factories()
+            .map(|factory| PossibleValue::new(factory.name()).help(factory.about()));
+        let nodes = PossibleValue::new("nodes").help("the rig of running ROS 2 nodes");
+        Some(Box::new(kinds.chain([nodes])))
+    }
 }
 
 /// Reads a profile.
@@ -120,7 +144,7 @@ impl Chosen {
     /// The profile of a real rig that is opened here: calibration, limits and sensors count there
     /// only.
     pub fn of_real(&self) -> Option<&RigProfile> {
-        self.profile().filter(|_| is_opened(&self.rig))
+        self.profile().filter(|_| self.rig.is_opened())
     }
 
     /// The limits: the profile's, with the voltage limit that was `asked` for.

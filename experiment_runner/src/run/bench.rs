@@ -27,6 +27,7 @@ use crate::test_bed::TestBed;
 use crate::waveform::Waveform;
 use rig_setup::{
     BenchRig, Opened, PATIENCE, Reopen, RigChoice, RigSetup, RigSetupError, SensorsPresent,
+    require_device,
 };
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
@@ -97,13 +98,12 @@ pub(super) fn open(
     require_sensors(&options, opened.sensors)?;
     let again = options.clone();
     opened.about.iter().for_each(|about| progress.line(about));
-    let rig = match again.rig {
-        RigChoice::Serial { .. } => {
-            let reopen: Reopen = Box::new(move || self::opened(&again));
-            BenchRig::reopening(opened, Arc::clone(cancel), reopen)?
-        }
+    let rig = if again.rig.comes_back() {
+        let reopen: Reopen = Box::new(move || self::opened(&again));
+        BenchRig::reopening(opened, Arc::clone(cancel), reopen)?
+    } else {
         // A card whose watchdog expired is not driven again by itself.
-        _ => BenchRig::new(opened, Arc::clone(cancel))?,
+        BenchRig::new(opened, Arc::clone(cancel))?
     };
     let simulation = &mut options.test_bed.simulation;
     simulation.period = rig.period();
@@ -114,11 +114,16 @@ pub(super) fn open(
 
 /// The real rig, open and the one that its profile is of.
 fn opened(options: &RunOptions) -> Result<Opened, RigSetupError> {
-    let setup = RigSetup { calibration: options.calibration, limits: options.limits };
-    let opened = options.rig.open(options.test_bed.friction, options.seed, None, setup)?;
+    let setup = RigSetup {
+        calibration: options.calibration,
+        limits: options.limits,
+        friction: options.test_bed.friction,
+        ..RigSetup::default()
+    };
+    let opened = options.rig.open(&setup)?;
     let profile = options.rig_profile.as_ref().and_then(|profile| profile.description.as_ref());
     if let Some(expected) = profile {
-        expected.require(&options.rig, opened.description.as_ref())?;
+        require_device(expected, &options.rig, opened.description.as_ref())?;
     }
     Ok(opened)
 }

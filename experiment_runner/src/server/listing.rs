@@ -60,6 +60,9 @@ fn parameter(arg: &Arg) -> ExperimentParameter {
         default_value: if switch { "false".to_owned() } else { default.join(",") },
         choices: if switch {
             vec!["false".to_owned(), "true".to_owned()]
+        } else if arg.is_hide_possible_values_set() {
+            // How values begin is told to completions; they are not all that there are.
+            Vec::new()
         } else {
             arg.get_possible_values().iter().map(|value| value.get_name().to_owned()).collect()
         },

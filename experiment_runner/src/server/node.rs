@@ -24,6 +24,7 @@ use super::desk::{Desk, Ended, UsualRig, Watcher};
 use super::permissions::{self, Permissions};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
+use rig_driver::registry::AddressError;
 use rig_setup::RigChoice;
 
 use crate::run::Beside;
@@ -90,7 +91,7 @@ impl ManagedRunner {
         let axis = node.identity().namespace.clone();
         let first = OnceLock::new();
         let judge = move |values: &Values, _: &BTreeSet<String>| {
-            let rig: RigChoice = values.text("rig").parse()?;
+            let rig = rig(values)?;
             // What is allowed is what the program was started with.
             let allowed = match first.get() {
                 Some(allowed) => allowed,
@@ -119,10 +120,16 @@ impl ManagedRunner {
     }
 }
 
+/// The rig of experiments whose request names none.
+fn rig(values: &Values) -> Result<RigChoice, String> {
+    values.text("rig").parse().map_err(|error: AddressError| error.to_string())
+}
+
 /// What requests may use, as the parameters say it when the node starts.
 fn permissions(axis: &str, values: &Values) -> Result<Permissions, String> {
-    let mut rigs = permissions::rigs(values.text("allow_rigs"))?;
-    rigs.push(values.text("rig").parse()?);
+    let allowed = permissions::rigs(values.text("allow_rigs"));
+    let mut rigs = allowed.map_err(|error| error.to_string())?;
+    rigs.push(rig(values)?);
     let inputs = Some(values.text("inputs")).filter(|folder| !folder.is_empty()).map(PathBuf::from);
     Ok(Permissions::new(axis, rigs, PathBuf::from(values.text("runs")), inputs))
 }

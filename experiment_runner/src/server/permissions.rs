@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::Refusal;
 use files::input::{LARGEST_TABLE, LARGEST_TEXT};
+use rig_driver::registry::AddressError;
 use rig_setup::RigChoice;
 
 use crate::run::Beside;
@@ -52,8 +53,8 @@ impl fmt::Display for Kind {
 /// The rigs of a list such as `simulated,nodes,serial:/dev/ttyACM0`.
 ///
 /// # Errors
-/// What is no rig, and which there are.
-pub fn rigs(list: &str) -> Result<Vec<RigChoice>, String> {
+/// [`AddressError`] says what is no rig, and which there are.
+pub fn rigs(list: &str) -> Result<Vec<RigChoice>, AddressError> {
     list.split(',').map(str::trim).filter(|name| !name.is_empty()).map(str::parse).collect()
 }
 

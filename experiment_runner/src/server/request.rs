@@ -131,7 +131,7 @@ impl ExperimentRequest {
 /// Refuses what would raise the limits of a real rig: they are those of its profile, or the usual
 /// ones.
 fn raises_no_limit(args: &RunArgs) -> Result<(), Refusal> {
-    let real = matches!(args.rig, Some(RigChoice::Serial { .. } | RigChoice::Quanser { .. }));
+    let real = args.rig.as_ref().is_some_and(RigChoice::is_opened);
     let Some(asked) = args.voltage_limit.filter(|_| real) else { return Ok(()) };
     let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())
         .map_err(|error| Refusal::BadRequest(error.to_string()))?;

@@ -5,11 +5,11 @@ use std::{path::PathBuf, sync::atomic::Ordering};
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
-use rig_driver::SimulationOptions;
+use rig_driver::{RigRegistry, SimulationOptions};
 
 use crate::interruption;
 use crate::live::{self, LiveError, LiveOptions, Serving};
-use experiment_runner::asked::rig::{Chosen, choose};
+use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::compensation::Means;
 use experiment_runner::protocol::TrackingProtocol;
 use experiment_runner::test_bed::TestBed;
@@ -38,10 +38,11 @@ use work::model_name::model_name;
 /// device without hardware.
 #[derive(Debug, clap::Args)]
 pub struct LiveArgs {
-    /// The rig: `simulated`, `serial:PORT` as in serial:/dev/ttyACM0, with `@BAUD` behind it for
-    /// another rate than 2000000, or `quanser[:CARD]`
-    /// [default: the rig of --rig-file, else simulated]
-    #[arg(long, value_name = "RIG")]
+    /// The rig
+    #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
+        "The rig: {} [default: the rig of --rig-file, else simulated]",
+        RigRegistry::installed().grammar()
+    ))]
     pub rig: Option<RigChoice>,
     /// Rig profile: address, calibration, limits and drive in one file
     /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
@@ -179,9 +180,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     }
     let report = live::run(&options, &stop, |priority| {
         let rate = match (args.rate, &chosen.rig) {
-            (None, RigChoice::Serial { .. } | RigChoice::Quanser { .. }) => {
-                "the device's rate".to_owned()
-            }
+            (None, rig) if rig.is_opened() => "the device's rate".to_owned(),
             (rate, _) => format!("{} Hz", rate.unwrap_or(RATE)),
         };
         // The rig runs: a terminal that takes nothing must not keep its nodes from being looked

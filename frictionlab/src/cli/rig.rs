@@ -1,6 +1,5 @@
 //! `frictionlab rig`: find a rig, look at it, move it a little, calibrate it.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,16 +9,16 @@ use std::time::{Duration, SystemTime};
 
 use controller::{ControlMode, Controller, ControllerOptions, Feedback, Reference};
 use friction_model::{AnyModel, ModelName};
-use rig_driver::quanser::find_library;
-use rig_driver::{Calibration, Miswiring, emulated};
+use rig_driver::registry::Listed;
+use rig_driver::{Calibration, Miswiring, RigRegistry, SimulationOptions};
 
 use crate::interruption;
-use experiment_runner::asked::rig::{Chosen, choose};
+use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use files::{OutputError, OutputFile};
 use rig_setup::{
     Display, Findings, JogSummary, Procedure, RigChoice, RigDescription, RigLimits, RigProfile,
     RigSetup, RigSetupError, SensorsPresent, Session, findings_table, read_calibration,
-    render_calibration, run_procedure, serial_ports,
+    render_calibration, require_device, run_procedure,
 };
 use work::BadInput;
 use work::Interrupted;
@@ -111,9 +110,11 @@ enum RigCommand {
 /// Which rig, and how.
 #[derive(Debug, clap::Args)]
 struct Which {
-    /// `simulated`, `quanser[:CARD]` or `serial:PORT`
-    /// [default: the rig of --rig-file, else simulated]
-    #[arg(long, value_name = "RIG")]
+    /// Which rig
+    #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
+        "Which rig: {} [default: the rig of --rig-file, else simulated]",
+        RigRegistry::installed().grammar()
+    ))]
     rig: Option<RigChoice>,
     /// Rig profile: address, limits, calibration and drive in one file. `check` and `calibrate`
     /// write it, and make it if --rig names the rig
@@ -144,6 +145,18 @@ struct Which {
     /// Show no channels, print the results only
     #[arg(long, short)]
     quiet: bool,
+}
+
+impl Which {
+    /// The simulated rig as the options have it.
+    fn simulated(&self) -> RigSetup {
+        RigSetup {
+            simulation: SimulationOptions { seed: self.seed, ..SimulationOptions::default() },
+            friction: AnyModel::test_bed(self.plant),
+            wiring: self.miswired,
+            ..RigSetup::default()
+        }
+    }
 }
 
 /// How often the steps are begun again where the line to a device failed.
@@ -188,7 +201,8 @@ fn calibrate(which: &Which, out: Option<&Path>, replace: &Force) -> anyhow::Resu
     let file = name.as_deref().map(|name| replace.file(name)).transpose().map_err(bad)?;
     let profile = place.writable()?;
     // Against the readings as they come: what an earlier calibration put right is found once more.
-    let setup = RigSetup { calibration: explicit_calibration(which)?, limits: place.limits(which) };
+    let (calibration, limits) = (explicit_calibration(which)?, place.limits(which));
+    let setup = RigSetup { calibration, limits, ..which.simulated() };
     let (found, seen) = find(which, &place, setup, None)?;
     print(&findings_table(&found))?;
     print("\n")?;
@@ -254,7 +268,7 @@ impl Place {
             None => self.profile().and_then(|profile| profile.calibration),
             given => given,
         };
-        Ok(RigSetup { calibration, limits: self.limits(which) })
+        Ok(RigSetup { calibration, limits: self.limits(which), ..which.simulated() })
     }
 
     /// The profile's file, if there is to be one: its parts are written anew, and it can be
@@ -311,39 +325,8 @@ fn explicit_calibration(which: &Which) -> Result<Option<Calibration>, BadInput> 
 
 /// What this machine has.
 fn list() -> String {
-    let mut text = String::from("simulated      the test bed of the thesis, always there\n");
-    match find_library() {
-        Ok(library) => {
-            let _ = writeln!(
-                text,
-                "quanser        HIL library {} is there; which cards are, only opening one tells",
-                library.display()
-            );
-        }
-        Err(error) => {
-            let _ = writeln!(text, "quanser        {error}");
-        }
-    }
-    let ports = serial_ports();
-    for port in &ports {
-        let name = port.by_id.as_ref().unwrap_or(&port.device);
-        let product = port.product.as_deref().unwrap_or("a device that does not tell its name");
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "serial:{}  {product} ({})", name.display(), port.device.display());
-    }
-    let emulated =
-        emulated::folder().map(|folder| emulated::announced(&folder)).unwrap_or_default();
-    for port in &emulated {
-        let _ = writeln!(
-            text,
-            "serial:{}  an emulated rig, by a rig_emulator that runs on this machine",
-            port.display()
-        );
-    }
-    if ports.is_empty() && emulated.is_empty() {
-        text += "serial         no serial port with a device on it; plug the board in, and see that your user may open it (group dialout)\n";
-    }
-    text
+    let line = |listed: Listed| format!("{:<13}  {}\n", listed.address, listed.about);
+    RigRegistry::installed().listed().into_iter().map(line).collect()
 }
 
 fn check(which: &Which, seconds: f64) -> anyhow::Result<()> {
@@ -381,8 +364,7 @@ fn find(
     }
     // What a line that fails costs is the steps at hand: they are begun again, on a serial device
     // whose travel is not limited.
-    let may_repeat =
-        matches!(place.chosen.rig, RigChoice::Serial { .. }) && setup.limits.travel.is_none();
+    let may_repeat = place.chosen.rig.comes_back() && setup.limits.travel.is_none();
     let mut repeats = 0;
     loop {
         let begun = SystemTime::now();
@@ -487,20 +469,17 @@ fn drive<T>(
         .into());
     }
     let mut display = Display::default();
-    let outcome = rig
-        .open(AnyModel::test_bed(which.plant), which.seed, which.miswired, setup)
-        .and_then(|opened| {
-            let seen = Seen { description: opened.description.clone(), sensors: opened.sensors };
-            let expected = place.profile().and_then(|profile| profile.description.as_ref());
-            // A calibration is found anew; one that is used has to be of this device.
-            if let Some(expected) = expected.filter(|_| setup.calibration.is_some()) {
-                expected.require(rig, seen.description.as_ref())?;
-            }
-            let session = Session::new(opened, which.max_volts, stop)?;
-            let mut session =
-                if shown { session.shown(|seen| display.show(seen)) } else { session };
-            Ok((work(&mut session)?, seen))
-        });
+    let outcome = rig.open(&setup).and_then(|opened| {
+        let seen = Seen { description: opened.description.clone(), sensors: opened.sensors };
+        let expected = place.profile().and_then(|profile| profile.description.as_ref());
+        // A calibration is found anew; one that is used has to be of this device.
+        if let Some(expected) = expected.filter(|_| setup.calibration.is_some()) {
+            require_device(expected, rig, seen.description.as_ref())?;
+        }
+        let session = Session::new(opened, which.max_volts, stop)?;
+        let mut session = if shown { session.shown(|seen| display.show(seen)) } else { session };
+        Ok((work(&mut session)?, seen))
+    });
     display.end();
     outcome.map_err(told)
 }

@@ -7,7 +7,7 @@ use anyhow::Context;
 use ros_node::parameters::Parameters;
 use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
 
-use experiment_runner::asked::rig::{Chosen, choose};
+use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::server::desk::UsualRig;
 use experiment_runner::server::node::Runner;
 use experiment_runner::server::permissions::Permissions;
@@ -30,10 +30,11 @@ pub struct ServeArgs {
     /// Folder in which each run gets a folder of its own, unless its request names one
     #[arg(long, value_name = "DIR", default_value = "runs")]
     pub runs: PathBuf,
-    /// Rig of experiments whose request names none: `simulated`, `nodes[:NAMESPACE]` for whatever
-    /// the running ROS 2 nodes drive, `serial:PORT[@BAUD]` or `quanser[:CARD]`
-    /// [default: the rig of --rig-file, else simulated]
-    #[arg(long, value_name = "RIG")]
+    /// Rig of experiments whose request names none
+    #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
+        "Rig of experiments whose request names none: {} [default: the rig of --rig-file, else simulated]",
+        RigChoice::grammar()
+    ))]
     pub rig: Option<RigChoice>,
     /// Rig profile: address, calibration, limits and drive in one file; it counts for every
     /// experiment on its rig

@@ -3,43 +3,27 @@
 
 use std::path::{Path, PathBuf};
 
-use rig_driver::quanser::find_library;
+use rig_driver::RigRegistry;
+use rig_driver::registry::{Listed, Standing};
 use rustix::fs::{Access, access, statvfs};
 
 use super::Finding;
-use rig_setup::{SerialPort, serial_ports};
 
 /// What an hour of `frictionlab live` at 1 kHz takes in its bag [GB], measured: 246 kB a second.
 const GIGABYTES_AN_HOUR: f64 = 0.9;
 
 /// Rigs.
 pub(super) fn check() -> Vec<Finding> {
-    let mut findings = vec![Finding::fine("simulated", "the test bed is always there")];
-    findings.push(match find_library() {
-        Ok(library) => {
-            Finding::fine("quanser", format!("the HIL library {} is there", library.display()))
-        }
-        Err(_) => Finding::fine("quanser", "no HIL library; only Quanser's own cards need it"),
-    });
-    let ports = serial_ports();
-    if ports.is_empty() {
-        findings.push(Finding::fine("serial", "no serial port with a device on it"));
-    }
-    findings.extend(ports.iter().map(port));
-    findings
+    RigRegistry::installed().listed().into_iter().map(finding).collect()
 }
 
-fn port(port: &SerialPort) -> Finding {
-    let name = port.by_id.as_ref().unwrap_or(&port.device);
-    let subject = format!("serial:{}", name.display());
-    let product = port.product.as_deref().unwrap_or("a device that does not tell its name");
-    match access(&port.device, Access::READ_OK | Access::WRITE_OK) {
-        Ok(()) => Finding::fine(subject, format!("{product}; this user may open it")),
-        Err(error) => Finding::look(
-            subject,
-            format!("{product}; this user may not open it: {error}"),
-            "`sudo usermod -aG dialout $USER` (some systems say uucp), then log in again",
-        ),
+/// What is listed, judged: that a kind of rig is absent is no fault.
+fn finding(Listed { address, about, standing }: Listed) -> Finding {
+    match standing {
+        Standing::Ready | Standing::Absent => Finding::fine(address, about),
+        Standing::Refused { why, mend } => {
+            Finding::look(address, format!("{about}; this user may not open it: {why}"), mend)
+        }
     }
 }
 
@@ -98,8 +82,12 @@ mod tests {
             [room(0.05), room(0.5), room(100.0)].map(|finding| finding.verdict),
             [Verdict::Broken, Verdict::LookAtThis, Verdict::Fine]
         );
-        let gone = SerialPort { by_id: None, device: "/nowhere/ttyACM0".into(), product: None };
-        let finding = port(&gone);
+        let refused = Standing::Refused { why: "no such file".into(), mend: "plug it in" };
+        let finding = finding(Listed {
+            address: "serial:/nowhere/ttyACM0".into(),
+            about: "a board".into(),
+            standing: refused,
+        });
         assert_eq!(
             (finding.verdict, finding.subject.as_str()),
             (Verdict::LookAtThis, "serial:/nowhere/ttyACM0")

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::LaunchError;
 use files::first_free;
+use rig_driver::RigRegistry;
 use rig_setup::RigChoice;
 use work::destination::RUNS;
 
@@ -56,7 +57,7 @@ pub struct LaunchArguments {
 
 /// Names and meaning of the arguments of one axis, as `--help` shows them.
 pub const AXIS_ARGUMENTS: [(&str, &str); 8] = [
-    ("rig", "simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD"),
+    ("rig", "which rig the nodes drive; `frictionlab rig list` finds those there are"),
     ("model", "friction model that estimates; `frictionlab models` lists them"),
     ("mode", "what is regulated: velocity or position"),
     ("namespace", "namespace of the axis, as in axis_1"),
@@ -175,12 +176,12 @@ impl AxisArguments {
         let owned = value.map(str::to_owned);
         match (name, value) {
             ("rig", Some(rig)) => {
-                let rig_named = rig.parse::<RigChoice>().map_err(LaunchError::Argument)?;
+                let rig_named = rig
+                    .parse::<RigChoice>()
+                    .map_err(|error| LaunchError::Argument(error.to_string()))?;
                 if matches!(rig_named, RigChoice::Nodes { .. }) {
-                    return wrong(
-                        rig,
-                        "simulated, serial:PORT, quanser or quanser:CARD: this starts the nodes",
-                    );
+                    let rigs = RigRegistry::installed().grammar();
+                    return wrong(rig, &format!("{rigs}: this starts the nodes"));
                 }
                 self.rig = owned;
             }

@@ -53,7 +53,7 @@ use experiment_runner::run::{Compensators, Origins, render_parameter_file};
 use experiment_runner::test_bed::TestBed;
 use experiment_runner::waveform::Waveform;
 use files::OutputFile;
-use rig_setup::{Opened, RigChoice, RigDescription, RigLimits, RigSetup};
+use rig_setup::{Opened, RigChoice, RigDescription, RigLimits, RigSetup, require_device};
 
 /// Cycles that wait for the recorder: eight seconds at 1 kHz, since a disk can be busy for that
 /// long.
@@ -276,10 +276,15 @@ impl LiveOptions {
         if self.rig == RigChoice::Simulated {
             return Ok(None);
         }
-        let setup = RigSetup { calibration: self.calibration, limits: self.limits };
-        let opened = self.rig.open(self.test_bed.friction, self.seed, None, setup)?;
+        let setup = RigSetup {
+            calibration: self.calibration,
+            limits: self.limits,
+            friction: self.test_bed.friction,
+            ..RigSetup::default()
+        };
+        let opened = self.rig.open(&setup)?;
         if let Some(expected) = &self.description {
-            expected.require(&self.rig, opened.description.as_ref())?;
+            require_device(expected, &self.rig, opened.description.as_ref())?;
         }
         let (period, asked) = (opened.rig.period(), 1.0 / self.test_bed.simulation.period);
         if self.rate_given && (period * asked - 1.0).abs() > 1e-6 {

@@ -194,7 +194,7 @@ impl Axis {
         let in_cycle = locked(&self.in_cycle).take();
         let torque = TorqueEstimate::new(
             settings.torque_source,
-            settings.drive(),
+            settings.motor(),
             rig.period(),
             settings.torque_filter,
         );

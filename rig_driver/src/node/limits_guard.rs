@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use ros_node::parameters::Values;
 
+use super::parameters::is_simulated;
+
 /// The parameter that lets limits of a real rig be changed after the start.
 pub(super) const ALLOW_LIMITS: &str = "allow_limits";
 
@@ -60,7 +62,7 @@ impl LimitsGuard {
     /// Takes values that were good.
     pub(super) fn take(&mut self, values: &Values) {
         if self.before.is_none() {
-            self.real = values.text("rig") != "simulated";
+            self.real = !is_simulated(values.text("rig"));
         }
         self.before = Some(values.clone());
     }

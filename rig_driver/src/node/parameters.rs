@@ -8,11 +8,9 @@ use super::{
     torque_estimate::SOURCES,
 };
 use crate::{
-    Calibrated, Calibration, HIGHEST_VOLTAGE, Rig, RigError, Sign, SimulationOptions,
-    VOLTAGE_RANGE,
-    quanser::{QuanserOptions, QuanserRig},
-    safety::{SafetyLimits, Supervised, Travel},
-    serial::{self, SerialOptions, SerialRig},
+    Calibration, HIGHEST_VOLTAGE, Rig, RigError, Sign, SimulationOptions, VOLTAGE_RANGE,
+    registry::{AddressError, RigAddress, RigRegistry, RigSetup},
+    safety::{RigLimits, SafetyLimits, Supervised, Travel},
 };
 
 const POSITIVE: ValueRange = ValueRange::Double(f64::MIN_POSITIVE, f64::MAX);
@@ -37,7 +35,7 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         Declaration::text(
             "rig",
             "simulated",
-            "Which rig: simulated, serial:PORT[@BAUD], quanser or quanser:CARD",
+            format!("Which rig: {}", RigRegistry::installed().grammar()),
         )
         .constraint(LIMIT),
         Declaration::boolean(
@@ -54,7 +52,7 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
         .read_only(),
         Declaration::boolean(
             "autostart",
-            rig.is_empty() || rig == "simulated",
+            rig.is_empty() || is_simulated(rig),
             "Configure and activate when the program starts; false for real rigs unless given",
         )
         .read_only(),
@@ -178,58 +176,14 @@ pub fn declarations(rig: &str) -> Vec<Declaration> {
 /// What the parameters say, read.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RigSettings {
-    rig: RigName,
-    simulation: SimulationOptions,
-    model: ModelName,
-    voltage_limit: f64,
-    limits: SafetyLimits,
-    velocity_given: bool,
-    calibration: Calibration,
+    address: RigAddress,
+    setup: RigSetup,
     pub(super) torque_source: TorqueSource,
     pub(super) torque_filter: f64,
     /// The rig in words.
     pub(super) name: String,
     /// Where the motor's temperature is kept; empty for the place where programs keep such things.
     pub(super) state_folder: String,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum RigName {
-    Simulated,
-    Serial { port: String, baud: u32 },
-    Quanser { card: String },
-}
-
-impl RigName {
-    fn read(text: &str) -> Result<Self, String> {
-        let wrong = || {
-            format!(
-                "rig must be simulated, serial:PORT as in serial:/dev/ttyACM0, quanser or quanser:CARD, but is `{text}`"
-            )
-        };
-        match text.split_once(':') {
-            None if text == "simulated" => Ok(Self::Simulated),
-            None if text == "quanser" => Ok(Self::Quanser { card: "0".to_owned() }),
-            Some(("quanser", card)) if !card.is_empty() => {
-                Ok(Self::Quanser { card: card.to_owned() })
-            }
-            Some(("serial", port)) => {
-                let (port, baud) = match port.rsplit_once('@') {
-                    Some((port, baud)) => (
-                        port,
-                        baud.parse().map_err(|_| format!("`{baud}` in rig is no baud rate"))?,
-                    ),
-                    None => (port, SerialOptions::default().baud),
-                };
-                if port.is_empty() {
-                    Err(wrong())
-                } else {
-                    Ok(Self::Serial { port: port.to_owned(), baud })
-                }
-            }
-            _ => Err(wrong()),
-        }
-    }
 }
 
 impl RigSettings {
@@ -260,12 +214,15 @@ impl RigSettings {
             deadband_backward: values.double("calibration.deadband_backward"),
         };
         calibration.check().map_err(told)?;
-        let rig = RigName::read(values.text("rig"))?;
+        let address: RigAddress = values
+            .text("rig")
+            .parse()
+            .map_err(|error: AddressError| format!("rig cannot be that: {error}"))?;
         let voltage_limit = values.double("voltage_limit");
         let simulation = SimulationOptions {
             drive,
             // A real rig tells its range when it is opened.
-            voltage_limit: if rig == RigName::Simulated {
+            voltage_limit: if address.is_simulated() {
                 voltage_limit
             } else {
                 voltage_limit.min(VOLTAGE_RANGE)
@@ -277,75 +234,76 @@ impl RigSettings {
         };
         simulation.check().map_err(told)?;
         let velocity = values.double("safety.velocity");
-        let default = SafetyLimits::default();
-        let limits = SafetyLimits {
-            slew: values.double("safety.slew"),
-            velocity: if velocity > 0.0 { velocity } else { default.velocity },
+        let limits = RigLimits {
+            voltage: Some(voltage_limit),
+            slew: Some(values.double("safety.slew")),
+            velocity: Some(velocity).filter(|velocity| *velocity > 0.0),
             travel: values.boolean("safety.travel").then(|| Travel {
                 min: values.double("safety.travel_min"),
                 max: values.double("safety.travel_max"),
                 margin: values.double("safety.travel_margin"),
             }),
-            command_age: values.double("safety.command_age"),
-            command_lost: values.double("safety.command_lost"),
-            cycle_late: values.double("safety.cycle_late"),
-            cycle_lost: values.double("safety.cycle_lost"),
-            ..default
+            command_age: Some(values.double("safety.command_age")),
+            command_lost: Some(values.double("safety.command_lost")),
+            cycle_late: Some(values.double("safety.cycle_late")),
+            cycle_lost: Some(values.double("safety.cycle_lost")),
         };
-        limits.check(simulation.period).map_err(|error| format!("safety: {error}"))?;
+        // What no rig could have is told before one is opened.
+        limits
+            .on(SafetyLimits::default(), HIGHEST_VOLTAGE, false)
+            .and_then(|limits| limits.check(simulation.period))
+            .map_err(|error| format!("safety: {error}"))?;
         if values.boolean("use_sim_time") {
             return Err("use_sim_time must be false: the rig runs by the system's clock, and stamps what it measures with it".into());
         }
+        let model: ModelName = values
+            .text("simulated.model")
+            .parse()
+            .map_err(|error: friction_model::ModelError| error.to_string())?;
         Ok(Self {
-            rig,
-            simulation,
-            model: values
-                .text("simulated.model")
-                .parse()
-                .map_err(|e: friction_model::ModelError| e.to_string())?,
-            voltage_limit,
-            limits,
-            velocity_given: velocity > 0.0,
-            calibration,
+            setup: RigSetup {
+                calibration: Some(calibration).filter(|given| *given != Calibration::default()),
+                limits,
+                simulation,
+                friction: AnyModel::test_bed(model),
+                wiring: None,
+            },
             torque_source: TorqueSource::named(values.text("torque_source")).unwrap_or_default(),
             torque_filter: values.double("torque_filter"),
-            name: values.text("rig").to_owned(),
+            name: address.to_string(),
+            address,
             state_folder: values.text("state_folder").to_owned(),
         })
     }
 
     /// Whether the rig is a simulated one.
     pub(super) fn is_simulated(&self) -> bool {
-        self.rig == RigName::Simulated
+        self.address.is_simulated()
     }
 
     /// Names of limits in which `other` differs.
     pub(super) fn differing(&self, other: &Self) -> Vec<&'static str> {
-        let travel = |of: &Self| of.limits.travel;
+        let (here, there) = (&self.setup.limits, &other.setup.limits);
         [
-            ("rig", self.rig != other.rig),
-            ("voltage_limit", self.voltage_limit != other.voltage_limit),
-            ("safety.slew", self.limits.slew != other.limits.slew),
-            (
-                "safety.velocity",
-                self.velocity_given != other.velocity_given
-                    || self.limits.velocity != other.limits.velocity,
-            ),
-            ("safety.travel", travel(self) != travel(other)),
-            ("safety.command_age", self.limits.command_age != other.limits.command_age),
-            ("safety.command_lost", self.limits.command_lost != other.limits.command_lost),
-            ("safety.cycle_late", self.limits.cycle_late != other.limits.cycle_late),
-            ("safety.cycle_lost", self.limits.cycle_lost != other.limits.cycle_lost),
-            ("calibration", self.calibration != other.calibration),
+            ("rig", self.address != other.address),
+            ("voltage_limit", here.voltage != there.voltage),
+            ("safety.slew", here.slew != there.slew),
+            ("safety.velocity", here.velocity != there.velocity),
+            ("safety.travel", here.travel != there.travel),
+            ("safety.command_age", here.command_age != there.command_age),
+            ("safety.command_lost", here.command_lost != there.command_lost),
+            ("safety.cycle_late", here.cycle_late != there.cycle_late),
+            ("safety.cycle_lost", here.cycle_lost != there.cycle_lost),
+            ("calibration", self.setup.calibration != other.setup.calibration),
         ]
         .into_iter()
         .filter_map(|(name, differs)| differs.then_some(name))
         .collect()
     }
 
-    /// The drive that the parameters describe.
-    pub(super) const fn drive(&self) -> Motor {
-        self.simulation.drive
+    /// The motor that the parameters describe.
+    pub(super) const fn motor(&self) -> Motor {
+        self.setup.simulation.drive
     }
 
     /// Opens the rig with its motor at zero volts, under the safety layer, unconfigured.
@@ -353,50 +311,13 @@ impl RigSettings {
     /// # Errors
     /// [`RigError`] says what is missing or refused.
     pub(super) fn open(&self) -> Result<Supervised<Box<dyn Rig + Send>>, RigError> {
-        let (rig, fitting): (Box<dyn Rig + Send>, SafetyLimits) = match &self.rig {
-            RigName::Simulated => {
-                let rig = self.simulation.build(AnyModel::test_bed(self.model))?;
-                // A simulated shaft stands still while its loop waits: a late cycle never asks for
-                // a new activation.
-                let limits = SafetyLimits::for_simulation(&self.simulation);
-                (rig, SafetyLimits { cycle_lost: f64::MAX, ..limits })
-            }
-            RigName::Serial { port, baud } => {
-                let options = SerialOptions { baud: *baud, ..SerialOptions::default() };
-                let rig = SerialRig::open(std::path::Path::new(port), options)?;
-                let limits = serial::limits(rig.hello());
-                (Box::new(rig), limits)
-            }
-            RigName::Quanser { card } => {
-                let options = QuanserOptions {
-                    card: card.clone(),
-                    voltage_limit: self.voltage_limit,
-                    ..QuanserOptions::default()
-                };
-                let mut limits = SafetyLimits::default();
-                if options.torque.is_none() {
-                    limits.sensors.torque_range = None;
-                }
-                (Box::new(QuanserRig::open(options)?), limits)
-            }
-        };
-        let simulated = self.rig == RigName::Simulated;
-        let limits = SafetyLimits {
-            voltage: SafetyLimits::voltage_within(Some(self.voltage_limit), rig.voltage_range())?,
-            velocity: if self.velocity_given { self.limits.velocity } else { fitting.velocity },
-            cycle_lost: if simulated { fitting.cycle_lost } else { self.limits.cycle_lost },
-            motor: fitting.motor,
-            sensors: fitting.sensors,
-            standstill: fitting.standstill,
-            ..self.limits
-        };
-        let rig: Box<dyn Rig + Send> = if self.calibration == Calibration::default() {
-            rig
-        } else {
-            Box::new(Calibrated::new(rig, self.calibration)?)
-        };
-        Supervised::new(rig, limits)
+        self.address.open(&self.setup)?.supervised()
     }
+}
+
+/// Whether `rig` is the address of a simulated rig.
+pub(super) fn is_simulated(rig: &str) -> bool {
+    rig.parse::<RigAddress>().is_ok_and(|address| address.is_simulated())
 }
 
 #[cfg(test)]
@@ -419,7 +340,10 @@ mod tests {
     fn the_defaults_are_the_test_bed_under_its_limits() {
         let settings = read(&[]).unwrap();
         let default = SimulationOptions::default();
-        assert_eq!((settings.simulation, settings.model), (default, ModelName::Proposed));
+        assert_eq!(
+            settings.setup,
+            RigSetup { limits: settings.setup.limits, ..RigSetup::default() }
+        );
         let rig = settings.open().unwrap();
         let limits = SafetyLimits::for_simulation(&default);
         assert_eq!(*rig.supervisor().limits(), SafetyLimits { cycle_lost: f64::MAX, ..limits });

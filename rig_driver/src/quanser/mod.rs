@@ -9,6 +9,7 @@
 
 mod counter;
 mod error;
+mod factory;
 mod hil;
 mod library;
 mod options;
@@ -16,6 +17,7 @@ mod rig;
 
 pub use counter::UnwrappedCounter;
 pub use error::QuanserError;
+pub use factory::QuanserFactory;
 pub use library::find_library;
 pub use options::{AnalogInput, QuanserOptions};
 pub use rig::QuanserRig;

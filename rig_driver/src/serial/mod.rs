@@ -16,11 +16,13 @@
 
 mod clock;
 mod error;
+mod factory;
 mod handshake;
 mod latency;
 mod monitor;
 mod options;
 mod port;
+mod ports;
 mod reader;
 mod rig;
 mod scaling;
@@ -32,6 +34,7 @@ mod supervision;
 mod test_messages;
 
 pub use error::SerialError;
+pub use factory::SerialFactory;
 pub use latency::Latency;
 pub use options::SerialOptions;
 pub use rig::SerialRig;

@@ -149,7 +149,7 @@ fn only_the_rigs_that_were_given_are_driven() {
     let own = RigChoice::Nodes { namespace: Some("/".into()) };
     assert_eq!(permissions.rig(RigChoice::Nodes { namespace: None }).unwrap(), own);
     assert!(rigs("simulated, serial:/dev/ttyACM0").unwrap().len() == 2);
-    assert!(rigs("simulated,usb").unwrap_err().contains("usb"));
+    assert!(rigs("simulated,usb").unwrap_err().to_string().contains("usb"));
 }
 
 /// The whole way that a request goes, for every option that names a file.

@@ -1,104 +1,12 @@
-//! The simulated test bed: drive, friction, sensors and voltage output, lock-step and reproducible
-//! from a seed.
+//! The rig itself: drive, friction, sensors and voltage output.
 
-use friction_model::{AnyModel, FrictionModel, ModelVisitor, Motor};
+use friction_model::FrictionModel;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use serde::{Deserialize, Serialize};
 
-use crate::safety::{SafetyLimits, Supervised};
+use super::SimulationOptions;
 use crate::sensors::quantise;
-use crate::{
-    FrictionCoupling, FrictionDrift, HIGHEST_VOLTAGE, Measurement, Plant, Rig, RigError, Sensors,
-    Truth, VOLTAGE_RANGE,
-};
-
-/// Everything a simulated rig is made of, but for its friction model.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SimulationOptions {
-    /// The geared motor.
-    pub drive: Motor,
-    /// How friction enters the drive.
-    pub friction_coupling: FrictionCoupling,
-    /// Sensors and converters.
-    pub sensors: Sensors,
-    /// Largest magnitude of the motor voltage [V], above zero and at most `voltage_range`.
-    pub voltage_limit: f64,
-    /// Largest magnitude that the rig's amplifier can put out [V], above zero and at most
-    /// [`HIGHEST_VOLTAGE`].
-    #[serde(default = "usual_range")]
-    pub voltage_range: f64,
-    /// Period of the control cycle [s], above zero and at most 10 ms.
-    pub period: f64,
-    /// Integration steps a period.
-    pub substeps: u32,
-    /// Seed of the sensors' noise.
-    pub seed: u64,
-    /// How the friction drifts; not at all if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub friction_drift: Option<FrictionDrift>,
-    /// Limits of the driver's safety layer around the rig; none to go without, as offline runs do,
-    /// where nobody can be hurt.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub safety: Option<SafetyLimits>,
-}
-
-/// The range of a rig whose description leaves it out.
-const fn usual_range() -> f64 {
-    VOLTAGE_RANGE
-}
-
-impl Default for SimulationOptions {
-    /// The SRV-02 with the thesis's time constant at 1 kHz, two integration steps a period, +-6 V
-    /// (the motor's nominal voltage).
-    fn default() -> Self {
-        Self {
-            drive: Motor::SRV02,
-            friction_coupling: FrictionCoupling::Physical,
-            sensors: Sensors::default(),
-            voltage_limit: 6.0,
-            voltage_range: VOLTAGE_RANGE,
-            period: 1e-3,
-            substeps: 2,
-            seed: 1,
-            friction_drift: None,
-            safety: None,
-        }
-    }
-}
-
-impl SimulationOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`RigError`] names the field.
-    pub fn check(&self) -> Result<(), RigError> {
-        self.drive.check()?;
-        self.sensors.check()?;
-        self.friction_drift.map_or(Ok(()), |drift| drift.check())?;
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
-        if !(self.voltage_range > 0.0 && self.voltage_range <= HIGHEST_VOLTAGE) {
-            return error("voltage_range", self.voltage_range, "above 0 and at most 60 V");
-        }
-        if !(self.voltage_limit > 0.0 && self.voltage_limit.is_finite()) {
-            return error("voltage_limit", self.voltage_limit, "a finite number above 0");
-        }
-        if self.voltage_limit > self.voltage_range {
-            return Err(RigError::BeyondRange {
-                limit: self.voltage_limit,
-                range: self.voltage_range,
-            });
-        }
-        if !(self.period > 0.0 && self.period <= 0.01) {
-            return error("period", self.period, "above 0 and at most 0.01 s");
-        }
-        if self.substeps == 0 || self.substeps > 10_000 {
-            return error("substeps", f64::from(self.substeps), "from 1 to 10000");
-        }
-        Ok(())
-    }
-}
+use crate::{Measurement, Plant, Rig, RigError, Truth};
 
 /// The simulated test bed under the friction of model `M`.
 #[derive(Debug, Clone)]
@@ -199,49 +107,12 @@ impl<M: FrictionModel> Rig for SimulatedRig<M> {
     }
 }
 
-impl SimulationOptions {
-    /// The same rig under the safety layer, with the limits that follow from these options.
-    #[must_use]
-    pub fn supervised(self) -> Self {
-        Self { safety: Some(SafetyLimits::for_simulation(&self)), ..self }
-    }
-
-    /// The simulated rig under a friction model chosen while the program runs; active, if it is
-    /// under the safety layer.
-    ///
-    /// # Errors
-    /// [`RigError`] names the option that is out of range.
-    pub fn build(self, model: AnyModel) -> Result<Box<dyn Rig + Send>, RigError> {
-        model.visit(Build(self))
-    }
-}
-
-/// Builds the rig around a model whose type is known.
-struct Build(SimulationOptions);
-
-impl ModelVisitor for Build {
-    type Output = Result<Box<dyn Rig + Send>, RigError>;
-
-    fn visit<M>(self, model: M) -> Self::Output
-    where
-        M: FrictionModel<Continuous: Send + Sync, Memory: Send + Sync, Discrete: Send + Sync>
-            + Send
-            + Sync
-            + 'static,
-    {
-        let rig = SimulatedRig::new(self.0, model)?;
-        Ok(match self.0.safety {
-            None => Box::new(rig),
-            Some(limits) => Box::new(Supervised::activated(rig, limits)?),
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use friction_model::{ModelName, Proposed};
+    use friction_model::{AnyModel, ModelName, Proposed};
 
     use super::*;
+    use crate::{FrictionDrift, Sensors};
 
     #[test]
     fn the_same_seed_gives_the_same_run_to_the_last_bit() {
