@@ -5,8 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rig_driver::safety::{FaultReport, Request, State};
-use rig_driver::{Measurement, Rig, RigError, Truth};
+use rig_driver::{Measurement, Rig, RigError};
 
 /// A loop that is further behind than this does not catch up any more.
 const HOPELESS: Duration = Duration::from_millis(100);
@@ -29,24 +28,16 @@ impl Paced {
 }
 
 impl Rig for Paced {
+    fn beneath(&self) -> Option<&dyn Rig> {
+        Some(&self.rig)
+    }
+
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        Some(&mut self.rig)
+    }
+
     fn period(&self) -> f64 {
         self.rig.period()
-    }
-
-    fn voltage_range(&self) -> f64 {
-        self.rig.voltage_range()
-    }
-
-    fn keeps_time(&self) -> bool {
-        self.rig.keeps_time()
-    }
-
-    fn wait(&mut self) -> Result<(), RigError> {
-        self.rig.wait()
-    }
-
-    fn tell_time(&mut self, now: f64) {
-        self.rig.tell_time(now);
     }
 
     fn measure(&mut self) -> Measurement {
@@ -64,38 +55,6 @@ impl Rig for Paced {
             return Err(RigError::Stopped);
         }
         self.rig.apply(volts)
-    }
-
-    fn activate(&mut self) -> Result<(), RigError> {
-        self.rig.activate()
-    }
-
-    fn halt(&mut self) -> Result<(), RigError> {
-        self.rig.halt()
-    }
-
-    fn clear(&mut self) -> Result<(), RigError> {
-        self.rig.clear()
-    }
-
-    fn deactivate(&mut self) -> Result<(), RigError> {
-        self.rig.deactivate()
-    }
-
-    fn emergency_stop(&mut self) -> Result<(), RigError> {
-        self.rig.emergency_stop()
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        self.rig.truth()
-    }
-
-    fn request(&mut self, request: Request) -> Result<State, RigError> {
-        self.rig.request(request)
-    }
-
-    fn latched_fault(&self) -> Option<FaultReport> {
-        self.rig.latched_fault()
     }
 }
 

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::safety::{FaultReport, Request, State};
-use crate::{Measurement, Rig, RigError, Truth};
+use crate::{Measurement, Rig, RigError};
 
 /// Whether a sensor counts the way the motor turns at a positive voltage. In files 1 or -1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -158,28 +157,16 @@ impl<R: Rig> Calibrated<R> {
 }
 
 impl<R: Rig> Rig for Calibrated<R> {
+    fn beneath(&self) -> Option<&dyn Rig> {
+        Some(&self.rig)
+    }
+
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        Some(&mut self.rig)
+    }
+
     fn period(&self) -> f64 {
         self.rig.period()
-    }
-
-    fn voltage_range(&self) -> f64 {
-        self.rig.voltage_range()
-    }
-
-    fn keeps_time(&self) -> bool {
-        self.rig.keeps_time()
-    }
-
-    fn wait(&mut self) -> Result<(), RigError> {
-        self.rig.wait()
-    }
-
-    fn activate(&mut self) -> Result<(), RigError> {
-        self.rig.activate()
-    }
-
-    fn tell_time(&mut self, now: f64) {
-        self.rig.tell_time(now);
     }
 
     fn measure(&mut self) -> Measurement {
@@ -188,34 +175,6 @@ impl<R: Rig> Rig for Calibrated<R> {
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
         self.rig.apply(volts)
-    }
-
-    fn halt(&mut self) -> Result<(), RigError> {
-        self.rig.halt()
-    }
-
-    fn clear(&mut self) -> Result<(), RigError> {
-        self.rig.clear()
-    }
-
-    fn deactivate(&mut self) -> Result<(), RigError> {
-        self.rig.deactivate()
-    }
-
-    fn emergency_stop(&mut self) -> Result<(), RigError> {
-        self.rig.emergency_stop()
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        self.rig.truth()
-    }
-
-    fn request(&mut self, request: Request) -> Result<State, RigError> {
-        self.rig.request(request)
-    }
-
-    fn latched_fault(&self) -> Option<FaultReport> {
-        self.rig.latched_fault()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::{Measurement, Rig, RigError, Truth};
+use crate::{Measurement, Rig, RigError};
 
 /// What is wrong with the wiring. The default is right.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,28 +93,16 @@ impl<R: Rig> Miswired<R> {
 }
 
 impl<R: Rig> Rig for Miswired<R> {
+    fn beneath(&self) -> Option<&dyn Rig> {
+        Some(&self.rig)
+    }
+
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        Some(&mut self.rig)
+    }
+
     fn period(&self) -> f64 {
         self.rig.period()
-    }
-
-    fn voltage_range(&self) -> f64 {
-        self.rig.voltage_range()
-    }
-
-    fn keeps_time(&self) -> bool {
-        self.rig.keeps_time()
-    }
-
-    fn wait(&mut self) -> Result<(), RigError> {
-        self.rig.wait()
-    }
-
-    fn activate(&mut self) -> Result<(), RigError> {
-        self.rig.activate()
-    }
-
-    fn tell_time(&mut self, now: f64) {
-        self.rig.tell_time(now);
     }
 
     fn measure(&mut self) -> Measurement {
@@ -144,26 +132,6 @@ impl<R: Rig> Rig for Miswired<R> {
 
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
         self.rig.apply(if self.wiring.motor_reversed { -volts } else { volts })
-    }
-
-    fn halt(&mut self) -> Result<(), RigError> {
-        self.rig.halt()
-    }
-
-    fn deactivate(&mut self) -> Result<(), RigError> {
-        self.rig.deactivate()
-    }
-
-    fn emergency_stop(&mut self) -> Result<(), RigError> {
-        self.rig.emergency_stop()
-    }
-
-    fn clear(&mut self) -> Result<(), RigError> {
-        self.rig.clear()
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        self.rig.truth()
     }
 }
 

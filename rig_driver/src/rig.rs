@@ -14,20 +14,33 @@ pub const HIGHEST_VOLTAGE: f64 = 60.0;
 /// A servo axis that is measured and driven once a control cycle.
 ///
 /// The simulated test bed is lock-step: `apply` advances its time by one period.
+///
+/// A layer around a rig, such as a calibration, names the rig [`beneath`](Self::beneath) it and says
+/// what it changes. Whatever it does not say itself goes to that rig; no method can be forgotten.
 pub trait Rig {
+    /// The rig that this one is a layer around; none for a back end.
+    fn beneath(&self) -> Option<&dyn Rig> {
+        None
+    }
+
+    /// The same to be driven. A layer gives both or neither.
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        None
+    }
+
     /// Period of the control cycle [s].
     fn period(&self) -> f64;
 
     /// Largest magnitude of the motor voltage that the rig can put out, by its own description [V].
     /// The safety layer takes no limit beyond it.
     fn voltage_range(&self) -> f64 {
-        VOLTAGE_RANGE
+        self.beneath().map_or(VOLTAGE_RANGE, Rig::voltage_range)
     }
 
     /// Whether the rig has a clock of its own, so that [`wait`](Self::wait) sets the pace and not
     /// the caller's clock.
     fn keeps_time(&self) -> bool {
-        false
+        self.beneath().is_some_and(Rig::keeps_time)
     }
 
     /// Waits until the rig's next cycle has begun. A rig that is in lock-step with its caller does
@@ -36,12 +49,16 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the cycle does not come: the rig is gone, hangs or has restarted.
     fn wait(&mut self) -> Result<(), RigError> {
-        Ok(())
+        self.beneath_mut().map_or(Ok(()), Rig::wait)
     }
 
     /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need
     /// not know it.
-    fn tell_time(&mut self, _now: f64) {}
+    fn tell_time(&mut self, now: f64) {
+        if let Some(rig) = self.beneath_mut() {
+            rig.tell_time(now);
+        }
+    }
 
     /// Readings of the present cycle.
     fn measure(&mut self) -> Measurement;
@@ -60,7 +77,7 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the rig does not, because of a latched fault or because it is gone.
     fn activate(&mut self) -> Result<(), RigError> {
-        Ok(())
+        self.beneath_mut().map_or(Ok(()), Rig::activate)
     }
 
     /// Puts the motor at zero volts at once, between cycles too. A rig that has to be stopped by
@@ -69,7 +86,10 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the rig refuses.
     fn halt(&mut self) -> Result<(), RigError> {
-        self.apply(0.0)
+        match self.beneath_mut() {
+            Some(rig) => rig.halt(),
+            None => self.apply(0.0),
+        }
     }
 
     /// Takes the motor's leave to move away: the opposite of [`activate`](Self::activate). Done
@@ -79,7 +99,10 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the rig refuses or is gone.
     fn deactivate(&mut self) -> Result<(), RigError> {
-        self.halt()
+        match self.beneath_mut() {
+            Some(rig) => rig.deactivate(),
+            None => self.halt(),
+        }
     }
 
     /// Stops the motor as strongly as the rig can: zero volts at once, and where the rig has a stop
@@ -89,7 +112,10 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the rig refuses, is gone or does not say that it stopped.
     fn emergency_stop(&mut self) -> Result<(), RigError> {
-        self.halt()
+        match self.beneath_mut() {
+            Some(rig) => rig.emergency_stop(),
+            None => self.halt(),
+        }
     }
 
     /// Clears a fault of the back end, whose cause is mended. The motor stays at zero volts.
@@ -97,12 +123,12 @@ pub trait Rig {
     /// # Errors
     /// [`RigError`] if the cause is still there.
     fn clear(&mut self) -> Result<(), RigError> {
-        Ok(())
+        self.beneath_mut().map_or(Ok(()), Rig::clear)
     }
 
     /// What no sensor shows, where the rig is simulated.
     fn truth(&self) -> Option<Truth> {
-        None
+        self.beneath().and_then(Rig::truth)
     }
 
     /// Asks for a transition between states; only a rig under supervision has any.
@@ -110,38 +136,31 @@ pub trait Rig {
     /// # Errors
     /// [`RigError::Refused`] if there is no such transition.
     fn request(&mut self, request: Request) -> Result<State, RigError> {
-        Err(Refused { state: State::Unconfigured, event: Event::Asked(request) }.into())
+        match self.beneath_mut() {
+            Some(rig) => rig.request(request),
+            None => {
+                Err(Refused { state: State::Unconfigured, event: Event::Asked(request) }.into())
+            }
+        }
     }
 
     /// The fault that holds the motor at zero volts, as far as the rig knows it.
     fn latched_fault(&self) -> Option<FaultReport> {
-        None
+        self.beneath().and_then(Rig::latched_fault)
     }
 }
 
-impl<R: Rig + ?Sized> Rig for Box<R> {
+impl Rig for Box<dyn Rig + Send> {
+    fn beneath(&self) -> Option<&dyn Rig> {
+        Some(&**self)
+    }
+
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        Some(&mut **self)
+    }
+
     fn period(&self) -> f64 {
         (**self).period()
-    }
-
-    fn voltage_range(&self) -> f64 {
-        (**self).voltage_range()
-    }
-
-    fn keeps_time(&self) -> bool {
-        (**self).keeps_time()
-    }
-
-    fn wait(&mut self) -> Result<(), RigError> {
-        (**self).wait()
-    }
-
-    fn activate(&mut self) -> Result<(), RigError> {
-        (**self).activate()
-    }
-
-    fn tell_time(&mut self, now: f64) {
-        (**self).tell_time(now);
     }
 
     fn measure(&mut self) -> Measurement {
@@ -151,32 +170,152 @@ impl<R: Rig + ?Sized> Rig for Box<R> {
     fn apply(&mut self, volts: f64) -> Result<(), RigError> {
         (**self).apply(volts)
     }
+}
 
-    fn halt(&mut self) -> Result<(), RigError> {
-        (**self).halt()
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::Fault;
+
+    /// A back end that notes what it is asked.
+    #[derive(Default)]
+    struct Noting(Vec<&'static str>);
+
+    impl Noting {
+        fn note(&mut self, method: &'static str) -> Result<(), RigError> {
+            self.0.push(method);
+            Ok(())
+        }
     }
 
-    fn clear(&mut self) -> Result<(), RigError> {
-        (**self).clear()
+    const FAULT: FaultReport =
+        FaultReport { fault: Fault::CycleLost, time: 1.0, value: 2.0, limit: 3.0 };
+    const TRUTH: Truth = Truth { position: 1.0, velocity: 2.0, friction: 3.0 };
+
+    impl Rig for Noting {
+        fn period(&self) -> f64 {
+            0.002
+        }
+
+        fn voltage_range(&self) -> f64 {
+            12.0
+        }
+
+        fn keeps_time(&self) -> bool {
+            true
+        }
+
+        fn wait(&mut self) -> Result<(), RigError> {
+            self.note("wait")
+        }
+
+        fn tell_time(&mut self, _: f64) {
+            self.0.push("tell_time");
+        }
+
+        fn measure(&mut self) -> Measurement {
+            self.0.push("measure");
+            Measurement::default()
+        }
+
+        fn apply(&mut self, _: f64) -> Result<(), RigError> {
+            self.note("apply")
+        }
+
+        fn activate(&mut self) -> Result<(), RigError> {
+            self.note("activate")
+        }
+
+        fn halt(&mut self) -> Result<(), RigError> {
+            self.note("halt")
+        }
+
+        fn deactivate(&mut self) -> Result<(), RigError> {
+            self.note("deactivate")
+        }
+
+        fn emergency_stop(&mut self) -> Result<(), RigError> {
+            self.note("emergency_stop")
+        }
+
+        fn clear(&mut self) -> Result<(), RigError> {
+            self.note("clear")
+        }
+
+        fn truth(&self) -> Option<Truth> {
+            Some(TRUTH)
+        }
+
+        fn request(&mut self, _: Request) -> Result<State, RigError> {
+            self.note("request").map(|()| State::Inactive)
+        }
+
+        fn latched_fault(&self) -> Option<FaultReport> {
+            Some(FAULT)
+        }
     }
 
-    fn deactivate(&mut self) -> Result<(), RigError> {
-        (**self).deactivate()
+    /// A layer that says as little as it may.
+    struct Layer(Noting);
+
+    impl Rig for Layer {
+        fn beneath(&self) -> Option<&dyn Rig> {
+            Some(&self.0)
+        }
+
+        fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+            Some(&mut self.0)
+        }
+
+        fn period(&self) -> f64 {
+            self.0.period()
+        }
+
+        fn measure(&mut self) -> Measurement {
+            self.0.measure()
+        }
+
+        fn apply(&mut self, volts: f64) -> Result<(), RigError> {
+            self.0.apply(volts)
+        }
     }
 
-    fn emergency_stop(&mut self) -> Result<(), RigError> {
-        (**self).emergency_stop()
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        (**self).truth()
-    }
-
-    fn request(&mut self, request: Request) -> Result<State, RigError> {
-        (**self).request(request)
-    }
-
-    fn latched_fault(&self) -> Option<FaultReport> {
-        (**self).latched_fault()
+    #[test]
+    fn what_a_layer_does_not_say_goes_to_the_rig_beneath_it() {
+        let mut layer = Layer(Noting::default());
+        layer.wait().unwrap();
+        layer.tell_time(1.0);
+        layer.measure();
+        layer.apply(1.0).unwrap();
+        layer.activate().unwrap();
+        layer.halt().unwrap();
+        layer.deactivate().unwrap();
+        layer.emergency_stop().unwrap();
+        layer.clear().unwrap();
+        assert_eq!(layer.request(Request::Configure).unwrap(), State::Inactive);
+        let told = [
+            "wait",
+            "tell_time",
+            "measure",
+            "apply",
+            "activate",
+            "halt",
+            "deactivate",
+            "emergency_stop",
+            "clear",
+            "request",
+        ];
+        assert_eq!(layer.0.0, told);
+        assert_eq!(
+            (layer.period(), layer.voltage_range(), layer.keeps_time()),
+            (0.002, 12.0, true)
+        );
+        assert_eq!((layer.truth(), layer.latched_fault()), (Some(TRUTH), Some(FAULT)));
+        // Whoever adds a method to the trait adds it here: the ten told, the five asked, and both
+        // ways to the rig beneath.
+        let source = include_str!("rig.rs");
+        let (_, of_the_trait) = source.split_once("pub trait Rig {").expect("the trait");
+        let (of_the_trait, _) = of_the_trait.split_once("\n}\n").expect("its end");
+        assert_eq!(of_the_trait.matches("\n    fn ").count(), told.len() + 5 + 2);
     }
 }

@@ -1,7 +1,7 @@
 //! A back end under supervision.
 
 use super::{Fault, FaultReport, Request, SafetyLimits, SafetySupervisor, State};
-use crate::{Measurement, Rig, RigError, Truth};
+use crate::{Measurement, Rig, RigError};
 
 /// A rig whose every voltage goes through a [`SafetySupervisor`].
 ///
@@ -165,24 +165,16 @@ impl<R: Rig> Supervised<R> {
 }
 
 impl<R: Rig> Rig for Supervised<R> {
+    fn beneath(&self) -> Option<&dyn Rig> {
+        Some(&self.rig)
+    }
+
+    fn beneath_mut(&mut self) -> Option<&mut dyn Rig> {
+        Some(&mut self.rig)
+    }
+
     fn period(&self) -> f64 {
         self.rig.period()
-    }
-
-    fn voltage_range(&self) -> f64 {
-        self.rig.voltage_range()
-    }
-
-    fn keeps_time(&self) -> bool {
-        self.rig.keeps_time()
-    }
-
-    fn wait(&mut self) -> Result<(), RigError> {
-        self.rig.wait()
-    }
-
-    fn activate(&mut self) -> Result<(), RigError> {
-        self.rig.activate()
     }
 
     fn tell_time(&mut self, now: f64) {
@@ -238,14 +230,6 @@ impl<R: Rig> Rig for Supervised<R> {
     fn emergency_stop(&mut self) -> Result<(), RigError> {
         self.asked = 0.0;
         Self::request(self, Request::EmergencyStop).map(drop)
-    }
-
-    fn clear(&mut self) -> Result<(), RigError> {
-        self.rig.clear()
-    }
-
-    fn truth(&self) -> Option<Truth> {
-        self.rig.truth()
     }
 
     fn request(&mut self, request: Request) -> Result<State, RigError> {
