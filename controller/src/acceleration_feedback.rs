@@ -8,20 +8,23 @@
 //! error that is smaller by that factor. The filter sets the limit: its lag takes phase, and noise
 //! of the velocity reaches the voltage with the gain `K_a / T_f`.
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
 use crate::design::LinearDrive;
 use crate::error::{non_negative, positive};
 
-/// Acceleration feedback.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AccelerationFeedback {
-    /// Gain K_a [V s^2/rad], zero or more.
-    pub gain: f64,
-    /// Time constant T_f of the derivative's filter [s], above zero.
-    pub filter: f64,
+parameters! {
+    /// Acceleration feedback.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct AccelerationFeedback {
+        gain: f64, "Gain K_a of the acceleration feedback", unit("V s^2/rad"), more("0 for none"),
+            range(ValueRange::NON_NEGATIVE);
+        filter: f64, "Time constant T_f of its derivative's filter", unit("s"),
+            range(ValueRange::POSITIVE);
+    }
 }
 
 impl AccelerationFeedback {

@@ -55,7 +55,7 @@ impl Controller {
             return Err(ControllerError::OutOfRange {
                 name: "scale",
                 value: options.compensation.scale,
-                expected: "from 0 to 2 (1 compensates the whole estimate)",
+                expected: "from 0 to 2 (1 compensates the whole estimate)".into(),
             });
         }
         options.inverse.check()?;
@@ -103,7 +103,7 @@ impl Controller {
             return Err(ControllerError::OutOfRange {
                 name: "period",
                 value: options.period,
-                expected: "what it was when the controller was built: the period cannot change while it runs",
+                expected: "what it was when the controller was built: the period cannot change while it runs".into(),
             });
         }
         let before = &self.options;

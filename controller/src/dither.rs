@@ -6,14 +6,28 @@
 
 use std::f64::consts::TAU;
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
 use crate::error::non_negative;
 
 /// Shape of a dither.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum DitherShape {
     /// A sine.
     #[default]
@@ -22,16 +36,17 @@ pub enum DitherShape {
     Square,
 }
 
-/// A dither.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Dither {
-    /// Its shape.
-    pub shape: DitherShape,
-    /// Amplitude [V], zero or more and at most the voltage limit.
-    pub amplitude: f64,
-    /// Frequency [Hz], above zero and at most a quarter of the control rate.
-    pub frequency: f64,
+parameters! {
+    /// A dither: its amplitude is at most the voltage limit, its frequency at most a quarter of the
+    /// control rate.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct Dither {
+        shape: DitherShape, "Shape of the dither";
+        amplitude: f64, "Amplitude of the dither", unit("V"), more("0 for none"),
+            range(ValueRange::NON_NEGATIVE);
+        frequency: f64, "Frequency of the dither", unit("Hz"), range(ValueRange::POSITIVE);
+    }
 }
 
 /// A dither running at a fixed period.
@@ -56,7 +71,7 @@ impl DitherGenerator {
             return Err(ControllerError::OutOfRange {
                 name: "dither frequency",
                 value: dither.frequency,
-                expected: "above 0 and at most a quarter of the control rate in Hz",
+                expected: "above 0 and at most a quarter of the control rate in Hz".into(),
             });
         }
         Ok(Self { dither, phase: 0.0, step })

@@ -1,5 +1,9 @@
 //! What can be wrong with a controller's parameters.
 
+use std::borrow::Cow;
+
+use ::parameters::OutOfRange;
+
 /// A gain, limit or specification a controller cannot be built from.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -12,7 +16,7 @@ pub enum ControllerError {
         /// What came.
         value: f64,
         /// What was expected.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// The specification asks for what this drive and this kind of controller cannot give.
     #[error("no {controller} meets the specification: {reason}")]
@@ -24,12 +28,22 @@ pub enum ControllerError {
     },
 }
 
+impl From<OutOfRange> for ControllerError {
+    fn from(wrong: OutOfRange) -> Self {
+        Self::OutOfRange { name: wrong.name, value: wrong.value, expected: wrong.expected().into() }
+    }
+}
+
 /// Requires a finite number above zero.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ControllerError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(ControllerError::OutOfRange { name, value, expected: "a finite number above zero" })
+        Err(ControllerError::OutOfRange {
+            name,
+            value,
+            expected: "a finite number above zero".into(),
+        })
     }
 }
 
@@ -38,6 +52,10 @@ pub(crate) fn non_negative(name: &'static str, value: f64) -> Result<(), Control
     if value >= 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(ControllerError::OutOfRange { name, value, expected: "a finite number, zero or more" })
+        Err(ControllerError::OutOfRange {
+            name,
+            value,
+            expected: "a finite number, zero or more".into(),
+        })
     }
 }

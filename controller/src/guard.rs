@@ -67,8 +67,9 @@ impl Default for GuardOptions {
 
 impl GuardOptions {
     pub(crate) fn check(&self) -> Result<(), ControllerError> {
-        let fail =
-            |name, value, expected| Err(ControllerError::OutOfRange { name, value, expected });
+        let fail = |name, value, expected: &'static str| {
+            Err(ControllerError::OutOfRange { name, value, expected: expected.into() })
+        };
         if !(self.threshold > 0.0 && self.threshold.is_finite()) {
             return fail("guard threshold", self.threshold, "a finite number of volts above zero");
         }

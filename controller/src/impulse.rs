@@ -6,21 +6,23 @@
 //! is the sign of the change of the controller's output since the onset before: an integrator that
 //! winds up against stiction is helped on its way before it has wound up.
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
 use crate::error::non_negative;
 
-/// A train of pulses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Impulse {
-    /// Height of a pulse [V], zero or more.
-    pub height: f64,
-    /// Width of a pulse [s], at least one control cycle.
-    pub width: f64,
-    /// Time between two onsets [s], longer than a pulse.
-    pub period: f64,
+parameters! {
+    /// A train of pulses: each is at least one control cycle wide and shorter than the time between
+    /// two onsets.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct Impulse {
+        height: f64, "Height of the knocker's pulses", unit("V"), more("0 for none"),
+            range(ValueRange::NON_NEGATIVE);
+        width: f64, "Width of a pulse", unit("s"), range(ValueRange::POSITIVE);
+        period: f64, "Time between two onsets", unit("s"), range(ValueRange::POSITIVE);
+    }
 }
 
 /// A knocker running at a fixed period.
@@ -44,12 +46,12 @@ impl Knocker {
     /// [`ControllerError::OutOfRange`] names what cannot be.
     pub fn new(impulse: Impulse, dt: f64) -> Result<Self, ControllerError> {
         non_negative("impulse height", impulse.height)?;
-        let cycles = |name, seconds: f64, least: f64, expected| {
+        let cycles = |name, seconds: f64, least: f64, expected: &'static str| {
             let cycles = (seconds / dt).round();
             if cycles >= least && cycles <= f64::from(u32::MAX / 2) {
                 Ok(cycles as u32)
             } else {
-                Err(ControllerError::OutOfRange { name, value: seconds, expected })
+                Err(ControllerError::OutOfRange { name, value: seconds, expected: expected.into() })
             }
         };
         let width =

@@ -7,8 +7,16 @@ use crate::design::LinearDrive;
 use crate::{ControllerError, Reference};
 
 /// How much of the inverse `B(s) = (T s + 1) / K` is fed forward.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, strum::EnumDiscriminants,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum_discriminants(
+    name(PlantInverseName),
+    doc = "Which part of the drive's inverse, without the drive.",
+    derive(strum::EnumString, strum::IntoStaticStr, strum::VariantNames),
+    strum(serialize_all = "snake_case")
+)]
 pub enum PlantInverse {
     /// Nothing.
     #[default]
@@ -36,7 +44,7 @@ impl PlantInverse {
     pub(crate) fn check(&self) -> Result<(), ControllerError> {
         match self {
             Self::Off => Ok(()),
-            Self::Gain(drive) | Self::Whole(drive) => drive.check(),
+            Self::Gain(drive) | Self::Whole(drive) => Ok(drive.check()?),
         }
     }
 }

@@ -6,21 +6,22 @@
 //! Anti-windup: `x` stands still while the output is at its limit and the error would drive it
 //! further.
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
 use crate::error::positive;
 
-/// Gains of a lag compensator.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LagGains {
-    /// Gain above the lag's frequencies K_p [V s/rad], above zero.
-    pub k_p: f64,
-    /// Time constant T_i [s], above zero.
-    pub t_i: f64,
-    /// Ratio of the pole to the zero, between 0 and 1; `K_p / gamma` is the gain at zero frequency.
-    pub gamma: f64,
+parameters! {
+    /// Gains of a lag compensator. `K_p / gamma` is the gain at zero frequency.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct LagGains {
+        k_p: f64, "Gain K_p of the lag compensator", unit("V s/rad"), range(ValueRange::POSITIVE);
+        t_i: f64, "Time constant T_i of the lag compensator", unit("s"),
+            range(ValueRange::POSITIVE);
+        gamma: f64, "Ratio gamma of the lag compensator", range(ValueRange::Double(0.0, 1.0));
+    }
 }
 
 impl LagGains {
@@ -45,14 +46,13 @@ impl LagCompensator {
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
     pub fn new(gains: LagGains, dt: f64) -> Result<Self, ControllerError> {
-        positive("k_p", gains.k_p)?;
-        positive("t_i", gains.t_i)?;
+        gains.check()?;
         positive("dt", dt)?;
         if !(0.0..1.0).contains(&gains.gamma) {
             return Err(ControllerError::OutOfRange {
                 name: "gamma",
                 value: gains.gamma,
-                expected: "at least 0 and below 1",
+                expected: "at least 0 and below 1".into(),
             });
         }
         let half = 0.5 * dt;

@@ -1,11 +1,10 @@
 //! Everything a controller is made of.
 
-use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains,
-    PlantInverse, VelocityLaw,
+    AccelerationFeedback, ControlMode, ControllerParameters, DerivativeOn, Dither, GuardOptions,
+    Impulse, PidGains, PlantInverse, VelocityLaw,
 };
 
 /// Friction compensation: the observer's estimate, as volts, added to the command.
@@ -69,26 +68,6 @@ impl Default for ControllerOptions {
     /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded,
     /// no plant inverse, no additions, +-6 V.
     fn default() -> Self {
-        Self {
-            mode: ControlMode::Velocity,
-            period: 1e-3,
-            velocity: VelocityLaw::default(),
-            pid: PidGains::THESIS,
-            derivative_on: DerivativeOn::Measurement,
-            derivative_filter: 0.005,
-            inverse: PlantInverse::Off,
-            compensation: Compensation {
-                enabled: true,
-                volts_per_newton_metre: Motor::SRV02.volts_per_newton_metre(),
-                scale: 1.0,
-            },
-            acceleration: None,
-            dither: None,
-            impulse: None,
-            guard: Some(GuardOptions::default()),
-            tolerated_cycles: 10,
-            fade: 0.1,
-            voltage_limit: 6.0,
-        }
+        ControllerParameters::default().unchecked()
     }
 }

@@ -4,19 +4,26 @@
 //! Anti-windup: the integral stands still while the output is at its limit and the error would
 //! drive it further. It is the lag compensator with gamma = 0: `K_i = K_p / T_i`.
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
-use crate::ControllerError;
-use crate::error::{non_negative, positive};
+use crate::error::positive;
+use crate::{ControllerError, LagGains};
 
-/// Gains of a PI.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PiGains {
-    /// Proportional gain K_p [V s/rad], above zero.
-    pub k_p: f64,
-    /// Integral gain K_i [V/rad], zero or more.
-    pub k_i: f64,
+parameters! {
+    /// Gains of a PI.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct PiGains {
+        k_p: f64, "Proportional gain K_p of the PI", unit("V s/rad"), range(ValueRange::POSITIVE);
+        k_i: f64, "Integral gain K_i of the PI", unit("V/rad"), range(ValueRange::NON_NEGATIVE);
+    }
+}
+
+impl PiGains {
+    /// The thesis's lag compensator without its slow pole: `K_i = K_p / T_i`.
+    pub const THESIS: Self =
+        Self { k_p: LagGains::THESIS.k_p, k_i: LagGains::THESIS.k_p / LagGains::THESIS.t_i };
 }
 
 /// A PI running at a fixed period.
@@ -34,8 +41,7 @@ impl PiController {
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
     pub fn new(gains: PiGains, dt: f64) -> Result<Self, ControllerError> {
-        positive("k_p", gains.k_p)?;
-        non_negative("k_i", gains.k_i)?;
+        gains.check()?;
         positive("dt", dt)?;
         Ok(Self { gains, half_period: 0.5 * dt, integral: 0.0, error: 0.0 })
     }

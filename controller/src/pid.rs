@@ -5,21 +5,23 @@
 //! Anti-windup: the integral stands still while the output is at its limit and the error would
 //! drive it further. With the derivative on the measurement a step of the reference gives no kick.
 
+use ::parameters::{ValueRange, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::ControllerError;
-use crate::error::positive;
+use crate::error::{non_negative, positive};
 
-/// Gains of a PID.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PidGains {
-    /// Proportional gain K_p [V/rad].
-    pub k_p: f64,
-    /// Integral gain K_i [V/(rad s)], zero or more.
-    pub k_i: f64,
-    /// Derivative gain K_d [V s/rad].
-    pub k_d: f64,
+parameters! {
+    /// Gains of a PID.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct PidGains {
+        k_p: f64, "Proportional gain K_p of the PID of position", unit("V/rad"),
+            range(ValueRange::NON_NEGATIVE);
+        k_i: f64, "Integral gain K_i of the PID", unit("V/(rad s)"),
+            range(ValueRange::NON_NEGATIVE);
+        k_d: f64, "Derivative gain K_d of the PID", unit("V s/rad");
+    }
 }
 
 impl PidGains {
@@ -29,8 +31,21 @@ impl PidGains {
 }
 
 /// What the derivative is taken of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum DerivativeOn {
     /// The error: quick, with a kick when the reference jumps.
     Error,
@@ -67,18 +82,8 @@ impl Pid {
         dt: f64,
     ) -> Result<Self, ControllerError> {
         positive("dt", dt)?;
-        for (name, value, from_zero) in [
-            ("k_p", gains.k_p, true),
-            ("k_i", gains.k_i, true),
-            ("k_d", gains.k_d, false),
-            ("filter", filter, true),
-        ] {
-            if !value.is_finite() || (from_zero && value < 0.0) {
-                let expected =
-                    if from_zero { "a finite number, zero or more" } else { "a finite number" };
-                return Err(ControllerError::OutOfRange { name, value, expected });
-            }
-        }
+        gains.check()?;
+        non_negative("filter", filter)?;
         // Below half a period the bilinear rule would ring: a backward difference is what remains
         // of the filter there.
         let filter = filter.max(0.5 * dt);

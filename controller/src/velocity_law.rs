@@ -5,8 +5,14 @@ use serde::{Deserialize, Serialize};
 use crate::{ControllerError, LagCompensator, LagGains, PiController, PiGains};
 
 /// The linear law of velocity with its gains.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, strum::EnumDiscriminants)]
 #[serde(rename_all = "snake_case")]
+#[strum_discriminants(
+    name(VelocityLawName),
+    doc = "Which linear law of velocity, without its gains.",
+    derive(strum::EnumString, strum::IntoStaticStr, strum::VariantNames),
+    strum(serialize_all = "snake_case")
+)]
 pub enum VelocityLaw {
     /// Lag compensator: a stated error remains of a constant reference.
     Lag(LagGains),

@@ -9,16 +9,29 @@
 //! followed as by `Q`. Fed back, it acts as an integrator of about `b/s` beside the linear
 //! controller: it is more gain, and amplifies the velocity's noise as gain does.
 
+use ::parameters::{ValueRange, choices, parameters};
 use friction_model::TimeStep;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{positive, within};
 use crate::velocity_estimator::LowPass;
 use crate::{DriveInverse, NominalDrive, ObserverError};
 
 /// Order of the filter Q.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    Serialize,
+    Deserialize,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantNames,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum FilterOrder {
     /// `1 / (s/b + 1)`.
     First,
@@ -27,30 +40,24 @@ pub enum FilterOrder {
     Second,
 }
 
-/// What a disturbance observer is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DisturbanceObserverOptions {
-    /// Bandwidth b of the filter Q [rad/s], from 0.1 to 1e4.
-    pub bandwidth: f64,
-    /// Order of the filter Q.
-    pub order: FilterOrder,
-    /// Largest magnitude of the estimate [N m], above zero.
-    pub limit: f64,
+choices!(FilterOrder);
+
+parameters! {
+    /// What a disturbance observer is made of.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct DisturbanceObserverOptions {
+        bandwidth: f64, "Bandwidth of the disturbance observer's filter", unit("rad/s"),
+            range(ValueRange::Double(0.1, 10_000.0));
+        order: FilterOrder, "Order of its filter";
+        limit: f64, "Largest magnitude of its estimate", unit("N m"),
+            range(ValueRange::POSITIVE);
+    }
 }
 
 impl DisturbanceObserverOptions {
     /// For the thesis's test bed with its tachometer.
     pub const SRV02: Self = Self { bandwidth: 100.0, order: FilterOrder::Second, limit: 1.0 };
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ObserverError::OutOfRange`] names the field.
-    pub fn check(&self) -> Result<(), ObserverError> {
-        within("bandwidth", self.bandwidth, 0.1..=1e4, "from 0.1 to 1e4 rad/s")?;
-        positive("limit", self.limit)
-    }
 }
 
 /// A disturbance observer running at a fixed period.

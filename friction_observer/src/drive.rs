@@ -1,21 +1,21 @@
 //! What an estimator believes of the drive.
 
+use ::parameters::{ValueRange, parameters};
 use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
-use crate::ObserverError;
-use crate::error::positive;
-
-/// The linear drive `T w' + w = K (u - r F)`, as far as it is known.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct NominalDrive {
-    /// Velocity gain K [rad/s per V], above zero.
-    pub gain: f64,
-    /// Time constant T [s], above zero.
-    pub time_constant: f64,
-    /// Voltage that overcomes 1 N m of friction, r = `R_a / (A K_m)` [V/(N m)], above zero.
-    pub volts_per_newton_metre: f64,
+parameters! {
+    /// The linear drive `T w' + w = K (u - r F)`, as far as it is known; `r` is `R_a / (A K_m)`.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct NominalDrive {
+        gain: f64, "Velocity gain K that is believed of the drive", unit("rad/s per V"),
+            range(ValueRange::POSITIVE);
+        time_constant: f64, "Time constant T that is believed of the drive", unit("s"),
+            range(ValueRange::POSITIVE);
+        volts_per_newton_metre: f64, "Voltage that overcomes 1 N m of friction",
+            unit("V/(N m)"), range(ValueRange::POSITIVE);
+    }
 }
 
 impl NominalDrive {
@@ -36,16 +36,6 @@ impl NominalDrive {
     #[must_use]
     pub fn inertia(&self) -> f64 {
         self.time_constant / (self.gain * self.volts_per_newton_metre)
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ObserverError::OutOfRange`] names the field.
-    pub fn check(&self) -> Result<(), ObserverError> {
-        positive("gain", self.gain)?;
-        positive("time_constant", self.time_constant)?;
-        positive("volts_per_newton_metre", self.volts_per_newton_metre)
     }
 }
 

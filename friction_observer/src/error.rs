@@ -1,5 +1,8 @@
 //! Errors of the observers.
 
+use std::borrow::Cow;
+
+use ::parameters::OutOfRange;
 use friction_model::TorqueSource;
 
 /// An option that cannot be.
@@ -14,7 +17,7 @@ pub enum ObserverError {
         /// What came.
         value: f64,
         /// What was expected.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// A source of the friction torque that observers have not.
     #[error("the friction torque of an observer comes from the `sensor` or the `voltage`, but `{}` was asked for", .0.name())]
@@ -26,11 +29,21 @@ pub enum ObserverError {
     NoGain,
 }
 
+impl From<OutOfRange> for ObserverError {
+    fn from(wrong: OutOfRange) -> Self {
+        Self::OutOfRange { name: wrong.name, value: wrong.value, expected: wrong.expected().into() }
+    }
+}
+
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), ObserverError> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(ObserverError::OutOfRange { name, value, expected: "a finite number above zero" })
+        Err(ObserverError::OutOfRange {
+            name,
+            value,
+            expected: "a finite number above zero".into(),
+        })
     }
 }
 
@@ -43,6 +56,6 @@ pub(crate) fn within(
     if range.contains(&value) {
         Ok(())
     } else {
-        Err(ObserverError::OutOfRange { name, value, expected })
+        Err(ObserverError::OutOfRange { name, value, expected: expected.into() })
     }
 }

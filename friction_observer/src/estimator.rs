@@ -51,7 +51,7 @@ impl EstimatorOptions {
         self.technique.check()?;
         within("injection", self.injection, -1e3..=1e3, "from -1e3 to 1e3")?;
         self.velocity.check()?;
-        self.drive.check()
+        Ok(self.drive.check()?)
     }
 }
 

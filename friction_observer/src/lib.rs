@@ -20,6 +20,7 @@ pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
 mod observer;
+pub mod parameters;
 mod rbf;
 mod running;
 mod seen;
@@ -36,5 +37,5 @@ pub use observer::FrictionObserver;
 pub use rbf::{RbfCompensator, RbfOptions};
 pub use running::Adapted;
 pub use seen::Seen;
-pub use technique::Technique;
-pub use velocity_estimator::{VelocityEstimator, VelocitySource};
+pub use technique::{Technique, TechniqueName};
+pub use velocity_estimator::{VelocityEstimator, VelocitySource, VelocitySourceName};

@@ -7,8 +7,16 @@ use crate::error::within;
 use crate::{DisturbanceObserverOptions, ObserverError, RbfOptions};
 
 /// Where the estimate comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, strum::EnumDiscriminants,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum_discriminants(
+    name(TechniqueName),
+    doc = "Where the estimate comes from, without its options.",
+    derive(strum::EnumString, strum::IntoStaticStr, strum::VariantNames),
+    strum(serialize_all = "snake_case")
+)]
 pub enum Technique {
     /// A model driven by the measured velocity (thesis section 5.2).
     #[default]
@@ -46,7 +54,7 @@ impl Technique {
             Self::Adaptive(options) => options.check(),
             Self::AdaptiveParameters(options) => options.check(),
             Self::AdaptiveStiffness(options) => options.check(),
-            Self::DisturbanceObserver(options) => options.check(),
+            Self::DisturbanceObserver(options) => Ok(options.check()?),
             Self::Rbf(options) => options.check(),
         }
     }

@@ -7,11 +7,13 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use ros2_client::ParameterValue;
+use ::parameters::{
+    ParameterValue,
+    file::{NodeParameters, Parameters, parse_value},
+};
 
 use crate::{
     LogLevel,
-    parameter_file::{self, NodeParameters},
     remap::{RemapRule, Remaps},
 };
 
@@ -39,7 +41,7 @@ pub struct Arguments {
     /// Other names.
     pub remaps: Remaps,
     /// Parameters for nodes by pattern, in their order.
-    pub parameters: Vec<NodeParameters>,
+    pub parameters: Parameters,
     /// Level of every logger.
     pub log_level: Option<LogLevel>,
     /// Levels of single loggers.
@@ -147,28 +149,19 @@ impl Arguments {
         if name.is_empty() || !name.chars().all(is_name) {
             return Err(wrong());
         }
-        let value = parameter_file::parse_value(value)
-            .map_err(|e| format!("in the parameter `{text}`: {e}"))?;
-        self.give(NodeParameters { pattern, values: BTreeMap::from([(name.to_owned(), value)]) });
+        let value = parse_value(value).map_err(|e| format!("in the parameter `{text}`: {e}"))?;
+        let values = BTreeMap::from([(name.to_owned(), value)]);
+        self.parameters.give(NodeParameters { pattern, values });
         Ok(())
     }
 
     fn file(&mut self, path: &str) -> Result<(), String> {
         let text = std::fs::read_to_string(PathBuf::from(path))
             .map_err(|error| format!("the parameter file {path} cannot be read: {error}"))?;
-        let found = parameter_file::parse(&text)
+        let found = Parameters::parse(&text)
             .map_err(|error| format!("in the parameter file {path}: {error}"))?;
-        found.into_iter().for_each(|given| self.give(given));
+        found.nodes().iter().cloned().for_each(|given| self.parameters.give(given));
         Ok(())
-    }
-
-    /// Adds values to those that the same pattern has already, as rcl does: a pattern keeps the
-    /// place at which it was first met.
-    fn give(&mut self, given: NodeParameters) {
-        match self.parameters.iter_mut().find(|known| known.pattern == given.pattern) {
-            Some(known) => known.values.extend(given.values),
-            None => self.parameters.push(given),
-        }
     }
 
     fn level(&mut self, text: &str) -> Result<(), String> {
@@ -189,11 +182,7 @@ impl Arguments {
     /// What is given for the node of that absolute name.
     #[must_use]
     pub fn overrides(&self, node: &str) -> BTreeMap<String, ParameterValue> {
-        let mut values = BTreeMap::new();
-        for given in self.parameters.iter().filter(|given| given.is_for(node)) {
-            values.extend(given.values.clone());
-        }
-        values
+        self.parameters.of_node(node)
     }
 
     /// Level of the logger of that name: its own, that of the nearest one above, or the one of all.

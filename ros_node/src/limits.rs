@@ -15,8 +15,6 @@ const LINE: usize = 4000;
 /// what needs more than one datagram into fragments, and sends again what the client's socket
 /// drops: on ordinary Linux that begins at some 100 kB, and a megabyte takes about a second.
 pub(crate) const ANSWER: usize = 1 << 20;
-/// Longest text that a parameter takes [bytes].
-pub(crate) const TEXT: usize = 4096;
 
 /// A foreign text as it may be repeated: whole, or its beginning and its length.
 #[must_use]

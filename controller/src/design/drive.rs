@@ -1,18 +1,18 @@
 //! The drive without friction, as designs see it.
 
+use ::parameters::{ValueRange, parameters};
 use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
-use crate::ControllerError;
-use crate::error::positive;
-
-/// The linear drive from volts to velocity: `T w' + w = K u` (thesis chapter 6 and appendix A).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LinearDrive {
-    /// Velocity gain K [rad/s per V].
-    pub gain: f64,
-    /// Time constant T [s].
-    pub time_constant: f64,
+parameters! {
+    /// The linear drive from volts to velocity: `T w' + w = K u` (thesis chapter 6 and appendix A).
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct LinearDrive {
+        gain: f64, "Velocity gain K of the drive, for its inverse", unit("rad/s per V"),
+            range(ValueRange::POSITIVE);
+        time_constant: f64, "Time constant T of the drive, for its inverse", unit("s"),
+            range(ValueRange::POSITIVE);
+    }
 }
 
 impl LinearDrive {
@@ -29,10 +29,5 @@ impl LinearDrive {
     #[must_use]
     pub fn magnitude(&self, w: f64) -> f64 {
         self.gain / (1.0 + (w * self.time_constant).powi(2)).sqrt()
-    }
-
-    pub(crate) fn check(&self) -> Result<(), ControllerError> {
-        positive("gain", self.gain)?;
-        positive("time_constant", self.time_constant)
     }
 }

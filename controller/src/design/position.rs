@@ -122,7 +122,7 @@ pub fn pid_from_specification(
         return Err(ControllerError::OutOfRange {
             name: "sensitivity_peak",
             value: sensitivity_peak,
-            expected,
+            expected: expected.into(),
         });
     }
     if !(definition.rise_from > 0.0
@@ -134,7 +134,7 @@ pub fn pid_from_specification(
         return Err(ControllerError::OutOfRange {
             name: "definition",
             value: definition.rise_from,
-            expected,
+            expected: expected.into(),
         });
     }
     let judge = |poles: PositionPoles| judge(drive, specification, realisation, poles);

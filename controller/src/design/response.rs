@@ -72,7 +72,11 @@ pub fn step_response(
     let samples = (seconds / dt).ceil();
     if samples > 1e7 {
         let expected = "at most ten million control periods";
-        return Err(ControllerError::OutOfRange { name: "seconds", value: seconds, expected });
+        return Err(ControllerError::OutOfRange {
+            name: "seconds",
+            value: seconds,
+            expected: expected.into(),
+        });
     }
     let mut law: Box<dyn FnMut(f64, f64) -> f64> = match linear.law {
         LoopLaw::Velocity(law) => {

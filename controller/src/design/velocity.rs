@@ -35,7 +35,7 @@ pub fn lag_from_specification(
         return Err(ControllerError::OutOfRange {
             name: "steady_state_error",
             value: e,
-            expected: "between 0 and 1, as a fraction of the reference",
+            expected: "between 0 and 1, as a fraction of the reference".into(),
         });
     }
     positive("crossover", specification.crossover)?;

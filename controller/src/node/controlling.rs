@@ -21,7 +21,7 @@ use ros_node::{
     Stop,
     deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
-    parameters::Parameters,
+    parameters::{ParameterError, Parameters},
     queue::{Receiver, Sender, Waker, queue},
     stamps::{Follows, Forwards},
 };
@@ -32,7 +32,7 @@ use super::{
     plausible,
     step::{self, Control, Decided, Friction, Inputs, Joint, Order},
 };
-use crate::{Controller, ControllerOptions, Reference, messages};
+use crate::{Controller, Reference, messages};
 
 /// Messages that wait for the thread, and commands that wait for the publisher.
 const WAITING: usize = 256;
@@ -51,8 +51,7 @@ const JOINT: &str = "load_shaft";
 /// # Errors
 /// [`RosNodeError`] if it cannot start; everything later is told in the log.
 pub fn run(participant: &Participant, stop: &Stop) -> Result<(), RosNodeError> {
-    let (mut node, Inner { control, out, references }) =
-        ManagedController::new(participant, &ControllerOptions::default())?;
+    let (mut node, Inner { control, out, references }) = ManagedController::new(participant)?;
     node.follow(references)?;
     let waker = Waker::default();
     let inputs = listen(&node.node, &waker, &node.counts, &node.gates)?;
@@ -102,14 +101,11 @@ pub struct ManagedController {
 
 impl ManagedController {
     /// Joins the participant, unconfigured and without any joint states: whoever holds the other
-    /// part decides where they come from. `base` has the options that are no parameters.
+    /// part decides where they come from.
     ///
     /// # Errors
     /// [`RosNodeError`] if the middleware refuses, or a parameter that was given cannot be.
-    pub fn new(
-        participant: &Participant,
-        base: &ControllerOptions,
-    ) -> Result<(Self, Inner), RosNodeError> {
+    pub fn new(participant: &Participant) -> Result<(Self, Inner), RosNodeError> {
         let node = participant.node("controller")?;
         let cannot_be =
             |reason: String| RosNodeError::Parameters { node: node.identity().qualified(), reason };
@@ -118,17 +114,17 @@ impl ManagedController {
         let first = Arc::new(Mutex::new(None));
         let gates = Gates::new(&node)?;
         let references_gate = gates.references.clone();
-        let (judged, to_thread, base) = (Arc::clone(&first), Arc::clone(&orders), *base);
+        let (judged, to_thread) = (Arc::clone(&first), Arc::clone(&orders));
         let parameters =
             Parameters::declare(&node, declarations(&node.given_names()), move |values, _| {
-                let settings = ControlSettings::read_upon(values, &base)?;
+                let settings = ControlSettings::read(values)?;
                 *locked(&judged) = Some(settings);
                 references_gate
                     .hand_over_after(Duration::from_secs_f64(settings.reference_timeout));
                 if locked(&to_thread).send(Order::Settings(settings)) {
                     Ok(())
                 } else {
-                    Err(BUSY.to_owned())
+                    Err(ParameterError::refused(BUSY))
                 }
             })?;
         let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;

@@ -7,7 +7,6 @@
 
 mod controlling;
 mod estimates;
-mod expressed;
 #[cfg(test)]
 mod hostile;
 mod parameters;
@@ -17,7 +16,6 @@ mod reference;
 mod step;
 
 pub use controlling::{Inner, ManagedController, run};
-pub use expressed::parameters_of;
 pub use parameters::declarations;
 pub use program::program;
 pub use step::{Control, Decided, Friction, Joint};

@@ -5,12 +5,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use controller::ControllerOptions;
+use controller::{ControlMode, ControllerOptions, ControllerParameters};
 use friction_model::AnyModel;
 use friction_observer::EstimatorOptions;
+use friction_observer::parameters::{ObserverParameters, Regulated};
 use rig_driver::RigError;
 use ros_node::lifecycle::Phase;
-use ros_node::parameters::RemoteParameters;
+use ros_node::parameters::{ParameterError, RemoteParameters};
 use ros_node::{Arguments, Discovery, ParameterValue, Participant, RosNodeError};
 
 use super::link::{Event, FINDING, Led, Link, PATIENCE, STOPPING};
@@ -151,12 +152,15 @@ impl NodesBench {
     /// The parameters that say `wanted`, of observer and controller.
     ///
     /// # Errors
-    /// A sentence if no parameters say it.
-    pub fn parameters(wanted: Wanted<'_>) -> Result<(Values, Values), String> {
-        let position = wanted.controller.mode == controller::ControlMode::Position;
+    /// [`ParameterError`] if no parameters say it.
+    pub fn parameters(wanted: Wanted<'_>) -> Result<(Values, Values), ParameterError> {
+        let regulated = match wanted.controller.mode {
+            ControlMode::Velocity => Regulated::Velocity,
+            ControlMode::Position => Regulated::Position,
+        };
         Ok((
-            friction_observer::node::parameters_of(wanted.model, wanted.estimator, position)?,
-            controller::node::parameters_of(wanted.controller)?,
+            ObserverParameters::saying(wanted.model, wanted.estimator, regulated)?,
+            ControllerParameters::saying(wanted.controller)?,
         ))
     }
 
@@ -166,7 +170,8 @@ impl NodesBench {
     /// # Errors
     /// [`RigError::Elsewhere`] says which node refused or does not answer.
     pub fn lend(&self, wanted: Wanted<'_>, task: Task) -> Result<NodesLoop, RigError> {
-        let (observer, controller) = Self::parameters(wanted).map_err(RigError::Elsewhere)?;
+        let (observer, controller) =
+            Self::parameters(wanted).map_err(|error| RigError::Elsewhere(error.to_string()))?;
         {
             let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
             if own.now != (observer.clone(), controller.clone()) {

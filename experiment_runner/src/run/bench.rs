@@ -256,7 +256,7 @@ impl<'a> Bench<'a> {
                         estimator: &estimator,
                         model: &model,
                     })
-                    .map_err(RigSetupError::Nodes)?;
+                    .map_err(|error| RigSetupError::Nodes(error.to_string()))?;
                 }
             }
             bed.control_loop(protocol.mode, protocol.reference, &bed.friction, None, 0, 0)?;

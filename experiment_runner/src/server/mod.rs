@@ -12,6 +12,7 @@ pub mod listing;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod outcome;
+pub mod parameters;
 pub mod permissions;
 #[cfg(feature = "ros")]
 mod program;

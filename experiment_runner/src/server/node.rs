@@ -15,12 +15,13 @@ use msgs::friction_msgs::{
 use msgs::std_srvs::{Trigger, TriggerResponse};
 use msgs::topics;
 use ros_node::lifecycle::{CallbackError, Lifecycle, Managed, Requested};
-use ros_node::parameters::{Declaration, Parameters, Values};
+use ros_node::parameters::{Declared, Parameters, Values};
 use ros_node::{
     ActionHandler, ActionServer, Goal, GoalEnd, GoalId, Participant, RosNode, RosNodeError, Stop,
 };
 
 use super::desk::{Desk, Ended, UsualRig, Watcher};
+use super::parameters::RunnerParameters;
 use super::permissions::{self, Permissions};
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
@@ -28,37 +29,6 @@ use rig_driver::registry::AddressError;
 use rig_setup::RigChoice;
 
 use crate::run::Beside;
-
-/// The parameters of the node.
-#[must_use]
-pub fn declarations() -> Vec<Declaration> {
-    vec![
-        Declaration::text(
-            "runs",
-            "runs",
-            "Folder in which each run gets a folder of its own; files that requests name are read there",
-        )
-        .read_only(),
-        Declaration::text(
-            "inputs",
-            "",
-            "One more folder whose files requests may name: protocols, parameters, recordings; none if empty",
-        )
-        .read_only(),
-        Declaration::text(
-            "allow_rigs",
-            "simulated,nodes",
-            "Rigs that requests may use, separated by commas, beside the one that `rig` names at the start; `nodes` are those of this axis",
-        )
-        .read_only(),
-        Declaration::text(
-            "rig",
-            "simulated",
-            "Rig of experiments whose request names none: `nodes` for the one that this axis's nodes drive, `simulated` for one of their own, or what `frictionlab run --rig` takes",
-        ),
-        Declaration::boolean("autostart", true, "Configure and activate when the program starts").read_only(),
-    ]
-}
 
 /// The executable `experiment_runner`: the node with its parameters, until the wish to end.
 ///
@@ -104,7 +74,8 @@ impl ManagedRunner {
             named.set(rig);
             Ok(())
         };
-        let parameters = Parameters::declare(node, declarations(), judge)?.values();
+        let declared = RunnerParameters::default().declarations();
+        let parameters = Parameters::declare(node, declared, judge)?.values();
         let permissions =
             permissions(&node.identity().namespace, &parameters).map_err(|reason| {
                 RosNodeError::Parameters { node: node.identity().qualified(), reason }
@@ -127,11 +98,11 @@ fn rig(values: &Values) -> Result<RigChoice, String> {
 
 /// What requests may use, as the parameters say it when the node starts.
 fn permissions(axis: &str, values: &Values) -> Result<Permissions, String> {
-    let allowed = permissions::rigs(values.text("allow_rigs"));
-    let mut rigs = allowed.map_err(|error| error.to_string())?;
+    let said = RunnerParameters::default().with(values);
+    let mut rigs = permissions::rigs(&said.allow_rigs).map_err(|error| error.to_string())?;
     rigs.push(rig(values)?);
-    let inputs = Some(values.text("inputs")).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-    Ok(Permissions::new(axis, rigs, PathBuf::from(values.text("runs")), inputs))
+    let inputs = Some(said.inputs).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+    Ok(Permissions::new(axis, rigs, PathBuf::from(said.runs), inputs))
 }
 
 /// Requests are taken while the node is active.
@@ -338,29 +309,6 @@ impl Drop for Follower {
         // Refused or panicked: nobody will cancel it any more.
         if let Some(goal) = &*self.goal.lock().unwrap_or_else(PoisonError::into_inner) {
             lock(&self.cancels).remove(&goal.id());
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
-    #[test]
-    fn the_documentation_shows_these_parameters() {
-        let made = ros_node::parameters::markdown_table(&super::declarations());
-        let (begin, end) = ("<!-- experiment_runner -->\n", "<!-- end of experiment_runner -->\n");
-        for page in ["../docs/reference/parameters.md"] {
-            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
-            let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from =
-                text.find(begin).expect("the page marks where the table begins") + begin.len();
-            let to = text.find(end).expect("the page marks where the table ends");
-            if std::env::var_os("UPDATE_DOCS").is_some() {
-                text.replace_range(from..to, &made);
-                std::fs::write(&path, text).expect("the page can be written");
-            } else {
-                assert_eq!(&text[from..to], made, "{page}: run the test with UPDATE_DOCS=1");
-            }
         }
     }
 }

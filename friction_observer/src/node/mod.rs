@@ -6,18 +6,15 @@
 //! - [`FrictionObserver`] and [`Inner`]: the same node taken apart, for a process whose control
 //!   thread makes the estimates itself.
 
-mod expressed;
 #[cfg(test)]
 mod hostile;
 mod observing;
-mod parameters;
 mod program;
 mod publishers;
 mod step;
 
-pub use expressed::parameters_of;
+pub use crate::parameters::declarations;
 pub use observing::{FrictionObserver, Inner, run};
-pub use parameters::declarations;
 pub use program::program;
 pub use publishers::ObserverNode;
 pub use step::{Beside, Estimated, Estimation, Joint};

@@ -19,17 +19,19 @@ use ros_node::{
     Gate, Participant, Passes, Publisher, RosNode, RosNodeError, SUBSCRIBERS_THAT_LAG, Stop,
     deadlines::{now_ns, request_realtime},
     lifecycle::{CallbackError, Lifecycle, Managed, Requested},
-    parameters::Parameters,
+    parameters::{ParameterError, Parameters},
     queue::{Receiver, Sender, Waker, queue},
     stamps::{Follows, Forwards},
 };
 
 use super::{
-    ObserverNode, declarations,
-    parameters::ObserverSettings,
+    ObserverNode,
     step::{self, Estimated, Estimation, Inputs, Joint, Order},
 };
-use crate::FrictionEstimator;
+use crate::{
+    FrictionEstimator,
+    parameters::{ObserverSettings, declarations},
+};
 
 /// Messages that wait for the thread, and estimates that wait for the publisher.
 const WAITING: usize = 256;
@@ -112,7 +114,7 @@ impl FrictionObserver {
                 if locked(&to_thread).send(Order::Settings(settings)) {
                     Ok(())
                 } else {
-                    Err(BUSY.to_owned())
+                    Err(ParameterError::refused(BUSY))
                 }
             })?;
         let settings = locked(&first).ok_or_else(|| cannot_be("they were not read".to_owned()))?;

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use ros_node::queue::{Receiver, Sender, Waker};
 
-use super::parameters::ObserverSettings;
+use crate::parameters::{ObserverSettings, Regulated};
 use crate::{Estimate, FrictionEstimator, Seen};
 
 /// One joint state.
@@ -113,7 +113,7 @@ impl Estimation {
         if !self.runs {
             return None;
         }
-        let error = if self.settings.position {
+        let error = if self.settings.regulated == Regulated::Position {
             joint.position - beside.reference_position
         } else {
             joint.velocity - beside.reference_velocity

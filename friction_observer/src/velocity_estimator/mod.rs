@@ -27,8 +27,16 @@ use crate::{NominalDrive, ObserverError, Seen};
 const MAX_POSITION: f64 = 1e9;
 
 /// Which velocity an estimator believes.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, strum::EnumDiscriminants,
+)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[strum_discriminants(
+    name(VelocitySourceName),
+    doc = "Which velocity an estimator believes, without its options.",
+    derive(strum::EnumString, strum::IntoStaticStr, strum::VariantNames),
+    strum(serialize_all = "snake_case")
+)]
 pub enum VelocitySource {
     /// The tachometer as it reads.
     #[default]

@@ -140,8 +140,7 @@ pub fn run(
     let (runner, to_reference) =
         RunnerSide::new(&participant, options.reference.is_some(), options.serve.is_some())?;
     let (observer, estimating) = FrictionObserver::new(&participant)?;
-    let (base, _) = options.test_bed.settings(options.mode, options.means, period);
-    let (controller, controlling) = ManagedController::new(&participant, &base)?;
+    let (controller, controlling) = ManagedController::new(&participant)?;
     if options.reference.is_none() {
         controller.follow(controlling.references)?;
     }

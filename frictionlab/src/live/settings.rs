@@ -3,9 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use controller::{ControlMode, ControllerOptions};
+use controller::{ControlMode, ControllerOptions, ControllerParameters};
 use friction_model::ModelName;
 use friction_observer::EstimatorOptions;
+use friction_observer::parameters::{ObserverParameters, Regulated};
 use rig_driver::safety::Travel;
 use rig_driver::{Sign, SimulationOptions};
 use ros_node::parameter_file::NodeParameters;
@@ -51,9 +52,8 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
     }
     let own = nodes
         .into_iter()
-        .map(|(node, values)| NodeParameters { pattern: format!("/**/{node}"), values })
-        .chain(std::mem::take(&mut arguments.parameters));
-    arguments.parameters = own.collect();
+        .map(|(node, values)| NodeParameters { pattern: format!("/**/{node}"), values });
+    arguments.parameters.put_before(own.collect());
     Ok(arguments)
 }
 
@@ -110,22 +110,24 @@ fn observer(
     estimator: &EstimatorOptions,
     period: f64,
 ) -> Result<Given, LiveError> {
-    let position = options.mode == ControlMode::Position;
+    let regulated = match options.mode {
+        ControlMode::Velocity => Regulated::Velocity,
+        ControlMode::Position => Regulated::Position,
+    };
     let mut given = Given::new();
     // The one that runs comes last, so that it is the one named.
     let others = ModelName::ALL.map(|name| options.models.get(name));
     for model in others.iter().chain([&options.observer()]) {
-        let said = friction_observer::node::parameters_of(model, estimator, position);
-        given.extend(said.map_err(LiveError::Parameters)?);
+        let said = ObserverParameters::saying(model, estimator, regulated);
+        given.extend(said.map_err(|error| LiveError::Parameters(error.to_string()))?);
     }
     given.insert("period".to_owned(), ParameterValue::Double(period));
     Ok(given)
 }
 
-/// Impulses and acceleration feedback are no parameters: the node has them from its base.
 fn control(options: &ControllerOptions) -> Result<Given, LiveError> {
-    let sayable = ControllerOptions { acceleration: None, impulse: None, ..*options };
-    let mut given = controller::node::parameters_of(&sayable).map_err(LiveError::Parameters)?;
+    let mut given = ControllerParameters::saying(options)
+        .map_err(|error| LiveError::Parameters(error.to_string()))?;
     given.insert("period".to_owned(), ParameterValue::Double(options.period));
     Ok(given)
 }

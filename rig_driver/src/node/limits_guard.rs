@@ -110,7 +110,8 @@ mod tests {
     impl Node {
         fn set(&mut self, name: &str, value: ParameterValue) -> Result<(), String> {
             self.asked.set(self.asked.get() + 1);
-            self.store.set(&[Change { name: name.to_owned(), value }])
+            let set = self.store.set(&[Change { name: name.to_owned(), value }]);
+            set.map_err(|error| error.to_string())
         }
     }
 

@@ -332,7 +332,7 @@ mod tests {
         let given: BTreeMap<_, _> =
             given.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
         let store = ParameterStore::new(declarations("simulated"), &given, Box::new(|_, _| Ok(())))
-            .map_err(|(name, reason)| format!("{name}: {reason}"))?;
+            .map_err(|error| error.to_string())?;
         RigSettings::read(store.values())
     }
 
@@ -364,26 +364,6 @@ mod tests {
         ] {
             let message = read(&[(name, value)]).unwrap_err();
             assert!(message.contains(said), "{name}: {message}");
-        }
-    }
-
-    /// The documentation shows the parameters of the code; `UPDATE_DOCS=1` writes them anew.
-    #[test]
-    fn the_documentation_shows_these_parameters() {
-        let made = ros_node::parameters::markdown_table(&declarations("simulated"));
-        let (begin, end) = ("<!-- rig_driver -->\n", "<!-- end of rig_driver -->\n");
-        for page in ["../docs/reference/parameters.md"] {
-            let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
-            let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            let from =
-                text.find(begin).expect("the page marks where the table begins") + begin.len();
-            let to = text.find(end).expect("the page marks where the table ends");
-            if std::env::var_os("UPDATE_DOCS").is_some() {
-                text.replace_range(from..to, &made);
-                std::fs::write(&path, text).expect("the page can be written");
-            } else {
-                assert_eq!(&text[from..to], made, "{page}: run the test with UPDATE_DOCS=1");
-            }
         }
     }
 }

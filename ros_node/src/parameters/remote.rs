@@ -10,7 +10,10 @@ use ros2_client::{
     },
 };
 
-use crate::{ParameterValue, RosNode, RosNodeError, ServiceClient};
+use ::parameters::ParameterValue;
+
+use super::wire;
+use crate::{RosNode, RosNodeError, ServiceClient};
 
 /// Reads and sets the parameters of a node that may run anywhere.
 pub struct RemoteParameters {
@@ -48,7 +51,7 @@ impl RemoteParameters {
     ) -> Result<BTreeMap<String, ParameterValue>, RosNodeError> {
         let request = GetParametersRequest { names: names.to_vec() };
         let answer = self.get.call_until_answered(&request, patience)?;
-        let values = names.iter().cloned().zip(answer.values.into_iter().map(ParameterValue::from));
+        let values = names.iter().cloned().zip(answer.values.into_iter().map(wire::from_raw));
         Ok(values.filter(|(_, value)| *value != ParameterValue::NotSet).collect())
     }
 
@@ -63,7 +66,7 @@ impl RemoteParameters {
     ) -> Result<(), RosNodeError> {
         let raw = |(name, value): (&String, &ParameterValue)| raw::Parameter {
             name: name.clone(),
-            value: value.clone().into(),
+            value: wire::to_raw(value.clone()),
         };
         let request = SetParametersRequest { parameter: values.iter().map(raw).collect() };
         // Setting the same values twice comes to the same.

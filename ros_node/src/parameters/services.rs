@@ -18,8 +18,10 @@ use ros2_client::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::{Change, Declaration, ParameterStore, Values};
-use crate::{NodeClock, ParameterValue, Publisher, RosNode, RosNodeError};
+use ::parameters::{Declaration, ParameterError, ParameterValue, Values};
+
+use super::{Change, ParameterStore, StoreError, wire};
+use crate::{NodeClock, Publisher, RosNode, RosNodeError};
 
 /// The parameter that every node has.
 const USE_SIM_TIME: &str = "use_sim_time";
@@ -55,7 +57,7 @@ impl Parameters {
     pub fn declare(
         node: &RosNode,
         mut declared: Vec<Declaration>,
-        mut judge: impl FnMut(&Values, &BTreeSet<String>) -> Result<(), String> + Send + 'static,
+        mut judge: impl FnMut(&Values, &BTreeSet<String>) -> Result<(), ParameterError> + Send + 'static,
     ) -> Result<Self, RosNodeError> {
         if !declared.iter().any(|parameter| parameter.name() == USE_SIM_TIME) {
             declared.push(Declaration::boolean(USE_SIM_TIME, false, "Take the time from /clock"));
@@ -73,18 +75,21 @@ impl Parameters {
                 Ok(())
             }),
         )
-        .map_err(|(parameter, reason)| match given.get(&parameter) {
-            None => RosNodeError::Parameters { node: name.clone(), reason },
-            Some(value) => RosNodeError::Parameter {
+        .map_err(|error| match error {
+            StoreError::Together(reason) => {
+                RosNodeError::Parameters { node: name.clone(), reason: reason.to_string() }
+            }
+            StoreError::Value { name: parameter, error } => RosNodeError::Parameter {
                 node: name.clone(),
-                value: format!("{value:?}"),
+                value: given.get(&parameter).map(|value| format!("{value:?}")).unwrap_or_default(),
                 name: parameter,
-                reason,
+                reason: error.to_string(),
             },
         })?;
-        for unknown in store.undeclared(&given) {
+        for (unknown, nearest) in store.undeclared(&given) {
+            let meant = nearest.map(|known| format!("; is {known} meant?")).unwrap_or_default();
             node.logger().warn(&format!(
-                "the parameter {unknown} was given, but {name} has none of that name"
+                "the parameter {unknown} was given, but {name} has none of that name{meant}"
             ));
         }
         let shown = clock.clone();
@@ -129,8 +134,8 @@ impl Parameters {
     /// Sets all of `changes` or none, and tells it.
     ///
     /// # Errors
-    /// The reason, for people.
-    pub fn set(&self, changes: &[Change]) -> Result<(), String> {
+    /// [`ParameterError`]; its text is for people.
+    pub fn set(&self, changes: &[Change]) -> Result<(), ParameterError> {
         self.0.store().set(changes)?;
         self.tell(
             changes.iter().map(|c| raw_parameter(&c.name, c.value.clone())).collect(),
@@ -141,7 +146,7 @@ impl Parameters {
 
     fn tell_all(&self) {
         let all = self.values();
-        let new = all.0.iter().map(|(name, value)| raw_parameter(name, value.clone())).collect();
+        let new = all.iter().map(|(name, value)| raw_parameter(name, value.clone())).collect();
         self.tell(Vec::new(), new);
     }
 
@@ -211,8 +216,10 @@ impl Parameters {
             package,
             "SetParameters",
             move |asked: SetParametersRequest| {
-                let results =
-                    changes(asked).into_iter().map(|change| this.set(&[change]).into()).collect();
+                let results = changes(asked)
+                    .into_iter()
+                    .map(|change| set_result(this.set(&[change])))
+                    .collect();
                 SetParametersResponse { results }
             },
         )?;
@@ -222,7 +229,7 @@ impl Parameters {
             package,
             "SetParametersAtomically",
             move |asked: SetParametersRequest| SetParametersAtomicallyResponse {
-                result: this.set(&changes(asked)).into(),
+                result: set_result(this.set(&changes(asked))),
             },
         )
     }
@@ -235,13 +242,17 @@ impl Inner {
 }
 
 fn raw_parameter(name: &str, value: ParameterValue) -> raw::Parameter {
-    raw::Parameter { name: name.to_owned(), value: value.into() }
+    raw::Parameter { name: name.to_owned(), value: wire::to_raw(value) }
+}
+
+fn set_result(result: Result<(), ParameterError>) -> raw::SetParametersResult {
+    result.map_err(|error| error.to_string()).into()
 }
 
 fn changes(asked: SetParametersRequest) -> Vec<Change> {
     asked
         .parameter
         .into_iter()
-        .map(|parameter| Change { name: parameter.name, value: parameter.value.into() })
+        .map(|parameter| Change { name: parameter.name, value: wire::from_raw(parameter.value) })
         .collect()
 }

@@ -2,17 +2,31 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ros2_client::{
-    ParameterValue,
-    parameters::{ParameterType, raw},
-};
+use ::parameters::{Declaration, ParameterError, ParameterValue, Values, nearest};
+use ros2_client::parameters::{ParameterType, raw};
 
-use super::{Declaration, Values};
+use super::wire;
 use crate::limits::quoted;
 
 /// Judges values as a whole before they count, and takes them over if they are good: the values,
-/// and the names of those that change. What it returns as an error is the reason that people read.
-pub type Judge = Box<dyn FnMut(&Values, &BTreeSet<String>) -> Result<(), String> + Send>;
+/// and the names of those that change. The text of its error is the reason that people read.
+pub type Judge = Box<dyn FnMut(&Values, &BTreeSet<String>) -> Result<(), ParameterError> + Send>;
+
+/// Values that cannot be at the start.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum StoreError {
+    /// One of them cannot be.
+    #[error("{name}: {error}")]
+    Value {
+        /// The parameter.
+        name: String,
+        /// Why not.
+        error: ParameterError,
+    },
+    /// They do not go together.
+    #[error("{0}")]
+    Together(ParameterError),
+}
 
 /// One value to set.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,33 +49,40 @@ impl ParameterStore {
     /// not declared are left out, see [`undeclared`](Self::undeclared).
     ///
     /// # Errors
-    /// Name and reason of the first value that cannot be; an empty name if they do not go together.
+    /// [`StoreError`] for the first value that cannot be, or if they do not go together.
     pub fn new(
         declared: Vec<Declaration>,
         given: &BTreeMap<String, ParameterValue>,
         mut judge: Judge,
-    ) -> Result<Self, (String, String)> {
+    ) -> Result<Self, StoreError> {
         let mut values = Values::default();
         for parameter in &declared {
-            let value = match given.get(&parameter.name) {
-                None => parameter.default.clone(),
-                Some(value) => {
-                    parameter.accept(value).map_err(|reason| (parameter.name.clone(), reason))?
-                }
+            let name = parameter.name().to_owned();
+            let value = match given.get(&name) {
+                None => parameter.default_value().clone(),
+                Some(value) => parameter
+                    .accept(value)
+                    .map_err(|error| StoreError::Value { name: name.clone(), error })?,
             };
-            values.0.insert(parameter.name.clone(), value);
+            values.set(name, value);
         }
-        let all = values.0.keys().cloned().collect();
-        judge(&values, &all).map_err(|reason| (String::new(), reason))?;
-        let declared =
-            declared.into_iter().map(|parameter| (parameter.name.clone(), parameter)).collect();
+        let all = values.iter().map(|(name, _)| name.to_owned()).collect();
+        judge(&values, &all).map_err(StoreError::Together)?;
+        let named = |parameter: Declaration| (parameter.name().to_owned(), parameter);
+        let declared = declared.into_iter().map(named).collect();
         Ok(Self { declared, values, judge })
     }
 
-    /// Names in `given` that nobody declared.
+    /// Names in `given` that nobody declared, each with the declared one that looks most like it.
     #[must_use]
-    pub fn undeclared<'a>(&self, given: &'a BTreeMap<String, ParameterValue>) -> Vec<&'a str> {
-        given.keys().map(String::as_str).filter(|name| !self.declared.contains_key(*name)).collect()
+    pub fn undeclared<'a>(
+        &'a self,
+        given: &'a BTreeMap<String, ParameterValue>,
+    ) -> Vec<(&'a str, Option<&'a str>)> {
+        let unknown =
+            given.keys().map(String::as_str).filter(|name| !self.declared.contains_key(*name));
+        let known = || self.declared.keys().map(String::as_str);
+        unknown.map(|name| (name, nearest(name, known()))).collect()
     }
 
     /// The values.
@@ -73,20 +94,21 @@ impl ParameterStore {
     /// Sets all of `changes` or none.
     ///
     /// # Errors
-    /// The reason, for people.
-    pub fn set(&mut self, changes: &[Change]) -> Result<(), String> {
+    /// [`ParameterError`]; its text is for people.
+    pub fn set(&mut self, changes: &[Change]) -> Result<(), ParameterError> {
         let mut candidate = self.values.clone();
         let mut changed = BTreeSet::new();
         for Change { name, value } in changes {
             let parameter = self.declared.get(name).ok_or_else(|| {
-                format!("parameter '{}' cannot be set because it was not declared", quoted(name))
+                ParameterError::refused(format!(
+                    "parameter '{}' cannot be set because it was not declared",
+                    quoted(name)
+                ))
             })?;
-            if parameter.read_only {
-                return Err(format!(
-                    "parameter '{name}' cannot be set because it is read-only; give it when the program starts"
-                ));
+            if parameter.is_read_only() {
+                return Err(ParameterError::ReadOnly { name: name.clone() });
             }
-            candidate.0.insert(name.clone(), parameter.accept(value)?);
+            candidate.set(name.clone(), parameter.accept(value)?);
             changed.insert(name.clone());
         }
         (self.judge)(&candidate, &changed)?;
@@ -101,8 +123,8 @@ impl ParameterStore {
         let shallow = |rest: &str| depth == 0 || (rest.matches('.').count() as u64) < depth;
         let names: Vec<String> = self
             .values
-            .0
-            .keys()
+            .iter()
+            .map(|(name, _)| name)
             .filter(|name| {
                 if prefixes.is_empty() {
                     return shallow(name);
@@ -113,7 +135,7 @@ impl ParameterStore {
                     })
                 })
             })
-            .cloned()
+            .map(str::to_owned)
             .collect();
         let found: BTreeSet<String> = names
             .iter()
@@ -125,14 +147,12 @@ impl ParameterStore {
 
     /// A value as it travels; not set for what is not declared.
     pub(super) fn raw(&self, name: &str) -> raw::ParameterValue {
-        self.values.get(name).cloned().unwrap_or(ParameterValue::NotSet).into()
+        wire::to_raw(self.values.get(name).cloned().unwrap_or(ParameterValue::NotSet))
     }
 
     /// A type as it travels.
     pub(super) fn kind(&self, name: &str) -> u8 {
-        self.values
-            .get(name)
-            .map_or(ParameterType::NotSet as u8, |value| value.to_parameter_type() as u8)
+        self.values.get(name).map_or(ParameterType::NotSet as u8, |value| wire::kind(value) as u8)
     }
 
     /// A descriptor as it travels; of type not set for what is not declared.
@@ -148,7 +168,7 @@ impl ParameterStore {
                 floating_point_range: Vec::new(),
                 integer_range: Vec::new(),
             },
-            Declaration::descriptor,
+            wire::descriptor,
         )
     }
 }
@@ -156,7 +176,7 @@ impl ParameterStore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::ValueRange;
+    use ::parameters::ValueRange;
     use ParameterValue as V;
 
     fn store() -> ParameterStore {
@@ -169,7 +189,7 @@ mod tests {
         ];
         let judge = |values: &Values, _: &BTreeSet<String>| {
             if values.double("lag.k_p") > values.double("lag.t_i") * 1000.0 {
-                return Err("too steep".to_owned());
+                return Err(ParameterError::refused("too steep"));
             }
             Ok(())
         };
@@ -198,6 +218,7 @@ mod tests {
             let before = store.values().clone();
             let said =
                 store.set(&[change("seed", V::Integer(5)), change(name, value)]).unwrap_err();
+            let said = said.to_string();
             assert!(said.contains(reason), "{name}: {said}");
             assert_eq!(*store.values(), before, "a set is whole or nothing");
         }
@@ -217,9 +238,9 @@ mod tests {
         let good = ParameterStore::new(declared(), &given(V::Double(2.0)), Box::new(|_, _| Ok(())))
             .unwrap();
         assert_eq!(good.values().double("a"), 2.0);
-        assert_eq!(good.undeclared(&given(V::Double(2.0))), ["b"]);
+        assert_eq!(good.undeclared(&given(V::Double(2.0))), [("b", None)]);
         let bad = ParameterStore::new(declared(), &given(V::Double(3.0)), Box::new(|_, _| Ok(())));
-        assert_eq!(bad.err().unwrap().0, "a");
+        assert!(matches!(bad.err().unwrap(), StoreError::Value { name, .. } if name == "a"));
     }
 
     /// The cases of rclcpp's `test_node.cpp`, `list_parameters`.

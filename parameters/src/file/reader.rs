@@ -1,60 +1,16 @@
-//! Parameter files, and single values, as `rcl_yaml_param_parser` reads them.
-//!
-//! ```yaml
-//! /axis_1/controller:        # or axis_1: {controller: ...}, controller, /**, /*/controller
-//!   ros__parameters:
-//!     mode: velocity
-//!     lag: {k_p: 1.5}        # the parameter lag.k_p
-//! ```
-//!
-//! Types follow the text, as in rcl: `yes` and `On` are booleans, `0x10` and `010` are 16 and 8,
-//! `1e3` and `.nan` are doubles, and what is quoted is a string. All elements of a list have one
-//! type; lists in lists and aliases are refused.
+//! YAML as `rcl_yaml_param_parser` reads it.
 
 use std::collections::BTreeMap;
 
 use granit_parser::{Event, Parser, ScalarStyle};
-use ros2_client::ParameterValue;
 
-const PARAMETERS: &str = "ros__parameters";
+use super::{FileError, NodeParameters, PARAMETERS};
+use crate::ParameterValue;
 
-/// Parameters for the nodes whose name fits a pattern.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NodeParameters {
-    /// Absolute name of a node, in which `*` stands for one part of the name and `**` for any
-    /// number of them.
-    pub pattern: String,
-    /// The values by name; names in maps are joined by dots.
-    pub values: BTreeMap<String, ParameterValue>,
-}
+type Said<T> = Result<T, String>;
 
-impl NodeParameters {
-    /// Whether the node of that absolute name is meant.
-    #[must_use]
-    pub fn is_for(&self, node: &str) -> bool {
-        let parts = |text: &'_ str| text.split('/').skip(1).map(str::to_owned).collect::<Vec<_>>();
-        fits(&parts(&self.pattern), &parts(node))
-    }
-}
-
-fn fits(pattern: &[String], name: &[String]) -> bool {
-    match (pattern.split_first(), name.split_first()) {
-        (None, None) => true,
-        (Some((first, rest)), _) if first == "**" => {
-            (0..=name.len()).any(|taken| name.get(taken..).is_some_and(|left| fits(rest, left)))
-        }
-        (Some((first, rest)), Some((part, left))) => {
-            (first == "*" || first == part) && fits(rest, left)
-        }
-        _ => false,
-    }
-}
-
-/// Reads a file's text. A node that stands twice is met twice, in its order.
-///
-/// # Errors
-/// A sentence with the line.
-pub fn parse(text: &str) -> Result<Vec<NodeParameters>, String> {
+/// The nodes of a file, each as often as it stands there.
+pub(super) fn parse(text: &str) -> Said<Vec<NodeParameters>> {
     let mut found = Vec::new();
     match Reader::new(text).document()? {
         Yaml::Map(entries) => nodes("", entries, &mut found)?,
@@ -66,14 +22,14 @@ pub fn parse(text: &str) -> Result<Vec<NodeParameters>, String> {
 /// Reads a single value, as behind `-p name:=`.
 ///
 /// # Errors
-/// A sentence about what is wrong.
-pub fn parse_value(text: &str) -> Result<ParameterValue, String> {
-    match Reader::new(text).document()? {
+/// [`FileError`] says what is wrong.
+pub fn parse_value(text: &str) -> Result<ParameterValue, FileError> {
+    match Reader::new(text).document().map_err(FileError)? {
         Yaml::Value(value, _) => Ok(value),
-        Yaml::List(values, _) => list(&values),
-        Yaml::Map(_) => Err(format!(
+        Yaml::List(values, _) => list(&values).map_err(FileError),
+        Yaml::Map(_) => Err(FileError(format!(
             "`{text}` is a map; give each of its values a parameter of its own, as in -p lag.k_p:=1.5"
-        )),
+        ))),
     }
 }
 
@@ -88,7 +44,7 @@ fn nodes(
     namespace: &str,
     entries: Vec<(String, usize, Yaml)>,
     found: &mut Vec<NodeParameters>,
-) -> Result<(), String> {
+) -> Said<()> {
     for (key, line, value) in entries {
         let Yaml::Map(inner) = value else { return Err(expected(line)) };
         if key == PARAMETERS {
@@ -110,14 +66,17 @@ fn nodes(
 }
 
 fn is_pattern(part: &str) -> bool {
-    part == "*" || part == "**" || crate::names::is_token(part)
+    part == "*"
+        || part == "**"
+        || part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 fn flatten(
     prefix: &str,
     entries: Vec<(String, usize, Yaml)>,
     values: &mut BTreeMap<String, ParameterValue>,
-) -> Result<(), String> {
+) -> Said<()> {
     for (key, line, value) in entries {
         let name = if prefix.is_empty() { key } else { format!("{prefix}.{key}") };
         match value {
@@ -136,7 +95,7 @@ fn flatten(
 }
 
 /// The elements of a list, which have one type.
-fn list(items: &[ParameterValue]) -> Result<ParameterValue, String> {
+fn list(items: &[ParameterValue]) -> Said<ParameterValue> {
     macro_rules! of {
         ($kind:ident, $array:ident) => {
             items
@@ -172,7 +131,7 @@ enum Yaml {
 const DEEPEST: usize = 32;
 
 struct Reader<'a> {
-    events: Box<dyn Iterator<Item = Result<(Event<'a>, usize), String>> + 'a>,
+    events: Box<dyn Iterator<Item = Said<(Event<'a>, usize)>> + 'a>,
 }
 
 impl<'a> Reader<'a> {
@@ -186,11 +145,11 @@ impl<'a> Reader<'a> {
         Self { events: Box::new(events) }
     }
 
-    fn next(&mut self) -> Result<(Event<'a>, usize), String> {
+    fn next(&mut self) -> Said<(Event<'a>, usize)> {
         self.events.next().unwrap_or_else(|| Err("the text ends too early".to_owned()))
     }
 
-    fn document(&mut self) -> Result<Yaml, String> {
+    fn document(&mut self) -> Said<Yaml> {
         loop {
             match self.next()? {
                 (Event::StreamStart | Event::DocumentStart(..), _) => {}
@@ -211,7 +170,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn node(&mut self, event: Event<'a>, line: usize, depth: usize) -> Result<Yaml, String> {
+    fn node(&mut self, event: Event<'a>, line: usize, depth: usize) -> Said<Yaml> {
         if depth > DEEPEST {
             return Err(format!("line {line}: nested deeper than {DEEPEST} levels"));
         }
@@ -274,7 +233,7 @@ fn written<'a>(event: Event<'a>, span: &granit_parser::Span) -> Event<'a> {
 }
 
 /// The value of a scalar by rcl's rules.
-fn scalar(text: &str, plain: bool, tag: Option<&str>) -> Result<ParameterValue, String> {
+fn scalar(text: &str, plain: bool, tag: Option<&str>) -> Said<ParameterValue> {
     let wrong = |kind: &str| format!("`{text}` is no {kind}");
     match tag {
         Some("str") => return Ok(ParameterValue::String(text.to_owned())),
@@ -390,56 +349,5 @@ mod tests {
         for wrong in ["", "[1, 2.0]", "[[1], [2]]", "{a: 1}", "[1", "!!int x", "*a"] {
             assert!(parse_value(wrong).is_err(), "{wrong}");
         }
-    }
-
-    #[test]
-    fn a_file_names_nodes_in_every_way_rcl_knows() {
-        let text = "\
-# comment
-/**:
-  ros__parameters: {use_sim_time: false}
-axis_1:
-  controller:
-    ros__parameters:
-      lag:
-        k_p: 1.5
-      gains: [1.0, 2.0]
-/axis_2/controller:
-  ros__parameters:
-    mode: position
-'/*/observer':
-  ros__parameters: {model: lugre}
-";
-        let found = parse(text).unwrap();
-        let patterns: Vec<_> = found.iter().map(|node| node.pattern.as_str()).collect();
-        assert_eq!(patterns, ["/**", "/axis_1/controller", "/axis_2/controller", "/*/observer"]);
-        assert_eq!(found[1].values["lag.k_p"], V::Double(1.5));
-        assert_eq!(found[1].values["gains"], V::DoubleArray(vec![1.0, 2.0]));
-        assert!(found[0].is_for("/controller") && found[0].is_for("/a/b/c"));
-        assert!(found[1].is_for("/axis_1/controller") && !found[1].is_for("/controller"));
-        assert!(
-            found[3].is_for("/axis_1/observer")
-                && !found[3].is_for("/observer")
-                && !found[3].is_for("/a/b/observer")
-        );
-    }
-
-    #[test]
-    fn a_file_with_a_mistake_says_in_which_line() {
-        for (text, said) in [
-            ("", "nothing"),
-            ("a: 1", "line 1"),
-            ("ros__parameters: {a: 1}", "line 1"),
-            ("/n:\n  ros__parameters:\n    a:\n", "line 3"),
-            ("/n:\n  ros__parameters:\n    a: [1, x]\n", "line 3"),
-            ("/n:\n  x: 1\n", "line 2"),
-            ("/n m:\n  ros__parameters: {a: 1}\n", "line 1"),
-            ("/n:\n  ros__parameters: {a: 1}\n---\nb: 1\n", "line"),
-        ] {
-            let message = parse(text).unwrap_err();
-            assert!(message.contains(said), "{text:?}: {message}");
-        }
-        let deep = format!("{}1{}", "{a: ".repeat(5000), "}".repeat(5000));
-        assert!(parse(&deep).is_err());
     }
 }

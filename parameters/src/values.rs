@@ -2,13 +2,47 @@
 
 use std::collections::BTreeMap;
 
-use ros2_client::ParameterValue;
+use crate::{Declaration, ParameterError, ParameterValue};
 
 /// Values by name. Every declared parameter is among them, with a value of its declared type.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Values(pub(super) BTreeMap<String, ParameterValue>);
+pub struct Values(BTreeMap<String, ParameterValue>);
 
 impl Values {
+    /// The defaults of what is declared.
+    #[must_use]
+    pub fn defaults(declared: &[Declaration]) -> Self {
+        let default = |one: &Declaration| (one.name().to_owned(), one.default_value().clone());
+        Self(declared.iter().map(default).collect())
+    }
+
+    /// The defaults of what is declared, but for what is `given`.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for the first value that is not taken; what nobody declared is left out.
+    pub fn given(
+        declared: &[Declaration],
+        given: &BTreeMap<String, ParameterValue>,
+    ) -> Result<Self, ParameterError> {
+        let mut values = Self::defaults(declared);
+        for one in declared {
+            if let Some(value) = given.get(one.name()) {
+                values.set(one.name(), one.accept(value)?);
+            }
+        }
+        Ok(values)
+    }
+
+    /// Sets a value as it is.
+    pub fn set(&mut self, name: impl Into<String>, value: ParameterValue) {
+        self.0.insert(name.into(), value);
+    }
+
+    /// Each value by its name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &ParameterValue)> {
+        self.0.iter().map(|(name, value)| (name.as_str(), value))
+    }
+
     /// The value, if there is such a parameter.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<&ParameterValue> {

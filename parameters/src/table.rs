@@ -1,7 +1,6 @@
 //! Declarations as Markdown, for the documentation.
 
-use super::{Declaration, declaration::value_kind};
-use crate::ParameterValue;
+use crate::{Declaration, ParameterValue};
 
 /// A table with a line for each declaration: name, type, default, what it is, what it may be.
 #[must_use]
@@ -16,8 +15,8 @@ pub fn markdown_table(declared: &[Declaration]) -> String {
             ParameterValue::String(value) => value.clone(),
             other => format!("{other:?}"),
         };
-        let kind = value_kind(parameter.default_value());
-        let fixed = if parameter.read_only { "; only when the program starts" } else { "" };
+        let kind = parameter.default_value().kind();
+        let fixed = if parameter.is_read_only() { "; only when the program starts" } else { "" };
         let allowed = format!("{}{fixed}", parameter.allowed());
         text += &format!(
             "| `{}` | {kind} | {default} | {} | {} |\n",
