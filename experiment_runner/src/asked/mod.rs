@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::thread;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args as _, FromArgMatches as _};
 use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName, Motor};
@@ -342,6 +343,17 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
     // A file says everything itself: neither --quick nor --repetitions changes it.
     protocols.into_iter().for_each(|(_, put)| put(&mut options));
     Ok(options)
+}
+
+/// What `frictionlab run` asks for where no option says otherwise, of that selection: the simulated
+/// test bed, with the protocols that are part of the program.
+///
+/// # Errors
+/// None that a user could cause: the defaults of the options are good ones, which a test holds.
+pub fn usual(selection: Selection) -> anyhow::Result<RunOptions> {
+    let command = RunArgs::augment_args(clap::Command::new("run").no_binary_name(true));
+    let args = RunArgs::from_arg_matches(&command.try_get_matches_from([""; 0])?)?;
+    Ok(RunOptions { experiment: selection, ..options(&args, &Beside::default())? })
 }
 
 /// The drive, as the file says or as the SRV-02 has it.

@@ -22,21 +22,28 @@ fn figures(options: &RunOptions) -> serde_json::Value {
 
 /// Numbers are the same but for the slew of the first few cycles, everything else is equal. Returns
 /// how many numbers were compared.
-fn same(plain: &serde_json::Value, supervised: &serde_json::Value, path: &str) -> usize {
+fn same(plain: &serde_json::Value, supervised: &serde_json::Value, size: f64, path: &str) -> usize {
     use serde_json::Value::{Array, Number, Object};
     match (plain, supervised) {
         (Number(a), Number(b)) => {
             let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
-            assert!((a - b).abs() <= 2e-3 * a.abs() + 1e-9, "{path}: {a} alone, {b} supervised");
+            assert!((a - b).abs() <= 2e-3 * size.abs() + 1e-9, "{path}: {a} alone, {b} supervised");
             1
         }
         (Array(a), Array(b)) => {
             assert_eq!(a.len(), b.len(), "{path}");
-            a.iter().zip(b).map(|(a, b)| same(a, b, &format!("{path}[]"))).sum()
+            let each = a.iter().zip(b);
+            each.map(|(a, b)| same(a, b, a.as_f64().unwrap_or(0.0), &format!("{path}[]"))).sum()
         }
         (Object(a), Object(b)) => {
             assert!(a.keys().eq(b.keys()), "{path}");
-            a.iter().map(|(key, a)| same(a, &b[key], &format!("{path}.{key}"))).sum()
+            let one = |(key, value): (&String, &serde_json::Value)| {
+                // A scatter is the small difference of numbers of a size of their own.
+                let of = key.strip_suffix("_deviation").and_then(|of| a.get(of)?.as_f64());
+                let size = of.or(value.as_f64()).unwrap_or(0.0);
+                same(value, &b[key], size, &format!("{path}.{key}"))
+            };
+            a.iter().map(one).sum()
         }
         (a, b) => {
             assert_eq!(a, b, "{path}");
@@ -49,7 +56,7 @@ fn runs_the_same_under_supervision(experiment: Selection) {
     let plain = RunOptions { experiment, ..options() };
     let mut supervised = plain.clone();
     supervised.test_bed.simulation = supervised.test_bed.simulation.supervised();
-    let compared = same(&figures(&plain), &figures(&supervised), "results");
+    let compared = same(&figures(&plain), &figures(&supervised), 0.0, "results");
     assert!(compared > 50, "{compared} numbers");
 }
 
