@@ -151,13 +151,14 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The `//!` text at the head of a source file, with links to code as code.
+/// The `//!` text at the head of a source file, with links to code as code and units as they are.
 fn head(source: &str) -> String {
     let mut text = String::new();
     for line in source.lines().map_while(|line| line.strip_prefix("//!")) {
         text += line.strip_prefix(' ').unwrap_or(line);
         text.push('\n');
     }
+    let text = text.replace("\\[", "[").replace("\\]", "]");
     text.replace("[`crate::", "[`").replace("[`", "`").replace("`]", "`").trim_end().to_owned()
 }
 
