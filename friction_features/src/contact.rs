@@ -2,41 +2,69 @@
 //! model.
 
 use friction_model::{
-    AnyModel, AnyStepper, Body, ContinuousState, Drive, FrictionModel, Holding, Internals,
-    ModelName, ModelVisitor, Moment, State, TimeStep, rk4,
+    AnyModel, Body, Drive, FrictionModel, Holding, Internals, ModelVisitor, Moment, ParameterSet,
+    RunningContact, State, Stepper, TimeStep, rk4,
 };
 
 /// A friction model for experiments: what it says without a state, and experiments started with it
 /// at rest.
 pub struct Contact {
-    model: AnyModel,
     erased: Box<dyn Erased>,
+    shortest_lag: f64,
+    slips: bool,
 }
 
 impl Contact {
-    /// The contact that `model` describes.
+    /// The contact that a built-in `model` describes.
     #[must_use]
     pub fn new(model: &AnyModel) -> Self {
-        Self { model: *model, erased: model.visit(Erase) }
+        let parameters = model.parameters();
+        Self::erased(model.visit(Erase), |name, f| parameters.each(name, f))
     }
 
-    /// The model with its parameters.
+    /// The contact that `model` describes, which need not be built in. A parameter with the name
+    /// `tau` is taken for a time constant of the model, and where there is a `sigma`, its bristles
+    /// for ones that slip ([`crate::TimeScales`]).
     #[must_use]
-    pub const fn model(&self) -> &AnyModel {
-        &self.model
+    pub fn of<M>(model: M) -> Self
+    where
+        M: FrictionModel<Continuous: Send + Sync, Memory: Send + Sync, Discrete: Send + Sync>
+            + Send
+            + Sync
+            + 'static,
+    {
+        let parameters = model.parameters().clone();
+        Self::erased(Erase.visit(model), |name, f| parameters.each(name, f))
     }
 
-    /// Which model it is.
+    fn erased(erased: Box<dyn Erased>, each: impl Fn(&str, &mut dyn FnMut(f64))) -> Self {
+        let mut contact = Self { erased, shortest_lag: f64::INFINITY, slips: false };
+        each("tau", &mut |tau| contact.shortest_lag = contact.shortest_lag.min(tau));
+        each("sigma", &mut |_| contact.slips = true);
+        contact
+    }
+
+    /// The shortest of the model's own time constants \[s\]; infinite where it has none.
+    pub(crate) const fn shortest_lag(&self) -> f64 {
+        self.shortest_lag
+    }
+
+    /// Whether the model has bristles that slip.
+    pub(crate) const fn slips(&self) -> bool {
+        self.slips
+    }
+
+    /// What the model calls itself, see [`FrictionModel::NAME`].
     #[must_use]
-    pub const fn name(&self) -> ModelName {
-        self.model.name()
+    pub fn name(&self) -> &'static str {
+        self.erased.name()
     }
 
     /// The force after a long time at constant `velocity` \[N or N m\], see
     /// [`FrictionModel::steady_state`].
     #[must_use]
     pub fn steady_state(&self, velocity: f64) -> f64 {
-        self.model.steady_state(velocity)
+        self.erased.steady_state(velocity)
     }
 
     /// The viscous part of the force at `velocity` \[N or N m\], see [`FrictionModel::viscous`].
@@ -62,8 +90,8 @@ impl Contact {
     /// The contact at rest, to be moved with a prescribed velocity by the fixed-step form with the
     /// period `dt`.
     #[must_use]
-    pub fn fixed_step(&self, dt: TimeStep) -> AnyStepper {
-        self.model.start(dt)
+    pub fn fixed_step(&self, dt: TimeStep) -> Box<dyn RunningContact> {
+        self.erased.fixed_step(dt)
     }
 
     /// A body of `inertia` \[kg or kg m^2\], above zero, at rest on the contact. Its driver has one
@@ -104,6 +132,9 @@ pub trait FreeBody {
 
 /// What [`Contact`] asks of a model of any type.
 trait Erased: Send + Sync {
+    fn name(&self) -> &'static str;
+    fn steady_state(&self, velocity: f64) -> f64;
+    fn fixed_step(&self, dt: TimeStep) -> Box<dyn RunningContact>;
     fn viscous(&self, velocity: f64) -> f64;
     fn holding(&self, force_rate: f64) -> Option<Holding>;
     fn prescribed(&self) -> Box<dyn Prescribed>;
@@ -129,10 +160,19 @@ impl ModelVisitor for Erase {
 /// A model of known type behind [`Erased`].
 struct Of<M>(M);
 
-impl<M> Erased for Of<M>
-where
-    M: FrictionModel<Continuous: ContinuousState> + Send + Sync + 'static,
-{
+impl<M: FrictionModel + Send + Sync + 'static> Erased for Of<M> {
+    fn name(&self) -> &'static str {
+        M::NAME
+    }
+
+    fn steady_state(&self, velocity: f64) -> f64 {
+        self.0.steady_state(velocity)
+    }
+
+    fn fixed_step(&self, dt: TimeStep) -> Box<dyn RunningContact> {
+        Box::new(Stepper::new(self.0.clone(), dt))
+    }
+
     fn viscous(&self, velocity: f64) -> f64 {
         self.0.viscous(velocity)
     }
@@ -194,7 +234,7 @@ impl<M: FrictionModel> FreeBody for Moving<M> {
 
 #[cfg(test)]
 mod tests {
-    use friction_model::Proposed;
+    use friction_model::{ModelName, Proposed};
 
     use super::*;
 

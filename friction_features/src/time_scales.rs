@@ -80,12 +80,9 @@ impl TimeScales {
         let held =
             contact.holding(0.0).map_or(0.0, |holding| holding.forward.max(holding.backward));
         let highest = highest.max(held);
-        let parameters = contact.model().parameters();
-        let mut lag = f64::INFINITY;
-        parameters.each("tau", &mut |tau| lag = lag.min(tau));
-        let mut slips = false;
-        parameters.each("sigma", &mut |_| slips = true);
-        let slip = if slips && stiffness > 0.0 { damping / stiffness } else { f64::INFINITY };
+        let lag = contact.shortest_lag();
+        let slip =
+            if contact.slips() && stiffness > 0.0 { damping / stiffness } else { f64::INFINITY };
         Self { stiffness, damping, highest_level: highest, lowest_level: lowest, lag, slip }
     }
 

@@ -1,10 +1,11 @@
-//! A friction model from outside the suite, in the suite's observer and in its least squares.
+//! A friction model from outside the suite, in the suite's observer, experiments and least squares.
 
 mod jenkins;
 
 use std::error::Error;
 use std::ops::ControlFlow;
 
+use friction_features::{Contact, Motion, StickSlipSettings, stick_slip};
 use friction_ident::bounded::{Bound, Patience, Residuals, minimise};
 use friction_model::{Stepper, TimeStep};
 use friction_observer::FrictionObserver;
@@ -55,6 +56,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let estimate = observer.observe(0.2, None);
     println!("{}: {:.4} N m, {:?}", estimate.source.as_str(), estimate.torque, estimate.regime);
     assert_eq!(estimate.source.as_str(), "jenkins");
+
+    // Its experiments: pulled by a spring it does not stick and slip, as its levels do not differ.
+    let pulled = stick_slip(&Contact::of(Jenkins::try_from(truth)?), &StickSlipSettings::default());
+    println!("pulled by a spring: {:?}", pulled.motion);
+    assert_ne!(pulled.motion, Motion::StickSlip);
 
     // The suite's least squares, from a start that is far off.
     let mut fit = Fit { measured, dt };
