@@ -2,6 +2,7 @@
 //! parameters it fits.
 
 use serde::Serialize;
+use strum::{EnumString, IntoStaticStr, VariantNames};
 
 use super::parameter::ServoParameter::{self, *};
 
@@ -9,8 +10,9 @@ use super::parameter::ServoParameter::{self, *};
 ///
 /// With S = exp(-|w/w_s|^alpha), tau_m the motor's and tau_e the external torque, friction is L +
 /// K_v |w| with L as given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, EnumString, IntoStaticStr, VariantNames)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum FrictionLevel {
     /// L = K_c.
     M1,
@@ -32,21 +34,12 @@ pub enum FrictionLevel {
 }
 
 impl FrictionLevel {
-    /// All levels, simplest first.
-    pub const ALL: [Self; 7] =
-        [Self::M1, Self::M2, Self::M3, Self::M4, Self::M5, Self::M6, Self::Progressive];
+    /// Names of all levels, simplest first.
+    pub const NAMES: &'static [&'static str] = <Self as VariantNames>::VARIANTS;
 
-    /// Name as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::M1 => "m1",
-            Self::M2 => "m2",
-            Self::M3 => "m3",
-            Self::M4 => "m4",
-            Self::M5 => "m5",
-            Self::M6 => "m6",
-            Self::Progressive => "progressive",
-        }
+    /// Name as in files and on the command line; it parses back.
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// What is fitted, the servo's and the pendulum's parameters first.
@@ -131,5 +124,19 @@ impl FrictionLevel {
                 RippleCount,
             ],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_peer_and_parse_back() {
+        assert_eq!(FrictionLevel::NAMES, ["m1", "m2", "m3", "m4", "m5", "m6", "progressive"]);
+        for name in FrictionLevel::NAMES {
+            assert_eq!(name.parse::<FrictionLevel>().unwrap().name(), *name);
+        }
+        assert!("m7".parse::<FrictionLevel>().is_err());
     }
 }

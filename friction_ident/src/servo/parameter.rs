@@ -2,9 +2,10 @@
 //! them.
 
 use serde::Serialize;
+use strum::VariantArray;
 
 /// One parameter of a servo that drives a pendulum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ServoParameter {
     /// Torque constant k_t \[N m/A], which is the back-EMF constant \[V s/rad] too.
@@ -58,30 +59,7 @@ use ServoParameter as P;
 
 impl ServoParameter {
     /// All of them.
-    pub const ALL: [Self; 22] = [
-        P::TorqueConstant,
-        P::Resistance,
-        P::Armature,
-        P::PositionOffset,
-        P::Coulomb,
-        P::Viscous,
-        P::Load,
-        P::ExternalLoad,
-        P::MotorLoad,
-        P::StribeckCoulomb,
-        P::StribeckLoad,
-        P::StribeckExternal,
-        P::StribeckMotor,
-        P::QuadraticExternal,
-        P::QuadraticMotor,
-        P::StribeckVelocity,
-        P::StribeckExponent,
-        P::Delay,
-        P::LoadSquared,
-        P::RippleSine,
-        P::RippleCosine,
-        P::RippleCount,
-    ];
+    pub const ALL: &'static [Self] = <Self as VariantArray>::VARIANTS;
 
     /// Name, unit, lower and upper bound.
     const fn row(self) -> (&'static str, &'static str, f64, f64) {

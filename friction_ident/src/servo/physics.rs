@@ -12,7 +12,8 @@ pub struct Physics {
 impl Physics {
     /// The given parameters, all others neutral.
     pub fn new(parameters: &[ServoParameter], values: &[f64]) -> Self {
-        let mut physics = Self { values: ServoParameter::ALL.map(ServoParameter::neutral) };
+        let mut physics =
+            Self { values: std::array::from_fn(|i| ServoParameter::ALL[i].neutral()) };
         for (&parameter, &value) in parameters.iter().zip(values) {
             physics.set(parameter, value);
             // One coefficient for both torques.

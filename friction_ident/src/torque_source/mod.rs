@@ -112,18 +112,17 @@ impl DriveConstants {
     /// [`IdentError::DriveConstant`], naming the one that is out of range.
     pub fn check(&self, source: TorqueSource) -> Result<(), IdentError> {
         for constant in DriveConstant::entering(source) {
-            let (name, Uncertain { value, standard_error }) = match constant {
-                DriveConstant::TorqueConstant => ("torque_constant", self.torque_constant),
-                DriveConstant::ArmatureResistance => {
-                    ("armature_resistance", self.armature_resistance)
-                }
-                DriveConstant::Inertia => ("inertia", self.inertia),
+            let Uncertain { value, standard_error } = match constant {
+                DriveConstant::TorqueConstant => self.torque_constant,
+                DriveConstant::ArmatureResistance => self.armature_resistance,
+                DriveConstant::Inertia => self.inertia,
             };
             if !(value > 0.0
                 && value.is_finite()
                 && standard_error >= 0.0
                 && standard_error.is_finite())
             {
+                let name = constant.name();
                 return Err(IdentError::DriveConstant { name, value, standard_error });
             }
         }
@@ -132,8 +131,9 @@ impl DriveConstants {
 }
 
 /// One of the [`DriveConstants`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, strum::IntoStaticStr)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum DriveConstant {
     /// k = A K_m.
     TorqueConstant,
@@ -158,12 +158,8 @@ impl DriveConstant {
     }
 
     /// Name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::TorqueConstant => "torque_constant",
-            Self::ArmatureResistance => "armature_resistance",
-            Self::Inertia => "inertia",
-        }
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 }
 

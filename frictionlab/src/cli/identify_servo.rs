@@ -82,9 +82,7 @@ fn gain(text: &str) -> Result<f64, String> {
 }
 
 fn level(text: &str) -> Result<FrictionLevel, String> {
-    FrictionLevel::ALL.into_iter().find(|level| level.name() == text).ok_or_else(|| {
-        format!("expected one of {}", FrictionLevel::ALL.map(FrictionLevel::name).join(", "))
-    })
+    text.parse().map_err(|_| format!("expected one of {}", FrictionLevel::NAMES.join(", ")))
 }
 
 /// Reads, searches, writes `servo.json` and `report.html`, and prints a table.
