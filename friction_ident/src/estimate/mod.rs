@@ -1,0 +1,119 @@
+//! An estimated parameter: its value, how sure it is, and whether the data say anything about it at
+//! all.
+//!
+//! Every fit of this crate that estimates named parameters ends in [`Estimates`]. A parameter that
+//! the data do not determine carries a [`Doubt`] and what to measure instead; its number is then a
+//! placeholder that is safe to compute with.
+
+mod linearised;
+mod verdict;
+
+use serde::Serialize;
+
+use crate::bounded::Minimum;
+use crate::parameter_id::ParameterId;
+pub(crate) use linearised::NormalEquations;
+pub(crate) use verdict::of_its_value;
+pub use verdict::{Doubt, Interval, IntervalMethod, Verdict};
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Which parameter; in documents its text, under `name`.
+    #[serde(rename = "name")]
+    pub id: ParameterId,
+    /// Unit.
+    pub unit: &'static str,
+    /// Best value; where it is not identifiable, one that is safe to compute with.
+    pub value: f64,
+    /// Standard error; none where a bound holds it or where it was not estimated.
+    pub standard_error: Option<f64>,
+    /// 95 % interval.
+    pub interval: Option<Interval>,
+    /// Whether the data determine it.
+    #[serde(flatten)]
+    pub verdict: Verdict,
+}
+
+impl Estimate {
+    /// A value that was not estimated here.
+    pub fn given(
+        id: impl Into<ParameterId>,
+        unit: &'static str,
+        value: f64,
+        source: &'static str,
+    ) -> Self {
+        let verdict = Verdict::Given { source };
+        Self { id: id.into(), unit, value, standard_error: None, interval: None, verdict }
+    }
+
+    /// Whether the data determine it.
+    pub fn is_identified(&self) -> bool {
+        self.verdict == Verdict::Identified
+    }
+}
+
+/// What an unknown of a fit is called and what helps where it stays unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unknown {
+    /// Which parameter.
+    pub id: ParameterId,
+    /// Unit.
+    pub unit: &'static str,
+    /// What to measure where this data does not determine it.
+    pub remedy: &'static str,
+}
+
+/// Parameters estimated together.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Estimates {
+    /// One a parameter.
+    pub parameters: Vec<Estimate>,
+    /// Correlations, in the order of the parameters; zero beside one that was not free.
+    pub correlation: Vec<Vec<f64>>,
+    /// Covariance, likewise.
+    pub covariance: Vec<Vec<f64>>,
+    /// Standard deviation of the residuals, degrees of freedom taken into account.
+    pub residual_deviation: f64,
+    /// Residuals minus free parameters.
+    pub degrees_of_freedom: usize,
+}
+
+impl Estimates {
+    /// From a minimum of least squares, linearised: covariance `s^2 (J^T J)^-1` of the unknowns
+    /// that no bound holds. `share` is the share of the residuals that count as independent: 1 for
+    /// white ones, else [`effective_share`](crate::residual_whiteness::effective_share).
+    pub fn linearised(minimum: &Minimum, unknowns: &[Unknown], share: f64) -> Self {
+        let matrix = minimum.jacobian.tr_mul(&minimum.jacobian);
+        let normal = NormalEquations {
+            x: &minimum.x,
+            held: &minimum.held,
+            matrix: matrix.as_slice().to_vec(),
+            sum: minimum.sum,
+            residuals: minimum.residuals.len(),
+        };
+        normal.estimates(unknowns, share)
+    }
+
+    /// The place of a parameter among the rows of correlation and covariance.
+    pub fn place(&self, id: impl Into<ParameterId>) -> Option<usize> {
+        let id = id.into();
+        self.parameters.iter().position(|estimate| estimate.id == id)
+    }
+
+    /// The estimate of a parameter.
+    pub fn get(&self, id: impl Into<ParameterId>) -> Option<&Estimate> {
+        self.parameters.get(self.place(id)?)
+    }
+
+    /// The same, to be changed.
+    pub fn get_mut(&mut self, id: impl Into<ParameterId>) -> Option<&mut Estimate> {
+        let place = self.place(id)?;
+        self.parameters.get_mut(place)
+    }
+
+    /// The value of a parameter.
+    pub fn value(&self, id: impl Into<ParameterId>) -> Option<f64> {
+        self.get(id).map(|estimate| estimate.value)
+    }
+}

@@ -1,0 +1,166 @@
+//! Whether the data say anything about a parameter, and the interval that they leave it.
+
+use serde::Serialize;
+
+/// How an interval was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IntervalMethod {
+    /// Value plus and minus Student's quantile times the standard error.
+    Linearised,
+    /// Where the profile of the likelihood crosses its limit: right for curved problems, and
+    /// open-ended where it must be.
+    Profile,
+    /// The range over repeated searches that fit equally well.
+    EquallyGoodFits,
+    /// From the ranks of repeated measurements, without assuming a distribution.
+    Ranks,
+}
+
+/// A 95 % confidence interval; an end may be infinite.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Interval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// How it was found.
+    pub method: IntervalMethod,
+}
+
+impl Interval {
+    /// Whether `value` lies within.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+/// A relative error in words: per cent as long as these say something,
+/// `more than 10 times its value` beyond.
+pub(crate) fn of_its_value(relative_error: f64) -> String {
+    const SENSIBLE: f64 = 10.0;
+    if relative_error <= SENSIBLE {
+        format!("{:.0} % of its value", 100.0 * relative_error)
+    } else {
+        format!("more than {SENSIBLE:.0} times its value")
+    }
+}
+
+/// Why the data do not determine a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
+#[serde(tag = "reason", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Doubt {
+    /// The standard error is more than half the value.
+    #[error("its standard error is {}", of_its_value(*relative_error))]
+    LargeError {
+        /// Standard error over value.
+        relative_error: f64,
+    },
+    /// The interval has no end on one side.
+    #[error("its interval has no end: the data fit about as well without the effect")]
+    OpenInterval,
+    /// The best value allowed is a bound itself.
+    #[error("the best value lies at its bound {bound}")]
+    AtBound {
+        /// The bound.
+        bound: f64,
+    },
+    /// Changing it changes nothing in this data.
+    #[error("it changes nothing in this data")]
+    NoEffect,
+    /// It cannot be told from another parameter.
+    #[error("it cannot be told from {other} (correlation {correlation:.4})")]
+    Confounded {
+        /// The other parameter.
+        other: String,
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// What it describes is not clear of the noise.
+    #[error(
+        "the effect it describes, {effect:.3e}, is not clear of its standard error {standard_error:.3e}"
+    )]
+    BelowNoise {
+        /// Size of the effect.
+        effect: f64,
+        /// Its standard error.
+        standard_error: f64,
+    },
+    /// What it is the mean of happened too rarely.
+    #[error("it needs {needed} events, and the recording has {found}")]
+    TooFewEvents {
+        /// Events found.
+        found: usize,
+        /// Events needed.
+        needed: usize,
+    },
+    /// Only its ratio to something unknown is determined.
+    #[error("only its ratio to the torque per volt is determined")]
+    RatioOnly,
+    /// The sensor's steps are too coarse for the noise to fill them: the mean error of rounding is
+    /// not known well enough.
+    #[error(
+        "the sensor's steps of {step:.3e} are too coarse for the noise of {noise:.3e} that should fill them"
+    )]
+    CoarseSensor {
+        /// One step.
+        step: f64,
+        /// Standard deviation of the noise before rounding.
+        noise: f64,
+    },
+    /// Repeated searches that fit equally well disagree.
+    #[error("the {fits} equally good fits disagree on it")]
+    Scatter {
+        /// Least of them.
+        low: f64,
+        /// Greatest.
+        high: f64,
+        /// How many fits there are.
+        fits: usize,
+    },
+    /// Only one search came this far.
+    #[error("only one search reached this error: nothing confirms the value")]
+    Unrepeated,
+    /// It lies outside the range that was measured.
+    #[error("it lies outside the measured range, {low} to {high}")]
+    OutsideRange {
+        /// Lower end of the range.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+}
+
+/// Whether the data determine a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "verdict", rename_all = "snake_case")]
+pub enum Verdict {
+    /// They do.
+    Identified,
+    /// They do not.
+    NotIdentifiable {
+        /// Why.
+        doubt: Doubt,
+        /// What to measure instead.
+        remedy: &'static str,
+    },
+    /// It was not estimated but computed from others, or given.
+    Given {
+        /// Where it comes from.
+        source: &'static str,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_beyond_sense_is_told_in_times() {
+        let doubt = |relative_error| Doubt::LargeError { relative_error }.to_string();
+        assert_eq!(doubt(0.62), "its standard error is 62 % of its value");
+        assert_eq!(doubt(3_222_979.53), "its standard error is more than 10 times its value");
+        assert_eq!(doubt(f64::INFINITY), "its standard error is more than 10 times its value");
+    }
+}
