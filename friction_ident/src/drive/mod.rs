@@ -22,6 +22,8 @@ mod breakaway;
 mod combine;
 mod constants;
 mod fit;
+mod report;
+mod with_torque;
 
 pub use breakaway::{Breakaway, breakaways};
 pub use combine::combine;
