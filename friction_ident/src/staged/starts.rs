@@ -3,7 +3,8 @@
 
 use friction_model::{AnyModel, ModelName};
 
-use super::{PRE_SLIDING, Work};
+use super::stage::PRE_SLIDING;
+use super::work::Work;
 use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
 use crate::output_error::{Measured, prediction_rms};
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};

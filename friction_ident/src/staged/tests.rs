@@ -6,6 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use super::*;
 use crate::output_error::predict;
 use crate::steady_point::SteadyPoint;
+use crate::{IntervalMethod, Stretch, Verdict};
 
 const DT: f64 = 1e-3;
 

@@ -1,0 +1,52 @@
+//! What is said of each number in the end.
+
+use friction_model::AnyModel;
+
+use super::StageResult;
+use crate::estimate::{Estimate, Estimates, Interval, IntervalMethod, Verdict};
+use crate::free_parameters::{FreeParameters, remedy};
+use crate::parameter_id::{ParameterId, Side};
+use crate::static_curve::{StribeckFit, StribeckParameter};
+
+/// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and
+/// its profile where the intervals end.
+pub(super) fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckFit) {
+    let has_dip = estimates.get(ParameterId::new("v_s").side(side)).is_some();
+    for (parameter, why) in StribeckParameter::ALL.into_iter().zip(curve.unidentifiable) {
+        let profile = curve.estimate(parameter).interval;
+        let id = ParameterId::new(parameter.name()).side(side);
+        let Some(estimate) = estimates.get_mut(id) else { continue };
+        if let (Some((low, high)), true) = (profile, has_dip) {
+            estimate.interval = Some(Interval { low, high, method: IntervalMethod::Profile });
+        }
+        if let Some(why) = why {
+            let remedy = remedy(id.name);
+            estimate.verdict = Verdict::NotIdentifiable { doubt: why.into(), remedy };
+        }
+    }
+}
+
+/// Every number of the model with what the last stage that estimated it says.
+pub(super) fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) -> Estimates {
+    let all = FreeParameters::new(model, |_| true);
+    let parameters = all
+        .unknowns(rotary)
+        .into_iter()
+        .zip(all.values())
+        .map(|(unknown, value)| {
+            let found = stages.iter().rev().find_map(|stage| stage.estimates.get(unknown.id));
+            match found {
+                Some(found) => Estimate { value, ..found.clone() },
+                None => Estimate::given(
+                    unknown.id,
+                    unknown.unit,
+                    value,
+                    "no recording shows it: the value it started with",
+                ),
+            }
+        })
+        .collect();
+    // Correlations are those of the last fit, where it covers everything it estimated.
+    let last = stages.last().map(|stage| stage.estimates.clone()).unwrap_or_default();
+    Estimates { parameters, ..last }
+}

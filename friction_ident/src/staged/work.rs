@@ -1,0 +1,206 @@
+//! The stages, one after the other.
+
+use std::ops::ControlFlow;
+
+use friction_model::{AnyModel, ModelName};
+
+use super::friction_data::{weighted, weighted_points};
+use super::last_word::{last_word, take_over};
+use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
+use super::{FrictionData, Identified, Stage, StageResult, StagedOptions, residuals};
+use crate::IdentError;
+use crate::bounded::{Ending, Step};
+use crate::damped_model::with_computed_damping;
+use crate::free_parameters::FreeParameters;
+use crate::information::Information;
+use crate::output_error::{Measured, OutputErrorFit, fit_output_error};
+use crate::parameter_id::Side;
+use crate::residual_whiteness::effective_share;
+use crate::starting_model::{scaled_to, with_elements};
+use crate::static_curve::{StribeckFit, StribeckOptions, StribeckValues, fit_stribeck};
+use crate::stretch::Stretch;
+
+/// What the stages share.
+pub(super) struct Work<'a> {
+    pub(super) name: ModelName,
+    pub(super) data: &'a FrictionData,
+    pub(super) options: &'a StagedOptions,
+    stages: Vec<StageResult>,
+    notes: Vec<String>,
+    stopped: bool,
+}
+
+type Watch<'w> = &'w mut dyn FnMut(Stage, &Step) -> ControlFlow<()>;
+
+impl<'a> Work<'a> {
+    pub fn new(name: ModelName, data: &'a FrictionData, options: &'a StagedOptions) -> Self {
+        Self { name, data, options, stages: Vec::new(), notes: Vec::new(), stopped: false }
+    }
+
+    /// The last stage's result, unless it was stopped.
+    pub fn last(mut self) -> Option<StageResult> {
+        self.stages.pop().filter(|_| !self.stopped)
+    }
+
+    pub fn static_stage(&mut self, watch: Watch) -> Result<AnyModel, IdentError> {
+        let points = self.data.static_points();
+        let model = with_elements(self.name, self.options.elements)?;
+        let reach = self.reach();
+        let start = |fit: &StribeckFit| {
+            Ok::<_, IdentError>(scaled_to(&model, &with_dip(&fit.parameters), reach)?)
+        };
+        let (start, fits) = if self.options.asymmetric {
+            let side = |sign: f64| {
+                let side: Vec<_> =
+                    points.iter().copied().filter(|point| point.velocity * sign > 0.0).collect();
+                fit_stribeck(&side, &StribeckOptions::default())
+            };
+            let (forward, backward) = (side(1.0)?, side(-1.0)?);
+            let both = AnyModel::asymmetric(&start(&forward)?, &start(&backward)?)?;
+            (both, vec![(Side::Forward, forward), (Side::Backward, backward)])
+        } else {
+            let fit = fit_stribeck(&points, &StribeckOptions::default())?;
+            (start(&fit)?, vec![(Side::Both, fit)])
+        };
+        let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
+        let measured = Measured { points: &points, stretches: &[] };
+        let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
+        for (side, curve) in fits {
+            take_over(&mut fit.estimates, side, &curve);
+        }
+        if points.len() != self.data.points.len() {
+            self.notes.push(
+                "There are too few constant velocities: the static characteristic comes from sliding at changing velocity, in bins, \
+                 and contains some of the lag."
+                    .to_owned(),
+            );
+        }
+        Ok(self.keep(Stage::Static, points.len(), fit))
+    }
+
+    /// How far the contact bends, from half the range of the pre-sliding recordings.
+    pub fn reach(&self) -> Option<f64> {
+        let hint = self.data.reach_hint();
+        (hint > 0.0).then_some(0.5 * hint)
+    }
+
+    /// A stage that runs the model along the recordings of its kind.
+    pub fn dynamic_stage(
+        &mut self,
+        stage: Stage,
+        model: AnyModel,
+        watch: Watch,
+    ) -> Result<AnyModel, IdentError> {
+        let stretches =
+            if stage == Stage::PreSliding { &self.data.pre_sliding } else { &self.data.lag };
+        if self.stopped || stretches.is_empty() {
+            return Ok(model);
+        }
+        let model = if stage == Stage::PreSliding {
+            self.best_operator(model)
+        } else {
+            self.best_lag(model)
+        };
+        let damping = self.options.inertia.is_none();
+        let free = FreeParameters::new(&model, |row| match stage {
+            Stage::PreSliding => {
+                PRE_SLIDING.contains(&row.name) || (damping && DAMPING.contains(&row.name))
+            }
+            _ => LAG.contains(&row.name),
+        });
+        if free.ids().is_empty() {
+            return Ok(model);
+        }
+        let measured = Measured { points: &[], stretches };
+        let samples = measured.len();
+        let fit = self.fit(stage, &free, &measured, watch)?;
+        Ok(self.keep(stage, samples, fit))
+    }
+
+    /// `sigma = 2 zeta sqrt(J k) - f_v`, of each element its own.
+    pub fn micro_damping(&mut self, model: AnyModel) -> Result<AnyModel, IdentError> {
+        let Some(inertia) = self.options.inertia else { return Ok(model) };
+        let free = FreeParameters::new(&model, |row| DAMPING.contains(&row.name));
+        if free.ids().is_empty() {
+            return Ok(model);
+        }
+        let rotary = self.options.output_error.rotary;
+        let (model, estimates) =
+            with_computed_damping(&model, inertia, self.options.damping_ratio, rotary)?;
+        self.stages.push(StageResult {
+            stage: Stage::MicroDamping,
+            samples: 0,
+            rms: 0.0,
+            estimates,
+        });
+        Ok(model)
+    }
+
+    /// Everything free, over everything, each recording as heavy as the residuals of `by_stages` on
+    /// it are small.
+    pub fn joint(
+        &mut self,
+        model: AnyModel,
+        by_stages: &AnyModel,
+        watch: Watch,
+    ) -> Result<AnyModel, IdentError> {
+        let stretches: Vec<Stretch> = [&self.data.pre_sliding, &self.data.lag, &self.data.mixed]
+            .into_iter()
+            .flatten()
+            .map(|stretch| weighted(stretch, by_stages))
+            .collect();
+        if self.stopped || !self.options.joint || stretches.is_empty() {
+            return Ok(model);
+        }
+        let computed = self.stages.iter().any(|stage| stage.stage == Stage::MicroDamping);
+        let shown = |name: &str| {
+            STATIC.contains(&name)
+                || PRE_SLIDING.contains(&name)
+                || LAG.contains(&name)
+                || (DAMPING.contains(&name) && !computed)
+        };
+        let free = FreeParameters::new(&model, |row| shown(row.name));
+        let points = weighted_points(&self.data.points, by_stages);
+        let measured = Measured { points: &points, stretches: &stretches };
+        let fit = self.fit(Stage::Joint, &free, &measured, watch)?;
+        Ok(self.keep(Stage::Joint, measured.len(), fit))
+    }
+
+    fn fit(
+        &mut self,
+        stage: Stage,
+        free: &FreeParameters,
+        measured: &Measured,
+        watch: Watch,
+    ) -> Result<OutputErrorFit, IdentError> {
+        let mut see = |step: &Step| watch(stage, step);
+        let fit = fit_output_error(free, measured, &[], &self.options.output_error, &mut see)?;
+        self.stopped |= fit.ending == Ending::Stopped;
+        Ok(fit)
+    }
+
+    fn keep(&mut self, stage: Stage, samples: usize, fit: OutputErrorFit) -> AnyModel {
+        self.stages.push(StageResult { stage, samples, rms: fit.rms, estimates: fit.estimates });
+        fit.model
+    }
+
+    pub fn finish(self, model: AnyModel) -> Identified {
+        let residuals = residuals(&model, self.data);
+        let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
+        let estimates = last_word(&model, &self.stages, self.options.output_error.rotary);
+        let estimated = estimates
+            .parameters
+            .iter()
+            .filter(|estimate| estimate.standard_error.is_some())
+            .count();
+        let information =
+            Information::new(mse, residuals.len(), effective_share(&residuals), estimated);
+        let Self { name, stages, notes, stopped, .. } = self;
+        Identified { name, model, stages, estimates, information, stopped, notes }
+    }
+}
+
+/// A curve that shows no dip gets a small one, so that a search can find it in other recordings.
+fn with_dip(values: &StribeckValues) -> StribeckValues {
+    StribeckValues { f_s: values.f_s.max(1.001 * values.f_c), ..*values }
+}
