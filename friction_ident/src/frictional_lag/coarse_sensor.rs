@@ -70,7 +70,7 @@ pub fn fit_lag_of_coarse_torque(
     let tau = fit.estimates.get_mut("tau");
     if let Some(tau) = tau.filter(|tau| noise < FILLED * torque_step && tau.is_identified()) {
         let doubt = Doubt::CoarseSensor { step: torque_step, noise };
-        tau.verdict = Verdict::NotIdentifiable { doubt, remedy: super::search::remedy("tau") };
+        tau.verdict = Verdict::NotIdentifiable { doubt, remedy: super::estimates::remedy("tau") };
     }
     Ok(fit)
 }

@@ -22,6 +22,7 @@ use crate::estimate::{Estimate, Estimates, Interval, Verdict};
 use crate::profile::{Search, profile_interval, sum_limit};
 
 mod coarse_sensor;
+mod estimates;
 mod filter;
 mod pass;
 mod relaxation;
@@ -161,7 +162,7 @@ pub fn fit_lag_with_profiles(
         if (ends.low == 0.0 || ends.high == f64::INFINITY) && estimate.is_identified() {
             estimate.verdict = Verdict::NotIdentifiable {
                 doubt: crate::Doubt::OpenInterval,
-                remedy: search::remedy(name),
+                remedy: estimates::remedy(name),
             };
         }
     }

@@ -18,8 +18,9 @@ use nalgebra::SMatrix;
 use serde::Serialize;
 use wide::f64x4;
 
+use super::estimates::remedy;
 use super::pass::Prepared;
-use super::search::{near, remedy};
+use super::search::near;
 use super::{InitialLag, LagOptions, LagRecording};
 use crate::IdentError;
 use crate::estimate::{Estimates, NormalEquations, Unknown};
