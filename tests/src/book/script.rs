@@ -20,6 +20,7 @@ const RECORDINGS: [(&str, &str); 4] = [
 /// words, which are the first line. A device of the emulator is there before anything talks to it.
 const HEAD: &str = r#"set -Eeuo pipefail
 trap 'echo "failed: $BASH_COMMAND" >&2' ERR
+trap 'kill $(jobs -p) 2> /dev/null || true' EXIT
 frictionlab() {
   local output
   output=$(mktemp "$OUTPUTS/XXXXXXXX")
