@@ -267,39 +267,6 @@ mod tests {
     use super::*;
     use crate::{RosAction, RosService, friction_msgs, std_srvs};
 
-    /// The documentation shows what stands here; `UPDATE_DOCS=1` writes it anew.
-    #[test]
-    fn the_documentation_shows_these_interfaces() {
-        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        for page in ["docs/reference/topics.md"] {
-            let path = root.join(page);
-            let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-            for (name, made) in [
-                ("topics", topic_table()),
-                ("services", service_table()),
-                ("actions", action_table()),
-            ] {
-                let (begin, end) =
-                    (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
-                let from =
-                    text.find(&begin).expect("the page marks where the table begins") + begin.len();
-                let to = text.find(&end).expect("the page marks where the table ends");
-                if std::env::var_os("UPDATE_DOCS").is_some() {
-                    text.replace_range(from..to, &made);
-                } else {
-                    assert_eq!(
-                        &text[from..to],
-                        made,
-                        "{page}, {name}: run the test with UPDATE_DOCS=1"
-                    );
-                }
-            }
-            if std::env::var_os("UPDATE_DOCS").is_some() {
-                std::fs::write(&path, text).expect("the page can be written");
-            }
-        }
-    }
-
     #[test]
     fn types_are_those_of_the_code() {
         fn name<S: RosService>() -> String {

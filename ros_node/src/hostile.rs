@@ -1,8 +1,7 @@
 //! What anybody on the network may send to the nodes, and what becomes of it: the list of inputs
 //! that may stop the rig. None may move it but the voltages of the one who commands.
 //!
-//! The nodes' own tests give each input to the logic and hold it to its row; `docs/reference/nodes.md` shows
-//! the rows.
+//! The nodes' own tests give each input to the logic and hold it to its row; the book shows the rows.
 
 use std::fmt;
 
@@ -116,6 +115,15 @@ pub fn of(node: &str) -> impl Iterator<Item = &'static Hostile> + '_ {
     HOSTILE.iter().filter(move |row| row.node == node)
 }
 
+/// The rows as Markdown.
+#[must_use]
+pub fn markdown_table() -> String {
+    let head = "| node | what comes | from | what becomes of it |\n|---|---|---|---|\n";
+    HOSTILE.iter().fold(head.to_owned(), |text, Hostile { node, input, from, effect }| {
+        text + &format!("| {node} | {input} | {from} | {effect} |\n")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,28 +137,6 @@ mod tests {
                 row.effect != Effect::Stops || row.from == ONE,
                 "a stranger stops nothing: {row:?}"
             );
-        }
-    }
-
-    /// The documentation shows the rows; `UPDATE_DOCS=1` writes them anew.
-    #[test]
-    fn the_documentation_shows_these_rows() {
-        let mut made =
-            String::from("| node | what comes | from | what becomes of it |\n|---|---|---|---|\n");
-        for Hostile { node, input, from, effect } in &HOSTILE {
-            made += &format!("| {node} | {input} | {from} | {effect} |\n");
-        }
-        let (begin, end) = ("<!-- hostile -->\n", "<!-- end of hostile -->\n");
-        let path =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/nodes.md");
-        let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-        let from = text.find(begin).expect("the page marks where the table begins") + begin.len();
-        let to = text.find(end).expect("the page marks where the table ends");
-        if std::env::var_os("UPDATE_DOCS").is_some() {
-            text.replace_range(from..to, &made);
-            std::fs::write(&path, text).expect("the page can be written");
-        } else {
-            assert_eq!(&text[from..to], made, "run the test with UPDATE_DOCS=1");
         }
     }
 }

@@ -6,7 +6,7 @@
 //! in contradiction.
 //!
 //! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does
-//! ([`FAULTS`]). `docs/reference/faults.md` shows both; a test holds it to the tables.
+//! ([`FAULTS`]). The book shows both; a test holds its pages to the tables.
 
 mod fault;
 mod lifecycle;

@@ -1,4 +1,4 @@
-//! The tables as Markdown, for `docs/reference/faults.md`.
+//! The tables as Markdown, for the book. A test of the workspace holds its pages to them.
 
 use std::fmt::Write;
 
@@ -58,41 +58,4 @@ pub fn fault_table() -> String {
         let _ = writeln!(text, "| {} | {} | {motor} | {flag} | {ends} |", rule.name, rule.when);
     }
     text + "| emergency stop | somebody asks for it, in any state | zero volts at once | `fault` | when cleared, configured and activated |\n"
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// They stand in the documentation as they are made here; `UPDATE_DOCS=1` writes them anew.
-    #[test]
-    fn the_documentation_shows_the_tables_of_the_code() {
-        hold("docs/pictures/safety_states.svg", &[("states", transition_list())]);
-        let made = [("transitions", transition_table()), ("faults", fault_table())];
-        hold("docs/reference/faults.md", &made);
-    }
-
-    fn hold(page: &str, tables: &[(&str, String)]) {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(page);
-        let mut text = std::fs::read_to_string(&path).expect("the page is part of the project");
-        let update = std::env::var_os("UPDATE_DOCS").is_some();
-        for (name, made) in tables {
-            let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->\n"));
-            let from =
-                text.find(&begin).expect("the page marks where the table begins") + begin.len();
-            let to = text.find(&end).expect("the page marks where the table ends");
-            if update {
-                text.replace_range(from..to, made);
-            } else {
-                assert_eq!(
-                    &text[from..to],
-                    made,
-                    "{page}, {name}: run the test with UPDATE_DOCS=1"
-                );
-            }
-        }
-        if update {
-            std::fs::write(&path, text).expect("the page can be written");
-        }
-    }
 }
