@@ -16,12 +16,19 @@ fn text(output: &Output) -> String {
 /// The commands that the help lists, below a command.
 fn listed(command: &[&str]) -> BTreeSet<String> {
     let help = text(&run(&[command, &["--help"]].concat()));
-    let name = |line: &str| {
-        let word = line.strip_prefix("  ")?.split_whitespace().next()?;
-        let known = line[2..].starts_with(|c: char| c.is_ascii_lowercase()) && line.len() > 25;
-        (known && word != "help" && word != "frictionlab").then(|| word.to_owned())
+    // They stand in one list, or in groups between the usage and the options.
+    let list = match help.split_once("\nCommands:\n") {
+        Some((_, list)) => list.split("\n\n").next(),
+        None if command.is_empty() => {
+            help.split("Usage:").nth(1).and_then(|rest| rest.split("Options:").next())
+        }
+        None => None,
     };
-    help.lines().skip_while(|line| !line.ends_with(':')).filter_map(name).collect()
+    let name = |line: &str| {
+        let name = line.strip_prefix("  ").filter(|line| !line.starts_with(' '))?;
+        name.split(' ').next().filter(|word| *word != "help").map(str::to_owned)
+    };
+    list.unwrap_or_default().lines().filter_map(name).collect()
 }
 
 #[test]
