@@ -130,3 +130,29 @@ fn prose_keeps_to_its_columns_and_blocks_say_what_they_are() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+#[test]
+fn the_files_that_pages_name_are_there() {
+    let of_the_book =
+        |page: &&Page| page.path.starts_with("docs") || page.path.components().count() == 1;
+    // Results and builds are made by the reader.
+    let made = ["runs", "target"];
+    let mut faults = Vec::new();
+    let mut checked = 0;
+    for page in pages().iter().filter(of_the_book) {
+        for span in &page.spans {
+            let is_a_path = |c: char| c.is_alphanumeric() || "/._-".contains(c);
+            let Some((top, _)) = span.split_once('/') else { continue };
+            let ours = !top.is_empty() && !made.contains(&top) && checkout().join(top).is_dir();
+            if !ours || span.contains("NAME") || !span.chars().all(is_a_path) {
+                continue;
+            }
+            checked += 1;
+            if !checkout().join(span).exists() {
+                faults.push(format!("{}: there is no {span}", page.path.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(checked > 40, "only {checked} files were found");
+}
