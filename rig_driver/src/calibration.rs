@@ -32,6 +32,11 @@ impl Sign {
     }
 }
 
+/// A number that is no sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a sign is 1 or -1, but is {0}")]
+pub struct SignError(pub i8);
+
 impl From<Sign> for i8 {
     fn from(sign: Sign) -> Self {
         match sign {
@@ -42,13 +47,13 @@ impl From<Sign> for i8 {
 }
 
 impl TryFrom<i8> for Sign {
-    type Error = String;
+    type Error = SignError;
 
-    fn try_from(value: i8) -> Result<Self, String> {
+    fn try_from(value: i8) -> Result<Self, SignError> {
         match value {
             1 => Ok(Self::Forward),
             -1 => Ok(Self::Reversed),
-            other => Err(format!("a sign is 1 or -1, but is {other}")),
+            other => Err(SignError(other)),
         }
     }
 }
@@ -245,6 +250,6 @@ mod tests {
         ] {
             assert!(wrong.check().unwrap_err().to_string().starts_with(name));
         }
-        assert!(Sign::try_from(0).unwrap_err().contains("1 or -1"));
+        assert!(Sign::try_from(0).unwrap_err().to_string().contains("1 or -1"));
     }
 }

@@ -1,12 +1,12 @@
 //! The rig behind one trait: [`Rig`] is measured and driven once a control cycle.
 //!
 //! The simulated test bed ([`SimulatedRig`]) is a geared DC servo
-//! ([`Motor`](friction_model::Motor)) under any friction
-//! model, seen through sensors as real ones are ([`Sensors`]): encoder counts, tachometer and
-//! torque noise, converters, a voltage limit. It is lock-step and reproducible from a seed. Real
-//! back ends join behind the same trait ([`serial::SerialRig`] on a serial line), and every one of
+//! ([`Motor`](friction_model::Motor)) under any friction model, seen through sensors as real ones
+//! are ([`Sensors`]): encoder counts, tachometer and torque noise, converters, a voltage limit. It
+//! is lock-step and reproducible from a seed. Real back ends join behind the same trait
+//! ([`serial::SerialRig`] on a serial line, [`quanser::QuanserRig`] on a card), and every one of
 //! them stands under the safety layer ([`safety`]), which trusts neither the controller nor the
-//! sensors.
+//! sensors. Which rigs there are, how they are named and opened, says [`registry`].
 
 mod calibration;
 mod drift;
@@ -31,14 +31,19 @@ mod simulated;
 #[cfg(any(test, feature = "ros"))]
 mod station;
 
-pub use calibration::{Calibrated, Calibration, Sign};
+pub use calibration::{Calibrated, Calibration, Sign, SignError};
 pub use drift::FrictionDrift;
 pub use error::RigError;
 pub use friction_coupling::FrictionCoupling;
 pub use measurement::Measurement;
-pub use miswired::{Miswired, Miswiring};
+pub use miswired::{Miswired, Miswiring, MiswiringError};
 pub use plant::{Plant, Truth};
 pub use registry::{RigAddress, RigFactory, RigRegistry, RigSetup};
 pub use rig::{HIGHEST_VOLTAGE, Rig, VOLTAGE_RANGE};
 pub use sensors::{Channel, SensorError, Sensors};
 pub use simulated::{SimulatedFactory, SimulatedRig, SimulationOptions};
+
+/// The example of the README runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -40,11 +40,25 @@ impl Default for Miswiring {
     }
 }
 
+/// A text that names no mistake in a wiring.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MiswiringError {
+    /// There is no such mistake.
+    #[error(
+        "`{0}` is no mistake known here; there are motor, encoder, torque, encoder-unplugged, tachometer-unplugged, tachometer=GAIN, \
+         tachometer-zero=RAD_S, torque-zero=NM"
+    )]
+    Unknown(String),
+    /// Behind the mistake stands no finite number.
+    #[error("`{0}` wants a number, as in {0}=0.5")]
+    NoNumber(String),
+}
+
 impl FromStr for Miswiring {
-    type Err = String;
+    type Err = MiswiringError;
 
     /// Reads mistakes parted by commas, as in `encoder,tachometer=0.9,torque-zero=0.05`.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, MiswiringError> {
         let mut wiring = Self::default();
         for mistake in text.split(',') {
             let (name, value) = mistake
@@ -54,7 +68,7 @@ impl FromStr for Miswiring {
                 value
                     .and_then(|value| value.parse::<f64>().ok())
                     .filter(|value| value.is_finite())
-                    .ok_or_else(|| format!("`{name}` wants a number, as in {name}=0.5"))
+                    .ok_or_else(|| MiswiringError::NoNumber(name.to_owned()))
             };
             match (name, value) {
                 ("motor", None) => wiring.motor_reversed = true,
@@ -66,10 +80,7 @@ impl FromStr for Miswiring {
                 ("tachometer-zero", _) => wiring.tachometer_zero = number()?,
                 ("torque-zero", _) => wiring.torque_zero = number()?,
                 _ => {
-                    return Err(format!(
-                        "`{mistake}` is no mistake known here; there are motor, encoder, torque, encoder-unplugged, tachometer-unplugged, tachometer=GAIN, \
-                         tachometer-zero=RAD_S, torque-zero=NM"
-                    ));
+                    return Err(MiswiringError::Unknown(mistake.to_owned()));
                 }
             }
         }
@@ -149,8 +160,12 @@ mod tests {
             ..Miswiring::default()
         };
         assert_eq!(wiring, expected);
-        assert!("colour".parse::<Miswiring>().unwrap_err().contains("encoder-unplugged"));
-        assert!("tachometer".parse::<Miswiring>().unwrap_err().contains("tachometer=0.5"));
+        assert!(
+            "colour".parse::<Miswiring>().unwrap_err().to_string().contains("encoder-unplugged")
+        );
+        assert!(
+            "tachometer".parse::<Miswiring>().unwrap_err().to_string().contains("tachometer=0.5")
+        );
         assert!("torque-zero=NaN".parse::<Miswiring>().is_err());
     }
 }

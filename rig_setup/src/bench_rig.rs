@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 use rig_driver::safety::{Request, SafetyLimits, Supervised};
 use rig_driver::{Measurement, Rig, RigError};
 
-use super::{Opened, Pace, RigDescription, RigSetupError, SensorsPresent};
+use super::{NotReopened, Opened, Pace, RigDescription, RigSetupError, SensorsPresent};
 
 /// Time for the shaft to come to rest before each turn [s].
 pub const REST: f64 = 1.0;
@@ -212,14 +212,15 @@ impl BenchRig {
     /// fault that is latched in the device is not cleared. The time that it took [s].
     ///
     /// # Errors
-    /// Why not, in words: it did not come back, another device came back, the travel is limited, or
+    /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited, or
     /// there is no way to open it.
-    pub fn reconnect(&self) -> Result<f64, String> {
+    pub fn reconnect(&self) -> Result<f64, NotReopened> {
+        let not = |why: String| Err(NotReopened(why));
         let Some(Again(reopen)) = &self.reopen else {
-            return Err("this rig is not opened again".to_owned());
+            return not("this rig is not opened again".to_owned());
         };
         if self.limits.travel.is_some() {
-            return Err("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
+            return not("its travel is limited, and nobody knows whether its encoder counted on: look where the shaft is, and begin again".to_owned());
         }
         // A keeper that failed has ended; one that waits for the rig ends as it finds none.
         self.home.over.store(true, Ordering::Relaxed);
@@ -236,34 +237,34 @@ impl BenchRig {
         drop(old);
         let opened = loop {
             if self.home.stop.load(Ordering::Relaxed) {
-                return Err(RigError::Stopped.to_string());
+                return not(RigError::Stopped.to_string());
             }
             match reopen() {
                 Ok(opened) => break opened,
-                Err(error @ RigSetupError::OtherDevice { .. }) => return Err(error.to_string()),
+                Err(error @ RigSetupError::OtherDevice { .. }) => return not(error.to_string()),
                 Err(error) if too_late() => {
-                    return Err(format!("it did not come back within {PATIENCE} s: {error}"));
+                    return not(format!("it did not come back within {PATIENCE} s: {error}"));
                 }
                 Err(_) => thread::sleep(RETRY),
             }
         };
         if too_late() {
-            return Err(format!(
+            return not(format!(
                 "it was not heard for more than {PATIENCE} s, and nobody knows who is at the rig by now"
             ));
         }
         if let Some(before) = &self.description {
             let difference = opened.description.as_ref().and_then(|now| before.differs_from(now));
             if let Some(what) = difference {
-                return Err(format!("another device came back: {what}"));
+                return not(format!("another device came back: {what}"));
             }
         }
         if opened.rig.period() != self.period {
-            return Err("another device came back: its cycle is another".to_owned());
+            return not("another device came back: its cycle is another".to_owned());
         }
         let pace = opened.pace;
         let paced = Paced::configured(opened.rig, self.limits, pace, rise)
-            .map_err(|error| error.to_string())?;
+            .map_err(|error| NotReopened(error.to_string()))?;
         *locked(&self.home.rig) = Some(paced);
         locked(&self.home.failed).take();
         self.home.over.store(false, Ordering::Relaxed);

@@ -61,3 +61,32 @@ pub enum RigSetupError {
     #[error("stopped; the motor is at zero volts and nothing was written")]
     Stopped,
 }
+
+/// A text that is no rig profile, or no calibration.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RigFileError {
+    /// It cannot be read as such a file.
+    #[error("{0}")]
+    Unreadable(String),
+    /// A section of it cannot be.
+    #[error("in `{section}`: {why}")]
+    Section {
+        /// The section.
+        section: &'static str,
+        /// What is wrong in it.
+        why: String,
+    },
+}
+
+impl RigFileError {
+    /// What is wrong in a section.
+    pub(crate) fn section(section: &'static str, why: impl ToString) -> Self {
+        Self::Section { section, why: why.to_string() }
+    }
+}
+
+/// Why a rig whose line failed was not opened anew.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NotReopened(pub String);

@@ -19,7 +19,7 @@ mod terminal;
 pub use bench_rig::{BenchRig, PATIENCE, REST, Reopen};
 pub use choice::RigChoice;
 pub use description::require_device;
-pub use error::RigSetupError;
+pub use error::{NotReopened, RigFileError, RigSetupError};
 pub use findings::{Findings, Level, Verdict};
 pub use jog::JogSummary;
 pub use parameters::{read as read_calibration, render as render_calibration};

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use rig_driver::Calibration;
 
-use super::{Findings, RigChoice};
+use super::{Findings, RigChoice, RigFileError};
 use files::commented_yaml::number;
 use files::ros_parameters::of_rig_driver;
 
@@ -81,10 +81,11 @@ pub fn render(found: &Findings, rig: &RigChoice) -> String {
 /// Reads a parameter file with `/rig_driver: ros__parameters: calibration:`.
 ///
 /// # Errors
-/// A sentence about what is wrong in the text.
-pub fn read(text: &str) -> Result<Calibration, String> {
+/// [`RigFileError`] says what is wrong in the text.
+pub fn read(text: &str) -> Result<Calibration, RigFileError> {
     let calibration: Calibration =
-        of_rig_driver(text, "calibration", "`frictionlab rig calibrate` writes one")?;
-    calibration.check().map_err(|e| format!("in `calibration`: {e}"))?;
+        of_rig_driver(text, "calibration", "`frictionlab rig calibrate` writes one")
+            .map_err(RigFileError::Unreadable)?;
+    calibration.check().map_err(|error| RigFileError::section("calibration", error))?;
     Ok(calibration)
 }

@@ -7,7 +7,7 @@ use friction_model::Motor;
 use rig_driver::Calibration;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::{RigChoice, RigDescription, RigLimits, SensorsPresent};
+use super::{RigChoice, RigDescription, RigFileError, RigLimits, SensorsPresent};
 use files::commented_yaml::number;
 
 /// Name of the profile that is found by default, in the current folder.
@@ -71,21 +71,20 @@ impl DriveSheet {
         })
     }
 
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), RigFileError> {
+        let wrong = |why: String| Err(RigFileError::section("drive", why));
         for (name, value) in [("gain", self.gain), ("time_constant", self.time_constant)] {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(format!(
-                    "in `drive`: {name} must be a finite number above 0, but is {value}"
-                ));
+                return wrong(format!("{name} must be a finite number above 0, but is {value}"));
             }
         }
         let given = [self.motor_constant, self.gear_ratio, self.armature_resistance, self.inertia];
         match self.motor() {
             Some(motor) => {
-                motor.check().map_err(|error| format!("in `drive`: {error}"))
+                motor.check().or_else(|error| wrong(error.to_string()))
             }
-            None if given.iter().any(Option::is_some) => Err(
-                "in `drive`: expected all of motor_constant, gear_ratio, armature_resistance and inertia, or none of them"
+            None if given.iter().any(Option::is_some) => wrong(
+                "expected all of motor_constant, gear_ratio, armature_resistance and inertia, or none of them"
                     .to_owned(),
             ),
             None => Ok(()),
@@ -110,20 +109,20 @@ impl RigProfile {
     /// Reads a profile. It is taken whole or not at all.
     ///
     /// # Errors
-    /// A sentence about what is wrong in the text; a key that there is not is named.
-    pub fn read(text: &str) -> Result<Self, String> {
-        let profile: Self = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+    /// [`RigFileError`] says what is wrong in the text; a key that there is not is named.
+    pub fn read(text: &str) -> Result<Self, RigFileError> {
+        let profile: Self = serde_saphyr::from_str(text)
+            .map_err(|error| RigFileError::Unreadable(error.to_string()))?;
+        let wrong = |why: String| Err(RigFileError::section("limits", why));
         profile.calibration.map_or(Ok(()), |calibration| {
-            calibration.check().map_err(|error| format!("in `calibration`: {error}"))
+            calibration.check().map_err(|error| RigFileError::section("calibration", error))
         })?;
         profile.drive.map_or(Ok(()), |drive| drive.check())?;
         let above_zero = |value: f64| value > 0.0 && value.is_finite();
         let RigLimits { voltage, travel, .. } = profile.limits;
         for (name, value) in numbers(&profile.limits) {
             if let Some(value) = value.filter(|value| !above_zero(*value)) {
-                return Err(format!(
-                    "in `limits`: {name} must be a finite number above 0, but is {value}"
-                ));
+                return wrong(format!("{name} must be a finite number above 0, but is {value}"));
             }
         }
         if let Some(travel) = travel
@@ -132,15 +131,14 @@ impl RigProfile {
                 && travel.min < travel.max
                 && travel.margin >= 0.0)
         {
-            return Err("in `limits`: travel needs a min below its max and a margin of 0 or more"
-                .to_owned());
+            return wrong("travel needs a min below its max and a margin of 0 or more".to_owned());
         }
         if let Some((voltage, range)) =
             voltage.zip(profile.description.as_ref().map(|said| said.voltage_range))
             && voltage > range
         {
-            return Err(format!(
-                "in `limits`: voltage is {voltage} V, but this rig's own voltage range is {range} V (`description`)"
+            return wrong(format!(
+                "voltage is {voltage} V, but this rig's own voltage range is {range} V (`description`)"
             ));
         }
         Ok(profile)
@@ -370,7 +368,7 @@ mod tests {
             ("min: -20.0", "min: 30.0", "travel"),
         ] {
             assert!(good.contains(from), "{from}: {good}");
-            let message = RigProfile::read(&good.replace(from, to)).unwrap_err();
+            let message = RigProfile::read(&good.replace(from, to)).unwrap_err().to_string();
             assert!(message.contains(said), "{to}: {message}");
         }
     }

@@ -153,7 +153,7 @@ fn a_calibration_file_with_a_mistake_says_where() {
             "tachometer_gain",
         ),
     ] {
-        let message = read_calibration(text).unwrap_err();
+        let message = read_calibration(text).unwrap_err().to_string();
         assert!(message.contains(said), "{text}: {message}");
     }
 }

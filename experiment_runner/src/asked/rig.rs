@@ -132,7 +132,7 @@ pub fn read(file: &Path) -> Result<RigProfile, BadInput> {
         }
         _ => say(error.to_string()),
     })?;
-    RigProfile::read(&text).map_err(say)
+    RigProfile::read(&text).map_err(|error| say(error.to_string()))
 }
 
 impl Chosen {

@@ -471,7 +471,7 @@ impl<'a> Bench<'a> {
                 Err(_) if self.cancel.load(Ordering::Relaxed) => {
                     return Err(RigError::Stopped.into());
                 }
-                Err(why) => return Err(RunError::NotBack { said, why }),
+                Err(why) => return Err(RunError::NotBack { said, why: why.to_string() }),
             };
             self.progress.line(&format!(
                 "the line is back after {seconds:.1} s; the run at hand is repeated"

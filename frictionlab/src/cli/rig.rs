@@ -320,7 +320,7 @@ fn explicit_calibration(which: &Which) -> Result<Option<Calibration>, BadInput> 
     let Some(file) = &which.calibration else { return Ok(None) };
     let bad = |said: String| BadInput(format!("{}: {said}", file.display()));
     let text = files::input::text(file).map_err(|error| bad(error.to_string()))?;
-    read_calibration(&text).map(Some).map_err(bad)
+    read_calibration(&text).map(Some).map_err(|error| bad(error.to_string()))
 }
 
 /// What this machine has.

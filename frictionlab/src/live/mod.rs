@@ -214,7 +214,7 @@ pub fn run(
     }
     let (published, (bag, errors)) = (published?, kept??);
     if let Err(reason) = begun {
-        return Err(LiveError::Start(reason));
+        return Err(LiveError::Start(reason.to_string()));
     }
     if let Some(elder) = elder {
         return Err(LiveError::Elder(elder));

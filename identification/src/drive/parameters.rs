@@ -46,7 +46,7 @@ pub fn motor_of(found: &Identified) -> Option<Motor> {
 /// A sentence about what is wrong in the text.
 pub fn read_motor(text: &str) -> Result<Motor, String> {
     if is_profile(text) {
-        let drive = RigProfile::read(text)?.drive.ok_or(
+        let drive = RigProfile::read(text).map_err(|error| error.to_string())?.drive.ok_or(
             "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
         )?;
         return drive.motor().ok_or_else(|| {

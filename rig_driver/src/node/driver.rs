@@ -49,6 +49,11 @@ pub struct Lasting {
     warmth: Arc<Warmth>,
 }
 
+/// Why the node did not become active.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NotActive(String);
+
 /// Runs the node until `stop`.
 ///
 /// # Errors
@@ -161,11 +166,11 @@ impl RigDriver {
     /// Configures and activates the node, if its parameter `autostart` says so.
     ///
     /// # Errors
-    /// Why it is not active; the log says it too.
-    pub fn start(&self) -> Result<(), String> {
+    /// [`NotActive`] says why it is not; the log says it too.
+    pub fn start(&self) -> Result<(), NotActive> {
         if self.autostart {
-            self.lifecycle.request(Requested::Configure)?;
-            self.lifecycle.request(Requested::Activate)?;
+            self.lifecycle.request(Requested::Configure).map_err(NotActive)?;
+            self.lifecycle.request(Requested::Activate).map_err(NotActive)?;
         }
         Ok(())
     }

@@ -21,7 +21,7 @@ mod torque_estimate;
 mod warmth;
 mod zero;
 
-pub use driver::{Lasting, RigDriver, run};
+pub use driver::{Lasting, NotActive, RigDriver, run};
 pub use in_cycle::{BegunCycle, EndedCycle, InCycle};
 pub use parameters::declarations;
 pub use program::program;

@@ -294,7 +294,7 @@ impl fmt::Display for FaultReport {
             }
             Fault::EndOfTravel | Fault::TravelExceeded => write!(
                 f,
-                "the encoder is at {value:.4} rad, the travel ends at {limit} rad; turn the shaft back by hand, check the encoder's sign (`frictionlab rig check`), then clear"
+                "the encoder is at {value:.4} rad, the travel ends at {limit} rad; turn the shaft back by hand, check the encoder's sign, then clear"
             ),
             Fault::CommandLate | Fault::CommandLost => write!(
                 f,
@@ -326,7 +326,7 @@ impl fmt::Display for FaultReport {
             }
             Fault::SensorsDisagree => write!(
                 f,
-                "tachometer and encoder differ by {value:.3} rad/s, {limit:.3} are allowed; `frictionlab rig calibrate` finds signs and gain"
+                "tachometer and encoder differ by {value:.3} rad/s, {limit:.3} are allowed; calibrate signs and gain, then clear"
             ),
             Fault::TorqueSaturated => write!(
                 f,
