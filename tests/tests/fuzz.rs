@@ -10,9 +10,9 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use experiment_runner::experiments;
 use experiment_runner::models::Preset;
 use experiment_runner::models::file;
-use experiment_runner::experiments;
 use experiment_runner::run::{read_controller, read_parameter_file};
 use friction_ident::{
     AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues,

@@ -1,15 +1,17 @@
 //! States of the driver and the transitions between them: one table.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
+use strum::{IntoStaticStr, VariantArray};
 
 /// State of the driver. The motor is at zero volts in every one but [`Active`](State::Active).
 ///
 /// To ROS 2, unconfigured, inactive, active and finalized are the states of a managed node; faulted
 /// and emergency-stopped are inactive there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, strum::Display, VariantArray,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum State {
     /// Started, nothing set up.
     Unconfigured,
@@ -26,29 +28,6 @@ pub enum State {
 }
 
 impl State {
-    /// Every state.
-    pub const ALL: [Self; 6] = [
-        Self::Unconfigured,
-        Self::Inactive,
-        Self::Active,
-        Self::Faulted,
-        Self::EmergencyStopped,
-        Self::Finalized,
-    ];
-
-    /// Its name, as in documents and messages.
-    #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Unconfigured => "unconfigured",
-            Self::Inactive => "inactive",
-            Self::Active => "active",
-            Self::Faulted => "faulted",
-            Self::EmergencyStopped => "emergency_stopped",
-            Self::Finalized => "finalized",
-        }
-    }
-
     /// Whether the motor may get another voltage than zero.
     #[must_use]
     pub const fn moves(self) -> bool {
@@ -56,43 +35,30 @@ impl State {
     }
 }
 
-impl fmt::Display for State {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
-
 /// What people and programs ask of the driver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, IntoStaticStr, VariantArray,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "lowercase")]
 pub enum Request {
     /// Take the parameters and watch the sensors.
     Configure,
     /// Forget them.
+    #[strum(serialize = "clean up")]
     CleanUp,
     /// Let the motor follow commands.
     Activate,
     /// Zero volts, orderly.
     Deactivate,
     /// Zero volts at once, from any state, until cleared.
+    #[strum(serialize = "emergency stop")]
     EmergencyStop,
     /// The cause of a fault or of an emergency stop is mended.
     Clear,
     /// End for good.
+    #[strum(serialize = "shut down")]
     ShutDown,
-}
-
-impl Request {
-    /// Every request.
-    pub const ALL: [Self; 7] = [
-        Self::Configure,
-        Self::CleanUp,
-        Self::Activate,
-        Self::Deactivate,
-        Self::EmergencyStop,
-        Self::Clear,
-        Self::ShutDown,
-    ];
 }
 
 /// What moves the driver from one state to another.
@@ -107,15 +73,9 @@ pub enum Event {
 impl Event {
     /// Its name, as in documents and messages.
     #[must_use]
-    pub const fn as_str(self) -> &'static str {
+    pub fn as_str(self) -> &'static str {
         match self {
-            Self::Asked(Request::Configure) => "configure",
-            Self::Asked(Request::CleanUp) => "clean up",
-            Self::Asked(Request::Activate) => "activate",
-            Self::Asked(Request::Deactivate) => "deactivate",
-            Self::Asked(Request::EmergencyStop) => "emergency stop",
-            Self::Asked(Request::Clear) => "clear",
-            Self::Asked(Request::ShutDown) => "shut down",
+            Self::Asked(request) => request.into(),
             Self::Fault => "fault",
         }
     }
@@ -204,14 +164,14 @@ mod tests {
     use super::*;
 
     fn events() -> impl Iterator<Item = Event> {
-        Request::ALL.into_iter().map(Event::Asked).chain([Event::Fault])
+        Request::VARIANTS.iter().copied().map(Event::Asked).chain([Event::Fault])
     }
 
     /// All 48 pairs, against what is to hold of them in words, not against the table itself.
     #[test]
     fn every_pair_of_state_and_event_does_what_the_rules_in_words_say() {
         use Request::{Activate, CleanUp, Clear, Configure, Deactivate, EmergencyStop, ShutDown};
-        for state in State::ALL {
+        for &state in State::VARIANTS {
             for event in events() {
                 let after = next(state, event);
                 let expected = match (state, event) {

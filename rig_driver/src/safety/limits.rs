@@ -217,99 +217,92 @@ impl SafetyLimits {
     /// # Errors
     /// [`RigError::OutOfRange`] names the field.
     pub fn check(&self, period: f64) -> Result<(), RigError> {
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
-        let above_zero = |value: f64| value > 0.0 && value.is_finite();
-        if !above_zero(period) {
-            return error("period", period, "a finite number above zero");
+        for (name, value) in [
+            ("period", period),
+            ("voltage", self.voltage),
+            ("slew", self.slew),
+            ("velocity", self.velocity),
+        ] {
+            above_zero(name, value)?;
         }
-        for (name, value) in
-            [("voltage", self.voltage), ("slew", self.slew), ("velocity", self.velocity)]
-        {
-            if !above_zero(value) {
-                return error(name, value, "a finite number above zero");
-            }
-        }
-        if !(self.command_age > 0.0 && self.command_age <= Self::OLDEST_COMMAND) {
-            return error("command_age", self.command_age, "above 0 and at most 0.1 s");
-        }
-        if !(self.command_lost >= self.command_age && self.command_lost <= Self::LONGEST_LOSS) {
-            return error(
-                "command_lost",
-                self.command_lost,
-                "at least command_age and at most 1 s",
-            );
-        }
-        if self.cycle_late.is_nan() || self.cycle_late <= period {
-            return error("cycle_late", self.cycle_late, "longer than the period");
-        }
-        if self.cycle_lost.is_nan() || self.cycle_lost < self.cycle_late {
-            return error("cycle_lost", self.cycle_lost, "at least cycle_late");
-        }
-        if let Some(Travel { min, max, margin }) = self.travel {
-            if !(min.is_finite() && max.is_finite() && min < max) {
-                return error("travel.max", max, "a finite number above travel.min");
-            }
-            if !(margin >= 0.0 && margin.is_finite()) {
-                return error("travel.margin", margin, "a finite number, zero or more");
-            }
-        }
-        if let Some(motor) = &self.motor {
-            for (name, value) in [
-                ("motor.armature_resistance", motor.armature_resistance),
-                ("motor.back_emf", motor.back_emf),
-                ("motor.thermal_resistance", motor.thermal_resistance),
-                ("motor.time_constant", motor.time_constant),
-            ] {
-                if !above_zero(value) {
-                    return error(name, value, "a finite number above zero");
-                }
-            }
-            if !motor.ambient.is_finite() {
-                return error("motor.ambient", motor.ambient, "a finite number");
-            }
-            if !(motor.limit.is_finite() && motor.limit > motor.ambient + 10.0) {
-                return error("motor.limit", motor.limit, "above motor.ambient by more than 10 K");
-            }
-        }
-        if let Some(Standstill { after, velocity }) = self.standstill {
-            if !(after > 0.0 && after <= 10.0) {
-                return error("standstill.after", after, "above 0 and at most 10 s");
-            }
-            if !above_zero(velocity) {
-                return error("standstill.velocity", velocity, "a finite number above zero");
-            }
-        }
-        if let Some(Agreement { window, absolute, relative }) = self.sensors.agreement {
-            if !(window >= period && window <= 10.0) {
-                return error(
-                    "sensors.agreement.window",
-                    window,
-                    "at least the period and at most 10 s",
-                );
-            }
-            if !above_zero(absolute) {
-                return error("sensors.agreement.absolute", absolute, "a finite number above zero");
-            }
-            if !(relative >= 0.0 && relative.is_finite()) {
-                return error(
-                    "sensors.agreement.relative",
-                    relative,
-                    "a finite number, zero or more",
-                );
-            }
-        }
-        if let Some(range) = self.sensors.torque_range
-            && !above_zero(range)
-        {
-            return error("sensors.torque_range", range, "a finite number above zero");
-        }
-        if let Some(cycles) = self.sensors.frozen_cycles
-            && cycles < 2
-        {
-            return error("sensors.frozen_cycles", f64::from(cycles), "two or more");
-        }
-        Ok(())
+        let Self { command_age, command_lost, cycle_late, cycle_lost, .. } = *self;
+        let age = command_age > 0.0 && command_age <= Self::OLDEST_COMMAND;
+        hold(age, "command_age", command_age, "above 0 and at most 0.1 s")?;
+        let lost = command_lost >= command_age && command_lost <= Self::LONGEST_LOSS;
+        hold(lost, "command_lost", command_lost, "at least command_age and at most 1 s")?;
+        hold(cycle_late > period, "cycle_late", cycle_late, "longer than the period")?;
+        hold(cycle_lost >= cycle_late, "cycle_lost", cycle_lost, "at least cycle_late")?;
+        self.travel.map_or(Ok(()), |travel| travel.check())?;
+        self.motor.map_or(Ok(()), |motor| motor.check())?;
+        self.standstill.map_or(Ok(()), |standstill| standstill.check())?;
+        self.sensors.check(period)
     }
+}
+
+impl Travel {
+    fn check(&self) -> Result<(), RigError> {
+        let Self { min, max, margin } = *self;
+        let ends = min.is_finite() && max.is_finite() && min < max;
+        hold(ends, "travel.max", max, "a finite number above travel.min")?;
+        let positive = margin >= 0.0 && margin.is_finite();
+        hold(positive, "travel.margin", margin, "a finite number, zero or more")
+    }
+}
+
+impl MotorThermal {
+    fn check(&self) -> Result<(), RigError> {
+        for (name, value) in [
+            ("motor.armature_resistance", self.armature_resistance),
+            ("motor.back_emf", self.back_emf),
+            ("motor.thermal_resistance", self.thermal_resistance),
+            ("motor.time_constant", self.time_constant),
+        ] {
+            above_zero(name, value)?;
+        }
+        let Self { ambient, limit, .. } = *self;
+        hold(ambient.is_finite(), "motor.ambient", ambient, "a finite number")?;
+        let warmer = limit.is_finite() && limit > ambient + 10.0;
+        hold(warmer, "motor.limit", limit, "above motor.ambient by more than 10 K")
+    }
+}
+
+impl Standstill {
+    fn check(&self) -> Result<(), RigError> {
+        let after = self.after > 0.0 && self.after <= 10.0;
+        hold(after, "standstill.after", self.after, "above 0 and at most 10 s")?;
+        above_zero("standstill.velocity", self.velocity)
+    }
+}
+
+impl SensorChecks {
+    fn check(&self, period: f64) -> Result<(), RigError> {
+        if let Some(Agreement { window, absolute, relative }) = self.agreement {
+            let long = window >= period && window <= 10.0;
+            let expected = "at least the period and at most 10 s";
+            hold(long, "sensors.agreement.window", window, expected)?;
+            above_zero("sensors.agreement.absolute", absolute)?;
+            let positive = relative >= 0.0 && relative.is_finite();
+            let expected = "a finite number, zero or more";
+            hold(positive, "sensors.agreement.relative", relative, expected)?;
+        }
+        self.torque_range.map_or(Ok(()), |range| above_zero("sensors.torque_range", range))?;
+        let cycles = self.frozen_cycles.unwrap_or(u32::MAX);
+        hold(cycles >= 2, "sensors.frozen_cycles", f64::from(cycles), "two or more")
+    }
+}
+
+/// Refuses a value that does not `hold`.
+fn hold(
+    holds: bool,
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), RigError> {
+    if holds { Ok(()) } else { Err(RigError::OutOfRange { name, value, expected }) }
+}
+
+fn above_zero(name: &'static str, value: f64) -> Result<(), RigError> {
+    hold(value > 0.0 && value.is_finite(), name, value, "a finite number above zero")
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use strum::VariantArray;
+
 use super::{Event, FAULTS, Reaction, State, TRANSITIONS};
 
 /// The transitions in words, one a line: what the picture of the states describes itself with.
@@ -25,7 +27,7 @@ pub fn transition_table() -> String {
     let mut text = String::from("| state |");
     events.iter().for_each(|event| text += &format!(" {} |", event.as_str()));
     text += &format!("\n|---|{}\n", "---|".repeat(events.len()));
-    for state in State::ALL {
+    for &state in State::VARIANTS {
         text += &format!("| {state} |");
         for &event in &events {
             text += &super::next(state, event)

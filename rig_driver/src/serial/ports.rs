@@ -1,7 +1,11 @@
-//! Serial ports of this machine, from what Linux shows in its file system.
+//! Serial ports of this machine: from what Linux shows in its file system, which knows lasting names
+//! and products, or as Windows lists them.
 
+#[cfg(not(windows))]
 use std::fs;
-use std::path::{Path, PathBuf};
+#[cfg(not(windows))]
+use std::path::Path;
+use std::path::PathBuf;
 
 /// A serial port with a device on it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,13 +18,26 @@ pub struct SerialPort {
     pub product: Option<String>,
 }
 
+/// All serial ports of the machine, in the order of their names.
+#[cfg(windows)]
+pub fn serial_ports() -> Vec<SerialPort> {
+    let mut ports: Vec<SerialPort> = serial2::SerialPort::available_ports()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|device| SerialPort { by_id: None, device, product: None })
+        .collect();
+    ports.sort_by(|a, b| a.device.cmp(&b.device));
+    ports
+}
+
 /// All serial ports of the machine that belong to a device, in the order of their names.
-#[must_use]
+#[cfg(not(windows))]
 pub fn serial_ports() -> Vec<SerialPort> {
     ports_under(Path::new("/"))
 }
 
 /// The same under another root, for tests.
+#[cfg(not(windows))]
 fn ports_under(root: &Path) -> Vec<SerialPort> {
     let mut names: Vec<(PathBuf, PathBuf)> = Vec::new();
     for entry in fs::read_dir(root.join("dev/serial/by-id")).into_iter().flatten().flatten() {
@@ -49,6 +66,7 @@ fn ports_under(root: &Path) -> Vec<SerialPort> {
 }
 
 /// Maker and product stand a few folders above the port, at the USB device.
+#[cfg(not(windows))]
 fn product(device: &Path) -> Option<String> {
     let device = fs::canonicalize(device).ok()?;
     let usb = device.ancestors().take(5).find(|folder| folder.join("product").exists())?;
