@@ -101,7 +101,7 @@ pub fn check(words: &[String]) -> Result<(), String> {
             rest @ ..,
         ] => python(name, rest),
         ["ros2", rest @ ..] => ros2(rest),
-        ["cd", "python", rest @ ..] if rest.is_empty() => Ok(()),
+        ["cd", "python"] => Ok(()),
         ["do", rest @ ..] if !rest.is_empty() => check(&owned(rest)),
         ["pytest" | "mypy" | "ruff", ..] => Ok(()),
         [name, ..] if OTHERS.contains(name) => Ok(()),
