@@ -3,6 +3,9 @@
 use controller::{ControlMode, Reference};
 use serde::{Deserialize, Serialize};
 
+/// Rest before the torque rises [s]: it gives the displacement's zero.
+pub const REST: f64 = 0.2;
+
 /// What a profile is a profile of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -50,7 +53,7 @@ pub enum Segment {
 
 impl Segment {
     /// Zero for a moment.
-    pub const REST: Self = Self::Line { from: 0.0, to: 0.0, duration: crate::protocol::REST };
+    pub const REST: Self = Self::Line { from: 0.0, to: 0.0, duration: REST };
 
     /// Straight lines from `start` over all `turns` at one rate, `duration` [s] in all.
     #[must_use]

@@ -11,10 +11,10 @@ use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, IdentError, StagedOptions, Stretch, identify_model};
 use friction_model::{AnyModel, AnyParameters, LuGreParameters, ModelName};
 
-/// Sampling period \[s].
+/// Sampling period \[s\].
 const TIME_STEP: f64 = 1e-3;
 
-/// Friction along a velocity \[rad/s], as a recording would have it.
+/// Friction along a velocity \[rad/s\], as a recording would have it.
 fn record(
     contact: &AnyModel,
     seconds: f64,

@@ -7,10 +7,10 @@ use friction_ident::axis_structure::AxisUnits;
 use friction_ident::drive::{Calibration, DriveRecording, fit_drive};
 use friction_ident::{Conditioning, IdentError, Uncertain, Verdict};
 
-/// Sampling period \[s].
+/// Sampling period \[s\].
 const TIME_STEP: f64 = 1e-3;
 
-/// Twenty seconds of a motor: voltage \[V] and speed \[rad/s]. A recording of your own takes its
+/// Twenty seconds of a motor: voltage \[V\] and speed \[rad/s\]. A recording of your own takes its
 /// place: steps of different height in both directions suit well.
 fn recorded() -> (Vec<f64>, Vec<f64>) {
     let (gain, time_constant, friction_volts) = (1.86, 0.024, 0.45);

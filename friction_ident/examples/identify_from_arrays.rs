@@ -5,10 +5,10 @@
 
 use friction_ident::{AxisModel, AxisTerm, Conditioning, IdentError, Signals, condition, fit_axis};
 
-/// Sampling period \[s].
+/// Sampling period \[s\].
 const TIME_STEP: f64 = 1e-3;
 
-/// Ten seconds of an axis: position \[rad] and the torque that drove it \[N m]. A recording of your
+/// Ten seconds of an axis: position \[rad\] and the torque that drove it \[N m\]. A recording of your
 /// own takes its place.
 fn recorded() -> (Vec<f64>, Vec<f64>) {
     let (inertia, viscous, coulomb) = (0.0026, 0.04, 0.09);

@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64Mcg;
 
-/// Forty constant velocities, both ways, with a noise of `deviation` \[N m] on each mean torque.
+/// Forty constant velocities, both ways, with a noise of `deviation` \[N m\] on each mean torque.
 fn measured(deviation: f64) -> Vec<SteadyPoint> {
     let mut random = Pcg64Mcg::seed_from_u64(2017);
     (1..=20)

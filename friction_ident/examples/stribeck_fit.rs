@@ -4,7 +4,7 @@
 
 use friction_ident::{IdentError, SteadyPoint, StribeckOptions, fit_stribeck};
 
-/// Velocity \[rad/s] and mean friction torque \[N m] while it was held.
+/// Velocity \[rad/s\] and mean friction torque \[N m\] while it was held.
 const MEASURED: [(f64, f64); 32] = [
     (0.03, 0.10031),
     (-0.03, -0.10043),

@@ -18,7 +18,7 @@ use crate::zero_phase::LowPass;
 /// How a recording is conditioned and thinned.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Conditioning {
-    /// Cutoff of the low-pass \[Hz], where its zero-phase gain is one half.
+    /// Cutoff of the low-pass \[Hz\], where its zero-phase gain is one half.
     pub cutoff: f64,
     /// Order of the low-pass in one direction, 1 to 12.
     pub order: usize,
@@ -30,7 +30,7 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
-    /// What suits a recording with the sampling period `time_step` \[s]: a tenth of the sampling
+    /// What suits a recording with the sampling period `time_step` \[s\]: a tenth of the sampling
     /// rate but at most 100 Hz, fourth order, 50 samples off each end, and decimation to about the
     /// cutoff. At 1 kHz this is the conditioning published with the EMPS benchmark.
     pub fn for_time_step(time_step: f64) -> Self {
@@ -48,13 +48,13 @@ impl Conditioning {
 /// What was recorded, all channels at the same instants.
 #[derive(Debug, Clone, Copy)]
 pub struct Signals<'a> {
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
-    /// Position \[m or rad].
+    /// Position \[m or rad\].
     pub position: Option<&'a [f64]>,
-    /// Velocity \[m/s or rad/s]; the position is not used where this is given.
+    /// Velocity \[m/s or rad/s\]; the position is not used where this is given.
     pub velocity: Option<&'a [f64]>,
-    /// Driving force \[N] or torque \[N m].
+    /// Driving force \[N\] or torque \[N m\].
     pub force: &'a [f64],
 }
 
@@ -62,17 +62,17 @@ pub struct Signals<'a> {
 /// one behind the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditioned {
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
     /// Index of the first kept sample in the recording, or in each of its stretches.
     pub first: usize,
-    /// Position \[m or rad], where it was recorded.
+    /// Position \[m or rad\], where it was recorded.
     pub position: Option<Vec<f64>>,
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Acceleration \[m/s^2 or rad/s^2].
+    /// Acceleration \[m/s^2 or rad/s^2\].
     pub acceleration: Vec<f64>,
-    /// Force \[N] or torque \[N m], as recorded.
+    /// Force \[N\] or torque \[N m\], as recorded.
     pub force: Vec<f64>,
     /// Acceleration that rounding alone can make; anything below is no excitation.
     pub(crate) acceleration_floor: f64,
@@ -91,7 +91,7 @@ pub(crate) struct Piece {
     pub stretch: usize,
     /// Its kept samples among all of them.
     pub kept: Range<usize>,
-    /// Time of its first recorded sample \[s].
+    /// Time of its first recorded sample \[s\].
     pub start: f64,
 }
 
@@ -116,7 +116,7 @@ impl Conditioned {
 }
 
 /// Conditions each stretch of a recording for itself and puts them one behind the other. Each comes
-/// with the time of its first sample \[s]; all have one sampling period. Stretches too short for
+/// with the time of its first sample \[s\]; all have one sampling period. Stretches too short for
 /// the filters are left out, which [`Conditioned::stretches`] tells.
 ///
 /// # Errors

@@ -73,7 +73,7 @@ pub fn with_computed_damping(
     Ok((model, estimates))
 }
 
-/// Stiffness at rest, one an element \[N/m or N m/rad].
+/// Stiffness at rest, one an element \[N/m or N m/rad\].
 fn stiffness(parameters: &AnyParameters) -> Vec<f64> {
     let first = |name: &str| parameters.values(name).first().copied();
     match (first("f_s"), first("z_b")) {

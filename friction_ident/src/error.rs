@@ -58,9 +58,9 @@ pub enum IdentError {
         "the low-pass cutoff must lie above 0 and below half the sampling rate, {nyquist} Hz here, but is {cutoff} Hz; choose a lower cutoff"
     )]
     Cutoff {
-        /// What was asked \[Hz].
+        /// What was asked \[Hz\].
         cutoff: f64,
-        /// Half the sampling rate \[Hz].
+        /// Half the sampling rate \[Hz\].
         nyquist: f64,
     },
     /// The order of the low-pass is out of range.
@@ -262,7 +262,7 @@ pub enum IdentError {
     TimeOrder {
         /// The sample, counted from zero.
         index: usize,
-        /// Its time \[s].
+        /// Its time \[s\].
         time: f64,
     },
     /// The step of the encoder is not a positive number.

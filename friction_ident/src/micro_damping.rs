@@ -26,18 +26,18 @@ pub const THESIS_ZETA: f64 = 0.7;
 /// What the micro-damping of one contact is computed from. Errors count as independent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
-    /// Inertia or mass \[kg m^2 or kg], above zero.
+    /// Inertia or mass \[kg m^2 or kg\], above zero.
     pub inertia: Uncertain,
-    /// Stiffness of the contact at rest \[N m/rad or N/m], above zero.
+    /// Stiffness of the contact at rest \[N m/rad or N/m\], above zero.
     pub stiffness: Uncertain,
-    /// Viscous friction \[N m s/rad or N s/m], zero or more.
+    /// Viscous friction \[N m s/rad or N s/m\], zero or more.
     pub f_v: Uncertain,
     /// Damping ratio, above zero; the thesis takes 0.7.
     pub zeta: f64,
 }
 
 impl Oscillator {
-    /// The micro-damping \[N m s/rad or N s/m] and its standard error.
+    /// The micro-damping \[N m s/rad or N s/m\] and its standard error.
     ///
     /// # Errors
     /// [`IdentError::NotAnOscillator`] unless inertia, stiffness and damping ratio are positive and
@@ -85,7 +85,7 @@ impl Oscillator {
     }
 }
 
-/// Stiffness at rest of the proposed model, `F_s pi / (2 Z_b)` \[N m/rad or N/m], from estimates
+/// Stiffness at rest of the proposed model, `F_s pi / (2 Z_b)` \[N m/rad or N/m\], from estimates
 /// of `f_s` and `z_b` with their correlation. None where one of the two is missing.
 pub fn proposed_stiffness(pre_sliding: &Estimates) -> Option<Uncertain> {
     let (f_s, z_b) = (pre_sliding.value("f_s")?, pre_sliding.value("z_b")?);

@@ -59,7 +59,7 @@ pub struct OutputErrorFit {
     /// The free parameters with their uncertainty.
     pub estimates: Estimates,
     /// Root mean square of predicted minus measured friction over all points and samples
-    /// \[N or N m].
+    /// \[N or N m\].
     pub rms: f64,
     /// Why the search ended.
     pub ending: Ending,
@@ -221,7 +221,7 @@ struct Along<'a> {
     out: &'a mut [f64],
 }
 
-/// Longest period of a fixed-step model \[s].
+/// Longest period of a fixed-step model \[s\].
 const LONGEST_STEP: f64 = 0.01;
 /// Steps within which a contact that slides at a constant velocity is taken to be steady, at most.
 const SETTLING: usize = 4_000;

@@ -67,8 +67,8 @@ impl SavitzkyGolay {
         self.value.row(self.frame / 2).norm_squared()
     }
 
-    /// Variance of the derivative over that of the signal's white noise \[1/s^2], away from the
-    /// ends, at the sampling period `time_step` \[s].
+    /// Variance of the derivative over that of the signal's white noise \[1/s^2\], away from the
+    /// ends, at the sampling period `time_step` \[s\].
     pub fn derivative_noise_gain(&self, time_step: f64) -> f64 {
         self.slope.row(self.frame / 2).norm_squared() / time_step.powi(2)
     }
@@ -81,7 +81,7 @@ impl SavitzkyGolay {
         self.apply(&self.value, signal, 1.0)
     }
 
-    /// The signal's derivative \[its unit per second] at the sampling period `time_step` \[s]; as
+    /// The signal's derivative \[its unit per second\] at the sampling period `time_step` \[s\]; as
     /// long as the signal.
     ///
     /// # Errors

@@ -7,9 +7,9 @@ use crate::IdentError;
 /// One steady point: the mean friction at a constant velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SteadyPoint {
-    /// Velocity \[rad/s or m/s], either sign.
+    /// Velocity \[rad/s or m/s\], either sign.
     pub velocity: f64,
-    /// Friction \[N m or N]; positive opposes positive velocity.
+    /// Friction \[N m or N\]; positive opposes positive velocity.
     pub torque: f64,
     /// Standard deviation of `torque`, for all points or for none. Only the ratios count: the
     /// overall scale is taken from the scatter around the curve.
@@ -26,7 +26,7 @@ impl SteadyPoint {
 /// Smallest standard deviation, as a share of the largest: beside such a point the others would
 /// count for nothing.
 const SMALLEST_SHARE: f64 = 1e-9;
-/// Torques and speeds below this are rounding \[SI units].
+/// Torques and speeds below this are rounding \[SI units\].
 const SMALLEST: f64 = 1e-50;
 
 /// What a curve through steady points needs.

@@ -9,14 +9,14 @@ use crate::steady_point::SteadyPoint;
 /// An evenly sampled piece of a recording of friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
-    /// Velocity \[m/s or rad/s] at each sample.
+    /// Velocity \[m/s or rad/s\] at each sample.
     pub velocity: Vec<f64>,
-    /// Position \[m or rad] at each sample, where it was measured. Between samples it decides over
+    /// Position \[m or rad\] at each sample, where it was measured. Between samples it decides over
     /// the velocity.
     pub position: Option<Vec<f64>>,
-    /// Friction \[N or N m] at each sample; positive opposes positive velocity.
+    /// Friction \[N or N m\] at each sample; positive opposes positive velocity.
     pub friction: Vec<f64>,
     /// Standard deviation of one sample of the friction, where it is known; only ratios between
     /// stretches count.
@@ -149,7 +149,7 @@ impl Stretch {
         }
     }
 
-    /// What it shows. `reach` is how far the bristles bend at most \[m or rad], if that is known:
+    /// What it shows. `reach` is how far the bristles bend at most \[m or rad\], if that is known:
     /// motion that never leaves a range of twice that is pre-sliding.
     pub fn kind(&self, reach: Option<f64>) -> StretchKind {
         let position = self.travel();

@@ -15,7 +15,7 @@ use crate::staged::FrictionData;
 use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
 
-/// Sampling period \[s].
+/// Sampling period \[s\].
 const DT: f64 = 1e-3;
 /// Samples that a steady point averages.
 const AVERAGED: f64 = 100.0;
@@ -29,7 +29,7 @@ pub enum Set {
     Validation,
 }
 
-/// The recordings of a truth that bends by `reach` \[m or rad], with `noise` \[N or N m] on each
+/// The recordings of a truth that bends by `reach` \[m or rad\], with `noise` \[N or N m\] on each
 /// sample of the friction (a tenth of it on steady points, which are means).
 pub fn experiments(truth: &AnyModel, reach: f64, noise: f64, set: Set, seed: u64) -> FrictionData {
     let mut rng = Pcg64Mcg::seed_from_u64(

@@ -39,7 +39,7 @@ pub const KINDS: [StretchKind; 4] =
 pub struct Trial {
     /// The model.
     pub model: ModelName,
-    /// Held-out root mean square error over everything \[N or N m].
+    /// Held-out root mean square error over everything \[N or N m\].
     pub held_out: f64,
     /// The same of each kind of recording, in the order of [`StretchKind::ALL`].
     pub by_kind: [Option<f64>; 4],

@@ -29,7 +29,7 @@ struct Section {
 }
 
 impl LowPass {
-    /// A Butterworth low-pass of `order` 1 to 12 with `cutoff` \[Hz] at `rate` samples a second.
+    /// A Butterworth low-pass of `order` 1 to 12 with `cutoff` \[Hz\] at `rate` samples a second.
     ///
     /// # Errors
     /// [`IdentError::Order`], [`IdentError::Cutoff`], [`IdentError::TimeStep`].
@@ -37,7 +37,7 @@ impl LowPass {
         Self::from_prototype(order, cutoff, rate, |angle| (-angle.sin(), angle.cos()))
     }
 
-    /// A Chebyshev low-pass of type I with `ripple` \[dB] in the pass band; `cutoff` is where the
+    /// A Chebyshev low-pass of type I with `ripple` \[dB\] in the pass band; `cutoff` is where the
     /// band ends.
     ///
     /// The gain at rest is one (the ripple then lies above it for even orders), so that filtering

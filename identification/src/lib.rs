@@ -9,5 +9,6 @@ pub mod asked;
 pub mod axis;
 pub mod drive;
 pub mod friction;
+pub mod rows;
 pub mod servo;
 pub mod stiction;

@@ -30,7 +30,7 @@ fn description() -> Hello {
     }
 }
 
-/// One cycle: hear, decide, drive, report. Returns the motor's voltage \[count].
+/// One cycle: hear, decide, drive, report. Returns the motor's voltage \[count\].
 fn cycle(
     device: &mut Device,
     decoder: &mut Decoder<HostMessage>,

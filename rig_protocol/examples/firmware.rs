@@ -18,11 +18,11 @@ pub trait Board {
     /// A number that differs after each start: noise of a converter, a generator of random numbers,
     /// a counter in non-volatile memory.
     fn seed(&mut self) -> u64;
-    /// The clock \[us]; it never runs backwards.
+    /// The clock \[us\]; it never runs backwards.
     fn time_us(&mut self) -> u64;
-    /// Encoder and converters \[count].
+    /// Encoder and converters \[count\].
     fn read(&mut self) -> Readings;
-    /// Puts a voltage on the motor \[count of the voltage output].
+    /// Puts a voltage on the motor \[count of the voltage output\].
     fn drive(&mut self, voltage: i16);
     /// The emergency stop's switch is pressed, or its wire is broken.
     fn emergency_stop(&mut self) -> bool;
@@ -68,7 +68,7 @@ pub fn hello() -> Hello {
 pub struct Firmware {
     device: Device,
     decoder: Decoder<HostMessage>,
-    /// When the cycle before began \[us].
+    /// When the cycle before began \[us\].
     before_us: Option<u64>,
 }
 

@@ -2,9 +2,10 @@
 
 use core::marker::PhantomData;
 
+use crate::wire::{HEADER, TRAILER};
 use crate::{
     VERSION,
-    frame::{Frame, HEADER, TRAILER, checksum},
+    frame::{Frame, checksum},
     wire::Reader,
 };
 
@@ -24,7 +25,7 @@ pub(crate) mod sealed {
 
     /// How a direction's messages are read.
     pub trait Sealed: Sized {
-        /// Length of the payload of `kind` \[byte]; none for a kind that this direction does not
+        /// Length of the payload of `kind` \[byte\]; none for a kind that this direction does not
         /// have.
         fn length(kind: u8) -> Option<usize>;
 
@@ -57,7 +58,7 @@ pub enum Rejection {
     Length {
         /// The kind.
         kind: u8,
-        /// The payload's length \[byte].
+        /// The payload's length \[byte\].
         came: usize,
     },
     /// A field holds what it may not.

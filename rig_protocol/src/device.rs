@@ -42,7 +42,7 @@ pub struct Inputs {
 /// What the device does in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Output {
-    /// Voltage for the motor until the next cycle \[count].
+    /// Voltage for the motor until the next cycle \[count\].
     pub voltage: i16,
     /// To be sent now: the device stopped the motor by its own decision.
     pub report: Option<FaultReport>,

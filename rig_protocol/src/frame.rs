@@ -3,18 +3,10 @@
 
 use crc::{CRC_32_ISO_HDLC, Crc, Table};
 
-use crate::{VERSION, wire::Writer};
+use crate::VERSION;
+use crate::wire::{MAX_BODY, TRAILER, Writer};
 
-/// Length of the longest payload [byte]: that of the device's hello.
-pub(crate) const MAX_PAYLOAD: usize = 66;
-/// Version and kind in front of a payload \[byte].
-pub(crate) const HEADER: usize = 2;
-/// CRC behind a payload \[byte].
-pub(crate) const TRAILER: usize = 4;
-/// Length of the longest frame before it is stuffed \[byte].
-pub(crate) const MAX_BODY: usize = HEADER + MAX_PAYLOAD + TRAILER;
-
-/// Length of the longest frame on the line \[byte], its zero byte included. COBS adds one byte to up
+/// Length of the longest frame on the line \[byte\], its zero byte included. COBS adds one byte to up
 /// to 254.
 pub const MAX_FRAME: usize = cobs::max_encoding_length(MAX_BODY) + 1;
 
@@ -94,7 +86,7 @@ mod tests {
     fn the_crc_is_that_of_ethernet_and_only_the_last_byte_is_zero() {
         assert_eq!(checksum(b"123456789"), 0xCBF4_3926);
         let frame = Frame::new(0x55, |body| {
-            body.put([0; MAX_PAYLOAD]);
+            body.put([0; crate::wire::MAX_PAYLOAD]);
         });
         assert_eq!(frame.as_bytes().len(), MAX_FRAME);
         assert_eq!(frame.as_bytes().iter().position(|byte| *byte == 0), Some(MAX_FRAME - 1));

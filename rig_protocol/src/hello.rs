@@ -2,7 +2,7 @@
 
 use crate::{Session, wire::Reader, wire::Writer};
 
-/// Length on the line before framing \[byte].
+/// Length on the line before framing \[byte\].
 pub(crate) const LENGTH: usize = 66;
 
 /// A device's name: up to 16 bytes of printable ASCII.
@@ -84,25 +84,25 @@ pub struct Hello {
     pub firmware: [u8; 3],
     /// Which sensors there are.
     pub channels: Channels,
-    /// Period of the device's cycle \[us], from 100 to 10000.
+    /// Period of the device's cycle \[us\], from 100 to 10000.
     pub period_us: u32,
     /// Encoder counts a turn of the load, above 0.
     pub counts_per_turn: u32,
-    /// Volts a count of the voltage output \[V].
+    /// Volts a count of the voltage output \[V\].
     pub volts_per_count: f32,
-    /// Largest magnitude of the motor voltage \[count], above 0.
+    /// Largest magnitude of the motor voltage \[count\], above 0.
     pub voltage_limit: i16,
-    /// Velocity a count of the tachometer \[rad/s]. The scale of a sensor that is not there is 0.
+    /// Velocity a count of the tachometer \[rad/s\]. The scale of a sensor that is not there is 0.
     pub tachometer_per_count: f32,
-    /// Position a count of the potentiometer \[rad].
+    /// Position a count of the potentiometer \[rad\].
     pub potentiometer_per_count: f32,
-    /// Friction torque a count of the torque sensor \[N m].
+    /// Friction torque a count of the torque sensor \[N m\].
     pub torque_per_count: f32,
-    /// Motor current a count \[A].
+    /// Motor current a count \[A\].
     pub current_per_count: f32,
-    /// Longest validity of a command \[us], at least a period: a longer one is cut to it.
+    /// Longest validity of a command \[us\], at least a period: a longer one is cut to it.
     pub validity_limit_us: u32,
-    /// The device goes inactive when it hears nothing from its host for this long \[us], at least
+    /// The device goes inactive when it hears nothing from its host for this long \[us\], at least
     /// the validity limit.
     pub host_timeout_us: u32,
 }
@@ -158,7 +158,7 @@ impl Hello {
         )
     }
 
-    /// Cycles in `time_us` \[us], rounded up.
+    /// Cycles in `time_us` \[us\], rounded up.
     #[must_use]
     pub const fn cycles(&self, time_us: u32) -> u32 {
         // A period of zero is refused by `check`; dividing by one instead only keeps this free of

@@ -46,9 +46,9 @@ pub struct VoltageCommand {
     /// Cycle of the measurement that this command answers. The validity counts from there, on the
     /// device's own clock: what lay in a buffer for too long is old when it arrives.
     pub answers: u32,
-    /// The voltage \[count of the voltage output].
+    /// The voltage \[count of the voltage output\].
     pub voltage: i16,
-    /// How long after the measurement the voltage may be applied \[us]. The device cuts it to its
+    /// How long after the measurement the voltage may be applied \[us\]. The device cuts it to its
     /// own limit.
     pub validity_us: u32,
 }

@@ -2,7 +2,7 @@
 
 use crate::{Cause, Session, State, wire::Reader, wire::Writer};
 
-/// Length on the line before framing \[byte].
+/// Length on the line before framing \[byte\].
 pub(crate) const LENGTH: usize = 51;
 
 const SATURATED: u8 = 1;
@@ -11,15 +11,15 @@ const EXPIRED: u8 = 2;
 /// What the device's converters read in one cycle. A channel that the device does not have is 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Readings {
-    /// Encoder \[count], with wrap-around.
+    /// Encoder \[count\], with wrap-around.
     pub encoder: i32,
-    /// Tachometer \[count].
+    /// Tachometer \[count\].
     pub tachometer: i32,
-    /// Potentiometer \[count].
+    /// Potentiometer \[count\].
     pub potentiometer: i32,
-    /// Torque sensor \[count].
+    /// Torque sensor \[count\].
     pub torque: i32,
-    /// Motor current \[count].
+    /// Motor current \[count\].
     pub current: i32,
 }
 
@@ -28,13 +28,13 @@ pub struct Readings {
 pub struct Measurement {
     /// Number of the device's cycle, one more each cycle, with wrap-around.
     pub cycle: u32,
-    /// The device's clock at the readings \[us]; it never wraps.
+    /// The device's clock at the readings \[us\]; it never wraps.
     pub time_us: u64,
     /// The converters.
     pub readings: Readings,
-    /// Voltage that the last accepted command asked for \[count].
+    /// Voltage that the last accepted command asked for \[count\].
     pub voltage_asked: i16,
-    /// Voltage on the motor until these readings \[count].
+    /// Voltage on the motor until these readings \[count\].
     pub voltage_applied: i16,
     /// The session whose commands the device takes.
     pub session: Option<Session>,

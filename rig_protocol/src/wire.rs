@@ -1,6 +1,13 @@
 //! Little-endian numbers in a payload.
 
-use crate::frame::MAX_BODY;
+/// Length of the longest payload [byte]: that of the device's hello.
+pub(crate) const MAX_PAYLOAD: usize = 66;
+/// Version and kind in front of a payload \[byte\].
+pub(crate) const HEADER: usize = 2;
+/// CRC behind a payload \[byte\].
+pub(crate) const TRAILER: usize = 4;
+/// Length of the longest frame before it is stuffed \[byte\].
+pub(crate) const MAX_BODY: usize = HEADER + MAX_PAYLOAD + TRAILER;
 
 /// A frame's body while it is put together. What does not fit is left out; the longest message
 /// fits, which a test shows.

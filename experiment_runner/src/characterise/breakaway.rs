@@ -16,7 +16,8 @@ use friction_ident::{FrictionTorque, IdentError, zero_phase::LowPass};
 use serde::{Deserialize, Serialize};
 
 use super::Channels;
-use crate::protocol::{Displacement, OnsetRule, REST};
+use crate::profile::REST;
+use crate::protocol::{Displacement, OnsetRule};
 
 /// Low-pass of speed, displacement and peak torque: cutoff [Hz], second order in each direction.
 const CUTOFF: f64 = 20.0;

@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Channels;
 use super::channels::block_means;
-use crate::protocol::{Displacement, PreSlidingProtocol, REST};
+use crate::profile::REST;
+use crate::protocol::{Displacement, PreSlidingProtocol};
 
 /// Half width of the window that is averaged at a turn [s].
 const WINDOW: f64 = 0.025;

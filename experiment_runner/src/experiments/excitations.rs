@@ -1,8 +1,9 @@
 //! What experiments share whose runs follow a profile.
 
 use crate::characterise::{Breakaway, Measured, find_breakaway};
+use crate::profile::REST;
 use crate::profile::{DrivenQuantity, Excitation, Profile};
-use crate::protocol::{OnsetRule, REST};
+use crate::protocol::OnsetRule;
 use crate::run::excited::{ExcitedJob, Series};
 use crate::run::experiment::{Progressed, Running};
 use crate::run::{BreakawayFigures, RunError};

@@ -23,7 +23,7 @@ pub use compensation::{CompensationProtocol, CompensationTask};
 pub use constant_velocity::ConstantVelocityProtocol;
 pub use drive_excitation::DriveExcitationProtocol;
 pub use error::ProtocolError;
-pub use pre_sliding::{Displacement, OnsetRule, PreSlidingProtocol, REST};
+pub use pre_sliding::{Displacement, OnsetRule, PreSlidingProtocol};
 pub use sequence::SequenceProtocol;
 pub use tracking::{InverseUse, TrackingProtocol};
 pub use varying_velocity::VaryingVelocityProtocol;

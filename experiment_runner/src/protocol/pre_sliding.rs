@@ -53,9 +53,6 @@ pub struct PreSlidingProtocol {
     pub repetitions: u32,
 }
 
-/// Rest before the torque rises [s]: it gives the displacement's zero.
-pub const REST: f64 = 0.2;
-
 impl PreSlidingProtocol {
     /// A ramp upwards (`direction` 1) or downwards (-1).
     #[must_use]

@@ -21,13 +21,13 @@ use crate::residual_whiteness::effective_share;
 /// A cascade of position and velocity loop, sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CascadeController {
-    /// Gain of the position loop \[1/s].
+    /// Gain of the position loop \[1/s\].
     pub position_gain: f64,
-    /// Gain of the velocity loop \[V s/m or V s/rad].
+    /// Gain of the velocity loop \[V s/m or V s/rad\].
     pub velocity_gain: f64,
-    /// Largest magnitude of the control signal \[V].
+    /// Largest magnitude of the control signal \[V\].
     pub limit: f64,
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub period: f64,
 }
 
@@ -36,14 +36,14 @@ impl CascadeController {
     pub const EMPS: Self =
         Self { position_gain: 160.18, velocity_gain: 243.45, limit: 10.0, period: 1e-3 };
 
-    /// Control signal \[V] from the reference, the position and that of two samples earlier.
+    /// Control signal \[V\] from the reference, the position and that of two samples earlier.
     fn control(&self, reference: f64, q: f64, earlier: f64) -> f64 {
         let velocity = (q - earlier) / (2.0 * self.period);
         let signal = self.velocity_gain * (self.position_gain * (reference - q) - velocity);
         signal.clamp(-self.limit, self.limit)
     }
 
-    /// The control signal \[V] that recorded positions would have caused: a check that it is the
+    /// The control signal \[V\] that recorded positions would have caused: a check that it is the
     /// right controller.
     pub fn replay(&self, reference: &[f64], position: &[f64]) -> Vec<f64> {
         let at =
@@ -56,20 +56,20 @@ impl CascadeController {
 /// What an axis is asked to do.
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a> {
-    /// Reference position at each sample \[m or rad].
+    /// Reference position at each sample \[m or rad\].
     pub reference: &'a [f64],
     /// Volts added to the control signal at each sample, if any.
     pub disturbance: Option<&'a [f64]>,
-    /// Where the axis rests at the start \[m or rad].
+    /// Where the axis rests at the start \[m or rad\].
     pub start: f64,
 }
 
 /// What an axis did, at each sample.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Response {
-    /// Position \[m or rad].
+    /// Position \[m or rad\].
     pub position: Vec<f64>,
-    /// Control signal, disturbance included \[V].
+    /// Control signal, disturbance included \[V\].
     pub control: Vec<f64>,
 }
 
@@ -84,19 +84,19 @@ pub struct Response {
 /// Unlike in LuGre, `f_s` may lie below `f_c`: some axes need it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BristleAxis {
-    /// Moving mass \[kg] or inertia \[kg m^2], above zero.
+    /// Moving mass \[kg\] or inertia \[kg m^2\], above zero.
     pub inertia: f64,
-    /// Viscous friction, forward and backward \[N s/m or N m s/rad].
+    /// Viscous friction, forward and backward \[N s/m or N m s/rad\].
     pub f_v: [f64; 2],
-    /// Coulomb friction, forward and backward \[N or N m].
+    /// Coulomb friction, forward and backward \[N or N m\].
     pub f_c: [f64; 2],
-    /// Friction near rest, forward and backward \[N or N m].
+    /// Friction near rest, forward and backward \[N or N m\].
     pub f_s: [f64; 2],
-    /// Speed over which friction goes from one to the other, above zero \[m/s or rad/s].
+    /// Speed over which friction goes from one to the other, above zero \[m/s or rad/s\].
     pub v_s: f64,
-    /// Displacement over which friction builds up after a reversal, above zero \[m or rad].
+    /// Displacement over which friction builds up after a reversal, above zero \[m or rad\].
     pub displacement: f64,
-    /// Delay of the force behind the held control signal \[s].
+    /// Delay of the force behind the held control signal \[s\].
     pub delay: f64,
 }
 
@@ -108,7 +108,7 @@ struct Moving {
     z: f64,
 }
 
-/// Longest integration step \[s].
+/// Longest integration step \[s\].
 const STEP: f64 = 2.5e-4;
 
 impl BristleAxis {
@@ -207,7 +207,7 @@ const UNKNOWNS: usize = 10;
 /// Samples at each end that relative errors leave out.
 const ENDS: usize = 50;
 
-/// `100 |measured - simulated| / |measured|` over all samples but 50 at each end \[%].
+/// `100 |measured - simulated| / |measured|` over all samples but 50 at each end \[%\].
 pub fn relative_error(measured: &[f64], simulated: &[f64]) -> f64 {
     let kept = ENDS..measured.len().min(simulated.len()).saturating_sub(ENDS).max(ENDS);
     let pairs = || kept.clone().filter_map(|k| Some((measured.get(k)?, simulated.get(k)?)));
@@ -222,7 +222,7 @@ pub struct Refined {
     pub axis: BristleAxis,
     /// Its parameters, with errors that count the residual's correlation.
     pub estimates: Estimates,
-    /// [`relative_error`] of the control signal \[%].
+    /// [`relative_error`] of the control signal \[%\].
     pub relative_error: f64,
     /// Whether the search was stopped before its end.
     pub stopped: bool,
@@ -235,9 +235,9 @@ pub struct Loop<'a> {
     pub controller: CascadeController,
     /// What it was asked.
     pub task: Task<'a>,
-    /// Measured control signal \[V].
+    /// Measured control signal \[V\].
     pub control: &'a [f64],
-    /// Force per volt \[N/V or N m/V].
+    /// Force per volt \[N/V or N m/V\].
     pub force_per_volt: f64,
 }
 

@@ -23,13 +23,13 @@ pub struct CrossValidation {
     /// The structure.
     pub structure: AxisStructure,
     /// Sum of squared prediction errors of each block, over the rows of the whole recording
-    /// \[N^2 or (N m)^2].
+    /// \[N^2 or (N m)^2\].
     pub blocks: Vec<f64>,
-    /// Mean square of the force \[N^2 or (N m)^2].
+    /// Mean square of the force \[N^2 or (N m)^2\].
     pub force_power: f64,
-    /// `100 |prediction error| / |force|` over all blocks \[%].
+    /// `100 |prediction error| / |force|` over all blocks \[%\].
     pub relative_error: f64,
-    /// Its standard error, from the spread of the blocks \[%].
+    /// Its standard error, from the spread of the blocks \[%\].
     pub standard_error: f64,
 }
 
@@ -78,7 +78,7 @@ fn sum_error(parts: &[f64]) -> f64 {
 pub struct Ranked {
     /// Its place in the list that was given.
     pub index: usize,
-    /// Relative error less that of the best structure \[percentage points].
+    /// Relative error less that of the best structure \[percentage points\].
     pub excess: f64,
     /// Standard error of the excess, from the differences block by block: what all structures find
     /// hard cancels.

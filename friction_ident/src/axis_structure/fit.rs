@@ -34,9 +34,9 @@ pub struct StructureFit {
     pub shape: Shape,
     /// How positions are scaled in the polynomials.
     pub position_scale: PositionScale,
-    /// `100 |residual| / |force|` \[%].
+    /// `100 |residual| / |force|` \[%\].
     pub relative_error: f64,
-    /// Root mean square of the residual \[N or N m].
+    /// Root mean square of the residual \[N or N m\].
     pub residual_rms: f64,
     /// Decimated samples that were fitted.
     pub samples: usize,
@@ -92,7 +92,7 @@ impl StructureFit {
         notes
     }
 
-    /// Steady friction at a velocity \[N or N m], the offset included; at the middle of the axis,
+    /// Steady friction at a velocity \[N or N m\], the offset included; at the middle of the axis,
     /// without the harmonic.
     pub fn steady_friction(&self, velocity: f64) -> f64 {
         let side = Side::of_velocity(velocity);

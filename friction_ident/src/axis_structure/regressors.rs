@@ -140,7 +140,7 @@ impl<'a> Regressors<'a> {
         if self.structure.delay { shape.delay / self.recording.time_step } else { 0.0 }
     }
 
-    /// Time since the recording's first sample \[s], of each row.
+    /// Time since the recording's first sample \[s\], of each row.
     pub fn time(&self) -> Vec<f64> {
         let Conditioned { time_step, first, decimate, .. } = *self.recording;
         let of = |piece: &Piece| {

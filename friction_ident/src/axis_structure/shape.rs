@@ -10,14 +10,14 @@ use crate::conditioning::Conditioned;
 /// Values of the nonlinear parameters; those that a structure does not have have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Shape {
-    /// How much later the force acts than it was recorded \[s].
+    /// How much later the force acts than it was recorded \[s\].
     pub delay: f64,
-    /// Stribeck velocity v_s \[m/s or rad/s].
+    /// Stribeck velocity v_s \[m/s or rad/s\].
     pub v_s: f64,
-    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad]: Coulomb
+    /// Displacement over which the bristle force rises to 63 % of its limit \[m or rad\]: Coulomb
     /// level over stiffness.
     pub displacement: f64,
-    /// Length along the axis after which the harmonic force repeats \[m or rad].
+    /// Length along the axis after which the harmonic force repeats \[m or rad\].
     pub period: f64,
 }
 
@@ -149,9 +149,9 @@ impl Limits {
 /// How positions are scaled for the polynomials: -1 to 1 over the estimation recording.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PositionScale {
-    /// Middle of the stretch \[m or rad].
+    /// Middle of the stretch \[m or rad\].
     pub middle: f64,
-    /// Half its length \[m or rad].
+    /// Half its length \[m or rad\].
     pub half: f64,
 }
 

@@ -7,20 +7,20 @@ use crate::conditioning::{Conditioned, Piece};
 /// One start of motion out of rest.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Breakaway {
-    /// When, since the recording's first sample \[s].
+    /// When, since the recording's first sample \[s\].
     pub time: f64,
-    /// Voltage at which it began \[V].
+    /// Voltage at which it began \[V\].
     pub voltage: f64,
     /// Direction of the motion that followed, 1 or -1.
     pub direction: f64,
 }
 
-/// How long the axis must have rested \[s].
+/// How long the axis must have rested \[s\].
 const REST: f64 = 0.1;
-/// Fastest change of the voltage that counts as slow \[V/s]: a step would overshoot the deadband.
+/// Fastest change of the voltage that counts as slow \[V/s\]: a step would overshoot the deadband.
 const SLOW: f64 = 3.0;
 
-/// Longest time from rest to motion, and on to twice its speed \[s].
+/// Longest time from rest to motion, and on to twice its speed \[s\].
 const START: f64 = 1.0;
 
 /// All starts of motion in a recording whose force is the voltage: at least 0.1 s below a hundredth

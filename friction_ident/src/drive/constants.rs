@@ -8,7 +8,7 @@ use crate::Uncertain;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Calibration {
-    /// The motor's constants: A K_m \[N m/A] and R_a \[Ohm]. They also tell back-EMF from viscous
+    /// The motor's constants: A K_m \[N m/A\] and R_a \[Ohm\]. They also tell back-EMF from viscous
     /// friction.
     Motor {
         /// Gear ratio times torque constant.
@@ -16,13 +16,13 @@ pub enum Calibration {
         /// Armature resistance.
         resistance: Uncertain,
     },
-    /// Force or torque per volt \[N/V or N m/V], of a current-controlled or otherwise calibrated
+    /// Force or torque per volt \[N/V or N m/V\], of a current-controlled or otherwise calibrated
     /// drive.
     ForcePerVolt(Uncertain),
 }
 
 impl Calibration {
-    /// Force or torque per volt at rest \[N/V or N m/V], errors propagated.
+    /// Force or torque per volt at rest \[N/V or N m/V\], errors propagated.
     pub fn force_per_volt(&self) -> Uncertain {
         match self {
             Self::ForcePerVolt(known) => *known,

@@ -16,17 +16,17 @@ use crate::estimate::Estimates;
 /// held over a sample stands at its beginning.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveRecording<'a> {
-    /// Time of the first sample \[s].
+    /// Time of the first sample \[s\].
     pub start: f64,
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
-    /// Motor voltage \[V].
+    /// Motor voltage \[V\].
     pub voltage: &'a [f64],
-    /// Position \[m or rad].
+    /// Position \[m or rad\].
     pub position: Option<&'a [f64]>,
-    /// Velocity \[m/s or rad/s]; the position is not used where this is given.
+    /// Velocity \[m/s or rad/s\]; the position is not used where this is given.
     pub velocity: Option<&'a [f64]>,
-    /// Friction torque \[N m] or force \[N] from a sensor.
+    /// Friction torque \[N m\] or force \[N\] from a sensor.
     pub friction: Option<&'a [f64]>,
 }
 
@@ -38,15 +38,15 @@ pub struct DriveFit {
     pub estimates: Estimates,
     /// Starts of motion out of rest.
     pub breakaways: Vec<Breakaway>,
-    /// `100 |residual| / |voltage|` \[%].
+    /// `100 |residual| / |voltage|` \[%\].
     pub relative_error: f64,
     /// Share of the residual's samples that count as independent.
     pub effective_share: f64,
-    /// Time of the kept samples \[s].
+    /// Time of the kept samples \[s\].
     pub time: Vec<f64>,
-    /// Voltage there \[V].
+    /// Voltage there \[V\].
     pub measured: Vec<f64>,
-    /// What the drive's equation says \[V].
+    /// What the drive's equation says \[V\].
     pub predicted: Vec<f64>,
     /// What must be known to read the numbers right.
     pub notes: Vec<String>,

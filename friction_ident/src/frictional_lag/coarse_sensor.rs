@@ -24,7 +24,7 @@ const FILLED: f64 = 0.3;
 const ROUNDS: usize = 3;
 
 /// As [`fit_lag_with_profiles`], for a torque that was rounded to multiples of `torque_step`
-/// \[N m or N]: the mean error of the rounding is computed from the torque of a fit and from the
+/// \[N m or N\]: the mean error of the rounding is computed from the torque of a fit and from the
 /// noise, whose variance is the mean square of the residual less `torque_step^2 / 12`, and taken
 /// off before the next fit.
 ///

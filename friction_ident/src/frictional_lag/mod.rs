@@ -38,11 +38,11 @@ pub use relaxation::{Relaxation, RelaxationFit, fit_relaxation};
 /// One recording of sliding in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LagRecording<'a> {
-    /// Velocity \[rad/s or m/s], of one sign throughout.
+    /// Velocity \[rad/s or m/s\], of one sign throughout.
     pub velocity: &'a [f64],
-    /// Friction torque at the same instants \[N m or N]; positive opposes positive velocity.
+    /// Friction torque at the same instants \[N m or N\]; positive opposes positive velocity.
     pub torque: &'a [f64],
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub dt: f64,
 }
 
@@ -77,15 +77,15 @@ impl Default for LagOptions {
 /// Parameters of the lag.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LagValues {
-    /// Static friction \[N m or N].
+    /// Static friction \[N m or N\].
     pub f_s: f64,
-    /// Coulomb (kinetic) friction \[N m or N].
+    /// Coulomb (kinetic) friction \[N m or N\].
     pub f_c: f64,
-    /// Stribeck velocity \[rad/s or m/s].
+    /// Stribeck velocity \[rad/s or m/s\].
     pub v_s: f64,
-    /// Viscous friction \[N m s/rad or N s/m].
+    /// Viscous friction \[N m s/rad or N s/m\].
     pub f_v: f64,
-    /// Time constant \[s].
+    /// Time constant \[s\].
     pub tau: f64,
 }
 
@@ -96,7 +96,7 @@ pub struct LagFit {
     pub values: LagValues,
     /// With errors, intervals and verdicts: `f_s`, `f_c`, `v_s`, `f_v`, `tau`.
     pub estimates: Estimates,
-    /// Mean square of the residual \[(N m)^2 or N^2].
+    /// Mean square of the residual \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Samples fitted.
     pub samples: usize,

@@ -36,9 +36,9 @@ pub use spectrum::{Spectrum, stop_spectrum};
 /// One slow path, sample by sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PreSlidingPath<'a> {
-    /// Displacement from the unloaded contact \[rad or m].
+    /// Displacement from the unloaded contact \[rad or m\].
     pub displacement: &'a [f64],
-    /// Friction torque \[N m or N]; positive at positive displacement on first loading.
+    /// Friction torque \[N m or N\]; positive at positive displacement on first loading.
     pub torque: &'a [f64],
 }
 
@@ -80,7 +80,7 @@ pub enum PreSlidingModel {
 pub struct PreSlidingFit {
     /// Parameters with the names of parameter files.
     pub estimates: Estimates,
-    /// Mean square of the residual \[(N m)^2 or N^2].
+    /// Mean square of the residual \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Samples fitted.
     pub samples: usize,

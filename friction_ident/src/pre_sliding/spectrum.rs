@@ -15,9 +15,9 @@ use super::{Paths, maxwell_slip::stops};
 /// Stops side by side.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spectrum {
-    /// Widths \[rad or m], growing.
+    /// Widths \[rad or m\], growing.
     pub widths: Vec<f64>,
-    /// Stiffnesses \[N m/rad or N/m], zero or more.
+    /// Stiffnesses \[N m/rad or N/m\], zero or more.
     pub stiffnesses: Vec<f64>,
 }
 

@@ -15,7 +15,7 @@ use crate::bounded::{Bound, Patience, Residuals, minimise};
 /// edges.
 const TETHER: f64 = 0.02;
 
-/// Instants \[samples] and positions \[counts] of the turns, both ends included.
+/// Instants \[samples\] and positions \[counts\] of the turns, both ends included.
 #[derive(Debug, Clone)]
 pub(super) struct Turns(Vec<[f64; 2]>);
 

@@ -18,7 +18,7 @@ mod cosine_legs;
 
 use cosine_legs::Turns;
 
-/// The step of an encoder that can be seen in `position` \[m or rad]: the greatest length of which
+/// The step of an encoder that can be seen in `position` \[m or rad\]: the greatest length of which
 /// all differences are multiples, where the position stands still for a fifth of the samples at
 /// least. None for a position without such steps.
 ///

@@ -6,7 +6,7 @@ use super::*;
 use crate::SavitzkyGolay;
 use crate::pre_sliding::{Operator, PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 
-/// One count of 4096 a turn \[rad].
+/// One count of 4096 a turn \[rad\].
 const COUNT: f64 = std::f64::consts::TAU / 4096.0;
 const F_S: f64 = 0.098;
 const Z_B: f64 = 0.006;

@@ -29,14 +29,14 @@ mod tests;
 pub enum Centres {
     /// At zero, and from `smallest` to `largest` by a constant factor.
     Logarithmic {
-        /// First centre above zero \[rad/s or m/s].
+        /// First centre above zero \[rad/s or m/s\].
         smallest: f64,
-        /// Last centre \[rad/s or m/s].
+        /// Last centre \[rad/s or m/s\].
         largest: f64,
     },
     /// From zero to `largest` by a constant distance.
     Uniform {
-        /// Last centre \[rad/s or m/s].
+        /// Last centre \[rad/s or m/s\].
         largest: f64,
     },
 }
@@ -92,7 +92,7 @@ impl Default for RbfOptions {
 pub struct RbfFit {
     /// The network.
     pub network: RbfNetwork,
-    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2].
+    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Points used.
     pub points: usize,

@@ -33,7 +33,7 @@ fn uniform(count: usize) -> RbfOptions {
     RbfOptions { count, centres: Centres::Uniform { largest: 4.0 }, ..RbfOptions::default() }
 }
 
-/// Root mean square errors \[N m] on table 4.13's Stribeck curve, from an independent
+/// Root mean square errors \[N m\] on table 4.13's Stribeck curve, from an independent
 /// implementation.
 #[test]
 fn the_errors_on_the_test_bed_are_the_known_ones() {

@@ -29,13 +29,13 @@ use crate::zero_phase::decimate;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AxisTerm {
-    /// Moving mass \[kg] or moment of inertia \[kg m^2], as seen by the force.
+    /// Moving mass \[kg\] or moment of inertia \[kg m^2\], as seen by the force.
     Inertia,
-    /// Viscous friction \[N s/m or N m s/rad].
+    /// Viscous friction \[N s/m or N m s/rad\].
     Viscous,
-    /// Coulomb friction \[N or N m].
+    /// Coulomb friction \[N or N m\].
     Coulomb,
-    /// Constant force \[N or N m]: gravity, or the offset of an amplifier.
+    /// Constant force \[N or N m\]: gravity, or the offset of an amplifier.
     Offset,
     /// Viscous friction of motion in the positive direction.
     ViscousPositive,
@@ -168,9 +168,9 @@ pub struct AxisFit {
     pub model: AxisModel,
     /// The terms, in the order of [`AxisModel::terms`].
     pub terms: Vec<TermEstimate>,
-    /// `100 |residual| / |force|` \[%].
+    /// `100 |residual| / |force|` \[%\].
     pub relative_error: f64,
-    /// Root mean square of the residual \[N or N m].
+    /// Root mean square of the residual \[N or N m\].
     pub residual_rms: f64,
     /// Decimated samples that were fitted.
     pub samples: usize,
@@ -179,23 +179,23 @@ pub struct AxisFit {
 /// What a fitted model says about a recording, on the decimated samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
-    /// Time since the recording's first sample \[s].
+    /// Time since the recording's first sample \[s\].
     pub time: Vec<f64>,
-    /// Velocity \[m/s or rad/s].
+    /// Velocity \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Measured force \[N or N m].
+    /// Measured force \[N or N m\].
     pub measured: Vec<f64>,
-    /// Predicted force \[N or N m].
+    /// Predicted force \[N or N m\].
     pub predicted: Vec<f64>,
-    /// Measured force less the model's inertia times the acceleration \[N or N m]: what is left
+    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left
     /// for friction.
     pub friction: Vec<f64>,
-    /// `100 |measured - predicted| / |measured|` \[%].
+    /// `100 |measured - predicted| / |measured|` \[%\].
     pub relative_error: f64,
 }
 
 impl Prediction {
-    /// Measured minus predicted force \[N or N m].
+    /// Measured minus predicted force \[N or N m\].
     pub fn residual(&self) -> Vec<f64> {
         self.measured
             .iter()

@@ -9,11 +9,11 @@ use super::log::{ServoLog, TIME_STEP};
 use super::parameter::ServoParameter::*;
 use super::physics::Physics;
 
-/// Standard gravity \[m/s^2].
+/// Standard gravity \[m/s^2\].
 const GRAVITY: f64 = 9.806_65;
-/// Duty cycle per position error \[1/rad] and unit of gain.
+/// Duty cycle per position error \[1/rad\] and unit of gain.
 const DUTY_PER_GAIN: f64 = 4096.0 / (2.0 * PI) / (256.0 * 885.0);
-/// No axis of this size turns faster \[rad/s].
+/// No axis of this size turns faster \[rad/s\].
 const FASTEST: f64 = 100.0;
 /// Samples between two looks at whether a candidate is beaten already.
 const LOOK: usize = 60;
@@ -97,7 +97,7 @@ impl Lanes {
         self.logs
     }
 
-    /// Mean of |simulated - measured| over all samples of all logs \[rad]; infinite as soon as it
+    /// Mean of |simulated - measured| over all samples of all logs \[rad\]; infinite as soon as it
     /// must exceed `limit`.
     pub fn error(&self, physics: &Physics, limit: f64) -> f64 {
         let limit = limit * self.total;
@@ -105,14 +105,14 @@ impl Lanes {
         sums.iter().map(|sum| sum.reduce_add()).sum::<f64>() / self.total
     }
 
-    /// The same for each log \[rad].
+    /// The same for each log \[rad\].
     pub fn errors(&self, physics: &Physics) -> Vec<f64> {
         let sums = self.run(physics, &mut |_, _| {}, f64::INFINITY);
         let sums = sums.iter().flat_map(|sum| sum.to_array());
         sums.zip(&self.lengths).map(|(sum, &length)| sum / length as f64).collect()
     }
 
-    /// The simulated positions of each log \[rad].
+    /// The simulated positions of each log \[rad\].
     pub fn positions(&self, physics: &Physics) -> Vec<Vec<f64>> {
         let mut positions: Vec<Vec<f64>> =
             self.lengths.iter().map(|&n| Vec::with_capacity(n)).collect();

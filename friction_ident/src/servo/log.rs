@@ -2,28 +2,28 @@
 
 use crate::IdentError;
 
-/// Period of the grid and of the simulation \[s].
+/// Period of the grid and of the simulation \[s\].
 pub const TIME_STEP: f64 = 0.005;
 
 /// A log as it was recorded: a pendulum on a position-controlled servo. The channels have one
 /// length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawServoLog {
-    /// Mass of the pendulum \[kg].
+    /// Mass of the pendulum \[kg\].
     pub mass: f64,
-    /// From the axis to the mass \[m].
+    /// From the axis to the mass \[m\].
     pub length: f64,
     /// Position gain in the servo's own units.
     pub gain: f64,
-    /// Nominal supply voltage \[V].
+    /// Nominal supply voltage \[V\].
     pub nominal_voltage: f64,
-    /// Time of each sample \[s], increasing.
+    /// Time of each sample \[s\], increasing.
     pub time: Vec<f64>,
-    /// Measured position \[rad].
+    /// Measured position \[rad\].
     pub position: Vec<f64>,
-    /// Measured speed \[rad/s].
+    /// Measured speed \[rad/s\].
     pub speed: Vec<f64>,
-    /// Position asked for \[rad].
+    /// Position asked for \[rad\].
     pub goal: Vec<f64>,
     /// Whether the motor was driven.
     pub enabled: Vec<bool>,
@@ -151,12 +151,12 @@ impl ServoLog {
         self.position.len()
     }
 
-    /// Measured position on the grid \[rad].
+    /// Measured position on the grid \[rad\].
     pub fn position(&self) -> &[f64] {
         &self.position
     }
 
-    /// Measured speed at the start \[rad/s].
+    /// Measured speed at the start \[rad/s\].
     pub fn first_speed(&self) -> f64 {
         self.first_speed
     }
@@ -166,7 +166,7 @@ impl ServoLog {
         &self.enabled
     }
 
-    /// Position asked for, on the grid \[rad].
+    /// Position asked for, on the grid \[rad\].
     pub fn goal(&self) -> &[f64] {
         &self.goal
     }

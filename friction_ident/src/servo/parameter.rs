@@ -8,17 +8,17 @@ use strum::VariantArray;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ServoParameter {
-    /// Torque constant k_t \[N m/A], which is the back-EMF constant \[V s/rad] too.
+    /// Torque constant k_t \[N m/A\], which is the back-EMF constant \[V s/rad\] too.
     TorqueConstant,
-    /// Winding resistance R \[Ohm].
+    /// Winding resistance R \[Ohm\].
     Resistance,
-    /// Inertia of rotor and gear on the load side \[kg m^2].
+    /// Inertia of rotor and gear on the load side \[kg m^2\].
     Armature,
-    /// Angle of the pendulum where the position reads zero \[rad].
+    /// Angle of the pendulum where the position reads zero \[rad\].
     PositionOffset,
-    /// Coulomb friction K_c \[N m].
+    /// Coulomb friction K_c \[N m\].
     Coulomb,
-    /// Viscous friction K_v \[N m s/rad].
+    /// Viscous friction K_v \[N m s/rad\].
     Viscous,
     /// Friction per transmitted torque |tau_e - tau_m|, K_l.
     Load,
@@ -26,7 +26,7 @@ pub enum ServoParameter {
     ExternalLoad,
     /// Friction per motor torque, K_m.
     MotorLoad,
-    /// Stribeck part of the Coulomb friction K_cs \[N m].
+    /// Stribeck part of the Coulomb friction K_cs \[N m\].
     StribeckCoulomb,
     /// Stribeck part of [`Load`](Self::Load), K_ls.
     StribeckLoad,
@@ -34,18 +34,18 @@ pub enum ServoParameter {
     StribeckExternal,
     /// Stribeck part of [`MotorLoad`](Self::MotorLoad), K_ms.
     StribeckMotor,
-    /// Stribeck friction per squared external torque where the motor's is larger, K_eq \[1/(N m)].
+    /// Stribeck friction per squared external torque where the motor's is larger, K_eq \[1/(N m)\].
     QuadraticExternal,
     /// Stribeck friction per squared motor torque where the external one is larger, K_mq
-    /// \[1/(N m)].
+    /// \[1/(N m)\].
     QuadraticMotor,
-    /// Stribeck velocity w_s \[rad/s].
+    /// Stribeck velocity w_s \[rad/s\].
     StribeckVelocity,
     /// Exponent alpha of the Stribeck curve.
     StribeckExponent,
-    /// Time from a goal to its effect \[s].
+    /// Time from a goal to its effect \[s\].
     Delay,
-    /// Friction per squared motor torque \[1/(N m)].
+    /// Friction per squared motor torque \[1/(N m)\].
     LoadSquared,
     /// Share of friction that ripples with the angle, sine part.
     RippleSine,

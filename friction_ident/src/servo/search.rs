@@ -24,7 +24,7 @@ pub struct Effort {
 pub struct Found {
     /// The parameters, in the order asked for.
     pub values: Vec<f64>,
-    /// Mean position error \[rad].
+    /// Mean position error \[rad\].
     pub error: f64,
     /// Simulations done.
     pub evaluations: usize,

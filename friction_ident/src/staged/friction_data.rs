@@ -20,7 +20,7 @@ pub struct FrictionData {
 }
 
 impl FrictionData {
-    /// Sorts. `reach` is how far the contact bends before it slides \[m or rad], if that is known;
+    /// Sorts. `reach` is how far the contact bends before it slides \[m or rad\], if that is known;
     /// otherwise a stretch that moves less than a thousandth of the longest one counts as
     /// pre-sliding.
     pub fn sort(points: Vec<SteadyPoint>, stretches: Vec<Stretch>, reach: Option<f64>) -> Self {

@@ -13,7 +13,7 @@ pub struct StagedOptions {
     pub joint: bool,
     /// Elements of models that have any.
     pub elements: usize,
-    /// Inertia that moves on the bristles \[kg or kg m^2]; without it the micro-damping is left to
+    /// Inertia that moves on the bristles \[kg or kg m^2\]; without it the micro-damping is left to
     /// the recordings.
     pub inertia: Option<Uncertain>,
     /// Damping ratio of that motion.

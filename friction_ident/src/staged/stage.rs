@@ -40,7 +40,7 @@ pub struct StageResult {
     pub stage: Stage,
     /// Points and samples it used; zero for one that computes.
     pub samples: usize,
-    /// Root mean square of predicted minus measured friction on them \[N or N m].
+    /// Root mean square of predicted minus measured friction on them \[N or N m\].
     pub rms: f64,
     /// The parameters it estimated.
     pub estimates: Estimates,

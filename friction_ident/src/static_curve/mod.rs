@@ -45,13 +45,13 @@ impl Default for StribeckOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StribeckParameter {
-    /// Static friction \[N m or N].
+    /// Static friction \[N m or N\].
     StaticFriction,
-    /// Coulomb (kinetic) friction \[N m or N].
+    /// Coulomb (kinetic) friction \[N m or N\].
     CoulombFriction,
-    /// Stribeck velocity \[rad/s or m/s].
+    /// Stribeck velocity \[rad/s or m/s\].
     StribeckVelocity,
-    /// Viscous friction \[N m s/rad or N s/m].
+    /// Viscous friction \[N m s/rad or N s/m\].
     Viscous,
 }
 
@@ -69,13 +69,13 @@ impl StribeckParameter {
 /// The parameters of a Stribeck curve; always `0 < f_c <= f_s`, `v_s > 0`, `f_v >= 0`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StribeckValues {
-    /// Static friction \[N m or N].
+    /// Static friction \[N m or N\].
     pub f_s: f64,
-    /// Coulomb (kinetic) friction \[N m or N].
+    /// Coulomb (kinetic) friction \[N m or N\].
     pub f_c: f64,
-    /// Stribeck velocity \[rad/s or m/s].
+    /// Stribeck velocity \[rad/s or m/s\].
     pub v_s: f64,
-    /// Viscous friction \[N m s/rad or N s/m].
+    /// Viscous friction \[N m s/rad or N s/m\].
     pub f_v: f64,
     /// Exponent, not estimated.
     pub delta: f64,
@@ -190,9 +190,9 @@ pub struct StribeckFit {
     pub covariance: [[f64; 4]; 4],
     /// 95 % intervals of `f_s`, `f_c`, `v_s`, `f_v` from the profile of the likelihood.
     pub intervals: [Option<Interval>; 4],
-    /// Variance of a torque of weight one \[(N m)^2 or N^2].
+    /// Variance of a torque of weight one \[(N m)^2 or N^2\].
     pub variance: f64,
-    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2].
+    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Points fitted.
     pub points: usize,

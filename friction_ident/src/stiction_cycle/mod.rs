@@ -20,15 +20,15 @@ pub use slip_friction::{SlipFriction, SlipOptions, slip_friction};
 /// A recording of one axis, evenly sampled; the channels have one length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StictionRecording<'a> {
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
-    /// Angle of the axis \[rad], quantised.
+    /// Angle of the axis \[rad\], quantised.
     pub angle: &'a [f64],
-    /// One count of the encoder \[rad].
+    /// One count of the encoder \[rad\].
     pub resolution: f64,
-    /// Voltage on the motor \[V].
+    /// Voltage on the motor \[V\].
     pub voltage: &'a [f64],
-    /// Angle of a pendulum that the axis carries \[rad], zero where it pushes the axis nowhere.
+    /// Angle of a pendulum that the axis carries \[rad\], zero where it pushes the axis nowhere.
     pub pendulum: Option<&'a [f64]>,
 }
 
@@ -78,12 +78,12 @@ pub struct Breakaway {
     pub index: usize,
     /// Direction of the motion, 1 or -1.
     pub direction: f64,
-    /// How long it had rested \[s].
+    /// How long it had rested \[s\].
     pub rest: f64,
     /// Greatest voltage towards the motion, from the last stretch of rest to the first count of
-    /// motion \[V].
+    /// motion \[V\].
     pub voltage: f64,
-    /// Greatest voltage towards the motion that it withstood earlier in the same rest \[V]; may be
+    /// Greatest voltage towards the motion that it withstood earlier in the same rest \[V\]; may be
     /// negative.
     pub withstood: f64,
 }
@@ -91,9 +91,9 @@ pub struct Breakaway {
 /// How breakaways are read off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BreakawayOptions {
-    /// Rest shorter than this does not count \[s].
+    /// Rest shorter than this does not count \[s\].
     pub shortest_rest: f64,
-    /// The voltage is looked for this long before the first count \[s]: the time it takes to turn
+    /// The voltage is looked for this long before the first count \[s\]: the time it takes to turn
     /// by one count.
     pub look_back: f64,
 }

@@ -29,12 +29,12 @@ pub struct Phase {
     pub kind: PhaseKind,
 }
 
-/// Least travel of a slip \[counts]: one count may be the toggling of an edge.
+/// Least travel of a slip \[counts\]: one count may be the toggling of an edge.
 const LEAST_TRAVEL: i64 = 2;
 
 /// Splits the recording, with alternating sliding and rest.
 ///
-/// A slip is a run of counts in one direction, no two further apart in time than `gap` \[s], of
+/// A slip is a run of counts in one direction, no two further apart in time than `gap` \[s\], of
 /// two counts or more. It begins and ends with the samples where the count changes; everything else
 /// is rest.
 pub fn segment(recording: &StictionRecording, gap: f64) -> Vec<Phase> {

@@ -30,18 +30,18 @@ use crate::uncertain::Uncertain;
 use crate::IdentError;
 use crate::zero_phase::LowPass;
 
-/// Cutoff of the velocity's low-pass \[Hz], or a fifth of the sampling rate where that is lower.
+/// Cutoff of the velocity's low-pass \[Hz\], or a fifth of the sampling rate where that is lower.
 pub const VELOCITY_CUTOFF: f64 = 50.0;
 
 /// Constants of the drive at the load side, as far as they are known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveConstants {
-    /// Torque constant k = A K_m \[N m/A], equal to the back-EMF constant \[V s/rad].
+    /// Torque constant k = A K_m \[N m/A\], equal to the back-EMF constant \[V s/rad\].
     pub torque_constant: Uncertain,
-    /// Armature resistance R_a \[ohm].
+    /// Armature resistance R_a \[ohm\].
     pub armature_resistance: Uncertain,
-    /// Inertia J at the load side \[kg m^2, or kg on a linear axis].
+    /// Inertia J at the load side \[kg m^2, or kg on a linear axis\].
     pub inertia: Uncertain,
 }
 
@@ -57,8 +57,8 @@ impl DriveConstants {
         }
     }
 
-    /// Friction \[N m or N] at an instant: `channel` is what `source` names there \[V, A or N m],
-    /// beside the velocity \[rad/s] and the acceleration \[rad/s^2].
+    /// Friction \[N m or N\] at an instant: `channel` is what `source` names there \[V, A or N m\],
+    /// beside the velocity \[rad/s\] and the acceleration \[rad/s^2\].
     #[must_use]
     pub fn friction(
         &self,
@@ -77,7 +77,7 @@ impl DriveConstants {
         }
     }
 
-    /// What one standard error of `constant` adds to [`friction`](Self::friction) \[N m or N], to
+    /// What one standard error of `constant` adds to [`friction`](Self::friction) \[N m or N\], to
     /// first order and with its sign.
     #[must_use]
     pub fn friction_error(
@@ -168,13 +168,13 @@ impl DriveConstant {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelDeviations {
-    /// Torque sensor \[N m].
+    /// Torque sensor \[N m\].
     pub torque: f64,
-    /// Velocity \[rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
-    /// Voltage at the motor \[V]; zero where the rig reports exactly what it applied.
+    /// Voltage at the motor \[V\]; zero where the rig reports exactly what it applied.
     pub voltage: f64,
-    /// Current \[A].
+    /// Current \[A\].
     pub current: f64,
 }
 
@@ -182,15 +182,15 @@ pub struct ChannelDeviations {
 /// `source` does not need may be empty.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveSignals<'a> {
-    /// Sampling period \[s].
+    /// Sampling period \[s\].
     pub time_step: f64,
-    /// Velocity w of the load \[rad/s].
+    /// Velocity w of the load \[rad/s\].
     pub velocity: &'a [f64],
-    /// Torque sensor, or the torque that drives the axis \[N m].
+    /// Torque sensor, or the torque that drives the axis \[N m\].
     pub torque: &'a [f64],
-    /// Voltage u, the mean over the period that ends at the sample \[V].
+    /// Voltage u, the mean over the period that ends at the sample \[V\].
     pub voltage: &'a [f64],
-    /// Current i, the mean over the period that ends at the sample \[A].
+    /// Current i, the mean over the period that ends at the sample \[A\].
     pub current: &'a [f64],
 }
 
@@ -199,7 +199,7 @@ pub struct DriveSignals<'a> {
 pub struct ConstantError {
     /// Which constant.
     pub constant: DriveConstant,
-    /// The error at each sample \[N m], with its sign.
+    /// The error at each sample \[N m\], with its sign.
     pub torque: Vec<f64>,
 }
 
@@ -208,16 +208,16 @@ pub struct ConstantError {
 pub struct FrictionTorque {
     /// Where it is from.
     pub source: TorqueSource,
-    /// Friction torque at each sample \[N m]; positive opposes positive velocity.
+    /// Friction torque at each sample \[N m\]; positive opposes positive velocity.
     pub torque: Vec<f64>,
-    /// Standard deviation of one sample by noise \[N m].
+    /// Standard deviation of one sample by noise \[N m\].
     pub noise: f64,
     /// Errors that do not average out, one entry for each constant that enters.
     pub constants: Vec<ConstantError>,
 }
 
 impl FrictionTorque {
-    /// Standard deviation of sample `index` by the constants \[N m]; zero beyond the end.
+    /// Standard deviation of sample `index` by the constants \[N m\]; zero beyond the end.
     pub fn systematic(&self, index: usize) -> f64 {
         self.propagate(|torque| torque.get(index).copied().unwrap_or(0.0))
     }
@@ -294,7 +294,7 @@ struct Smoothing {
     filter: LowPass,
     /// Standard deviation of the smoothed velocity for noise of one.
     value_gain: f64,
-    /// Standard deviation of its slope for noise of one \[1/s].
+    /// Standard deviation of its slope for noise of one \[1/s\].
     slope_gain: f64,
 }
 

@@ -13,7 +13,7 @@ fn srv02() -> DriveConstants {
 const EXACT: ChannelDeviations =
     ChannelDeviations { torque: 0.0, velocity: 0.0, voltage: 0.0, current: 0.0 };
 
-/// Velocity 1 - .95 cos(5 t) \[rad/s] and its derivative.
+/// Velocity 1 - .95 cos(5 t) \[rad/s\] and its derivative.
 fn motion(t: f64) -> (f64, f64) {
     (1.0 - 0.95 * (5.0 * t).cos(), 4.75 * (5.0 * t).sin())
 }

@@ -34,9 +34,9 @@ pub struct TwoLineFit {
     pub model: TwoLine,
     /// Standard errors of `a1`, `b1`, `a2`, `b2`; none for a `b2` that is held at zero.
     pub standard_errors: [Option<f64>; 4],
-    /// Standard error of the switch speed \[rad/s or m/s].
+    /// Standard error of the switch speed \[rad/s or m/s\].
     pub switch_speed_error: f64,
-    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2].
+    /// Mean square of the residual, sum of squares over the number of points \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Points fitted.
     pub points: usize,

@@ -6,7 +6,7 @@ use friction_ident::Prediction;
 use serde_json::{Value, json};
 
 use super::structure::{BLOCKS, Structured};
-use crate::drive::rows;
+use crate::rows::rows;
 use recording::AxisKind;
 use report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
 

@@ -9,13 +9,13 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use friction_ident::drive::{Calibration, DriveFit, DriveRecording, combine, fit_drive};
-use friction_ident::{Conditioning, Estimate, IdentError, ParameterId, Verdict};
+use friction_ident::{Conditioning, Estimate, IdentError, ParameterId};
 use serde_json::json;
 
 use crate::axis::structure::units;
+use crate::rows::rows;
 use recording::driven::DrivenRecording;
 use recording::{AxisKind, Irregularities, RecordedStretch};
-use report::numbers::value_and_error as with_error;
 
 /// A drive found in one or several recordings.
 #[derive(Debug, Clone)]
@@ -142,32 +142,4 @@ impl Identified {
         }
         text
     }
-}
-
-/// Name, value, unit, 95 % interval and verdict of each estimate.
-pub fn rows(estimates: &[Estimate]) -> Vec<[String; 5]> {
-    estimates
-        .iter()
-        .map(|estimate| {
-            let error =
-                estimate.standard_error.filter(|error| error.is_finite()).unwrap_or(f64::NAN);
-            let (value, _) = with_error(estimate.value, error);
-            let value = if estimate.value.is_nan() { "unknown".to_owned() } else { value };
-            let end = |end: f64| {
-                if end.is_finite() { with_error(end, error).0 } else { "open".to_owned() }
-            };
-            let interval = match estimate.interval {
-                Some(interval) => format!("[{}, {}]", end(interval.low), end(interval.high)),
-                None => "no interval".to_owned(),
-            };
-            let verdict = match &estimate.verdict {
-                Verdict::Identified => "identified".to_owned(),
-                Verdict::NotIdentifiable { doubt, remedy } => {
-                    format!("not identifiable: {doubt}; needs {remedy}")
-                }
-                Verdict::Given { source } => format!("given: {source}"),
-            };
-            [estimate.id.to_string(), value, estimate.unit.to_owned(), interval, verdict]
-        })
-        .collect()
 }

@@ -92,7 +92,7 @@ pub fn render(found: &Identified) -> String {
         env!("CARGO_PKG_VERSION")
     );
     // Writing to a string cannot fail.
-    for [name, value, unit, interval, verdict] in super::rows(&found.estimates) {
+    for [name, value, unit, interval, verdict] in crate::rows::rows(&found.estimates) {
         let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
     }
     match motor_of(found) {

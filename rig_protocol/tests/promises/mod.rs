@@ -6,7 +6,7 @@ use rig_protocol::{
     Channels, Hello, HostMessage, Inputs, Name, Origin, Session, VoltageCommand, WINDOW,
 };
 
-/// Largest voltage \[count].
+/// Largest voltage \[count\].
 pub const LIMIT: i16 = 1000;
 
 /// A device with cycles of 1 ms, whose validity limit and host timeout are given in cycles.

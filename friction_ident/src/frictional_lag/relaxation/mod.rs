@@ -56,7 +56,7 @@ pub enum Relaxation<'a> {
 pub struct RelaxationFit {
     /// Parameters with the names of parameter files; GMS's attraction is `c`.
     pub estimates: Estimates,
-    /// Mean square of the residual \[(N m)^2 or N^2].
+    /// Mean square of the residual \[(N m)^2 or N^2\].
     pub mse: f64,
     /// Samples fitted.
     pub samples: usize,

@@ -11,13 +11,13 @@ use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verd
 use crate::residual_whiteness::effective_share;
 use crate::statistics::student_95;
 
-/// Step of the profile \[samples].
+/// Step of the profile \[samples\].
 const STEP: f64 = 0.1;
 
 const REMEDY: &str = "record motion that turns back and forth faster";
 
-/// The fit at the delay that explains most, from none to `longest` \[samples]; its parameters with
-/// their profile intervals; the delay \[s].
+/// The fit at the delay that explains most, from none to `longest` \[samples\]; its parameters with
+/// their profile intervals; the delay \[s\].
 pub fn over_delays(
     sliding: &Sliding,
     longest: f64,

@@ -26,11 +26,11 @@ use crate::{Conditioning, IdentError, Signals, condition};
 /// How the regression is done.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlipOptions {
-    /// Cutoff of the low-pass over all signals, forwards and backwards \[Hz].
+    /// Cutoff of the low-pass over all signals, forwards and backwards \[Hz\].
     pub cutoff: f64,
-    /// Slower motion is left out \[rad/s]: there the axis may stick.
+    /// Slower motion is left out \[rad/s\]: there the axis may stick.
     pub slowest: f64,
-    /// Longest delay from the voltage to its effect that is tried \[samples].
+    /// Longest delay from the voltage to its effect that is tried \[samples\].
     pub longest_delay: usize,
 }
 
@@ -51,15 +51,15 @@ pub struct SlipFriction {
     pub estimates: Estimates,
     /// Samples used.
     pub samples: usize,
-    /// Time from the voltage to its effect \[s]: the one that explains most, with the interval of
+    /// Time from the voltage to its effect \[s\]: the one that explains most, with the interval of
     /// its profile.
     pub delay: Estimate,
     /// Residual over voltage, both root mean square, over the samples used.
     pub unexplained: f64,
-    /// Speed of each sample used \[rad/s].
+    /// Speed of each sample used \[rad/s\].
     #[serde(skip)]
     pub speed: Vec<f64>,
-    /// Voltage less all terms but those of friction and speed \[V].
+    /// Voltage less all terms but those of friction and speed \[V\].
     #[serde(skip)]
     pub friction: Vec<f64>,
 }
@@ -118,7 +118,7 @@ struct Sliding {
 
 /// The least squares at one delay.
 struct AtDelay {
-    /// \[samples]
+    /// \[samples\]
     delay: f64,
     minimum: Minimum,
     /// Residual over voltage, root mean square.
@@ -177,7 +177,7 @@ impl Sliding {
         Ok(Self { time_step: recording.time_step, columns, voltage, used })
     }
 
-    /// The voltage `delay` samples before each sample used \[V]; between samples on a straight
+    /// The voltage `delay` samples before each sample used \[V\]; between samples on a straight
     /// line, far below whose period the low-pass cuts.
     fn target(&self, delay: f64) -> Vec<f64> {
         let whole = delay.floor();
@@ -249,7 +249,7 @@ mod tests {
     const TRUTH: [(&str, f64); 4] =
         [("inertia", 0.02), ("speed", 0.15), ("coulomb", 0.25), ("offset", 0.05)];
 
-    /// Angle and voltage of a made-up axis; the voltage acts `delay` \[s] late and `noise` \[V]
+    /// Angle and voltage of a made-up axis; the voltage acts `delay` \[s\] late and `noise` \[V\]
     /// of slow disturbance rides on it.
     fn axis(delay: f64, noise: f64, n: usize) -> (Vec<f64>, Vec<f64>) {
         let [(_, a), (_, b), (_, c), (_, offset)] = TRUTH;
