@@ -108,7 +108,7 @@ pub enum IdentError {
         standard_error: f64,
     },
     /// The force is zero throughout, so that nothing can be explained.
-    #[error("the force is zero in every sample; check the force column and its scale")]
+    #[error("the force is zero in every sample; check that the force was recorded, and its unit")]
     ZeroForce,
     /// The recording does not move in a way that shows these parameters.
     #[error("the recording cannot tell {} {}; record a motion that reverses, accelerates and runs at several speeds, or choose a simpler structure", names.join(", "), if names.len() > 1 { "apart" } else { "at all" })]
@@ -138,7 +138,7 @@ pub enum IdentError {
     },
     /// The best fit has an inertia no body can have.
     #[error(
-        "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it with a negative scale), or is friction alone and not the driving force (then leave the inertia out)"
+        "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it round), or is friction alone and not the driving force (then leave the inertia out)"
     )]
     NegativeInertia {
         /// The estimate.
@@ -158,7 +158,7 @@ pub enum IdentError {
     },
     /// A standard deviation is so small beside the others that its point alone would count.
     #[error(
-        "the standard deviation of steady point {index} is {value:e}, less than a billionth of the largest, {largest:e}; correct it, or leave the column out"
+        "the standard deviation of steady point {index} is {value:e}, less than a billionth of the largest, {largest:e}; correct it, or leave the deviations out"
     )]
     DeviationRange {
         /// The point, counted from zero.

@@ -554,5 +554,5 @@ fn a_standard_deviation_of_nearly_nothing_is_refused_and_named() {
         writeln!(text, "{v},{torque},{}", if k == 7 { "1e-320" } else { "1e-3" }).unwrap();
     }
     desk.file("steady.csv", &text);
-    desk.refused(&["steady.csv"], &["steady point 6", "1e-320", "leave the column out"]);
+    desk.refused(&["steady.csv"], &["steady point 6", "1e-320", "leave the deviations out"]);
 }

@@ -271,7 +271,7 @@ fn a_deviation_that_drowns_the_others_is_refused_and_named() {
         );
         let message = refused.unwrap_err().to_string();
         assert!(
-            message.contains("point 7") && message.contains("leave the column out"),
+            message.contains("point 7") && message.contains("leave the deviations out"),
             "{message}"
         );
     }
