@@ -33,7 +33,7 @@ pub fn summary(outcome: &Outcome) -> String {
     for (name, comparison) in results.comparisons() {
         text += &table(name, comparison);
     }
-    text += &results.thesis_tables.as_ref().map_or("", |found| &found.text);
+    text += results.thesis_tables.as_ref().map_or("", |found| &found.text);
     let megabytes = results.bag.bytes as f64 * 1e-6;
     text += &format!(
         "{}\nReport  {}\nBag     {} ({} messages, {megabytes:.0} MB)\n",

@@ -23,7 +23,7 @@ pub(super) fn declare(given: &[String], declared: &mut Vec<Declaration>) {
 /// has a value or is given one.
 fn declare_model(name: ModelName, prefix: &str, given: &[String], declared: &mut Vec<Declaration>) {
     let parameters = AnyParameters::test_bed(name);
-    let written = match serde_json::to_value(&parameters) {
+    let written = match serde_json::to_value(parameters) {
         Ok(mut all) => all.get_mut(name.as_str()).map(Value::take).unwrap_or_default(),
         Err(_) => Value::Null,
     };
