@@ -5,7 +5,6 @@
 //! unless it may be replaced, and what is no regular file is never replaced. Files appear whole or
 //! not at all, and outlive a power cut.
 
-pub mod commented_yaml;
 pub mod durable;
 mod error;
 mod file;

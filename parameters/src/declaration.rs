@@ -4,7 +4,7 @@ use std::mem::discriminant;
 
 use crate::{ParameterError, ParameterValue, ValueRange};
 
-/// Longest text that a parameter takes [bytes].
+/// Longest text that a parameter takes \[bytes\].
 const LONGEST: usize = 4096;
 /// Longest piece of a text that is refused, as it is said back, in characters.
 const QUOTED: usize = 80;

@@ -30,6 +30,10 @@
 //! # }
 //! ```
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod declaration;
 mod declared;
 mod error;

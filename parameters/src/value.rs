@@ -1,7 +1,9 @@
 //! A parameter's value, as ROS 2 knows it.
 
-/// A value of a parameter: the types of `rcl_interfaces/msg/ParameterValue`.
+/// A value of a parameter: the types of `rcl_interfaces/msg/ParameterValue`. Serialised, it is the
+/// bare value.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "yaml", derive(serde::Serialize), serde(untagged))]
 pub enum ParameterValue {
     /// None at all.
     NotSet,

@@ -8,7 +8,7 @@ use rig_driver::Calibration;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{RigChoice, RigDescription, RigFileError, RigLimits, SensorsPresent};
-use files::commented_yaml::number;
+use parameters::file::number;
 
 /// Name of the profile that is found by default, in the current folder.
 pub const PROFILE: &str = "rig.yaml";

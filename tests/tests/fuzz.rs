@@ -13,7 +13,7 @@ use std::path::Path;
 use experiment_runner::experiments;
 use experiment_runner::models::Preset;
 use experiment_runner::models::file;
-use experiment_runner::run::{read_controller, read_parameter_file};
+use experiment_runner::run::read_parameter_file;
 use friction_ident::{
     AxisModel, Conditioning, RbfOptions, Signals, SteadyPoint, StribeckOptions, StribeckValues,
     condition, fit_axis, fit_stribeck, fit_two_line, train_rbf_network,
@@ -129,7 +129,7 @@ fn parameter_files() {
     );
     fuzz(1_000_000, &valid, |bytes| {
         let text = text(bytes);
-        let _ = (read_parameter_file(&text), read_controller(&text), read_calibration(&text));
+        let _ = (read_parameter_file(&text), read_calibration(&text));
         let _ = (read_motor(&text), file::read(&text, None));
     });
 }

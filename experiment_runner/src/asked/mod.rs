@@ -253,9 +253,11 @@ pub fn options(args: &RunArgs, beside: &Beside) -> anyhow::Result<RunOptions> {
         voltage_range: if rig == RigChoice::Simulated { VOLTAGE_RANGE } else { HIGHEST_VOLTAGE },
         ..Default::default()
     };
-    let mut controller = ControllerOptions::default();
-    let Given { compensators, controller: gains, mut origins, .. } = given(&args.parameters)?;
-    gains.apply(&mut controller);
+    let given = given(&args.parameters)?;
+    let mut controller = given
+        .controller(&ControllerOptions::default())
+        .map_err(|error| BadInput(error.to_string()))?;
+    let Given { compensators, mut origins, .. } = given;
     let option = |name: &str| Origin::Option { option: name.to_owned() };
     match (&args.drive, args.time_constant) {
         (Some(file), _) => {
@@ -479,7 +481,8 @@ pub fn given(files: &[PathBuf]) -> Result<Given, BadInput> {
             ))
         };
         let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
-        given.take(&file.display().to_string(), &text).map_err(say)?;
+        let taken = given.take(&file.display().to_string(), &text);
+        taken.map_err(|error| say(error.to_string()))?;
     }
     Ok(given)
 }

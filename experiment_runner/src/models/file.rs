@@ -1,6 +1,7 @@
 //! Parameter files of one model: an example to start from, and the reader that accepts every form
 //! in use.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use friction_model::{AnyModel, ModelName};
@@ -8,7 +9,11 @@ use serde_json::{Map, Value, json};
 
 use super::sheet::{explained, range};
 use super::{Preset, values};
-use files::commented_yaml::number;
+use crate::run::of_node;
+use files::ros_parameters::file;
+use friction_observer::parameters::{ObserverSettings, declarations};
+use parameters::file::{Parameters, number};
+use parameters::{ParameterValue, Values};
 
 /// A parameter file in YAML with every parameter of the model and what it means.
 #[must_use]
@@ -82,11 +87,14 @@ fn yaml(value: &Value) -> String {
 /// # Errors
 /// A sentence about what is wrong in the text.
 pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
+    if let Some(file) = file(text).map_err(|error| error.to_string())? {
+        return of_observer(&file, wanted);
+    }
     let tree: Value =
         serde_saphyr::from_str(text).map_err(|error| first_line(&error.to_string()))?;
     let tree = tree.as_object().filter(|tree| !tree.is_empty());
     let tree = tree.ok_or("expected parameters under a model's name, as in `lugre: {f_s: ...}`")?;
-    let Entries { chosen, models, others } = Entries::of(observer(tree)?)?;
+    let Entries { chosen, models, others } = Entries::of(tree)?;
     let wanted = wanted.or(chosen);
     if models.is_empty() {
         let keys = others.keys().cloned().collect::<Vec<_>>().join(", ");
@@ -109,10 +117,7 @@ pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
         (Some(name), _) => name,
         (None, [(name, _), others @ ..]) if others.iter().all(|(other, _)| other == name) => *name,
         (None, _) => {
-            return Err(format!(
-                "it has several models ({}); choose one with --model NAME",
-                names()
-            ));
+            return Err(several(&names()));
         }
     };
     match of(name).collect::<Vec<_>>()[..] {
@@ -126,20 +131,44 @@ fn model(name: ModelName, tree: Value) -> Result<AnyModel, String> {
     serde_json::from_value(tree).map_err(|error| format!("in `{name}`: {error}"))
 }
 
-/// The node's parameters of a ROS 2 parameter file; any other tree is returned as it is.
-fn observer(tree: &Map<String, Value>) -> Result<&Map<String, Value>, String> {
-    let parameters = |node: &'_ Value| node.get("ros__parameters").is_some();
-    if !tree.values().any(parameters) {
-        return Ok(tree);
-    }
-    let is_ours = |name: &str| name.trim_start_matches('/') == "friction_observer" || name == "/**";
-    tree.iter()
-        .filter(|(name, _)| is_ours(name))
-        .find_map(|(_, node)| node.get("ros__parameters")?.as_object())
-        .ok_or_else(|| {
+/// The model that the node `friction_observer` would have with this file: what is left out is the
+/// test bed's.
+fn of_observer(file: &Parameters, wanted: Option<ModelName>) -> Result<AnyModel, String> {
+    let names: Vec<String> = file.of_node("/friction_observer").into_keys().collect();
+    let declared = declarations(&names);
+    let given = of_node(file, "friction_observer", &declared).map_err(|error| error.to_string())?;
+    if given.is_empty() {
+        return Err(
             "there is no node `friction_observer` with `ros__parameters` in this ROS 2 parameter file"
-                .to_owned()
-        })
+                .to_owned(),
+        );
+    }
+    let parts = given.keys().map(|name| name.trim_start_matches("asymmetric."));
+    let models: BTreeSet<ModelName> =
+        parts.filter_map(|name| name.split_once('.')?.0.parse().ok()).collect();
+    let chosen = match given.get("model") {
+        Some(ParameterValue::String(name)) => name.parse().ok(),
+        _ => None,
+    };
+    let list = || models.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ");
+    let name = match (wanted.or(chosen), models.iter().next()) {
+        (Some(name), None) => name,
+        (Some(name), Some(_)) if models.contains(&name) => name,
+        (Some(name), Some(_)) => {
+            return Err(format!("it has no parameters of `{name}`, but of: {}", list()));
+        }
+        (None, Some(name)) if models.len() == 1 => *name,
+        (None, Some(_)) => return Err(several(&list())),
+        (None, None) => return Err("it names no model; give --model NAME".to_owned()),
+    };
+    let mut values = Values::given(&declared, &given).map_err(|error| error.to_string())?;
+    values.set("model", ParameterValue::String(name.to_string()));
+    let settings = ObserverSettings::read(&values).map_err(|error| error.to_string())?;
+    Ok(settings.model)
+}
+
+fn several(models: &str) -> String {
+    format!("it has several models ({models}); choose one with --model NAME")
 }
 
 /// What a tree says, sorted.

@@ -1,84 +1,144 @@
 //! Parameter files that are given: what several of them say together, and which says what.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use controller::ControllerOptions;
+use controller::{ControllerOptions, ControllerParameters, GuardOptions, VelocityLawName};
+use files::ros_parameters::tree;
 use friction_model::{AnyModel, ModelName};
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use friction_observer::parameters::declarations as observer_declarations;
+use parameters::file::Parameters;
+use parameters::{Declaration, Declared, ParameterError, ParameterValue, Values, nearest};
+use serde_json::{Value, json};
 
+use super::Compensators;
 use super::origin::{Origin, Origins};
-use super::parameter_file::described;
-use super::{Compensators, ControllerParameters};
-use files::commented_yaml;
 
 /// What parameter files say together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Given {
     /// The models; what no file names keeps the test bed's parameters.
     pub compensators: Compensators,
-    /// The controller, as far as a file speaks of it.
-    pub controller: ControllerParameters,
     /// Where each value comes from that is no default.
     pub origins: Origins,
-    /// The controller as it is after the files so far, defaults included.
-    tree: Map<String, Value>,
+    /// Parameters that were given another value than the usual one and do not count: every
+    /// experiment sets them itself. With their nodes, as in `controller.mode`.
+    pub set_aside: BTreeSet<String>,
+    /// The controller's parameters, as far as a file speaks of them.
+    controller: ByName,
 }
 
+/// Values by the names of their parameters.
+type ByName = BTreeMap<String, ParameterValue>;
+
 impl Given {
+    /// Parameters of the controller that every experiment, or the rig, sets itself.
+    pub(super) const SET_BY_THE_RUN: [&str; 10] = [
+        "mode",
+        "compensation",
+        "volts_per_newton_metre",
+        "voltage_limit",
+        "period",
+        "autostart",
+        "reference_timeout",
+        "reference_deceleration",
+        "estimate_timeout",
+        "estimate_wait",
+    ];
+
     /// Takes a file in: of a value that several files have the last counts. `name` is the file as
     /// it was named.
     ///
     /// # Errors
     /// A sentence about what is wrong in the text.
-    pub fn take(&mut self, name: &str, text: &str) -> Result<(), String> {
-        let tree = tree(text)?;
-        let observer = node(&tree, "friction_observer").or_else(|| node(&tree, "**"));
-        let controller = node(&tree, "controller");
-        if observer.is_none() && controller.is_none() && node(&tree, "rig_driver").is_some() {
-            return Err(
-                "it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it"
-                    .to_owned(),
-            );
-        }
-        if observer.is_none() && controller.is_none() {
-            return Err("there is no node `friction_observer` in it, and no `controller`; expected `/friction_observer: ros__parameters: ...`".to_owned());
+    pub fn take(&mut self, name: &str, text: &str) -> Result<(), GivenError> {
+        let file = Parameters::parse(text).map_err(|error| GivenError(error.to_string()))?;
+        let given: Vec<String> = file.of_node("/friction_observer").into_keys().collect();
+        let observer = of_node(&file, "friction_observer", &observer_declarations(&given))?;
+        let declared = ControllerParameters::default().declarations();
+        let controller = of_node(&file, "controller", &declared)?;
+        if observer.is_empty() && controller.is_empty() {
+            return Err(GivenError::nothing(&file));
         }
         let from = Origin::File { file: name.to_owned() };
-        observer.map_or(Ok(()), |node| self.take_models(node, &from))?;
-        controller.map_or(Ok(()), |node| self.take_controller(node, &from))
+        self.take_observer(&observer, &from)?;
+        self.take_controller(controller, &from)
     }
 
-    fn take_models(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
-        let entries = node
-            .as_object()
-            .ok_or("`ros__parameters` of friction_observer must be a map of parameters")?;
-        for (key, value) in entries {
-            if key == "model" {
-                let name = value.as_str().ok_or("`model` must be the name of a model")?;
-                name.parse::<ModelName>().map_err(|e| e.to_string())?;
-            } else if key == "asymmetric" {
-                let both = value.as_object().ok_or("`asymmetric` must be a map of models")?;
-                for (name, sides) in both {
-                    let name: ModelName =
-                        name.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
-                    self.take_sides(name, sides, from)?;
-                }
-            } else {
-                let name: ModelName =
-                    key.parse().map_err(|e: friction_model::ModelError| e.to_string())?;
-                self.take_model(name, value, from)?;
+    /// `base` with what the files say of the controller, but for what every experiment sets itself.
+    ///
+    /// # Errors
+    /// [`ParameterError`] if the values do not go together.
+    pub fn controller(
+        &self,
+        base: &ControllerOptions,
+    ) -> Result<ControllerOptions, ParameterError> {
+        let mut said = ControllerParameters::of(base);
+        for (law, group) in [(VelocityLawName::Lag, "lag."), (VelocityLawName::Pi, "pi.")] {
+            if self.controller.keys().any(|name| name.starts_with(group)) {
+                said.velocity_law = law;
             }
+        }
+        let mut values = Values::default();
+        for (name, value) in &self.controller {
+            if !Self::SET_BY_THE_RUN.contains(&name.as_str()) {
+                values.set(name.clone(), value.clone());
+            }
+        }
+        let said = said.with(&values);
+        let guard = said.guard.then(|| base.guard.unwrap_or_else(GuardOptions::default));
+        Ok(ControllerOptions { guard, ..said.options()? })
+    }
+
+    /// What the files say that does not count, in a sentence; none if everything does.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let aside: Vec<&str> = self.set_aside.iter().map(String::as_str).collect();
+        (!aside.is_empty()).then(|| {
+            format!(
+                "the parameter files also set {}; an experiment sets these itself, so they do not count",
+                aside.join(", ")
+            )
+        })
+    }
+
+    fn take_observer(&mut self, given: &ByName, from: &Origin) -> Result<(), GivenError> {
+        let usual = Values::defaults(&observer_declarations(&[]));
+        let mut models = ByName::new();
+        for (name, value) in given {
+            let group = name.split_once('.').map(|(group, _)| group);
+            if group
+                .is_some_and(|group| group == "asymmetric" || group.parse::<ModelName>().is_ok())
+            {
+                models.insert(name.clone(), value.clone());
+            } else if name != "model" && usual.get(name) != Some(value) {
+                self.set_aside.insert(format!("friction_observer.{name}"));
+            }
+        }
+        let mut models = tree(&models);
+        // As in the node, a parameter set for each direction counts above one for both.
+        let sides = models.remove("asymmetric");
+        let named =
+            |name: &str| name.parse::<ModelName>().map_err(|error| GivenError(error.to_string()));
+        for (name, value) in &models {
+            self.take_model(named(name)?, value, from)?;
+        }
+        for (name, value) in sides.as_ref().and_then(Value::as_object).into_iter().flatten() {
+            self.take_sides(named(name)?, value, from)?;
         }
         Ok(())
     }
 
     /// One parameter set for both directions.
-    fn take_model(&mut self, name: ModelName, value: &Value, from: &Origin) -> Result<(), String> {
-        let mut before = described(&self.compensators.get(name)).map_err(|e| e.to_string())?;
+    fn take_model(
+        &mut self,
+        name: ModelName,
+        value: &Value,
+        from: &Origin,
+    ) -> Result<(), GivenError> {
+        let mut before = described(&self.compensators.get(name));
         if before.get("asymmetric").is_some() {
             // What one direction had is no start for both.
-            before = described(&AnyModel::test_bed(name)).map_err(|e| e.to_string())?;
+            before = described(&AnyModel::test_bed(name));
         }
         let base = before.get_mut(name.as_str()).map(Value::take).unwrap_or_default();
         let path = format!("friction_observer.{name}");
@@ -89,8 +149,13 @@ impl Given {
     }
 
     /// A parameter set for each direction.
-    fn take_sides(&mut self, name: ModelName, sides: &Value, from: &Origin) -> Result<(), String> {
-        let before = described(&self.compensators.get(name)).map_err(|e| e.to_string())?;
+    fn take_sides(
+        &mut self,
+        name: ModelName,
+        sides: &Value,
+        from: &Origin,
+    ) -> Result<(), GivenError> {
+        let before = described(&self.compensators.get(name));
         let both = before.get("asymmetric").and_then(|models| models.get(name.as_str()));
         let base = match (both, before.get(name.as_str())) {
             (Some(sides), _) => sides.clone(),
@@ -101,16 +166,10 @@ impl Given {
         if both.is_none() {
             let symmetric = format!("friction_observer.{name}");
             for side in ["forward", "backward"] {
-                let own = commented_yaml::leaves(base[side].as_object().unwrap_or(&Map::new()))
-                    .into_iter()
-                    .map(|(leaf, _)| {
-                        (
-                            format!("{path}.{side}.{leaf}"),
-                            self.origins.of(&format!("{symmetric}.{leaf}")),
-                        )
-                    })
-                    .collect::<Vec<_>>();
-                own.into_iter().for_each(|(leaf, origin)| self.origins.set(leaf, origin));
+                for leaf in leaves(&base[side]) {
+                    let origin = self.origins.of(&format!("{symmetric}.{leaf}"));
+                    self.origins.set(format!("{path}.{side}.{leaf}"), origin);
+                }
             }
             self.origins.clear(&symmetric);
         }
@@ -128,10 +187,10 @@ impl Given {
         base: &Value,
         value: &Value,
         wrapped: impl Fn(Value) -> Value,
-    ) -> Result<(), String> {
+    ) -> Result<(), GivenError> {
         let read = |tree: Value| {
             serde_json::from_value::<AnyModel>(wrapped(tree))
-                .map_err(|e| format!("in `{key}`: {e}"))
+                .map_err(|e| GivenError(format!("in `{key}`: {e}")))
         };
         let alone = read(value.clone());
         let model = match (read(merged(base, value)), alone) {
@@ -142,52 +201,117 @@ impl Given {
         Ok(())
     }
 
-    fn take_controller(&mut self, node: &Value, from: &Origin) -> Result<(), String> {
-        let entries = node
-            .as_object()
-            .ok_or("`ros__parameters` of controller must be a map of parameters")?;
-        if entries.contains_key("lag") && entries.contains_key("pi") {
-            return Err(
-                "in `controller`: both `lag` and `pi` are given; velocity has one law, leave one out"
+    fn take_controller(&mut self, given: ByName, from: &Origin) -> Result<(), GivenError> {
+        let has = |group: &str| given.keys().any(|name| name.starts_with(group));
+        if has("lag.") && has("pi.") && !given.contains_key("velocity_law") {
+            return Err(GivenError(
+                "in `controller`: both `lag` and `pi` are given; velocity has one law, leave one out or choose by velocity_law"
                     .to_owned(),
-            );
+            ));
         }
-        if self.tree.is_empty()
-            && let Ok(Value::Object(defaults)) =
-                serde_json::to_value(ControllerParameters::of(&ControllerOptions::default()))
-        {
-            self.tree = defaults;
+        for (law, other) in [("lag", "pi"), ("pi", "lag")] {
+            if has(&format!("{law}.")) && !has(&format!("{other}.")) {
+                let another =
+                    |name: &str| name == "velocity_law" || name.starts_with(&format!("{other}."));
+                self.controller.retain(|name, _| !another(name));
+                self.origins.clear(&format!("controller.{other}"));
+                self.origins.clear("controller.velocity_law");
+            }
         }
-        for (key, value) in entries {
-            for (law, other) in [("lag", "pi"), ("pi", "lag")] {
-                if key == law {
-                    self.tree.remove(other);
-                    self.origins.clear(&format!("controller.{other}"));
+        let usual = ControllerParameters::default().values();
+        for (name, value) in given {
+            let read_out = ["voltage_limit", "volts_per_newton_metre"].contains(&name.as_str());
+            if Self::SET_BY_THE_RUN.contains(&name.as_str()) {
+                if !read_out && usual.get(&name) != Some(&value) {
+                    self.set_aside.insert(format!("controller.{name}"));
                 }
-            }
-            let gains = ["lag", "pi", "pid"].contains(&key.as_str());
-            let before = self.tree.get(key).cloned().unwrap_or_default();
-            let path = format!("controller.{key}");
-            if gains {
-                self.tree.insert(key.clone(), merged(&before, value));
-                self.came_from(&path, value, from);
             } else {
-                self.tree.insert(key.clone(), value.clone());
-                self.origins.clear(&path);
-                self.origins.set(path, from.clone());
+                self.origins.set(format!("controller.{name}"), from.clone());
             }
+            self.controller.insert(name, value);
         }
-        self.controller = ControllerParameters::read(&Value::Object(self.tree.clone()))?;
-        Ok(())
+        self.controller(&ControllerOptions::default())
+            .map(drop)
+            .map_err(|error| GivenError(format!("in `controller`: {error}")))
     }
 
     /// Notes that every value of `value`, which stands at `path`, comes from there.
     fn came_from(&mut self, path: &str, value: &Value, from: &Origin) {
-        let Some(map) = value.as_object() else { return };
-        for (leaf, _) in commented_yaml::leaves(map) {
+        for leaf in leaves(value) {
             self.origins.set(format!("{path}.{leaf}"), from.clone());
         }
     }
+}
+
+/// What is wrong in a parameter file, in a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct GivenError(String);
+
+impl GivenError {
+    /// The file says nothing of the nodes that are wanted.
+    fn nothing(file: &Parameters) -> Self {
+        if !file.of_node("/rig_driver").is_empty() {
+            return Self(
+                "it speaks of the drive alone (`rig_driver`); the option --drive of `run` takes it"
+                    .to_owned(),
+            );
+        }
+        let nodes: Vec<&str> = file.nodes().iter().map(|node| node.pattern.as_str()).collect();
+        Self(format!(
+            "there is no node `friction_observer` in it, and no `controller`, but {}; expected `/friction_observer: ros__parameters: ...`",
+            nodes.join(", ")
+        ))
+    }
+}
+
+/// What the file gives the node of that name, each value held to its declaration. Of what is meant
+/// for all nodes (`/**`), what this one does not have is left out.
+pub(crate) fn of_node(
+    file: &Parameters,
+    node: &str,
+    declared: &[Declaration],
+) -> Result<ByName, GivenError> {
+    let absolute = format!("/{node}");
+    let mut taken = ByName::new();
+    for given in file.nodes().iter().filter(|given| given.is_for(&absolute)) {
+        for (name, value) in &given.values {
+            let wrong = |error: ParameterError| GivenError(format!("in `{node}`: {error}"));
+            match declared.iter().find(|one| one.name() == name) {
+                Some(one) => {
+                    taken.insert(name.clone(), one.accept(value).map_err(wrong)?);
+                }
+                None if given.pattern == "/**" || name == "use_sim_time" => {}
+                None => {
+                    let known = declared.iter().map(Declaration::name);
+                    let nearest = nearest(name, known).map(str::to_owned);
+                    return Err(wrong(ParameterError::Unknown { name: name.clone(), nearest }));
+                }
+            }
+        }
+    }
+    Ok(taken)
+}
+
+fn described(model: &AnyModel) -> Value {
+    // Every model that was built can be described.
+    serde_json::to_value(model).unwrap_or_default()
+}
+
+/// The dotted paths of the values in a tree of maps.
+fn leaves(tree: &Value) -> Vec<String> {
+    let Some(map) = tree.as_object() else { return Vec::new() };
+    let mut found = Vec::new();
+    for (key, value) in map {
+        match value {
+            Value::Object(_) => {
+                found.extend(leaves(value).into_iter().map(|leaf| format!("{key}.{leaf}")));
+            }
+            Value::Null => {}
+            _ => found.push(key.clone()),
+        }
+    }
+    found
 }
 
 /// `base` with the values of `over` in place of its own, map by map.
@@ -205,41 +329,12 @@ fn merged(base: &Value, over: &Value) -> Value {
     }
 }
 
-/// Parameters of each node of a file.
-type Tree = BTreeMap<String, Node>;
-
-#[derive(Debug, Deserialize)]
-struct Node {
-    #[serde(rename = "ros__parameters")]
-    parameters: Value,
-}
-
-fn tree(text: &str) -> Result<Tree, String> {
-    serde_saphyr::from_str(text)
-        .map_err(|e| format!("{e}\n(expected `/NODE:` and under it `ros__parameters:`)"))
-}
-
-fn node<'a>(tree: &'a Tree, name: &str) -> Option<&'a Value> {
-    tree.iter()
-        .find(|(found, _)| found.trim_start_matches('/') == name)
-        .map(|(_, node)| &node.parameters)
-}
-
-/// Reads the controller of a parameter file; none if the file says nothing of it.
-///
-/// # Errors
-/// A sentence about what is wrong in the text.
-pub fn read_controller(text: &str) -> Result<Option<ControllerParameters>, String> {
-    let tree = tree(text)?;
-    node(&tree, "controller").map(ControllerParameters::read).transpose()
-}
-
 /// Reads the models of a parameter file; those it does not name keep the test bed's parameters, all
 /// of them if the file is of the controller alone.
 ///
 /// # Errors
-/// A sentence about what is wrong in the text.
-pub fn read(text: &str) -> Result<Compensators, String> {
+/// [`GivenError`] says what is wrong in the text.
+pub fn read(text: &str) -> Result<Compensators, GivenError> {
     let mut given = Given::default();
     given.take("the file", text)?;
     Ok(given.compensators)
@@ -266,7 +361,7 @@ mod tests {
                 "f_c",
             ),
         ] {
-            let message = read(text).unwrap_err();
+            let message = read(text).unwrap_err().to_string();
             assert!(message.contains(said), "{text}: {message}");
         }
     }
@@ -294,8 +389,7 @@ mod tests {
                 let wins =
                     |name: &str, over: &str| *second == name || (*first == name && *second != over);
                 let all = [*first, *second];
-                let mut options = ControllerOptions::default();
-                given.controller.apply(&mut options);
+                let options = given.controller(&ControllerOptions::default()).unwrap();
                 let pi = matches!(options.velocity, controller::VelocityLaw::Pi(gains) if gains.k_i == 30.0);
                 assert_eq!(pi, all.contains(&"design") && wins("design", "run"), "{all:?}");
                 let lugre = given.compensators.get(ModelName::LuGre);
@@ -336,11 +430,12 @@ mod tests {
         let mut given = Given::default();
         given.take("a", &file("    pid: {k_p: 6.0, k_i: 11.0, k_d: 0.1}\n")).unwrap();
         given.take("b", &file("    pid: {k_i: 12.0}\n    compensation_scale: 0.5\n")).unwrap();
-        let pid = given.controller.pid.unwrap();
+        let options = given.controller(&ControllerOptions::default()).unwrap();
+        let pid = options.pid;
         assert_eq!((pid.k_p, pid.k_i, pid.k_d), (6.0, 12.0, 0.1));
         assert_eq!(given.origins.of("controller.pid.k_p").to_string(), "from a");
         assert_eq!(given.origins.of("controller.pid.k_i").to_string(), "from b");
-        let message = given.take("c", &file("    pid: {k_i: -1.0}\n")).unwrap_err();
+        let message = given.take("c", &file("    pid: {k_i: -1.0}\n")).unwrap_err().to_string();
         assert!(message.contains("k_i"), "{message}");
     }
 
@@ -354,10 +449,45 @@ mod tests {
         let mut given = Given::default();
         given.take("both", &both).unwrap();
         given.take("sides", &sides).unwrap();
-        let described = described(&given.compensators.get(ModelName::LuGre)).unwrap();
+        let described = described(&given.compensators.get(ModelName::LuGre));
         assert_eq!(described["asymmetric"]["lugre"]["backward"]["f_v"], 0.02);
         given.take("both", &both).unwrap();
         assert_eq!(given.compensators.get(ModelName::LuGre).parameter("f_v"), Some(0.03));
         assert_eq!(given.origins.iter().count(), 1, "{:?}", given.origins);
+    }
+
+    #[test]
+    fn a_file_of_the_controller_speaks_the_nodes_language() {
+        let file = |body: &str| format!("/controller:\n  ros__parameters:\n{body}");
+        let read = |body: &str| {
+            let mut given = Given::default();
+            given.take("x", &file(body))?;
+            let options = given.controller(&ControllerOptions::default());
+            Ok::<_, GivenError>((options.unwrap(), given.set_aside))
+        };
+        let lag = "    lag: {k_p: 1.0, t_i: 0.1, gamma: 0.1}\n";
+        let pi = "    pi: {k_p: 1.0, k_i: 20.0}\n";
+        let (options, aside) = read(&format!(
+            "{pi}    inverse: gain\n    drive: {{gain: 2.0}}\n    guard: false\n    mode: position\n    voltage_limit: 3.0\n"
+        ))
+        .unwrap();
+        let gains = controller::PiGains { k_p: 1.0, k_i: 20.0 };
+        assert_eq!(options.velocity, controller::VelocityLaw::Pi(gains));
+        assert!(
+            matches!(options.inverse, controller::PlantInverse::Gain(drive) if drive.gain == 2.0)
+        );
+        assert_eq!((options.guard, options.voltage_limit), (None, 6.0));
+        assert_eq!(aside.into_iter().collect::<Vec<_>>(), ["controller.mode"]);
+        for (body, said) in [
+            (format!("{lag}{pi}"), "one law"),
+            ("    pi: {k_p: -1.0, k_i: 1.0}\n".to_owned(), "pi.k_p must be above 0"),
+            ("    pi: {k_p: 1, k_i: 1.0}\n".to_owned(), "write 1.0"),
+            ("    speed: 1.0\n".to_owned(), "no parameter `speed`"),
+            ("    compensaton: true\n".to_owned(), "is `compensation` meant?"),
+            ("    pid: {kp: 1.0}\n".to_owned(), "is `pid.k_p` meant?"),
+        ] {
+            let message = read(&body).unwrap_err().to_string();
+            assert!(message.contains(said), "{message}");
+        }
     }
 }

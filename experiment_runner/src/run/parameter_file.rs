@@ -1,42 +1,16 @@
 //! `parameters.yaml`: models, controller and drive as a ROS 2 parameter file. Behind each value
 //! stands where it comes from.
 
-use std::collections::BTreeMap;
-
-use controller::ControllerOptions;
-use friction_model::{AnyModel, ModelName, Motor};
-use serde::Serialize;
-use serde_json::{Map, Value, json};
-
-use super::origin::{Origin, Origins};
-use super::{Compensators, ControllerParameters, Identification, RunError, RunOptions};
-use crate::test_bed::TestBed;
-use files::commented_yaml;
+use controller::{ControllerOptions, ControllerParameters, PlantInverse, VelocityLaw};
+use friction_model::{ModelName, Motor};
+use friction_observer::parameters::model_parameters;
+use parameters::file::Writer;
+use parameters::{Declared, ParameterError, ParameterValue};
 use rig_setup::RigChoice;
 
-/// The file: node name, then `ros__parameters`.
-#[derive(Debug, Serialize)]
-struct File<'a> {
-    #[serde(rename = "/friction_observer")]
-    friction_observer: Node<BTreeMap<&'a str, Value>>,
-    #[serde(rename = "/controller")]
-    controller: Node<ControllerParameters>,
-    #[serde(rename = "/rig_driver")]
-    rig_driver: Node<RigNode<'a>>,
-}
-
-#[derive(Debug, Serialize)]
-struct Node<P> {
-    #[serde(rename = "ros__parameters")]
-    parameters: P,
-}
-
-#[derive(Debug, Serialize)]
-struct RigNode<'a> {
-    drive: &'a Motor,
-    voltage_limit: f64,
-    period: f64,
-}
+use super::origin::{Origin, Origins};
+use super::{Compensators, Given, Identification, RunError, RunOptions};
+use crate::test_bed::TestBed;
 
 /// A parameter file as text, and where each of its values comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,63 +49,59 @@ pub fn render_bed(
     found: Option<&Identification>,
     name: &str,
 ) -> Result<Written, RunError> {
-    let mut observer = BTreeMap::from([("model", json!(chosen))]);
-    let mut asymmetric = Map::new();
+    let describe =
+        |error: ParameterError| RunError::Describe { what: "YAML", detail: error.to_string() };
+    let mut observer = vec![("model".to_owned(), ParameterValue::String(chosen.to_string()))];
     for name in ModelName::ALL {
-        let mut described = described(&models.get(name))?;
-        if let Some(both) = described.get_mut("asymmetric").and_then(Value::as_object_mut) {
-            asymmetric.append(both);
-        } else {
-            observer.insert(name.as_str(), described[name.as_str()].take());
-        }
-    }
-    if !asymmetric.is_empty() {
-        observer.insert("asymmetric", asymmetric.into());
+        observer.extend(model_parameters(&models.get(name)).map_err(describe)?);
     }
     let simulation = &test_bed.simulation;
-    let file = File {
-        friction_observer: Node { parameters: observer },
-        controller: Node {
-            parameters: ControllerParameters::of(&ControllerOptions {
-                voltage_limit: simulation.voltage_limit,
-                ..test_bed.controller
-            }),
-        },
-        rig_driver: Node {
-            parameters: RigNode {
-                drive: &simulation.drive,
-                voltage_limit: simulation.voltage_limit,
-                period: simulation.period,
-            },
-        },
-    };
-    let tree = match serde_json::to_value(&file) {
-        Ok(Value::Object(tree)) => tree,
-        Ok(_) => return Err(describe(&"it is no map")),
-        Err(error) => return Err(describe(&error)),
-    };
+    let controller = controller_values(&ControllerOptions {
+        voltage_limit: simulation.voltage_limit,
+        ..test_bed.controller
+    });
+    let Motor { motor_constant, gear_ratio, armature_resistance, inertia } = simulation.drive;
+    let rig_driver = [
+        ("drive.motor_constant", motor_constant),
+        ("drive.gear_ratio", gear_ratio),
+        ("drive.armature_resistance", armature_resistance),
+        ("drive.inertia", inertia),
+        ("voltage_limit", simulation.voltage_limit),
+        ("period", simulation.period),
+    ];
+    let rig_driver =
+        rig_driver.map(|(name, value)| (name.to_owned(), ParameterValue::Double(value)));
+
     let mut known = origins.clone();
     known.set("controller.voltage_limit", origins.of("rig_driver.voltage_limit"));
     known.set("controller.volts_per_newton_metre", Origin::Drive);
     known.set("friction_observer.model", Origin::Option { option: "--model".to_owned() });
     let mut each = Origins::default();
-    for (path, _) in commented_yaml::leaves(&tree) {
-        let path = plain(&path);
-        let origin =
-            found.and_then(|found| identified(found, &path)).unwrap_or_else(|| known.of(&path));
-        each.set(path, origin);
+    let mut nodes = Writer::default();
+    for (node, values) in [
+        ("friction_observer", observer),
+        ("controller", controller),
+        ("rig_driver", rig_driver.into()),
+    ] {
+        nodes.node(&format!("/{node}"));
+        for (name, value) in values {
+            let path = format!("{node}.{name}");
+            let origin =
+                found.and_then(|found| identified(found, &path)).unwrap_or_else(|| known.of(&path));
+            nodes.value(&name, value, &origin.to_string());
+            each.set(path, origin);
+        }
     }
-    let yaml = commented_yaml::render(&tree, &|path| each.of(&plain(path)).to_string());
     let version = env!("CARGO_PKG_VERSION");
-    let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let identified = if each.any_identified() {
         "static parameters of the models were identified by it"
     } else {
         "nothing was identified by it"
     };
-    let text = format!(
-        "# Parameters of {name}, frictionlab {version}; {identified}.\n# Behind each value stands where it comes from.\n{yaml}"
-    );
+    let mut file = Writer::default();
+    file.comment(&format!("Parameters of {name}, frictionlab {version}; {identified}."));
+    file.comment("Behind each value stands where it comes from.");
+    let text = file.text() + &nodes.text();
     Ok(Written { text, origins: each })
 }
 
@@ -152,22 +122,47 @@ fn identified(found: &Identification, path: &str) -> Option<Origin> {
     }
 }
 
-/// The path of a value without the node's slash and `ros__parameters`.
-fn plain(path: &str) -> String {
-    path.trim_start_matches('/').replacen(".ros__parameters", "", 1)
-}
-
-pub(super) fn described(model: &AnyModel) -> Result<Value, RunError> {
-    serde_json::to_value(model).map_err(|error| describe(&error))
-}
-
-fn describe(error: &dyn std::fmt::Display) -> RunError {
-    RunError::Describe { what: "YAML", detail: error.to_string() }
+/// The controller's parameters that a run decides on, and what else differs from the default. What
+/// each experiment sets itself is left out.
+fn controller_values(options: &ControllerOptions) -> Vec<(String, ParameterValue)> {
+    let said = ControllerParameters::of(options);
+    let (declared, values) = (said.declarations(), said.values());
+    let usual = ControllerParameters::default().values();
+    let law = match options.velocity {
+        VelocityLaw::Lag(_) => "lag",
+        VelocityLaw::Pi(_) => "pi",
+    };
+    let always = |name: &str| {
+        let (group, _) = name.split_once('.').unwrap_or((name, ""));
+        match group {
+            "lag" | "pi" => group == law,
+            "pid" | "derivative_on" | "derivative_filter" | "compensation_scale" => true,
+            "volts_per_newton_metre" | "voltage_limit" => true,
+            "drive" => options.inverse != PlantInverse::Off,
+            "acceleration" => options.acceleration.is_some(),
+            "dither" => options.dither.is_some(),
+            "impulse" => options.impulse.is_some(),
+            _ => false,
+        }
+    };
+    let changed = |name: &str| {
+        !(Given::SET_BY_THE_RUN.contains(&name) || ["velocity_law", "pi", "lag"].contains(&name))
+            && !name.starts_with("lag.")
+            && !name.starts_with("pi.")
+            && values.get(name) != usual.get(name)
+    };
+    declared
+        .iter()
+        .map(|one| one.name())
+        .filter(|name| always(name) || changed(name))
+        .filter_map(|name| Some((name.to_owned(), values.get(name)?.clone())))
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use friction_ident::StribeckValues;
+    use friction_model::AnyModel;
 
     use super::super::given::read;
     use super::*;

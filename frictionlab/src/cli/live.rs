@@ -219,9 +219,13 @@ fn options(args: &LiveArgs, chosen: &Chosen) -> anyhow::Result<LiveOptions> {
         ModeArg::Velocity => ControlMode::Velocity,
         ModeArg::Position => ControlMode::Position,
     };
-    let mut controller = ControllerOptions::default();
     let given = experiment_runner::asked::given(&args.parameters)?;
-    given.controller.apply(&mut controller);
+    if let Some(note) = given.note().filter(|_| !args.quiet) {
+        eprintln!("{note}");
+    }
+    let mut controller = given
+        .controller(&ControllerOptions::default())
+        .map_err(|error| BadInput(error.to_string()))?;
     let usual = SimulationOptions::default();
     let limits = chosen.limits(None);
     let drive = chosen.motor().unwrap_or(usual.drive);

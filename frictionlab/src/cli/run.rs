@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use experiment_runner::asked::rig::choose;
-use experiment_runner::asked::{RunArgs, options};
+use experiment_runner::asked::{RunArgs, given, options};
 use experiment_runner::run::{self, Beginning, Journal, RunError, RunOptions, Status};
 use experiment_runner::test_bed::TestBedError;
 use files::is_full;
@@ -57,6 +57,9 @@ fn run_in(
             super::offer_recovery(Path::new(RUNS));
         }
         // Read once more for what there is to say; it is what was used.
+        if let Some(note) = given(&args.parameters)?.note() {
+            eprintln!("{note}");
+        }
         if let Some(note) = choose(args.rig.as_ref(), args.rig_file.as_deref())?.note {
             eprintln!("{note}");
         }

@@ -4,10 +4,9 @@
 //! model's are taken, because the observer's friction is odd in the velocity. The inertia stands in
 //! a comment: it belongs to no node.
 
-use std::fmt::Write;
-
-use files::commented_yaml::number;
 use friction_ident::AxisTerm;
+use parameters::ParameterValue;
+use parameters::file::{Writer, number};
 
 use super::{Identification, unit};
 
@@ -20,16 +19,13 @@ pub fn render(found: &Identification, name: &str) -> String {
     let fit = &found.symmetric.fit;
     let coulomb = fit.value(AxisTerm::Coulomb);
     let viscous = fit.value(AxisTerm::Viscous).max(0.0);
-    let mut text = format!(
-        "# An axis fitted by frictionlab {} to {}.\n",
-        env!("CARGO_PKG_VERSION"),
-        one_line(name)
-    );
+    let mut file = Writer::default();
+    let version = env!("CARGO_PKG_VERSION");
+    file.comment(&format!("An axis fitted by frictionlab {version} to {name}."));
     for estimate in &fit.terms {
         let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
         let (value, error) = (number(estimate.value), number(estimate.standard_error));
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "# {term}: {value} {unit}, standard error {error}");
+        file.comment(&format!("{term}: {value} {unit}, standard error {error}"));
     }
     let origin = |term: AxisTerm| match fit.term(term) {
         Some(estimate) if estimate.value <= 0.0 => {
@@ -40,28 +36,18 @@ pub fn render(found: &Identification, name: &str) -> String {
         }
         _ => "not identifiable from this recording".to_owned(),
     };
-    text.push_str("/friction_observer:\n  ros__parameters:\n");
+    let model = if coulomb > 0.0 { "stribeck" } else { "viscous" };
+    file.node("/friction_observer");
+    file.value("model", ParameterValue::String(model.to_owned()), "");
+    let mut say = |name: &str, value, said: &str| {
+        file.value(&format!("{model}.{name}"), ParameterValue::Double(value), said);
+    };
     if coulomb > 0.0 {
-        let (f_c, f_v, v_s) = (number(coulomb), number(viscous), number(NO_DIP_V_S));
-        let _ = write!(
-            text,
-            "    model: stribeck\n    stribeck:\n      f_s: {f_c}  # no Stribeck dip in this model, so f_s is f_c and v_s \
-             has no effect\n      f_c: {f_c}  # {}\n      v_s: {v_s}  # not identified, without effect\n      delta: 2.0  # not identified, without effect\n      f_v: {f_v}  # {}\n",
-            origin(AxisTerm::Coulomb),
-            origin(AxisTerm::Viscous)
-        );
-    } else {
-        let _ = write!(
-            text,
-            "    model: viscous\n    viscous:\n      f_v: {}  # {}\n",
-            number(viscous),
-            origin(AxisTerm::Viscous)
-        );
+        say("f_s", coulomb, "no Stribeck dip in this model, so f_s is f_c and v_s has no effect");
+        say("f_c", coulomb, &origin(AxisTerm::Coulomb));
+        say("v_s", NO_DIP_V_S, "not identified, without effect");
+        say("delta", 2.0, "not identified, without effect");
     }
-    text
-}
-
-/// A path must not end the comment it stands in.
-fn one_line(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    say("f_v", viscous, &origin(AxisTerm::Viscous));
+    file.text()
 }

@@ -1,6 +1,7 @@
 //! A drive of which gain and time constant are known, and perhaps no more.
 
 use controller::design::LinearDrive;
+use files::ros_parameters::{file, tree};
 use serde_json::Value;
 
 use super::parameters::read_motor;
@@ -22,22 +23,26 @@ impl KnownDrive {
     /// # Errors
     /// A sentence about what is wrong in the text.
     pub fn read(text: &str) -> Result<Self, String> {
-        let tree: Value = serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
-        let constants = ["/rig_driver", "rig_driver"]
-            .iter()
-            .filter_map(|node| tree.get(node)?.get("ros__parameters")?.get("drive"))
-            .any(|drive| drive.get("motor_constant").is_some());
-        if constants {
-            let motor = read_motor(text)?;
-            return Ok(Self {
-                linear: LinearDrive::of(&motor),
-                volts_per_newton_metre: Some(motor.volts_per_newton_metre()),
-            });
-        }
-        let nodes = tree.as_object().into_iter().flat_map(serde_json::Map::values);
-        let parameters = nodes.filter_map(|node| node.get("ros__parameters"));
-        let places =
-            parameters.chain([&tree]).flat_map(|place| [Some(place), place.get("drive")]).flatten();
+        let tree = match file(text).map_err(|error| error.to_string())? {
+            Some(file) if file.of_node("/rig_driver").contains_key("drive.motor_constant") => {
+                let motor = read_motor(text)?;
+                return Ok(Self {
+                    linear: LinearDrive::of(&motor),
+                    volts_per_newton_metre: Some(motor.volts_per_newton_metre()),
+                });
+            }
+            Some(file) => {
+                let nodes = file.nodes().iter();
+                Value::Array(nodes.map(|node| tree(&node.values).into()).collect())
+            }
+            None => {
+                let bare: Value =
+                    serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+                Value::Array(vec![bare])
+            }
+        };
+        let nodes = tree.as_array().into_iter().flatten();
+        let places = nodes.flat_map(|place| [Some(place), place.get("drive")]).flatten();
         let number = |place: &Value, name: &str| place.get(name).and_then(Value::as_f64);
         let mut found = places.filter_map(|place| {
             let linear = LinearDrive {

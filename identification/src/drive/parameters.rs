@@ -1,13 +1,13 @@
 //! `drive.yaml`: the drive as a ROS 2 parameter file, and the motor read back from it.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 use friction_ident::drive::Calibration;
 use friction_model::Motor;
 
-use files::commented_yaml::number;
 use files::ros_parameters::of_rig_driver;
+use parameters::ParameterValue;
+use parameters::file::Writer;
 use rig_setup::{DriveSheet, RigProfile};
 
 use super::Identified;
@@ -87,37 +87,43 @@ fn is_profile(text: &str) -> bool {
 
 /// The file as text.
 pub fn render(found: &Identified) -> String {
-    let mut text = format!(
-        "# A drive fitted by frictionlab {}. Behind each value stands where it comes from.\n",
+    let mut file = Writer::default();
+    file.comment(&format!(
+        "A drive fitted by frictionlab {}. Behind each value stands where it comes from.",
         env!("CARGO_PKG_VERSION")
-    );
-    // Writing to a string cannot fail.
+    ));
     for [name, value, unit, interval, verdict] in crate::rows::rows(&found.estimates) {
-        let _ = writeln!(text, "# {name}: {value} {unit}, 95 % {interval}, {verdict}");
+        file.comment(&format!("{name}: {value} {unit}, 95 % {interval}, {verdict}"));
     }
     match motor_of(found) {
         Some(p) => {
-            let by_sensor = found.value("back_emf").is_some() && found.value("volts_per_torque").is_some();
-            let motor = if by_sensor { "identified, with the gear ratio that was given" } else { "given" };
-            text.push_str("/rig_driver:\n  ros__parameters:\n    drive:\n");
+            let by_sensor =
+                found.value("back_emf").is_some() && found.value("volts_per_torque").is_some();
+            let (motor, resistance) = if by_sensor {
+                ("identified, with the gear ratio that was given", "identified")
+            } else {
+                ("given", "given")
+            };
+            file.node("/rig_driver");
             for (name, value, from) in [
                 ("motor_constant", p.motor_constant, motor),
                 ("gear_ratio", p.gear_ratio, "given"),
-                ("armature_resistance", p.armature_resistance, if by_sensor { "identified" } else { "given" }),
+                ("armature_resistance", p.armature_resistance, resistance),
                 ("inertia", p.inertia, "identified"),
             ] {
-                let _ = writeln!(text, "      {name}: {}  # {from}", number(value));
+                file.value(&format!("drive.{name}"), ParameterValue::Double(value), from);
             }
         }
-        None => text.push_str(
-            "# No /rig_driver here: the motor's constants (--gear-ratio, --motor-constant, --resistance) or a torque sensor are needed.\n",
+        None => file.comment(
+            "No /rig_driver here: the motor's constants (--gear-ratio, --motor-constant, --resistance) or a torque sensor are needed.",
         ),
     }
-    text.push_str("/drive_identification:\n  ros__parameters:\n");
+    file.node("/drive_identification");
     for estimate in found.estimates.iter().filter(|estimate| estimate.is_identified()) {
-        let _ = writeln!(text, "    {}: {}  # identified", estimate.id, number(estimate.value));
+        let value = ParameterValue::Double(estimate.value);
+        file.value(&estimate.id.to_string(), value, "identified");
     }
-    text
+    file.text()
 }
 
 #[cfg(test)]

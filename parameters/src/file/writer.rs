@@ -25,6 +25,7 @@ use crate::ParameterValue;
 #[derive(Debug, Clone, Default)]
 pub struct Writer {
     text: String,
+    name: String,
     node: Vec<Entry>,
 }
 
@@ -47,10 +48,11 @@ impl Writer {
         self.text += &format!("# {}\n", one_line(line));
     }
 
-    /// A node by its absolute name; the values that follow are its own.
+    /// A node by its absolute name; the values that follow are its own. One without values is left
+    /// out.
     pub fn node(&mut self, name: &str) {
         self.end_node();
-        self.text += &format!("{}:\n  {}:\n", word(name), super::PARAMETERS);
+        name.clone_into(&mut self.name);
     }
 
     /// A parameter of the node. Dots in its name part maps; what is said stands behind the value,
@@ -85,6 +87,10 @@ impl Writer {
     }
 
     fn end_node(&mut self) {
+        if self.node.is_empty() {
+            return;
+        }
+        self.text += &format!("{}:\n  {}:\n", word(&self.name), super::PARAMETERS);
         block(&mut self.text, &std::mem::take(&mut self.node), 4);
     }
 }

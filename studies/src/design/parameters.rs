@@ -1,58 +1,50 @@
 //! `controller.yaml`: the gains as a ROS 2 parameter file.
 
-use std::fmt::Write;
-
-use controller::VelocityLaw;
 use controller::design::LoopLaw;
+use controller::{ControllerOptions, ControllerParameters};
+use parameters::Declared;
+use parameters::file::Writer;
 
 use super::DesignOptions;
-use files::commented_yaml::number;
 
 /// The file as text; `run --parameters` and `live --parameters` read it.
 #[must_use]
 pub fn parameters(options: &DesignOptions) -> String {
-    let mut text = format!(
-        "# Designed by frictionlab {} from {}.\n/controller:\n  ros__parameters:\n",
-        env!("CARGO_PKG_VERSION"),
-        options.asked
-    );
-    let mut map = |name: &str, entries: &[(&str, f64)]| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "    {name}:");
-        for (key, value) in entries {
-            let _ = writeln!(text, "      {key}: {}", number(*value));
+    let usual = ControllerOptions::default();
+    let (names, designed): (&[&str], _) = match options.linear.law {
+        LoopLaw::Velocity(velocity) => {
+            (&["velocity_law", "lag.", "pi."], ControllerOptions { velocity, ..usual })
         }
+        LoopLaw::Position { gains: pid, derivative_on, filter: derivative_filter } => (
+            &["pid.", "derivative_"],
+            ControllerOptions { pid, derivative_on, derivative_filter, ..usual },
+        ),
     };
-    match options.linear.law {
-        LoopLaw::Velocity(VelocityLaw::Lag(gains)) => {
-            map("lag", &[("k_p", gains.k_p), ("t_i", gains.t_i), ("gamma", gains.gamma)]);
-        }
-        LoopLaw::Velocity(VelocityLaw::Pi(gains)) => {
-            map("pi", &[("k_p", gains.k_p), ("k_i", gains.k_i)])
-        }
-        LoopLaw::Position { gains, derivative_on, filter } => {
-            map("pid", &[("k_p", gains.k_p), ("k_i", gains.k_i), ("k_d", gains.k_d)]);
-            let on = match derivative_on {
-                controller::DerivativeOn::Error => "error",
-                controller::DerivativeOn::Measurement => "measurement",
-            };
-            let _ = write!(
-                text,
-                "    derivative_on: {on}\n    derivative_filter: {}\n",
-                number(filter)
-            );
+    let designed = ControllerParameters::of(&designed);
+    let law = <&str>::from(designed.velocity_law);
+    let other = if law == "lag" { "pi." } else { "lag." };
+    let mut file = Writer::default();
+    let version = env!("CARGO_PKG_VERSION");
+    file.comment(&format!("Designed by frictionlab {version} from {}.", options.asked));
+    file.node("/controller");
+    let values = designed.values();
+    for declared in designed.declarations() {
+        let name = declared.name();
+        let wanted = names.iter().any(|start| name.starts_with(start)) && !name.starts_with(other);
+        if let Some(value) = values.get(name).filter(|_| wanted) {
+            file.value(name, value.clone(), "");
         }
     }
-    text
+    file.text()
 }
 
 #[cfg(test)]
 mod tests {
     use controller::design::{LinearDrive, LinearLoop};
-    use controller::{ControllerOptions, DerivativeOn, LagGains, PiGains, PidGains};
+    use controller::{DerivativeOn, LagGains, PiGains, PidGains, VelocityLaw};
 
     use super::*;
-    use experiment_runner::run::read_controller;
+    use experiment_runner::run::Given;
 
     #[test]
     fn the_file_is_read_back_by_a_run() {
@@ -71,8 +63,9 @@ mod tests {
                 volts_per_newton_metre: 4.8,
                 asked: "gains by hand".to_owned(),
             };
-            let mut read = ControllerOptions::default();
-            read_controller(&parameters(&options)).unwrap().unwrap().apply(&mut read);
+            let mut given = Given::default();
+            given.take("controller.yaml", &parameters(&options)).unwrap();
+            let read = given.controller(&ControllerOptions::default()).unwrap();
             let expected = match law {
                 LoopLaw::Velocity(velocity) => ControllerOptions { velocity, ..Default::default() },
                 LoopLaw::Position { gains, derivative_on, filter } => ControllerOptions {

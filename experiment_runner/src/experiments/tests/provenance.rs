@@ -10,9 +10,7 @@ use crate::protocol::{ConstantVelocityProtocol, ProtocolFile, SequenceProtocol};
 use crate::run::bench::stop_after;
 use crate::run::experiment::Selection;
 use crate::run::options::tests::options;
-use crate::run::{
-    Origin, Outcome, RunOptions, Status, execute, read_controller, read_parameter_file,
-};
+use crate::run::{Origin, Outcome, RunOptions, Status, execute, read_parameter_file};
 use recording::bag::BagReader;
 use work::progress::Progress;
 
@@ -49,7 +47,6 @@ fn honest(outcome: &Outcome, options: &RunOptions) {
     let done = results.identification.is_some();
     // The files are whole and can be read back.
     let models = read_parameter_file(&yaml).unwrap();
-    read_controller(&yaml).unwrap().unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     BagReader::open(&outcome.folder.join("bag")).unwrap();
 
