@@ -54,7 +54,7 @@ pub struct AccelerationEstimator {
 }
 
 impl AccelerationEstimator {
-    /// An estimator that starts with no acceleration, called every `dt` [s].
+    /// An estimator that starts with no acceleration, called every `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names gain or filter.
@@ -73,14 +73,14 @@ impl AccelerationEstimator {
         })
     }
 
-    /// The acceleration at the measured `velocity` [rad/s^2].
+    /// The acceleration at the measured `velocity` \[rad/s^2\].
     #[inline]
     #[must_use]
     pub fn acceleration(&self, velocity: f64) -> f64 {
         self.decay * self.acceleration + self.gain * (velocity - self.velocity.unwrap_or(velocity))
     }
 
-    /// Voltage for the measured `velocity` [V].
+    /// Voltage for the measured `velocity` \[V\].
     #[inline]
     #[must_use]
     pub fn output(&self, velocity: f64) -> f64 {

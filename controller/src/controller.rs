@@ -28,7 +28,7 @@ pub struct Controller {
     /// Volts of compensation per newton metre of estimated friction, on the way to what the options
     /// say.
     weight: Ramp,
-    /// What is left of a jump that the linear law could not take into its state [V].
+    /// What is left of a jump that the linear law could not take into its state \[V\].
     bump: Ramp,
     /// What the last cycle saw and gave; `None` before the first.
     last: Option<Last>,
@@ -38,7 +38,7 @@ pub struct Controller {
 struct Last {
     reference: Reference,
     feedback: Feedback,
-    /// Limited sum without what alternates by itself, dither and impulses [V].
+    /// Limited sum without what alternates by itself, dither and impulses \[V\].
     steady: f64,
 }
 
@@ -175,7 +175,7 @@ impl Controller {
         (target - seen, seen)
     }
 
-    /// Compensating voltage [V].
+    /// Compensating voltage \[V\].
     #[inline]
     fn compensation(&self, feedback: &Feedback) -> f64 {
         let weight = self.weight.value();

@@ -59,7 +59,7 @@ pub struct DitherGenerator {
 }
 
 impl DitherGenerator {
-    /// A generator at phase zero, called every `dt` [s].
+    /// A generator at phase zero, called every `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names amplitude or frequency.
@@ -77,7 +77,7 @@ impl DitherGenerator {
         Ok(Self { dither, phase: 0.0, step })
     }
 
-    /// Voltage of the present cycle [V].
+    /// Voltage of the present cycle \[V\].
     #[inline]
     #[must_use]
     pub fn output(&self) -> f64 {

@@ -43,16 +43,16 @@ impl fmt::Display for Diagnosis {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuardOptions {
-    /// Compensating voltage that counts as a side of a swing [V], above zero: well below the
+    /// Compensating voltage that counts as a side of a swing \[V\], above zero: well below the
     /// Coulomb level in volts, well above the noise of the estimate.
     pub threshold: f64,
     /// Unexplained swings in a row that are a limit cycle, at least 4.
     pub swings: u32,
-    /// Longest time between two swings of one limit cycle [s], above zero.
+    /// Longest time between two swings of one limit cycle \[s\], above zero.
     pub longest_swing: f64,
     /// Factor by which the compensation is scaled back, between 0 and 1.
     pub reduction: f64,
-    /// Recovery of the scale [1/s], zero or more.
+    /// Recovery of the scale \[1/s\], zero or more.
     pub recovery: f64,
 }
 
@@ -96,7 +96,7 @@ impl GuardOptions {
 /// Part of the level that hunted to which the scale recovers.
 const CEILING: f64 = 0.9;
 
-/// Time for which an error must grow against the limited voltage [s].
+/// Time for which an error must grow against the limited voltage \[s\].
 const GROWING: f64 = 0.1;
 
 /// Part of the first swing's error below which an oscillation is dying down.
@@ -117,14 +117,14 @@ pub(crate) struct CompensationGuard {
     reference: f64,
     /// A reversal of the reference whose swing is still to come.
     explained: bool,
-    /// Unexplained swings in a row, and the time since the last [s].
+    /// Unexplained swings in a row, and the time since the last \[s\].
     swings: u32,
     since: f64,
     /// Largest error since the last swing, and that of the first swing of the row.
     error: f64,
     first_error: f64,
     error_before: f64,
-    /// How long the error has been growing [s].
+    /// How long the error has been growing \[s\].
     growing: f64,
 }
 

@@ -35,12 +35,12 @@ pub struct Knocker {
     /// Cycles since the last onset.
     age: u32,
     direction: f64,
-    /// Controller's output at the last onset [V].
+    /// Controller's output at the last onset \[V\].
     output_before: f64,
 }
 
 impl Knocker {
-    /// A knocker whose first pulse starts a period after the first cycle, called every `dt` [s].
+    /// A knocker whose first pulse starts a period after the first cycle, called every `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names what cannot be.
@@ -68,7 +68,7 @@ impl Knocker {
         })
     }
 
-    /// Voltage of the present cycle [V], while the controller itself asks for `output` [V].
+    /// Voltage of the present cycle \[V\], while the controller itself asks for `output` \[V\].
     #[inline]
     #[must_use]
     pub fn output(&self, output: f64) -> f64 {

@@ -28,7 +28,7 @@ pub enum PlantInverse {
 }
 
 impl PlantInverse {
-    /// The voltage for `reference` [V].
+    /// The voltage for `reference` \[V\].
     #[inline]
     #[must_use]
     pub fn volts(&self, reference: &Reference) -> f64 {

@@ -41,7 +41,7 @@ pub struct LagCompensator {
 }
 
 impl LagCompensator {
-    /// A compensator at rest, called every `dt` [s].
+    /// A compensator at rest, called every `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
@@ -66,7 +66,7 @@ impl LagCompensator {
         })
     }
 
-    /// Voltage for the present error [V], before any limit.
+    /// Voltage for the present error \[V\], before any limit.
     #[inline]
     #[must_use]
     pub fn output(&self, error: f64) -> f64 {
@@ -88,7 +88,7 @@ impl LagCompensator {
         self.decay * self.x + self.gain * (self.e + error)
     }
 
-    /// Sets `x` so that the next output for the same `error` is `output` [V]. The lag has no
+    /// Sets `x` so that the next output for the same `error` is `output` \[V\]. The lag has no
     /// integrator: with a constant error it leaves that output again for its own, with its time
     /// constant `T_i / gamma`.
     pub(crate) fn preload(&mut self, output: f64, error: f64) {

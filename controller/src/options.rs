@@ -13,7 +13,7 @@ use crate::{
 pub struct Compensation {
     /// Whether friction is compensated at all.
     pub enabled: bool,
-    /// Voltage that overcomes 1 N m of friction, R_a / (A K_m) [V/(N m)].
+    /// Voltage that overcomes 1 N m of friction, R_a / (A K_m) \[V/(N m)\].
     pub volts_per_newton_metre: f64,
     /// Fraction of the estimate that is compensated; 1 for all of it, less for under-compensation,
     /// at most 2.
@@ -21,7 +21,7 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// Volts added per newton metre of estimated friction [V/(N m)].
+    /// Volts added per newton metre of estimated friction \[V/(N m)\].
     #[must_use]
     pub fn weight(&self) -> f64 {
         if self.enabled { self.scale * self.volts_per_newton_metre } else { 0.0 }
@@ -34,7 +34,7 @@ impl Compensation {
 pub struct ControllerOptions {
     /// What is regulated.
     pub mode: ControlMode,
-    /// Period of the control cycle [s].
+    /// Period of the control cycle \[s\].
     pub period: f64,
     /// Law and gains of the velocity controller.
     pub velocity: VelocityLaw,
@@ -42,7 +42,7 @@ pub struct ControllerOptions {
     pub pid: PidGains,
     /// What the PID differentiates.
     pub derivative_on: DerivativeOn,
-    /// Time constant of the PID's derivative filter [s].
+    /// Time constant of the PID's derivative filter \[s\].
     pub derivative_filter: f64,
     /// How much of the inverse of the drive is fed forward.
     pub inverse: PlantInverse,
@@ -58,9 +58,9 @@ pub struct ControllerOptions {
     pub guard: Option<GuardOptions>,
     /// Missing measurements in a row that give zero volts without a fault.
     pub tolerated_cycles: u32,
-    /// Time in which a change of the compensation is faded in [s], zero or more.
+    /// Time in which a change of the compensation is faded in \[s\], zero or more.
     pub fade: f64,
-    /// Largest magnitude of the command [V].
+    /// Largest magnitude of the command \[V\].
     pub voltage_limit: f64,
 }
 

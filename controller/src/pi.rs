@@ -36,7 +36,7 @@ pub struct PiController {
 }
 
 impl PiController {
-    /// A controller at rest, called every `dt` [s].
+    /// A controller at rest, called every `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
@@ -46,7 +46,7 @@ impl PiController {
         Ok(Self { gains, half_period: 0.5 * dt, integral: 0.0, error: 0.0 })
     }
 
-    /// Voltage for the present error [V], before any limit.
+    /// Voltage for the present error \[V\], before any limit.
     #[inline]
     #[must_use]
     pub fn output(&self, error: f64) -> f64 {
@@ -68,8 +68,8 @@ impl PiController {
         self.integral + self.half_period * (self.error + error)
     }
 
-    /// Sets the integral so that the next output for the same `error` is `output` [V]; with K_i = 0
-    /// there is no state to set.
+    /// Sets the integral so that the next output for the same `error` is `output` \[V\]; with K_i =
+    /// 0 there is no state to set.
     pub(crate) fn preload(&mut self, output: f64, error: f64) {
         self.error = error;
         if self.gains.k_i > 0.0 {

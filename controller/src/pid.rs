@@ -70,8 +70,8 @@ pub struct Pid {
 }
 
 impl Pid {
-    /// A PID at rest, called every `dt` [s], with the derivative's filter time constant `filter`
-    /// [s], zero or more.
+    /// A PID at rest, called every `dt` \[s\], with the derivative's filter time constant `filter`
+    /// \[s\], zero or more.
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names the gain.
@@ -99,7 +99,7 @@ impl Pid {
         })
     }
 
-    /// Voltage for the present error and measurement [V], before any limit.
+    /// Voltage for the present error and measurement \[V\], before any limit.
     #[inline]
     #[must_use]
     pub fn output(&self, error: f64, measurement: f64) -> f64 {
@@ -138,7 +138,7 @@ impl Pid {
     }
 
     /// Sets the integral so that the next output for the same error and the same `rate` of what is
-    /// differentiated [rad/s] is `output` [V]; with K_i = 0 there is no state to set.
+    /// differentiated \[rad/s\] is `output` \[V\]; with K_i = 0 there is no state to set.
     pub(crate) fn preload(&mut self, output: f64, error: f64, measurement: f64, rate: f64) {
         self.derivative = rate;
         self.before = Some((error, self.differentiated(error, measurement)));
@@ -148,7 +148,7 @@ impl Pid {
         }
     }
 
-    /// The derivative now [rad/s].
+    /// The derivative now \[rad/s\].
     pub(crate) const fn derivative(&self) -> f64 {
         self.derivative
     }

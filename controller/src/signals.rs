@@ -7,22 +7,22 @@ use crate::{ControlFault, Diagnosis};
 /// Where the axis should be.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Reference {
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
-    /// Acceleration [rad/s^2].
+    /// Acceleration \[rad/s^2\].
     pub acceleration: f64,
 }
 
 /// What the controller is told of the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Feedback {
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
-    /// Friction torque as estimated [N m]; not used while compensation is off.
+    /// Friction torque as estimated \[N m\]; not used while compensation is off.
     pub friction: f64,
     /// Number of the cycle in which it was measured, where the source counts: the same number twice
     /// is a measurement that did not come.
@@ -46,10 +46,10 @@ pub struct Feedback {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum ControlMode {
-    /// Velocity [rad/s] by the velocity law.
+    /// Velocity \[rad/s\] by the velocity law.
     #[default]
     Velocity,
-    /// Position [rad] by the PID.
+    /// Position \[rad\] by the PID.
     Position,
 }
 
@@ -64,19 +64,19 @@ pub struct Command {
     pub feedback: f64,
     /// `reference - feedback`.
     pub error: f64,
-    /// Part of the linear controller [V].
+    /// Part of the linear controller \[V\].
     pub linear: f64,
-    /// Part of the plant inverse [V].
+    /// Part of the plant inverse \[V\].
     pub inverse: f64,
-    /// Part of the friction compensation [V].
+    /// Part of the friction compensation \[V\].
     pub friction: f64,
-    /// Part of the acceleration feedback [V].
+    /// Part of the acceleration feedback \[V\].
     pub acceleration: f64,
-    /// Part of the dither [V].
+    /// Part of the dither \[V\].
     pub dither: f64,
-    /// Part of the knocker's impulses [V].
+    /// Part of the knocker's impulses \[V\].
     pub impulse: f64,
-    /// Voltage sent to the rig, after the limit [V].
+    /// Voltage sent to the rig, after the limit \[V\].
     pub total: f64,
     /// The sum of the parts was beyond the limit.
     pub saturated: bool,

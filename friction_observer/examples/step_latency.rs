@@ -22,10 +22,10 @@ use friction_observer::{
 const STEPS: usize = 40_000;
 const WARM: usize = 4_000;
 
-/// Largest accepted 99.9th percentile [ns].
+/// Largest accepted 99.9th percentile \[ns\].
 const BAR: f64 = 1000.0;
 
-/// Median and 99.9th percentile [ns].
+/// Median and 99.9th percentile \[ns\].
 #[derive(Clone, Copy)]
 struct Latency {
     median: f64,
@@ -38,7 +38,7 @@ fn quantiles(mut times: Vec<u64>, clock: f64) -> Latency {
     Latency { median: at(0.5).max(0.0), high: at(0.999).max(0.0) }
 }
 
-/// Cost of reading the clock twice [ns].
+/// Cost of reading the clock twice \[ns\].
 fn clock_cost() -> f64 {
     let mut times: Vec<u64> =
         (0..STEPS).map(|_| Instant::now().elapsed().as_nanos() as u64).collect();

@@ -31,7 +31,7 @@ impl Change {
         Self { from: Leaving::Running(from), share: 1.0, step: 1.0 / cycles.max(1.0) }
     }
 
-    /// A change away from a torque [N m].
+    /// A change away from a torque \[N m\].
     pub(crate) fn away_from_torque(torque: f64, cycles: f64) -> Self {
         Self { from: Leaving::Held(torque), share: 1.0, step: 1.0 / cycles.max(1.0) }
     }

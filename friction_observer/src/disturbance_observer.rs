@@ -90,9 +90,9 @@ impl DisturbanceObserver {
         })
     }
 
-    /// The friction now [N m], from the `velocity` [rad/s] and the `voltage` [V] applied since the
-    /// last call. Readings that are not finite are not believed: the torque is zero then, and the
-    /// filters stay where they are.
+    /// The friction now \[N m\], from the `velocity` \[rad/s\] and the `voltage` \[V\] applied
+    /// since the last call. Readings that are not finite are not believed: the torque is zero then,
+    /// and the filters stay where they are.
     #[inline]
     pub fn observe(&mut self, velocity: f64, voltage: f64) -> f64 {
         let raw = self.inverse.torque(velocity, voltage);

@@ -32,7 +32,7 @@ impl NominalDrive {
         }
     }
 
-    /// Inertia at the load side, `J = r T / K` [kg m^2].
+    /// Inertia at the load side, `J = r T / K` \[kg m^2\].
     #[must_use]
     pub fn inertia(&self) -> f64 {
         self.time_constant / (self.gain * self.volts_per_newton_metre)

@@ -36,9 +36,9 @@ impl DriveInverse {
         }
     }
 
-    /// The friction [N m] since the last call, while `voltage` [V] was applied and the `velocity`
-    /// [rad/s] went where it is now. `None` at the first call, and while a reading or the one
-    /// before is not finite.
+    /// The friction \[N m\] since the last call, while `voltage` \[V\] was applied and the
+    /// `velocity` \[rad/s\] went where it is now. `None` at the first call, and while a reading or
+    /// the one before is not finite.
     #[inline]
     pub fn torque(&mut self, velocity: f64, voltage: f64) -> Option<f64> {
         let now = believed(velocity);

@@ -42,16 +42,16 @@ impl Source {
 pub struct Estimate {
     /// What made the estimate.
     pub source: Source,
-    /// Friction torque [N m]; positive opposes positive velocity.
+    /// Friction torque \[N m\]; positive opposes positive velocity.
     pub torque: f64,
-    /// Bristle deflection z [rad]; zero for static models and without one.
+    /// Bristle deflection z \[rad\]; zero for static models and without one.
     pub deflection: f64,
     /// Stribeck state gamma [N m]: the present sliding level; zero without a model.
     pub gamma: f64,
     /// Stick or slip.
     pub regime: Regime,
-    /// Velocity the estimate was made with [rad/s].
+    /// Velocity the estimate was made with \[rad/s\].
     pub velocity: f64,
-    /// Measured torque minus `torque` [N m], where the rig has a torque sensor.
+    /// Measured torque minus `torque` \[N m\], where the rig has a torque sensor.
     pub residual: Option<f64>,
 }

@@ -68,7 +68,7 @@ pub struct FrictionEstimator {
 }
 
 impl FrictionEstimator {
-    /// How long the estimate takes to go over after a [`change`](Self::change) [s].
+    /// How long the estimate takes to go over after a [`change`](Self::change) \[s\].
     pub const FADE: f64 = 0.1;
 
     /// An estimator at rest, called once every `dt`.
@@ -129,7 +129,7 @@ impl FrictionEstimator {
         (self.velocity, self.torque) = (0.0, 0.0);
     }
 
-    /// The velocity that the estimator believed in the last cycle [rad/s]; zero before the first,
+    /// The velocity that the estimator believed in the last cycle \[rad/s\]; zero before the first,
     /// not a number while there was none to believe.
     #[must_use]
     pub const fn velocity(&self) -> f64 {

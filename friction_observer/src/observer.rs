@@ -45,8 +45,8 @@ impl<C: RunningContact> FrictionObserver<C> {
         Self { stepper: contact, source }
     }
 
-    /// The friction now at the measured `velocity` [rad/s]; the model then advances by one period.
-    /// `measured_torque` [N m], where there is a sensor, is compared with the estimate.
+    /// The friction now at the measured `velocity` \[rad/s\]; the model then advances by one
+    /// period. `measured_torque` \[N m\], where there is a sensor, is compared with the estimate.
     ///
     /// A velocity that is not a finite number is not believed: the estimate is zero torque and the
     /// model stays where it is.
@@ -83,7 +83,7 @@ impl<C: RunningContact> FrictionObserver<C> {
         }
     }
 
-    /// The part of the friction at `velocity` [rad/s] that is viscous [N m].
+    /// The part of the friction at `velocity` \[rad/s\] that is viscous \[N m\].
     #[inline]
     #[must_use]
     pub fn viscous(&self, velocity: f64) -> f64 {

@@ -2,8 +2,9 @@
 //! functions with weights adapted on line.
 //!
 //! ```text
-//! F^(v)  = s(v) sum_i w_i b_i(v),     b_i = h_i / sum h,     h_i = exp(-(|v| - c_i)^2 / (2 d_i^2)) on the side of v
-//! w'     = g e phi_f / (1/4 + |phi_f|^2) - g sigma |e| w,     e = F_f - w . phi_f,   while |e| > dead zone
+//! F^(v)  = s(v) sum_i w_i b_i(v),     b_i = h_i / sum h,     h_i = exp(-(|v| - c_i)^2 / (2 d_i^2))
+//! on the side of v w'     = g e phi_f / (1/4 + |phi_f|^2) - g sigma |e| w,     e = F_f - w .
+//! phi_f,   while |e| > dead zone
 //! ```
 //!
 //! `F` is the friction torque through the inverse of the nominal drive, `phi_i = s b_i`, and the
@@ -28,27 +29,27 @@ use crate::{DriveInverse, NominalDrive, ObserverError};
 /// Centres on each side.
 const BELLS: usize = 8;
 
-/// Speeds on which the bells are centred [rad/s].
+/// Speeds on which the bells are centred \[rad/s\].
 const CENTRES: [f64; BELLS] = [0.0, 0.06, 0.14, 0.28, 0.55, 1.1, 2.2, 4.4];
 
 /// What a learning compensator is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RbfOptions {
-    /// Rate g of learning [1/s], above zero and at most 100.
+    /// Rate g of learning \[1/s\], above zero and at most 100.
     pub rate: f64,
-    /// Leakage sigma of the weights [1/(N m)], zero or more.
+    /// Leakage sigma of the weights \[1/(N m)\], zero or more.
     pub leakage: f64,
-    /// Errors up to this magnitude teach nothing [N m], zero or more.
+    /// Errors up to this magnitude teach nothing \[N m\], zero or more.
     pub dead_zone: f64,
-    /// Largest magnitude of a weight, and of the estimate [N m], above zero.
+    /// Largest magnitude of a weight, and of the estimate \[N m\], above zero.
     pub limit: f64,
-    /// Speed v_0 up to which the sign is smoothed [rad/s], above zero.
+    /// Speed v_0 up to which the sign is smoothed \[rad/s\], above zero.
     pub smooth_speed: f64,
-    /// Slowest speed at which something is learned [rad/s], above zero; well above the velocity's
+    /// Slowest speed at which something is learned \[rad/s\], above zero; well above the velocity's
     /// noise.
     pub slowest: f64,
-    /// Time constant of the filters of measurement and regressor [s], above zero.
+    /// Time constant of the filters of measurement and regressor \[s\], above zero.
     pub filter: f64,
     /// Share of the reference's velocity in the velocity at which the curve is read, from 0 to 1.
     /// Learning always uses the shaft's own.
@@ -119,9 +120,10 @@ impl RbfCompensator {
         })
     }
 
-    /// The friction now [N m], learned from the `velocity` [rad/s] and the `voltage` [V] applied
-    /// since the last call, and read at a velocity between it and that of the reference. Readings
-    /// that are not finite are not believed: the torque is zero then, and the weights stay.
+    /// The friction now \[N m\], learned from the `velocity` \[rad/s\] and the `voltage` \[V\]
+    /// applied since the last call, and read at a velocity between it and that of the reference.
+    /// Readings that are not finite are not believed: the torque is zero then, and the weights
+    /// stay.
     #[inline]
     pub fn observe(&mut self, velocity: f64, reference_velocity: f64, voltage: f64) -> f64 {
         let raw = self.inverse.torque(velocity, voltage);

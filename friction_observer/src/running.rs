@@ -20,7 +20,7 @@ struct ModelPair {
 struct PairEstimate {
     /// The mixed estimate.
     mixed: Estimate,
-    /// Torque of the model driven by the measured velocity [N m].
+    /// Torque of the model driven by the measured velocity \[N m\].
     feedback: f64,
 }
 
@@ -111,7 +111,7 @@ impl Running {
         Ok(Self { velocity, injection: options.injection, engine, model: model.name() })
     }
 
-    /// Estimated velocity [rad/s] and friction now.
+    /// Estimated velocity \[rad/s\] and friction now.
     #[inline]
     pub(crate) fn estimate(&mut self, seen: &Seen) -> (f64, Estimate) {
         let velocity = self.velocity.estimate(seen);
@@ -204,8 +204,8 @@ pub enum Adapted {
     Nothing,
     /// Factor on the model's torque.
     Level(f64),
-    /// Factor of the Coulomb level, rise towards the static level, viscous coefficient [N m s/rad]
-    /// and offset between the directions [N m].
+    /// Factor of the Coulomb level, rise towards the static level, viscous coefficient \[N m
+    /// s/rad\] and offset between the directions \[N m\].
     Parameters([f64; 4]),
     /// Factor on the model's stiffness.
     Stiffness(f64),

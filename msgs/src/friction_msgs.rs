@@ -28,21 +28,21 @@ pub struct RigMeasurement {
     pub header: Header,
     /// Number of the control cycle, from 0.
     pub cycle: u64,
-    /// Time since the rig started [s].
+    /// Time since the rig started \[s\].
     pub rig_time: f64,
     /// Encoder count, unwrapped.
     pub encoder_counts: i64,
-    /// Position from the encoder [rad].
+    /// Position from the encoder \[rad\].
     pub encoder_position: f64,
-    /// Velocity from the tachometer [rad/s].
+    /// Velocity from the tachometer \[rad/s\].
     pub tachometer_velocity: f64,
-    /// Position from the potentiometer [rad].
+    /// Position from the potentiometer \[rad\].
     pub potentiometer_position: f64,
-    /// Friction torque from the torque sensor [N m].
+    /// Friction torque from the torque sensor \[N m\].
     pub torque: f64,
-    /// Voltage the controller asked for in the cycle before [V].
+    /// Voltage the controller asked for in the cycle before \[V\].
     pub voltage_asked: f64,
-    /// Voltage that was applied in the cycle before [V].
+    /// Voltage that was applied in the cycle before \[V\].
     pub voltage_applied: f64,
     /// The voltage asked for was beyond a limit and was cut.
     pub saturated: bool,
@@ -57,11 +57,11 @@ pub struct RigMeasurement {
 pub struct Reference {
     /// Time the reference is for.
     pub header: Header,
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
-    /// Acceleration [rad/s^2].
+    /// Acceleration \[rad/s^2\].
     pub acceleration: f64,
 }
 
@@ -70,7 +70,7 @@ pub struct Reference {
 pub struct MotorVoltage {
     /// Time of the measurement the voltage answers to.
     pub header: Header,
-    /// Voltage [V].
+    /// Voltage \[V\].
     pub voltage: f64,
 }
 
@@ -81,17 +81,17 @@ pub struct FrictionEstimate {
     pub header: Header,
     /// Name of the model behind the estimate, as in parameter files: coulomb, lugre, proposed, ...
     pub model: String,
-    /// Friction torque [N m]; positive opposes positive velocity.
+    /// Friction torque \[N m\]; positive opposes positive velocity.
     pub torque: f64,
-    /// Bristle deflection z [rad]; zero for models without bristles.
+    /// Bristle deflection z \[rad\]; zero for models without bristles.
     pub deflection: f64,
     /// Stribeck state gamma [N m]: the present sliding level.
     pub gamma: f64,
     /// [`STICK`](Self::STICK) or [`SLIP`](Self::SLIP).
     pub regime: u8,
-    /// Velocity the estimate was made with [rad/s].
+    /// Velocity the estimate was made with \[rad/s\].
     pub velocity: f64,
-    /// Measured torque minus estimated torque [N m]; not a number where the rig has no torque
+    /// Measured torque minus estimated torque \[N m\]; not a number where the rig has no torque
     /// sensor.
     pub residual: f64,
 }
@@ -110,30 +110,30 @@ pub struct ControllerState {
     pub header: Header,
     /// [`VELOCITY`](Self::VELOCITY) or [`POSITION`](Self::POSITION).
     pub mode: u8,
-    /// Value the feedback is compared with [rad or rad/s, by mode].
+    /// Value the feedback is compared with \[rad or rad/s, by mode\].
     pub reference: f64,
-    /// Measured value [rad or rad/s, by mode].
+    /// Measured value \[rad or rad/s, by mode\].
     pub feedback: f64,
-    /// Reference minus feedback [rad or rad/s, by mode].
+    /// Reference minus feedback \[rad or rad/s, by mode\].
     pub error: f64,
-    /// Part of the linear controller [V].
+    /// Part of the linear controller \[V\].
     pub linear: f64,
-    /// Part of the plant inverse [V].
+    /// Part of the plant inverse \[V\].
     pub inverse: f64,
-    /// Part of the friction compensation [V].
+    /// Part of the friction compensation \[V\].
     pub friction: f64,
-    /// Part of the dither [V].
+    /// Part of the dither \[V\].
     pub dither: f64,
-    /// Voltage sent to the rig, after the limit [V].
+    /// Voltage sent to the rig, after the limit \[V\].
     pub total: f64,
     /// The sum of the parts was beyond the limit.
     pub saturated: bool,
 }
 
 impl ControllerState {
-    /// The feedback is a velocity [rad/s].
+    /// The feedback is a velocity \[rad/s\].
     pub const VELOCITY: u8 = 0;
-    /// The feedback is a position [rad].
+    /// The feedback is a position \[rad\].
     pub const POSITION: u8 = 1;
 }
 
@@ -151,7 +151,7 @@ pub struct ExperimentStatus {
     pub repetition: u32,
     /// Done so far, 0 to 1.
     pub progress: f64,
-    /// Expected time to the end [s]; not a number while unknown.
+    /// Expected time to the end \[s\]; not a number while unknown.
     pub remaining: f64,
     /// Folder of the bag that is being written; empty when none is.
     pub bag_path: String,

@@ -14,6 +14,22 @@
 //!   the types;
 //! - [`std_srvs`], [`lifecycle_msgs`], [`rosgraph_msgs`]: those of standard services, managed nodes
 //!   and the simulated clock.
+//!
+//! ```
+//! use msgs::{RosMessage, cdr, friction_msgs::MotorVoltage, std_msgs::Header};
+//!
+//! # fn main() -> Result<(), cdr::CdrError> {
+//! let message = MotorVoltage { header: Header::at(1), voltage: 1.5 };
+//! let bytes = cdr::encode(&message)?;
+//! assert_eq!(cdr::decode::<MotorVoltage>(&bytes)?, message);
+//! assert!(MotorVoltage::TYPE_HASH.starts_with("RIHS01_"));
+//! # Ok(())
+//! # }
+//! ```
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 pub mod builtin_interfaces;
 pub mod cdr;

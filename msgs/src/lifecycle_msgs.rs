@@ -124,7 +124,7 @@ pub struct TransitionDescription {
 /// A transition that happened.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct TransitionEvent {
-    /// When [ns].
+    /// When \[ns\].
     pub timestamp: u64,
     /// The transition.
     pub transition: Transition,

@@ -11,11 +11,11 @@ pub struct JointState {
     pub header: Header,
     /// Names of the joints.
     pub name: Vec<String>,
-    /// Positions [rad or m].
+    /// Positions \[rad or m\].
     pub position: Vec<f64>,
-    /// Velocities [rad/s or m/s].
+    /// Velocities \[rad/s or m/s\].
     pub velocity: Vec<f64>,
-    /// Efforts [N m or N].
+    /// Efforts \[N m or N\].
     pub effort: Vec<f64>,
 }
 

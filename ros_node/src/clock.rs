@@ -15,7 +15,7 @@ pub struct NodeClock(Arc<State>);
 #[derive(Debug, Default)]
 struct State {
     simulated: AtomicBool,
-    /// Last time on `/clock` [ns].
+    /// Last time on `/clock` \[ns\].
     shown_ns: AtomicU64,
 }
 

@@ -16,10 +16,10 @@ const NANOSECONDS: u64 = 1_000_000_000;
 /// threads.
 pub const PRIORITY: u8 = 50;
 
-/// A loop that is further behind than this does not catch up any more [ns].
+/// A loop that is further behind than this does not catch up any more \[ns\].
 const HOPELESS: u64 = NANOSECONDS / 10;
 
-/// Time on the monotonic clock [ns].
+/// Time on the monotonic clock \[ns\].
 pub fn now_ns() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     // The monotonic clock counts from the start of the system: never negative.
@@ -34,12 +34,12 @@ pub struct Deadlines {
 }
 
 impl Deadlines {
-    /// Deadlines from `first` [ns on the monotonic clock], `period` [ns] apart.
+    /// Deadlines from `first` \[ns on the monotonic clock\], `period` \[ns\] apart.
     pub fn new(first: u64, period: u64) -> Self {
         Self { next: first, period }
     }
 
-    /// Sleeps until the next deadline. Returns the time now [ns], and whether the deadline was
+    /// Sleeps until the next deadline. Returns the time now \[ns\], and whether the deadline was
     /// missed by a whole period.
     ///
     /// A loop that is late runs at once, so that the number of cycles stays that of the clock; one

@@ -14,7 +14,7 @@ use crate::{
     one_writer::{OneWriter, Verdict, WriterId},
 };
 
-/// Shortest time between two lines of the log about strangers [ns].
+/// Shortest time between two lines of the log about strangers \[ns\].
 const LINES: u64 = 10_000_000_000;
 
 /// Lets one writer of a topic through. Clones are one.

@@ -19,7 +19,7 @@ use crate::one_writer::WriterId;
 pub type ParticipantId = [u8; 16];
 
 /// What all participants together may tell: what is more is left out, so that strangers do not fill
-/// the memory [bytes].
+/// the memory \[bytes\].
 const MOST: usize = 8 << 20;
 /// Writers that left which are remembered.
 const LEFT: usize = 256;
@@ -40,7 +40,7 @@ pub struct Graph(Arc<Mutex<Known>>);
 #[derive(Debug, Default)]
 struct Known {
     participants: BTreeMap<ParticipantId, Vec<KnownNode>>,
-    /// What they take [bytes].
+    /// What they take \[bytes\].
     size: usize,
     left: VecDeque<WriterId>,
 }
@@ -50,7 +50,7 @@ struct KnownNode {
     name: String,
     writers: Vec<ParticipantId>,
     readers: Vec<ParticipantId>,
-    /// When it was told of first, by the teller's clock [ns since the epoch]; none if the teller
+    /// When it was told of first, by the teller's clock \[ns since the epoch\]; none if the teller
     /// did not say.
     since: Option<u64>,
 }
@@ -63,7 +63,7 @@ impl Known {
     }
 }
 
-/// What a participant's nodes take [bytes].
+/// What a participant's nodes take \[bytes\].
 fn size(nodes: &[KnownNode]) -> usize {
     let one = |node: &KnownNode| {
         size_of::<KnownNode>()
@@ -75,7 +75,7 @@ fn size(nodes: &[KnownNode]) -> usize {
 }
 
 impl Graph {
-    /// Takes what a participant says of itself, at that time of its clock [ns since the epoch].
+    /// Takes what a participant says of itself, at that time of its clock \[ns since the epoch\].
     pub(crate) fn take(&self, told: ParticipantNodes, at: Option<u64>) {
         let mut known = self.known();
         let before = known.forget(&told.participant);
@@ -148,6 +148,7 @@ impl Graph {
     }
 
     /// The node that a reader belongs to, as its participant tells it.
+    #[cfg_attr(not(feature = "mended"), allow(dead_code))]
     pub(crate) fn node_of_reader(&self, reader: [u8; 16]) -> Option<String> {
         self.owner(reader, |node| &node.readers)
     }
@@ -163,7 +164,7 @@ impl Graph {
     }
 
     /// Nodes of that name in other participants than `own`, each with the time at which it was
-    /// first told of by its own clock [ns since the epoch].
+    /// first told of by its own clock \[ns since the epoch\].
     pub(crate) fn namesakes(
         &self,
         name: &str,

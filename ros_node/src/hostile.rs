@@ -1,7 +1,8 @@
 //! What anybody on the network may send to the nodes, and what becomes of it: the list of inputs
 //! that may stop the rig. None may move it but the voltages of the one who commands.
 //!
-//! The nodes' own tests give each input to the logic and hold it to its row; the book shows the rows.
+//! The nodes' own tests give each input to the logic and hold it to its row; the book shows the
+//! rows.
 
 use std::fmt;
 

@@ -75,6 +75,8 @@ impl Lagging {
         let mut books = self.books();
         let readers = &mut books.readers;
         let lines = match event {
+            // The published middleware does not tell.
+            #[cfg(feature = "mended")]
             Event::RemoteReaderLags { remote_reader, topic_name, .. } => {
                 let whose = || {
                     let id = Gid::from(*remote_reader).to_bytes16();
@@ -85,6 +87,7 @@ impl Lagging {
                     .into_iter()
                     .collect()
             }
+            #[cfg(feature = "mended")]
             Event::RemoteReaderCaughtUp { remote_reader, .. } => {
                 readers.keeps_up(remote_reader).into_iter().collect()
             }

@@ -1,4 +1,5 @@
-//! What every ROS 2 node of the laboratory needs and ros2-client does not give.
+//! What a ROS 2 node needs and ros2-client does not give: parameters, lifecycle, actions, graph,
+//! log, clock, discovery, security and a clean end.
 //!
 //! - [`Arguments`]: the ROS part of the command line, with [remappings](remap) and
 //!   [parameter files](parameter_file), as rcl reads them;
@@ -35,6 +36,10 @@
 //! # }
 //! ```
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod action;
 mod apart;
 mod arguments;
@@ -50,6 +55,8 @@ mod gate;
 mod graph;
 mod hearing;
 pub mod hostile;
+// The published middleware does not tell who lags.
+#[cfg_attr(not(feature = "mended"), allow(dead_code, unused_imports, unused_variables))]
 mod lagging;
 pub mod launched;
 pub mod lifecycle;

@@ -11,7 +11,7 @@ use cdr_encoding::to_writer;
 const QUOTED: usize = 80;
 /// Longest line of the log, in characters.
 const LINE: usize = 4000;
-/// Longest answer [bytes]. The longest that a question with sense has is some 50 kB. RustDDS cuts
+/// Longest answer \[bytes\]. The longest that a question with sense has is some 50 kB. RustDDS cuts
 /// what needs more than one datagram into fragments, and sends again what the client's socket
 /// drops: on ordinary Linux that begins at some 100 kB, and a megabyte takes about a second.
 pub(crate) const ANSWER: usize = 1 << 20;

@@ -55,7 +55,7 @@ pub struct RosNode {
     tasks: Mutex<Vec<JoinHandle<()>>>,
     /// What has a thread of its own.
     apart: Mutex<Vec<Apart>>,
-    /// When it began [ns since the epoch].
+    /// When it began \[ns since the epoch\].
     began: u64,
     shared: Arc<Shared>,
 }
@@ -571,7 +571,7 @@ impl Sent {
     }
 }
 
-/// When a message was sent, by its publisher's clock [ns since the epoch].
+/// When a message was sent, by its publisher's clock \[ns since the epoch\].
 fn sent_ns(info: &MessageInfo) -> Option<u64> {
     info.source_timestamp().and_then(|sent| u64::try_from(sent.to_nanos()).ok())
 }

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// Time in which somebody who was heard counts as still there [ns].
+/// Time in which somebody who was heard counts as still there \[ns\].
 pub const RECENT: u64 = 500_000_000;
 /// Writers that are remembered; two are enough to know that there are several.
 const REMEMBERED: usize = 8;
@@ -49,12 +49,12 @@ pub enum Verdict {
     Contested(WriterId),
 }
 
-/// Keeps to one writer. It knows no clock: times are [ns] on any that only goes forwards.
+/// Keeps to one writer. It knows no clock: times are \[ns\] on any that only goes forwards.
 #[derive(Debug, Clone)]
 pub struct OneWriter {
     open: bool,
     owner: Option<Heard>,
-    /// Silence of the one after which another may follow it [ns]; none for never.
+    /// Silence of the one after which another may follow it \[ns\]; none for never.
     handover: Option<u64>,
     recent: [Option<Heard>; REMEMBERED],
 }
@@ -72,14 +72,14 @@ impl Heard {
 }
 
 impl OneWriter {
-    /// Obeys nobody until it is opened. After `handover` [ns] of silence another writer may follow
-    /// the one that is obeyed; without it the one stays until [`close`](Self::close).
+    /// Obeys nobody until it is opened. After `handover` \[ns\] of silence another writer may
+    /// follow the one that is obeyed; without it the one stays until [`close`](Self::close).
     #[must_use]
     pub const fn new(handover: Option<u64>) -> Self {
         Self { open: false, owner: None, handover, recent: [None; REMEMBERED] }
     }
 
-    /// From now on that silence counts [ns].
+    /// From now on that silence counts \[ns\].
     pub fn hand_over_after(&mut self, silence: u64) {
         self.handover = Some(silence);
     }

@@ -17,7 +17,6 @@ use tokio::runtime::{Builder, Runtime};
 use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
     apart::Apart,
-    dialect::ROS,
     hearing::Hearers,
     lagging::Lagging,
     middleware::{self, Leave},
@@ -140,7 +139,12 @@ impl Participant {
         let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
         // As ROS tells it, also in the clear.
         let enclave = protection.enclave().map_or("/", |enclave| &enclave.name);
-        let builder = builder.dialect(&ROS).user_data(format!("enclave={enclave};").into_bytes());
+        #[cfg(feature = "mended")]
+        let builder = builder
+            .dialect(&crate::dialect::ROS)
+            .user_data(format!("enclave={enclave};").into_bytes());
+        #[cfg(not(feature = "mended"))]
+        let _ = enclave;
         if let Some(warning) = protection.warning() {
             terminal::tell(format!("this process {warning}"));
         }

@@ -23,7 +23,7 @@ pub const FORCED: u8 = 130;
 /// Signals that come so soon after the first count as the same: a closing terminal sends several.
 const SAME: Duration = Duration::from_millis(100);
 
-/// [`ENDS_WITHIN`] or what the program says [ms].
+/// [`ENDS_WITHIN`] or what the program says \[ms\].
 static WITHIN_MS: AtomicU64 = AtomicU64::new(ENDS_WITHIN.as_millis() as u64);
 
 /// The first signal that came; 0 for none.

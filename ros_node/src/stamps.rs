@@ -61,7 +61,7 @@ impl Given {
 }
 
 /// How far stamps may run ahead of the time that passed, because messages wait and come together
-/// [ns].
+/// \[ns\].
 const AHEAD: u64 = 100_000_000;
 /// What two machines' clocks may drift apart, as a share of the time that passed: 1/1000.
 const DRIFT: u64 = 1000;
@@ -103,7 +103,7 @@ impl Anchor {
 }
 
 /// Stamps that seemed too early, and only such, for so long: then the ones before were late, as
-/// when a program that starts is held up [ns].
+/// when a program that starts is held up \[ns\].
 const HEALS: u64 = 500_000_000;
 
 /// Stamps of one sender, which go forwards as time does. It needs no common clock: what counts is
@@ -129,7 +129,7 @@ impl Forwards {
         (self.last, self.anchor, self.early) = (None, None, None);
     }
 
-    /// Judges a stamp that came at `now` [ns on a clock that only goes forwards], and keeps it if
+    /// Judges a stamp that came at `now` \[ns on a clock that only goes forwards\], and keeps it if
     /// it fits.
     pub fn take(&mut self, stamp_ns: u64, now: u64) -> Follows {
         if self.last.is_some_and(|last| stamp_ns <= last) {

@@ -5,16 +5,16 @@ use serde::Serialize;
 /// Buckets of one microsecond, up to 20 ms; what is longer goes into the last.
 const BUCKETS: usize = 20_000;
 
-/// Percentiles of a duration [us], to one microsecond.
+/// Percentiles of a duration \[us\], to one microsecond.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Percentiles {
-    /// Half are at most this long [us].
+    /// Half are at most this long \[us\].
     pub p50: f64,
-    /// 99 % are at most this long [us].
+    /// 99 % are at most this long \[us\].
     pub p99: f64,
-    /// 99.9 % are at most this long [us].
+    /// 99.9 % are at most this long \[us\].
     pub p999: f64,
-    /// The longest [us], exact.
+    /// The longest \[us\], exact.
     pub max: f64,
 }
 

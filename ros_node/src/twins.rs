@@ -5,7 +5,7 @@ use std::{cmp::Ordering, fmt};
 use crate::{Graph, graph::ParticipantId, one_writer::WriterId};
 
 /// Two that began within this time of each other may each have heard of the other too late to know
-/// who was first [ns].
+/// who was first \[ns\].
 const AT_ONCE: u64 = 1_000_000_000;
 
 /// Looks for other nodes of this node's name.
@@ -15,7 +15,7 @@ pub(crate) struct Twins {
     /// Namespace and name.
     pub(crate) name: String,
     pub(crate) own: ParticipantId,
-    /// When this node began [ns since the epoch].
+    /// When this node began \[ns since the epoch\].
     pub(crate) began: u64,
 }
 

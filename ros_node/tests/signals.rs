@@ -12,7 +12,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Variables of the environment: the file that the last act makes, and the time in which the
-/// program says it ends [s].
+/// program says it ends \[s\].
 const FILE: &str = "ACTED";
 const WITHIN: &str = "WITHIN";
 

@@ -25,7 +25,7 @@ impl LinearDrive {
         Self { gain: motor.gain(), time_constant: motor.time_constant() }
     }
 
-    /// `|K / (j w T + 1)|` at `w` [rad/s].
+    /// `|K / (j w T + 1)|` at `w` \[rad/s\].
     #[must_use]
     pub fn magnitude(&self, w: f64) -> f64 {
         self.gain / (1.0 + (w * self.time_constant).powi(2)).sqrt()

@@ -8,9 +8,9 @@ use super::LinearLoop;
 /// counts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Margins {
-    /// Highest frequency at which the open loop's gain is 1 [rad/s].
+    /// Highest frequency at which the open loop's gain is 1 \[rad/s\].
     pub crossover: Option<f64>,
-    /// Phase margin [degrees].
+    /// Phase margin \[degrees\].
     pub phase_margin: Option<f64>,
     /// Factor by which the gain may grow.
     pub gain_margin: Option<f64>,
@@ -20,14 +20,14 @@ pub struct Margins {
     pub delay_margin: Option<f64>,
     /// Largest sensitivity `|1 / (1 + L)|`; one over the distance of the Nyquist curve from -1.
     pub sensitivity_peak: f64,
-    /// Where it is [rad/s].
+    /// Where it is \[rad/s\].
     pub sensitivity_frequency: f64,
 }
 
 /// Points a decade of the frequencies that are searched.
 const POINTS_A_DECADE: f64 = 400.0;
 
-/// So many frequencies from `lowest` to `highest` [rad/s], equally spaced on a logarithmic scale,
+/// So many frequencies from `lowest` to `highest` \[rad/s\], equally spaced on a logarithmic scale,
 /// both ends included.
 #[must_use]
 pub fn frequencies(lowest: f64, highest: f64, a_decade: f64) -> Vec<f64> {
@@ -40,7 +40,7 @@ pub fn frequencies(lowest: f64, highest: f64, a_decade: f64) -> Vec<f64> {
     (0..=steps as usize).map(|k| lowest * 10f64.powf(decades * k as f64 / steps)).collect()
 }
 
-/// Margins of the open loop `open(w)` between `lowest` and `highest` [rad/s].
+/// Margins of the open loop `open(w)` between `lowest` and `highest` \[rad/s\].
 ///
 /// Crossings are bracketed on 400 frequencies a decade and then bisected.
 #[must_use]
@@ -82,7 +82,7 @@ pub fn margins(open: impl Fn(f64) -> Complex<f64>, lowest: f64, highest: f64) ->
     found
 }
 
-/// Margins of a loop as it runs at the period `dt` [s], from `lowest` [rad/s] to the Nyquist
+/// Margins of a loop as it runs at the period `dt` \[s\], from `lowest` \[rad/s\] to the Nyquist
 /// frequency, where a sampled loop is real and may be at -180 degrees.
 #[must_use]
 pub fn margins_sampled(linear: &LinearLoop, dt: f64, lowest: f64) -> Margins {

@@ -20,7 +20,7 @@ pub enum LoopLaw {
         gains: PidGains,
         /// What it differentiates: matters for the response to the reference, not for the margins.
         derivative_on: DerivativeOn,
-        /// Time constant of the derivative's filter [s], zero or more.
+        /// Time constant of the derivative's filter \[s\], zero or more.
         filter: f64,
     },
 }
@@ -35,7 +35,7 @@ pub struct LinearLoop {
 }
 
 impl LinearLoop {
-    /// Checks the drive and the gains, at a control period of `dt` [s].
+    /// Checks the drive and the gains, at a control period of `dt` \[s\].
     ///
     /// # Errors
     /// [`ControllerError::OutOfRange`] names what is out of range.
@@ -103,15 +103,15 @@ impl LinearLoop {
         p.denominator.times(&c.denominator).plus(1.0, &p.numerator.times(&c.numerator))
     }
 
-    /// The open loop `C P` at `w` [rad/s], continuous in time.
+    /// The open loop `C P` at `w` \[rad/s\], continuous in time.
     #[must_use]
     pub fn open(&self, w: f64) -> Complex<f64> {
         self.controller().at_frequency(w) * self.plant().at_frequency(w)
     }
 
-    /// The open loop as it runs at the period `dt` [s], at `w` [rad/s] below the Nyquist frequency:
-    /// the discrete controller (bilinear rule) and the drive between a held voltage and a sampled
-    /// measurement. The half period of delay that costs is in its phase.
+    /// The open loop as it runs at the period `dt` \[s\], at `w` \[rad/s\] below the Nyquist
+    /// frequency: the discrete controller (bilinear rule) and the drive between a held voltage and
+    /// a sampled measurement. The half period of delay that costs is in its phase.
     #[must_use]
     pub fn open_sampled(&self, w: f64, dt: f64) -> Complex<f64> {
         let z = Complex::from_polar(1.0, w * dt);

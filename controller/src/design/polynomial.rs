@@ -220,7 +220,7 @@ impl TransferFunction {
         self.numerator.at_complex(s) / self.denominator.at_complex(s)
     }
 
-    /// Value at the frequency `w` [rad/s].
+    /// Value at the frequency `w` \[rad/s\].
     #[must_use]
     pub fn at_frequency(&self, w: f64) -> Complex<f64> {
         self.at(Complex::new(0.0, w))

@@ -14,9 +14,9 @@ use crate::{ControllerError, DerivativeOn, PidGains};
 pub struct PositionPoles {
     /// Damping ratio of the dominant pair of poles, above 0.
     pub damping: f64,
-    /// Natural frequency of the dominant pair [rad/s].
+    /// Natural frequency of the dominant pair \[rad/s\].
     pub natural_frequency: f64,
-    /// Magnitude of the third, real pole [rad/s].
+    /// Magnitude of the third, real pole \[rad/s\].
     pub real_pole: f64,
 }
 
@@ -47,9 +47,9 @@ pub fn pid_from_poles(
 pub struct PositionSpecification {
     /// Largest overshoot of a step, as a fraction.
     pub overshoot: f64,
-    /// Longest rise time [s].
+    /// Longest rise time \[s\].
     pub rise_time: f64,
-    /// Longest settling time [s].
+    /// Longest settling time \[s\].
     pub settling_time: f64,
     /// What rise and settling mean.
     pub definition: StepDefinition,
@@ -63,9 +63,9 @@ pub struct PositionSpecification {
 pub struct PidRealisation {
     /// What it differentiates.
     pub derivative_on: DerivativeOn,
-    /// Time constant of the derivative's filter [s].
+    /// Time constant of the derivative's filter \[s\].
     pub filter: f64,
-    /// Control period [s].
+    /// Control period \[s\].
     pub period: f64,
 }
 

@@ -33,13 +33,13 @@ impl StepDefinition {
 /// Response to a step of the reference of 1 at time zero, from rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepResponse {
-    /// Time between samples [s]; sample k is at `k period`.
+    /// Time between samples \[s\]; sample k is at `k period`.
     pub period: f64,
-    /// What is regulated [rad/s or rad].
+    /// What is regulated \[rad/s or rad\].
     pub output: Vec<f64>,
-    /// Voltage held from each sample on [V].
+    /// Voltage held from each sample on \[V\].
     pub voltage: Vec<f64>,
-    /// Where it ends [rad/s or rad].
+    /// Where it ends \[rad/s or rad\].
     pub final_value: f64,
 }
 
@@ -48,17 +48,17 @@ pub struct StepResponse {
 pub struct StepFigures {
     /// Overshoot over the final value, as a fraction of it; 0 for none.
     pub overshoot: f64,
-    /// Rise time [s]; `None` if it does not rise within the response.
+    /// Rise time \[s\]; `None` if it does not rise within the response.
     pub rise_time: Option<f64>,
-    /// Settling time [s]; `None` if it has not settled.
+    /// Settling time \[s\]; `None` if it has not settled.
     pub settling_time: Option<f64>,
     /// Error that remains, as a fraction of the reference.
     pub steady_state_error: f64,
-    /// Largest magnitude of the voltage for a step of 1 [V].
+    /// Largest magnitude of the voltage for a step of 1 \[V\].
     pub peak_voltage: f64,
 }
 
-/// The response over `seconds` at the period `dt` [s].
+/// The response over `seconds` at the period `dt` \[s\].
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for gains, a drive, a period or a length that cannot be.
@@ -144,7 +144,7 @@ impl StepResponse {
         }
     }
 
-    /// When the fraction `level` of the final value is first reached [s].
+    /// When the fraction `level` of the final value is first reached \[s\].
     fn first_reaching(&self, level: f64) -> Option<f64> {
         let target = level * self.final_value;
         let reached = self.output.iter().position(|y| *y >= target)?;

@@ -2,7 +2,7 @@
 //!
 //! What is left of friction after its compensation, `F(w)`, is taken as any function of velocity,
 //! also one that changes with time, whose slope seen from zero lies in a sector:
-//! `a w^2 <= F w <= b w^2` [N m s/rad]. A negative slope is friction that falls with velocity
+//! `a w^2 <= F w <= b w^2` \[N m s/rad\]. A negative slope is friction that falls with velocity
 //! (Stribeck) or is over-compensated. The linear loop is `H(s)` from a braking torque's opposite to
 //! velocity. The circle criterion (Zames 1966; Khalil, Nonlinear Systems, theorem 7.1) proves that
 //! the loop comes to rest if `(1 + b H) / (1 + a H)` is strictly positive real. Beyond that sector
@@ -20,7 +20,7 @@ use crate::error::positive;
 /// Upper end of a sector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UpperSlope {
-    /// A slope [N m s/rad].
+    /// A slope \[N m s/rad\].
     Finite(f64),
     /// Any finite slope, however large.
     Any,
@@ -29,18 +29,18 @@ pub enum UpperSlope {
 /// What is proven of a loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectorMargin {
-    /// Lowest constant slope at which the linear loop is stable [N m s/rad]; minus infinity if
+    /// Lowest constant slope at which the linear loop is stable \[N m s/rad\]; minus infinity if
     /// there is none.
     pub lowest_constant: f64,
     /// Lowest slope `a` for which every friction in the sector from `a` upwards is proven stable
-    /// [N m s/rad]; `None` if that is not even proven from the slope zero upwards.
+    /// \[N m s/rad\]; `None` if that is not even proven from the slope zero upwards.
     pub lowest_with_any_upper: Option<f64>,
     /// Upper end of the sector from zero that is proven stable; `None` if the loop without friction
     /// is not.
     pub upper_from_zero: Option<UpperSlope>,
 }
 
-/// `H(s)` from minus the friction torque [N m] to velocity [rad/s], with the loop closed;
+/// `H(s)` from minus the friction torque \[N m\] to velocity \[rad/s\], with the loop closed;
 /// `volts_per_newton_metre` is `R_a / (A K_m)`.
 ///
 /// # Errors
@@ -79,7 +79,7 @@ pub fn is_proven(h: &TransferFunction, lower: f64, upper: UpperSlope) -> bool {
     }
 }
 
-/// The range of constant slopes around zero at which the loop is stable [N m s/rad]; `None` if it
+/// The range of constant slopes around zero at which the loop is stable \[N m s/rad\]; `None` if it
 /// is not at zero.
 #[must_use]
 pub fn stable_slopes(h: &TransferFunction) -> Option<(f64, f64)> {

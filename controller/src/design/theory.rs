@@ -33,14 +33,14 @@ pub enum Obstacle {
     AtInfinity,
     /// A pole in the right half-plane, or on the imaginary axis where none may be.
     Pole {
-        /// Real part [rad/s].
+        /// Real part \[rad/s\].
         real: f64,
-        /// Imaginary part [rad/s].
+        /// Imaginary part \[rad/s\].
         imaginary: f64,
     },
     /// The real part is negative on the imaginary axis.
     Negative {
-        /// Where it begins to be [rad/s].
+        /// Where it begins to be \[rad/s\].
         from: f64,
     },
     /// Its poles could not be found: coefficients that are not finite, or no poles and zeros at
@@ -139,7 +139,7 @@ fn begins_negative(real: &super::Polynomial) -> f64 {
 }
 
 /// `G(s)` of theorem 5.1: from the error of the friction estimate to the velocity error, for an
-/// inertia `J` [kg m^2] under a lag compensator whose output is a torque (thesis eq. 5.48).
+/// inertia `J` \[kg m^2\] under a lag compensator whose output is a torque (thesis eq. 5.48).
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for an inertia that is not above zero.
@@ -153,7 +153,7 @@ pub fn velocity_theorem(inertia: f64, lag: LagGains) -> Result<TransferFunction,
 }
 
 /// `G(s)` of theorem 5.2: from the error of the friction estimate to the position error, for an
-/// inertia `J` [kg m^2] under a PID whose output is a torque (thesis eq. 5.67).
+/// inertia `J` \[kg m^2\] under a PID whose output is a torque (thesis eq. 5.67).
 ///
 /// # Errors
 /// [`ControllerError::OutOfRange`] for an inertia that is not above zero.

@@ -12,7 +12,7 @@ use crate::{ControllerError, LagGains, PiGains};
 pub struct VelocitySpecification {
     /// Error that remains of a constant reference, as a fraction: 0.01 for 1 %.
     pub steady_state_error: f64,
-    /// Gain crossover [rad/s].
+    /// Gain crossover \[rad/s\].
     pub crossover: f64,
 }
 
@@ -57,9 +57,9 @@ pub fn lag_from_specification(
 /// What a velocity loop without a remaining error shall do.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PiSpecification {
-    /// Gain crossover [rad/s].
+    /// Gain crossover \[rad/s\].
     pub crossover: f64,
-    /// Phase margin [degrees].
+    /// Phase margin \[degrees\].
     pub phase_margin: f64,
 }
 

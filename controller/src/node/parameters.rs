@@ -17,7 +17,7 @@ pub(super) struct ControlSettings {
     pub(super) options: ControllerOptions,
     pub(super) reference_timeout: f64,
     pub(super) reference_deceleration: f64,
-    /// Velocity that the drive reaches at the voltage limit [rad/s].
+    /// Velocity that the drive reaches at the voltage limit \[rad/s\].
     pub(super) fastest: f64,
     pub(super) estimate_timeout: f64,
     pub(super) estimate_wait: f64,

@@ -7,7 +7,7 @@ use crate::Reference;
 const SPEED: f64 = 105.0;
 /// Largest acceleration [rad/s^2]: that speed within a millisecond.
 const ACCELERATION: f64 = 105e3;
-/// Largest position [rad], reached after two and a half hours at that speed.
+/// Largest position \[rad\], reached after two and a half hours at that speed.
 const POSITION: f64 = 1e6;
 
 /// Whether a reference is one. Not a number is none.

@@ -5,32 +5,32 @@ use crate::Reference;
 /// Follows references; one that is too old ramps to zero velocity.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ReferenceKeeper {
-    /// Age at which a reference is stale [s].
+    /// Age at which a reference is stale \[s\].
     timeout: f64,
-    /// How fast its velocity goes to zero then [rad/s^2].
+    /// How fast its velocity goes to zero then \[rad/s^2\].
     deceleration: f64,
-    /// From which velocity it goes there at most [rad/s].
+    /// From which velocity it goes there at most \[rad/s\].
     fastest: f64,
     now: Reference,
     age: f64,
 }
 
 impl ReferenceKeeper {
-    /// Stands still at `position` [rad] until the first reference; without [limits](Self::limit)
+    /// Stands still at `position` \[rad\] until the first reference; without [limits](Self::limit)
     /// each is stale at once.
     pub(super) fn new(position: f64) -> Self {
         let now = Reference { position, ..Reference::default() };
         Self { timeout: 0.0, deceleration: 0.0, fastest: 0.0, now, age: f64::INFINITY }
     }
 
-    /// Limits from now on: the age at which a reference is stale [s], how fast its velocity goes to
-    /// zero then [rad/s^2], and from which velocity at most [rad/s].
+    /// Limits from now on: the age at which a reference is stale \[s\], how fast its velocity goes
+    /// to zero then \[rad/s^2\], and from which velocity at most \[rad/s\].
     pub(super) fn limit(&mut self, timeout: f64, deceleration: f64, fastest: f64) {
         (self.timeout, self.deceleration, self.fastest) = (timeout, deceleration, fastest);
     }
 
-    /// Takes a reference that came `age` [s] ago. One that is not finite, or stale already, counts
-    /// as not come.
+    /// Takes a reference that came `age` \[s\] ago. One that is not finite, or stale already,
+    /// counts as not come.
     pub(super) fn take(&mut self, reference: Reference, age: f64) {
         let Reference { position, velocity, acceleration } = reference;
         if position.is_finite()
@@ -42,7 +42,7 @@ impl ReferenceKeeper {
         }
     }
 
-    /// The reference for a cycle of `period` [s].
+    /// The reference for a cycle of `period` \[s\].
     pub(super) fn next(&mut self, period: f64) -> Reference {
         let is = self.now;
         self.age += period;

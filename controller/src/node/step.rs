@@ -18,17 +18,17 @@ use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedba
 /// commands for a fault.
 const SILENCE: f64 = 0.5;
 /// A joint state that is older than the one before by that much is of a driver that was started
-/// anew, by another clock [ns].
+/// anew, by another clock \[ns\].
 const RESTARTED: u64 = 1_000_000_000;
 
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Time of the measurement [ns since the epoch].
+    /// Time of the measurement \[ns since the epoch\].
     pub stamp_ns: u64,
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
     /// Number of the measurement, where it is known: one that comes twice is found by it.
     pub cycle: Option<u64>,
@@ -37,9 +37,9 @@ pub struct Joint {
 /// One friction estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Friction {
-    /// Time of the measurement behind it [ns since the epoch]; zero for none.
+    /// Time of the measurement behind it \[ns since the epoch\]; zero for none.
     pub stamp_ns: u64,
-    /// Estimated friction torque [N m].
+    /// Estimated friction torque \[N m\].
     pub torque: f64,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Inputs {
 /// One command on its way to the publisher.
 #[derive(Debug, Clone, Copy)]
 pub struct Decided {
-    /// Time of the measurement [ns since the epoch].
+    /// Time of the measurement \[ns since the epoch\].
     pub stamp_ns: u64,
     /// What was decided.
     pub command: Command,
@@ -173,8 +173,8 @@ impl Control {
         self.settings.options.mode
     }
 
-    /// The reference for a cycle: the newest that came, or what stands in for it. `position` [rad]
-    /// is where the axis stands without any.
+    /// The reference for a cycle: the newest that came, or what stands in for it. `position`
+    /// \[rad\] is where the axis stands without any.
     pub fn next_reference(&mut self, position: f64) -> Reference {
         let settings = &self.settings;
         let keeper = self.keeper.get_or_insert_with(|| {

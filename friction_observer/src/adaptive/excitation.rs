@@ -9,15 +9,15 @@ use crate::error::{positive, within};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Excitation {
-    /// Slowest smoothed speed that counts as sliding [rad/s], above zero; well above the noise of
+    /// Slowest smoothed speed that counts as sliding \[rad/s\], above zero; well above the noise of
     /// the velocity after the filter.
     pub slowest: f64,
-    /// Smallest torque of the model from which a factor can be told [N m], zero or more.
+    /// Smallest torque of the model from which a factor can be told \[N m\], zero or more.
     pub weakest: f64,
-    /// Voltage from which the drive counts as saturated [V], above zero.
+    /// Voltage from which the drive counts as saturated \[V\], above zero.
     pub saturation: f64,
-    /// How long all conditions must have held [s], from 0 to 10: what the filters still remember of
-    /// before must be gone.
+    /// How long all conditions must have held \[s\], from 0 to 10: what the filters still remember
+    /// of before must be gone.
     pub hold: f64,
 }
 

@@ -20,11 +20,11 @@ pub struct LevelOptions {
     pub share: f64,
     /// Where the friction torque comes from.
     pub source: TorqueSource,
-    /// Time constant of the filters [s], above zero and at most 1.
+    /// Time constant of the filters \[s\], above zero and at most 1.
     pub filter: f64,
-    /// Time of sliding in which the past is forgotten to 1/e [s], from 0.01 to 1e4.
+    /// Time of sliding in which the past is forgotten to 1/e \[s\], from 0.01 to 1e4.
     pub forgetting: f64,
-    /// Standard deviation of the measured torque after the filter [N m], above zero.
+    /// Standard deviation of the measured torque after the filter \[N m\], above zero.
     pub noise: f64,
     /// Standard deviation of the factor at the start, which it may never exceed, above zero.
     pub deviation: f64,

@@ -29,23 +29,23 @@ pub struct Measured {
     velocity: LowPass,
     excitation: Excitation,
     dt: f64,
-    /// How long the excitation has been rich [s].
+    /// How long the excitation has been rich \[s\].
     rich_for: f64,
 }
 
 /// One cycle's smoothed readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Friction torque [N m].
+    /// Friction torque \[N m\].
     pub torque: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
     /// Whether friction can be learned from it.
     pub rich: bool,
 }
 
 impl Measured {
-    /// A measurement from `source` through a filter of time constant `filter` [s], called once
+    /// A measurement from `source` through a filter of time constant `filter` \[s\], called once
     /// every `dt`.
     #[must_use]
     pub fn new(

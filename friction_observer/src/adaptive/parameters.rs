@@ -27,20 +27,20 @@ pub struct ParameterOptions {
     pub share: f64,
     /// Where the friction torque comes from.
     pub source: TorqueSource,
-    /// Time constant of the filters [s], above zero and at most 1.
+    /// Time constant of the filters \[s\], above zero and at most 1.
     pub filter: f64,
-    /// Time of sliding in which the past is forgotten to 1/e [s], from 0.01 to 1e4.
+    /// Time of sliding in which the past is forgotten to 1/e \[s\], from 0.01 to 1e4.
     pub forgetting: f64,
-    /// Standard deviation of the measured torque after the filter [N m], above zero.
+    /// Standard deviation of the measured torque after the filter \[N m\], above zero.
     pub noise: f64,
     /// Largest relative change of the Coulomb level, from 0 to 0.9; the rise towards the static
     /// level may change by half of it.
     pub range: f64,
-    /// Largest viscous coefficient [N m s/rad], zero or more.
+    /// Largest viscous coefficient \[N m s/rad\], zero or more.
     pub most_viscous: f64,
     /// Largest offset between the directions, as a share of the model's torque at v_s, from 0 to 1.
     pub most_asymmetric: f64,
-    /// Stribeck velocity for models that have none [rad/s], above zero.
+    /// Stribeck velocity for models that have none \[rad/s\], above zero.
     pub stribeck_velocity: f64,
     /// When it may learn.
     pub excitation: Excitation,
@@ -145,8 +145,8 @@ impl FrictionParameters {
         }
     }
 
-    /// The torque [N m] with the parameters as they are, of a model whose contact carries `contact`
-    /// [N m] at `velocity` [rad/s].
+    /// The torque \[N m\] with the parameters as they are, of a model whose contact carries
+    /// `contact` \[N m\] at `velocity` \[rad/s\].
     #[inline]
     #[must_use]
     pub fn torque(&self, velocity: f64, contact: f64) -> f64 {
@@ -161,7 +161,7 @@ impl FrictionParameters {
     }
 
     /// The parameters: factor of the Coulomb level, rise towards the static level, viscous
-    /// coefficient [N m s/rad] and offset between the directions [N m].
+    /// coefficient \[N m s/rad\] and offset between the directions \[N m\].
     #[must_use]
     pub fn parameters(&self) -> [f64; 4] {
         self.estimate.parameters()

@@ -30,15 +30,15 @@ use crate::{FrictionObserver, NominalDrive, ObserverError, Seen};
 pub struct StiffnessOptions {
     /// Factor s between neighbouring models, above 1 and at most 10.
     pub span: f64,
-    /// Rate g of the gradient law [1/s], above zero and at most 100.
+    /// Rate g of the gradient law \[1/s\], above zero and at most 100.
     pub rate: f64,
-    /// Sensitivity n that counts as weak [N m], above zero.
+    /// Sensitivity n that counts as weak \[N m\], above zero.
     pub weak: f64,
-    /// Errors up to this magnitude teach nothing [N m], zero or more.
+    /// Errors up to this magnitude teach nothing \[N m\], zero or more.
     pub dead_zone: f64,
-    /// Slowest smoothed speed from which it learns [rad/s], above zero.
+    /// Slowest smoothed speed from which it learns \[rad/s\], above zero.
     pub slowest: f64,
-    /// Time constant of the filters [s], above zero and at most 1.
+    /// Time constant of the filters \[s\], above zero and at most 1.
     pub filter: f64,
     /// Where the friction torque comes from.
     pub source: TorqueSource,
@@ -133,7 +133,7 @@ impl Stiffness {
         })
     }
 
-    /// The torque now [N m], where the model as given carries `torque`; learns from the cycle.
+    /// The torque now \[N m\], where the model as given carries `torque`; learns from the cycle.
     #[inline]
     pub fn torque(&mut self, velocity: f64, rate: f64, seen: &Seen, torque: f64) -> f64 {
         let softer = self.softer.observe_injected(velocity, rate, None).torque;

@@ -11,24 +11,24 @@ use crate::{Estimate, FrictionEstimator, Seen};
 /// One joint state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Time of the measurement [ns since the epoch].
+    /// Time of the measurement \[ns since the epoch\].
     pub stamp_ns: u64,
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
-    /// Velocity [rad/s].
+    /// Velocity \[rad/s\].
     pub velocity: f64,
-    /// Friction torque [N m], where it is measured.
+    /// Friction torque \[N m\], where it is measured.
     pub effort: Option<f64>,
 }
 
 /// What goes with a joint state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beside {
-    /// Voltage on the motor in the period before [V].
+    /// Voltage on the motor in the period before \[V\].
     pub volts: f64,
-    /// Position of the reference [rad].
+    /// Position of the reference \[rad\].
     pub reference_position: f64,
-    /// Velocity of the reference [rad/s].
+    /// Velocity of the reference \[rad/s\].
     pub reference_velocity: f64,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Inputs {
     pub(super) joints: Receiver<Joint>,
     /// Volts.
     pub(super) voltages: Receiver<f64>,
-    /// Position [rad] and velocity [rad/s].
+    /// Position \[rad\] and velocity \[rad/s\].
     pub(super) references: Receiver<(f64, f64)>,
 }
 
@@ -56,7 +56,7 @@ pub(super) enum Order {
 /// One estimate on its way to the publisher.
 #[derive(Debug, Clone, Copy)]
 pub struct Estimated {
-    /// Time of the measurement [ns since the epoch].
+    /// Time of the measurement \[ns since the epoch\].
     pub stamp_ns: u64,
     /// What is thought of it.
     pub estimate: Estimate,

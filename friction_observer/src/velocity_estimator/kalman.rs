@@ -20,7 +20,7 @@ use super::steady_gain::steady_gain;
 use crate::finite::held;
 use crate::{NominalDrive, ObserverError};
 
-/// Differences beyond this one are a new start, not a motion [rad].
+/// Differences beyond this one are a new start, not a motion \[rad\].
 const JUMP: f64 = 10.0;
 
 /// A Kalman filter on the drive at a fixed period.
@@ -34,14 +34,14 @@ pub struct KalmanFilter {
     /// Correction per rad/s of the tachometer's innovation; zero without a tachometer.
     by_tachometer: Vector3<f64>,
     fused: bool,
-    /// Position [rad], velocity [rad/s] and friction [N m]; `None` before the first reading.
+    /// Position \[rad\], velocity \[rad/s\] and friction \[N m\]; `None` before the first reading.
     state: Option<Vector3<f64>>,
 }
 
 impl KalmanFilter {
-    /// A filter that has seen nothing, called once every `dt`. `encoder_step` [rad],
-    /// `tachometer_noise` [rad/s] where the tachometer is used, `friction_walk`
-    /// [N m per square root of a second].
+    /// A filter that has seen nothing, called once every `dt`. `encoder_step` \[rad\],
+    /// `tachometer_noise` \[rad/s\] where the tachometer is used, `friction_walk`
+    /// \[N m per square root of a second\].
     ///
     /// # Errors
     /// [`ObserverError::NoGain`] if the Riccati equation has no usable solution for these numbers.
@@ -84,8 +84,8 @@ impl KalmanFilter {
         Ok(Self { a, b, by_encoder, by_tachometer, fused, state: None })
     }
 
-    /// Takes the readings in, as far as there are any, and the `voltage` [V] applied since the last
-    /// call; the velocity now [rad/s]. Not a number before the first position.
+    /// Takes the readings in, as far as there are any, and the `voltage` \[V\] applied since the
+    /// last call; the velocity now \[rad/s\]. Not a number before the first position.
     #[inline]
     pub fn step(&mut self, position: Option<f64>, tachometer: Option<f64>, voltage: f64) -> f64 {
         let Some(before) = self.state else {

@@ -14,7 +14,7 @@ pub struct LowPass {
 }
 
 impl LowPass {
-    /// A filter with `time_constant` [s], zero for none, called once every `dt`.
+    /// A filter with `time_constant` \[s\], zero for none, called once every `dt`.
     #[must_use]
     pub fn new(time_constant: f64, dt: TimeStep) -> Self {
         Self { share: -(-dt.seconds() / time_constant).exp_m1(), output: None }

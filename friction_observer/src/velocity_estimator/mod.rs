@@ -23,7 +23,7 @@ pub use tracking_loop::TrackingLoop;
 use crate::error::{positive, within};
 use crate::{NominalDrive, ObserverError, Seen};
 
-/// Positions beyond this magnitude are not believed [rad].
+/// Positions beyond this magnitude are not believed \[rad\].
 const MAX_POSITION: f64 = 1e9;
 
 /// Which velocity an estimator believes.
@@ -43,34 +43,34 @@ pub enum VelocitySource {
     Tachometer,
     /// The tachometer through a filter of first order.
     TachometerLowPass {
-        /// Time constant [s], above 0 and at most 1.
+        /// Time constant \[s\], above 0 and at most 1.
         time_constant: f64,
     },
     /// The encoder through a tracking loop.
     EncoderTrackingLoop {
-        /// Bandwidth [rad/s], from 1 to 1e4: both poles of the loop lie there.
+        /// Bandwidth \[rad/s\], from 1 to 1e4: both poles of the loop lie there.
         bandwidth: f64,
     },
     /// A Kalman filter on the encoder and the voltage.
     EncoderKalman {
-        /// Step of the encoder [rad], from 1e-7 to 0.1; its rounding counts as even noise.
+        /// Step of the encoder \[rad\], from 1e-7 to 0.1; its rounding counts as even noise.
         encoder_step: f64,
-        /// How fast friction may wander [N m per square root of a second], from 1e-4 to 1e3.
+        /// How fast friction may wander \[N m per square root of a second\], from 1e-4 to 1e3.
         friction_walk: f64,
     },
     /// A Kalman filter on encoder, tachometer and voltage.
     Fused {
-        /// Step of the encoder [rad], from 1e-7 to 0.1; its rounding counts as even noise.
+        /// Step of the encoder \[rad\], from 1e-7 to 0.1; its rounding counts as even noise.
         encoder_step: f64,
-        /// Standard deviation of a reading of the tachometer [rad/s], from 1e-6 to 10.
+        /// Standard deviation of a reading of the tachometer \[rad/s\], from 1e-6 to 10.
         tachometer_noise: f64,
-        /// How fast friction may wander [N m per square root of a second], from 1e-4 to 1e3.
+        /// How fast friction may wander \[N m per square root of a second\], from 1e-4 to 1e3.
         friction_walk: f64,
     },
 }
 
 impl VelocitySource {
-    /// Step of the thesis's encoder, 4096 counts a turn [rad].
+    /// Step of the thesis's encoder, 4096 counts a turn \[rad\].
     pub const ENCODER_STEP: f64 = std::f64::consts::TAU / 4096.0;
 
     /// A tracking loop for the thesis's test bed.
@@ -172,8 +172,8 @@ impl VelocityEstimator {
         })
     }
 
-    /// The velocity now [rad/s]. Readings that are not finite are left out; where nothing is known
-    /// of the velocity, it is not a number.
+    /// The velocity now \[rad/s\]. Readings that are not finite are left out; where nothing is
+    /// known of the velocity, it is not a number.
     #[inline]
     pub fn estimate(&mut self, seen: &Seen) -> f64 {
         let tachometer =

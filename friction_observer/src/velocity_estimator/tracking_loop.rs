@@ -6,8 +6,8 @@
 //! w^'     = b^2 (theta - theta^)
 //! ```
 //!
-//! Both poles lie at `-b`, the bandwidth [rad/s]. In discrete time it is an alpha-beta filter with
-//! both poles at `p = exp(-b dt)`: `alpha = 1 - p^2`, `beta = (1 - p)^2`, stable for every
+//! Both poles lie at `-b`, the bandwidth \[rad/s\]. In discrete time it is an alpha-beta filter
+//! with both poles at `p = exp(-b dt)`: `alpha = 1 - p^2`, `beta = (1 - p)^2`, stable for every
 //! bandwidth (Benedict and Bordner 1962; the critically damped choice). At a constant velocity the
 //! error is zero, at a constant acceleration `a` it is `2 a / b`. A step of the encoder `q` shows
 //! as a velocity of at most `beta q / dt`, about `b^2 q dt`.
@@ -16,7 +16,7 @@ use friction_model::TimeStep;
 
 use crate::finite::held;
 
-/// Differences beyond this one are a new start, not a motion [rad].
+/// Differences beyond this one are a new start, not a motion \[rad\].
 const JUMP: f64 = 10.0;
 
 /// A tracking loop running at a fixed period.
@@ -30,7 +30,7 @@ pub struct TrackingLoop {
 }
 
 impl TrackingLoop {
-    /// A loop with `bandwidth` [rad/s], called once every `dt`.
+    /// A loop with `bandwidth` \[rad/s\], called once every `dt`.
     #[must_use]
     pub fn new(bandwidth: f64, dt: TimeStep) -> Self {
         let dt = dt.seconds();
@@ -38,7 +38,7 @@ impl TrackingLoop {
         Self { dt, alpha: 1.0 - p * p, beta_over_dt: (1.0 - p).powi(2) / dt, state: None }
     }
 
-    /// Takes the encoder's `position` [rad] in; the velocity now [rad/s]. The position must be
+    /// Takes the encoder's `position` \[rad\] in; the velocity now \[rad/s\]. The position must be
     /// finite. After a jump of more than 10 rad the loop goes on from there with the velocity it
     /// had.
     #[inline]

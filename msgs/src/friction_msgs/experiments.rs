@@ -35,9 +35,9 @@ pub struct ExperimentDescription {
     pub name: String,
     /// What it does.
     pub description: String,
-    /// Time it takes in real time, with the default options [s].
+    /// Time it takes in real time, with the default options \[s\].
     pub duration: f64,
-    /// Time it takes in real time with the option `quick` [s].
+    /// Time it takes in real time with the option `quick` \[s\].
     pub quick_duration: f64,
     /// What else it can be told.
     pub parameters: Vec<ExperimentParameter>,
@@ -137,10 +137,10 @@ pub struct RunExperimentFeedback {
     pub repetition: u32,
     /// Done so far, 0 to 1.
     pub progress: f64,
-    /// Expected time to the end [s]; not a number while unknown.
+    /// Expected time to the end \[s\]; not a number while unknown.
     pub remaining: f64,
-    /// Time the rig has been driven [s]; more than the time on the clock where the rig is simulated
-    /// as fast as possible.
+    /// Time the rig has been driven \[s\]; more than the time on the clock where the rig is
+    /// simulated as fast as possible.
     pub rig_seconds: f64,
 }
 

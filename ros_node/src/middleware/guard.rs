@@ -20,7 +20,7 @@ use crate::ending;
 /// Processor time that a thread may take without once waiting for anything, while the process grows
 /// by [`GROWTH`].
 const STUCK: Duration = Duration::from_secs(1);
-/// Growth of the process that no messages explain [bytes].
+/// Growth of the process that no messages explain \[bytes\].
 const GROWTH: u64 = 256 << 20;
 /// The same time where the process does not grow: on a machine that has no time for it, or in a
 /// flood, a thread has no reason to wait for long.
@@ -28,10 +28,10 @@ const STUCK_ANYHOW: Duration = Duration::from_secs(20);
 /// Time for the motor to come to rest, and for what is recorded, once a thread is stuck. Then the
 /// process ends: no thread can be made to.
 const LAST_WORDS: Duration = Duration::from_secs(3);
-/// Growth of the process since it joined at which it ends at once [bytes], unless [`LIMIT`] says
+/// Growth of the process since it joined at which it ends at once \[bytes\], unless [`LIMIT`] says
 /// another.
 const MEMORY: u64 = 2 << 30;
-/// The variable of the environment with that growth [MiB].
+/// The variable of the environment with that growth \[MiB\].
 const LIMIT: &str = "FRICTION_MEMORY";
 /// Longest time for the middleware to let go when a participant leaves.
 const LEAVING: Duration = Duration::from_secs(10);
@@ -59,7 +59,7 @@ pub(crate) fn begin() {
     });
 }
 
-/// Growth that is allowed [bytes], from the variable's value.
+/// Growth that is allowed \[bytes\], from the variable's value.
 fn limit(value: Option<&str>) -> u64 {
     value
         .and_then(|text| text.trim().parse::<u64>().ok())
@@ -122,7 +122,7 @@ struct Seen {
     waits: u64,
     /// Processor time it had taken when `waits` last changed.
     busy_since: Duration,
-    /// Memory of the process then [bytes].
+    /// Memory of the process then \[bytes\].
     memory: u64,
 }
 

@@ -52,7 +52,7 @@ fn read(folder: &Path, file: &str) -> Option<Option<String>> {
     }
 }
 
-/// Memory of this process that is resident [bytes]; nothing where the system does not tell.
+/// Memory of this process that is resident \[bytes\]; nothing where the system does not tell.
 pub(super) fn memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));

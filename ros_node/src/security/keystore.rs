@@ -64,7 +64,7 @@ pub struct Order<'a> {
     pub domains: &'a [u16],
     /// The time now, in seconds since 1970.
     pub now: i64,
-    /// How long it counts [days].
+    /// How long it counts \[days\].
     pub days: u32,
 }
 
