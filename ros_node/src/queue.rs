@@ -122,8 +122,10 @@ mod tests {
     fn sending_wakes_the_taker() {
         let waker = Waker::default();
         let (mut sender, mut receiver) = queue(8, &waker);
+        let (begin, begun) = std::sync::mpsc::channel();
         let taker = thread::spawn(move || {
             waker.is_this_thread();
+            begin.send(()).unwrap();
             loop {
                 if let Some(item) = receiver.take() {
                     return item;
@@ -131,7 +133,7 @@ mod tests {
                 Waker::sleep(Duration::from_secs(60));
             }
         });
-        thread::sleep(Duration::from_millis(20));
+        begun.recv().unwrap();
         sender.send(5);
         assert_eq!(taker.join().unwrap(), 5);
     }

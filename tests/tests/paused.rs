@@ -1,19 +1,21 @@
 //! `frictionlab live` and `serve` that were stopped and continued: the middleware's threads do not
 //! survive it.
 
+use std::fs;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tests::network::namespaced;
 
 /// Longest wait for a line or an end.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time in which the program finds all threads of its middleware.
-const SETTLED: Duration = Duration::from_millis(1500);
+/// Waits of the thread that looks after the middleware until it knows all of the middleware's
+/// threads: several times those of its first looks.
+const SETTLED: u64 = 30;
 
 /// `frictionlab` in a namespace of its own, and the lines that it prints; `None` where no namespace
 /// can be had.
@@ -50,10 +52,36 @@ fn signal(child: &Child, name: &str) {
     assert!(status.success());
 }
 
+/// Waits until the condition holds.
+fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !holds() {
+        assert!(began.elapsed() < PATIENCE, "{what}");
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// How often the thread that looks after the middleware has waited; none if there is no such
+/// thread.
+fn looks(child: &Child) -> Option<u64> {
+    let tasks = fs::read_dir(format!("/proc/{}/task", child.id())).ok()?;
+    let watcher = tasks.flatten().map(|task| task.path()).find(|task| {
+        fs::read_to_string(task.join("comm")).is_ok_and(|name| name.trim() == "middleware")
+    })?;
+    let status = fs::read_to_string(watcher.join("status")).ok()?;
+    let waits = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?;
+    waits.trim().parse().ok()
+}
+
+fn is_stopped(child: &Child) -> bool {
+    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    status.lines().any(|line| line.starts_with("State:") && line.contains('T'))
+}
+
 fn pause(child: &Child) {
-    thread::sleep(SETTLED);
+    until("the program looks after its middleware", || looks(child) > Some(SETTLED));
     signal(child, "-STOP");
-    thread::sleep(Duration::from_millis(300));
+    until("it stops", || is_stopped(child));
     signal(child, "-CONT");
 }
 
