@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use controller::{ControllerOptions, ControllerParameters, GuardOptions, VelocityLawName};
+use controller::{ControllerOptions, ControllerParameters, VelocityLawName};
 use files::ros_parameters::tree;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::parameters::declarations as observer_declarations;
@@ -85,7 +85,7 @@ impl Given {
             }
         }
         let said = said.with(&values);
-        let guard = said.guard.then(|| base.guard.unwrap_or_else(GuardOptions::default));
+        let guard = said.guard.then(|| base.guard.unwrap_or_default());
         Ok(ControllerOptions { guard, ..said.options()? })
     }
 

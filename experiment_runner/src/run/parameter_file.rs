@@ -146,10 +146,10 @@ fn controller_values(options: &ControllerOptions) -> Vec<(String, ParameterValue
         }
     };
     let changed = |name: &str| {
-        !(Given::SET_BY_THE_RUN.contains(&name) || ["velocity_law", "pi", "lag"].contains(&name))
-            && !name.starts_with("lag.")
-            && !name.starts_with("pi.")
-            && values.get(name) != usual.get(name)
+        let elsewhere = Given::SET_BY_THE_RUN.contains(&name)
+            || ["velocity_law", "pi", "lag"].contains(&name)
+            || ["lag.", "pi."].iter().any(|start| name.starts_with(start));
+        !elsewhere && values.get(name) != usual.get(name)
     };
     declared
         .iter()
