@@ -6,11 +6,18 @@ use std::process::Command;
 
 /// Runs a crate of `examples`; what it says on standard output.
 fn run(name: &str) -> String {
+    run_with(name, &[])
+}
+
+/// The same with these arguments.
+fn run_with(name: &str, arguments: &[&str]) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args(["run", "--quiet", "--offline", "--manifest-path"])
         .arg(root.join("examples").join(name).join("Cargo.toml"))
+        .arg("--")
+        .args(arguments)
         // Built once for all of them, apart from what another cargo may be building.
         .env("CARGO_TARGET_DIR", root.join("target/examples"))
         .output()
@@ -37,4 +44,24 @@ fn a_rig_is_opened_through_the_registry_and_driven_under_the_safety_layer() {
 #[test]
 fn a_friction_model_is_simulated_and_identified() {
     assert!(!run("own_model").is_empty());
+}
+
+/// The plant is symmetric, and its Coulomb friction is 0.0925 N m (table 4.6 of the thesis).
+#[test]
+fn an_experiment_drives_the_simulated_rig_and_leaves_its_figures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("both-ways");
+    let said = run_with("own_experiment", &[out.to_str().expect("text")]);
+    let found: serde_json::Value =
+        serde_json::from_str(said.lines().next().expect("its figures")).expect("JSON");
+    let of = |way: &str| found[way].as_f64().expect("a torque");
+    assert!((of("forward") + of("backward")).abs() < 0.01, "{found}");
+    assert!((0.08..0.15).contains(&of("forward")), "{found}");
+    for name in ["bag/metadata.yaml", "run.json"] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    let record = std::fs::read_to_string(out.join("run.json")).expect("its record");
+    assert!(record.contains("\"both_ways\""));
+    let report = std::fs::read_to_string(out.join("report.html")).expect("its report");
+    assert!(report.contains("Friction at 0.5 rad/s"));
 }

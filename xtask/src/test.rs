@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::{env, fs, thread, time::Instant};
+use std::{env, thread, time::Instant};
 
 use anyhow::{Context, ensure};
 
@@ -70,7 +70,6 @@ impl Test {
             environment.push(("FRICTION_COVERAGE", "2000"));
         }
         cargo(root, &["test", "--workspace", "--locked"], &environment)?;
-        from_outside(root, &environment)?;
         if self.full {
             let seeds = [
                 "run",
@@ -102,24 +101,6 @@ impl Test {
         );
         Ok(())
     }
-}
-
-/// The crates under `examples/`, which are no members of the workspace: they add a model, an
-/// experiment or a rig from outside. They resolve to the versions that the workspace has locked, and
-/// what they depend on is compiled once for all of them.
-fn from_outside(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
-    let target = root.join("target/outside");
-    let apart = [environment, &[("CARGO_TARGET_DIR", target.to_str().context("a folder's name")?)]]
-        .concat();
-    for folder in fs::read_dir(root.join("examples"))? {
-        let manifest = folder?.path().join("Cargo.toml");
-        if manifest.exists() {
-            fs::copy(root.join("Cargo.lock"), manifest.with_file_name("Cargo.lock"))?;
-            let manifest = manifest.to_str().context("a folder's name")?;
-            cargo(root, &["test", "--offline", "--manifest-path", manifest], &apart)?;
-        }
-    }
-    Ok(())
 }
 
 /// DDS Security, with a peer of another vendor; in the long tier only, because the middleware is

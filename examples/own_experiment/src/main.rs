@@ -20,24 +20,3 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("report: {}", outcome.folder.join("report.html").display());
     Ok(())
 }
-
-#[test]
-fn it_leaves_a_bag_a_report_and_its_figures_and_finds_the_friction_of_the_plant() {
-    let folder = std::env::temp_dir().join(format!("both-ways-{}", std::process::id()));
-    let experiment = BothWays { speed: 0.5, duration: 1.0, repetitions: 2 };
-    let options = asked::usual(Selection::alone(Arc::new(experiment))).unwrap();
-    let progress = Progress::new(options.rig_seconds(), true);
-    let outcome = execute(&options, &folder, &progress, &Arc::default()).unwrap();
-    for name in ["bag/metadata.yaml", "report.html", "run.json"] {
-        assert!(folder.join(name).is_file(), "{name}");
-    }
-    let report = std::fs::read_to_string(folder.join("report.html")).unwrap();
-    assert!(report.contains("Friction at 0.5 rad/s"));
-    let found = &outcome.results.own["both_ways"];
-    let (forward, backward) =
-        (found["forward"].as_f64().unwrap(), found["backward"].as_f64().unwrap());
-    // The plant is symmetric, and its Coulomb friction is 0.0925 N m (table 4.6 of the thesis).
-    assert!((forward + backward).abs() < 0.01, "{found}");
-    assert!((0.08..0.15).contains(&forward), "{found}");
-    std::fs::remove_dir_all(folder).unwrap();
-}
