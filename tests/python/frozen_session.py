@@ -19,6 +19,8 @@ from readers import SIGNALS, end_with_parent, healthy_reader, sick_reader
 from rig_bench import PROGRAMS
 
 ALONE_S = 3.0
+# How long Fast DDS lets others take it for alive when it is silent.
+LEASE_S = 20.0
 # How long it may take until everybody is there.
 PATIENCE_S = 60.0
 # What takes longer than this beside the measurement hangs: then it says where.
@@ -53,6 +55,16 @@ def until_said(said, words, seconds):
         with open(said.name, encoding="utf-8") as file:
             if any(all(word in line for word in words) for line in file):
                 return True
+        time.sleep(0.2)
+    return False
+
+
+def until_it_hears(child, seconds):
+    """Waits until a reader that was held up hears of the loop again."""
+    before, end = child.heard(), time.monotonic() + seconds
+    while time.monotonic() < end:
+        if child.heard() > before + 1000:
+            return True
         time.sleep(0.2)
     return False
 
@@ -97,7 +109,10 @@ def main() -> None:
                     child.send(signal.SIGCONT)
             if "gone" in kinds:
                 link("up")
-            back = [child.name for child in sick if child.kind == "stopped"]
+            back = [child for child in sick if child.kind in ("stopped", "gone")]
+            report["hears"] = {child.name: until_it_hears(child, 60) for child in back}
+            # Whoever was away for longer than its lease was given up, and comes as a new reader.
+            back = [child.name for child in back if child.kind == "stopped" and seconds < LEASE_S]
             report["back"] = {name: until_said(said, [f"/{name} ", "keeps up again"], 30) for name in back}
             report["after"] = healthy.report()
             report["early"] = [process.poll() for process in running]

@@ -51,6 +51,9 @@ fn hold(way: &str, seconds: u32, readers: &[&str]) {
         let most = 13 * (2 + seconds as usize / 10);
         assert!(said.lines().filter(lags).count() <= most, "{kind}: {said}");
     }
+    for (name, hears) in report["hears"].as_object().expect("readers that came back") {
+        assert_eq!(hears, true, "{name} hears of the loop again: {said}");
+    }
     for (name, told) in report["back"].as_object().expect("readers that came back") {
         assert_eq!(told, true, "{name} keeps up again: {said}");
     }

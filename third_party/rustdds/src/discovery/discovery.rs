@@ -1085,6 +1085,31 @@ impl Discovery {
         );
       }
 
+      // frictionlab: what it had when it was lost. It does not tell that again, since this
+      // process acknowledged it before.
+      let (readers, writers) =
+        discovery_db_write(&self.discovery_db).take_from_attic(guid_prefix);
+      #[cfg(feature = "security")]
+      let trusted = self.security_opt.is_none();
+      #[cfg(not(feature = "security"))]
+      let trusted = true;
+      if trusted {
+        for reader in readers {
+          let discovered_reader_data =
+            discovery_db_write(&self.discovery_db).update_subscription(&reader);
+          self.send_discovery_notification(DiscoveryNotificationType::ReaderUpdated {
+            discovered_reader_data,
+          });
+        }
+        for writer in writers {
+          let discovered_writer_data =
+            discovery_db_write(&self.discovery_db).update_publication(&writer);
+          self.send_discovery_notification(DiscoveryNotificationType::WriterUpdated {
+            discovered_writer_data,
+          });
+        }
+      }
+
       // This may be a rediscovery of a previously seen participant that
       // was temporarily lost due to network outage. Process the SEDP samples
       // (topics, readers, writers) that are already pending in our discovery

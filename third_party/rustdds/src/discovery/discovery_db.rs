@@ -153,6 +153,19 @@ impl DiscoveryDB {
       .unwrap_or_else(|e| error!("Cannot report participant status: {e:?}"));
   }
 
+  // frictionlab: the readers and writers of a participant that timed out and came back, by a
+  // network outage or because its process was stopped. They are discovered once more: to be
+  // in the database again told nobody here who reads or writes with them.
+  pub fn take_from_attic(
+    &mut self,
+    guid_prefix: GuidPrefix,
+  ) -> (Vec<DiscoveredReaderData>, Vec<DiscoveredWriterData>) {
+    let (mut readers, mut writers) = (BTreeMap::new(), BTreeMap::new());
+    move_by_guid_prefix(guid_prefix, &mut self.external_topic_readers_attic, &mut readers);
+    move_by_guid_prefix(guid_prefix, &mut self.external_topic_writers_attic, &mut writers);
+    (readers.into_values().collect(), writers.into_values().collect())
+  }
+
   // Returns if participant was previously unknown
   pub fn update_participant(&mut self, data: &SpdpDiscoveredParticipantData) -> bool {
     debug!("update_participant: {:?}", data);
@@ -183,20 +196,6 @@ impl DiscoveryDB {
         info!("Remote participant {guid:?} is myself, but some reflection is good.");
         new_participant = false;
       }
-
-      // This may be a rediscovery: Participant lease time timed out, but then
-      // came back, e.g. by network outage. We then restore readers/writers from
-      // attic to discovery DB.
-      move_by_guid_prefix(
-        guid.prefix,
-        &mut self.external_topic_readers_attic,
-        &mut self.external_topic_readers,
-      );
-      move_by_guid_prefix(
-        guid.prefix,
-        &mut self.external_topic_writers_attic,
-        &mut self.external_topic_writers,
-      );
     }
 
     // In any case:

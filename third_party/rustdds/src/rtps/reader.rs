@@ -468,9 +468,14 @@ impl Reader {
   pub fn remove_writer_proxy(&mut self, writer_guid: GUID) {
     if self.matched_writers.contains_key(&writer_guid) {
       self.matched_writers.remove(&writer_guid);
-      self
-        .acquire_the_topic_cache_guard()
-        .forget_reliable_writer(writer_guid);
+      let is_built_in = self.my_guid.entity_id.kind().is_built_in();
+      let mut topic_cache = self.acquire_the_topic_cache_guard();
+      if is_built_in {
+        topic_cache.forget_writer(writer_guid);
+      } else {
+        topic_cache.forget_reliable_writer(writer_guid);
+      }
+      drop(topic_cache);
       #[cfg(feature = "security")]
       if let Some(security_plugins_handle) = &self.security_plugins {
         security_plugins_handle

@@ -246,6 +246,15 @@ impl TopicCache {
     self.received_reliably_before.remove(&writer);
   }
 
+  // frictionlab: the participant of a built-in Writer is gone. When it comes back it may say
+  // the same again under the same SequenceNumber, as Fast DDS does, which is news then.
+  pub fn forget_writer(&mut self, writer: GUID) {
+    self.forget_reliable_writer(writer);
+    for instant in self.sequence_numbers.remove(&writer).unwrap_or_default().into_values() {
+      self.changes.remove(&instant);
+    }
+  }
+
   // The oldest change that a Reliable DataReader cannot yet take, because an
   // earlier sample from the same Writer is still missing: its receive timestamp,
   // Writer and SequenceNumber.
