@@ -4,6 +4,7 @@ use controller::{
     AccelerationFeedback, ControlMode, Controller, ControllerOptions, DerivativeOn, Feedback,
     LagGains, PiGains, PidGains, PlantInverse, Reference, VelocityLaw, design::LinearDrive,
 };
+use friction_model::Motor;
 
 const DT: f64 = 1e-3;
 const DRIVE: LinearDrive = LinearDrive::THESIS;
@@ -130,8 +131,10 @@ fn the_compensation_fades_within_its_time() {
         parts
     };
     let (before, after) = (friction(), friction());
-    assert!(before.iter().all(|u| (u - 0.48426).abs() < 1e-12));
-    assert!((after[0] - 0.48426).abs() < 1e-12 && (after[50] - 0.24213).abs() < 1e-9);
+    // What overcomes 0.1 N m on the SRV-02.
+    let whole = 0.1 * Motor::SRV02.volts_per_newton_metre();
+    assert!(before.iter().all(|u| (u - whole).abs() < 1e-12));
+    assert!((after[0] - whole).abs() < 1e-12 && (after[50] - 0.5 * whole).abs() < 1e-9);
     assert_eq!(after[100], 0.0);
 }
 

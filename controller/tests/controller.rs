@@ -5,6 +5,7 @@ use controller::{
     Dither, DitherShape, Feedback, Impulse, PiGains, PlantInverse, Reference, VelocityLaw,
     design::LinearDrive,
 };
+use friction_model::Motor;
 use proptest::prelude::*;
 
 /// Everything switched on.
@@ -39,7 +40,7 @@ fn the_parts_add_up() {
         };
         let command = controller.step(&reference, &feedback);
         assert!((command.inverse - (1.0 + 0.02388 * 2.0) / 1.863).abs() < 1e-12);
-        assert!((command.friction - 0.48426).abs() < 1e-12);
+        assert!((command.friction - 0.1 * Motor::SRV02.volts_per_newton_metre()).abs() < 1e-12);
         assert!(!command.saturated && (command.total - sum(&command)).abs() < 1e-12);
         for (part, value) in [
             (&mut seen.acceleration, command.acceleration),

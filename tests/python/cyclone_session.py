@@ -108,7 +108,9 @@ def stop(ros) -> dict:
     said = stopping.call()
     # Too short for a request: in front of the data stands half of what should.
     short = kind(of + "_Request", {"client": uint64})
-    ros.writer(f"rq{RIG}/emergency_stop" + "Request", short).write(short(7))
+    writer = ros.writer(f"rq{RIG}/emergency_stop" + "Request", short)
+    assert until(writer.get_matched_subscriptions, 20), "nobody reads the request"
+    writer.write(short(7))
     return {"success": said.success, "message": said.message, "again": stopping.call().success}
 
 

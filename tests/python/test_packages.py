@@ -56,7 +56,6 @@ def test_a_package_says_of_itself_what_the_crates_say(name, crates):
         assert texts(root, "version") == [crate["version"]]
         assert " OR ".join(texts(root, "license")) == crate["license"]
         assert [f"{maintainer.text} <{maintainer.get('email')}>"] == crate["authors"]
-        assert texts(root, "url") == [crate["homepage"]]
         assert crate["description"]
 
 

@@ -108,9 +108,9 @@ fn rigs_that_cannot_be_driven_end_with_exit_code_2_and_leave_nothing_behind() {
     assert!(!rig.folder().join("live/bag").exists());
     for (choice, sentence) in [
         ("serial:/dev/no-such-port", "cannot open the serial port /dev/no-such-port"),
-        ("serial:", "wants a port"),
+        ("serial:", "PORT[@BAUD] is missing"),
         ("serial:/dev/ttyACM0@fast", "no baud rate"),
-        ("imagined", "`serial:PORT` as in"),
+        ("imagined", "serial:PORT[@BAUD] as in"),
     ] {
         let mut command = tests::frictionlab();
         command.args(["live", "--duration", "1", "--rig", choice]).stdin(Stdio::null());
