@@ -7,7 +7,7 @@
 //! off.
 //!
 //! ```
-//! use crate::bag::{BagOptions, BagReader, BagWriter};
+//! use recording::bag::{BagOptions, BagReader, BagWriter};
 //! use msgs::{friction_msgs::MotorVoltage, std_msgs::Header};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
