@@ -162,42 +162,42 @@ pub struct ExperimentStatus {
 ros_message!(
     RigMeasurement,
     "friction_msgs",
-    "../friction_msgs/msg/RigMeasurement.msg",
+    "../../friction_msgs/msg/RigMeasurement.msg",
     "RIHS01_7da0dc2defaa8a98d64a3556489dcadd870867c298a25984c9b3a694d86083ec",
     [Header, Time]
 );
 ros_message!(
     Reference,
     "friction_msgs",
-    "../friction_msgs/msg/Reference.msg",
+    "../../friction_msgs/msg/Reference.msg",
     "RIHS01_e01316e06571dd817281ccb0181b873f1e00affc3312d9c17c9abd4925d0fc00",
     [Header, Time]
 );
 ros_message!(
     MotorVoltage,
     "friction_msgs",
-    "../friction_msgs/msg/MotorVoltage.msg",
+    "../../friction_msgs/msg/MotorVoltage.msg",
     "RIHS01_df6769a80fde48a776a0ee6f4105f3c6762e8db06ed1a9afd6f15cc656a19597",
     [Header, Time]
 );
 ros_message!(
     FrictionEstimate,
     "friction_msgs",
-    "../friction_msgs/msg/FrictionEstimate.msg",
+    "../../friction_msgs/msg/FrictionEstimate.msg",
     "RIHS01_a9d34e3b3088be9deaff306de4e26e2e3dc305a4a67e3b5ecc7bdd7a43236c13",
     [Header, Time]
 );
 ros_message!(
     ControllerState,
     "friction_msgs",
-    "../friction_msgs/msg/ControllerState.msg",
+    "../../friction_msgs/msg/ControllerState.msg",
     "RIHS01_0af08586f0dfe4b1ab2748bbb7044670f3a989ecd7fe965fd6d6784b61fc07e0",
     [Header, Time]
 );
 ros_message!(
     ExperimentStatus,
     "friction_msgs",
-    "../friction_msgs/msg/ExperimentStatus.msg",
+    "../../friction_msgs/msg/ExperimentStatus.msg",
     "RIHS01_483b7be573199df44572ecedaca71370e3b19354c7820c6f460feec2d9c447fb",
     [Header, Time]
 );
