@@ -2,8 +2,8 @@
 
 use friction_model::{ModelError, Range};
 
-use crate::axis_structure::AxisStructure;
-use crate::rigid_axis::AxisTerm;
+use crate::axis_term::AxisTerm;
+use crate::structure::AxisStructure;
 
 /// Why an identification was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

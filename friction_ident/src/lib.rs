@@ -50,6 +50,7 @@
 #![deny(rustdoc::broken_intra_doc_links)]
 
 pub mod axis_structure;
+mod axis_term;
 pub mod bounded;
 pub mod cma_es;
 pub mod conditioning;
@@ -82,6 +83,7 @@ pub mod statistics;
 mod steady_point;
 pub mod stiction_cycle;
 pub mod stretch;
+mod structure;
 pub mod synthetic;
 pub mod torque_source;
 pub mod truth_matrix;
@@ -89,6 +91,7 @@ pub mod two_line;
 pub mod uncertain;
 pub mod zero_phase;
 
+pub use axis_term::AxisTerm;
 pub use bounded::Ending;
 pub use conditioning::{Conditioned, Conditioning, Signals, condition, condition_stretches};
 pub use error::IdentError;
@@ -98,7 +101,7 @@ pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use parameter_id::{ParameterId, Side};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
-pub use rigid_axis::{AxisFit, AxisModel, AxisTerm, Prediction, TermEstimate, fit_axis};
+pub use rigid_axis::{AxisFit, AxisModel, Prediction, TermEstimate, fit_axis};
 pub use savitzky_golay::SavitzkyGolay;
 pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model, refine_jointly};
 pub use static_curve::{

@@ -1,6 +1,9 @@
 //! What the formulas of models are written with, beside the functions of floating-point numbers.
 
-use crate::{MAX_SPEED, Real};
+use crate::Real;
+
+/// Velocities beyond this magnitude are cut to it by the fixed-step form \[m/s or rad/s\].
+pub const MAX_SPEED: f64 = 1e6;
 
 /// A velocity that the fixed-step forms can be stepped with.
 #[inline]

@@ -2,7 +2,7 @@
 
 use core::ops::{Deref, DerefMut};
 
-use crate::{Cast, ModelError, Range, Real, Unit};
+use crate::{Cast, ModelError, Range, Real, Unit, Value};
 
 /// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
 #[derive(Clone, Copy)]
@@ -65,6 +65,21 @@ impl<const CAPACITY: usize, T: Real, U: Real> Cast<Elements<CAPACITY, U>>
 {
     fn cast(self) -> Elements<CAPACITY, U> {
         Elements { length: self.length, values: self.values.map(Cast::cast) }
+    }
+}
+
+impl<const CAPACITY: usize, T: Real> Value for Elements<CAPACITY, T> {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        self.iter().for_each(|value| f(value.double()));
+    }
+    fn scale(&mut self, factor: f64) {
+        self.iter_mut().for_each(|value| value.scale(factor));
+    }
+    fn set(&mut self, _: f64) -> bool {
+        false
+    }
+    fn set_at(&mut self, index: usize, value: f64) -> bool {
+        self.get_mut(index).map(|place| *place = T::of(value)).is_some()
     }
 }
 

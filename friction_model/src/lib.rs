@@ -102,6 +102,7 @@ mod parameter;
 pub mod presets;
 mod proposed;
 mod proposed_linear;
+mod range;
 mod rate_dependent_stiction;
 mod rbf_network;
 mod real;
@@ -112,11 +113,14 @@ mod stiction;
 mod stribeck;
 mod stribeck_curve;
 mod two_line;
+mod unit;
+mod value;
 mod virgin_curve;
 mod viscous;
 mod wojewoda;
 mod xiong;
 
+pub use arithmetic::MAX_SPEED;
 pub use armstrong::{Armstrong, ArmstrongMemory, ArmstrongParameters};
 pub use asymmetric::Asymmetric;
 pub use bengisu_akay::{BengisuAkay, BengisuAkayParameters};
@@ -142,13 +146,14 @@ pub use leuven::{Leuven, LeuvenParameters};
 pub use load_dependent::LoadDependent;
 pub use lugre::{LuGre, LuGreParameters};
 pub use model::{
-    ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, MAX_SPEED,
-    Regime, State, TimeStep,
+    ContinuousState, Evaluation, FrictionModel, FromParameters, Holding, Internals, Regime, State,
+    TimeStep,
 };
 pub use motor::{Motor, MotorError, TorqueSource};
-pub use parameter::{Parameter, ParameterSet, Range, Unit, Value};
+pub use parameter::{Parameter, ParameterSet};
 pub use proposed::{Branch, NonDrift, Proposed, ProposedDiscrete, ProposedParameters};
 pub use proposed_linear::ProposedLinear;
+pub use range::Range;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
 pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
 pub use real::{Cast, Real};
@@ -158,6 +163,8 @@ pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};
 pub use stribeck_curve::StribeckCurve;
 pub use two_line::{TwoLine, TwoLineParameters};
+pub use unit::Unit;
+pub use value::Value;
 pub use virgin_curve::{Line, Sine};
 pub use viscous::{Viscous, ViscousParameters};
 pub use wojewoda::{Wojewoda, WojewodaMemory, WojewodaParameters};

@@ -5,9 +5,6 @@ use core::fmt::Debug;
 use crate::arithmetic::{between, bounded, fused};
 use crate::{ModelError, ParameterSet, Real};
 
-/// Velocities beyond this magnitude are cut to it by the fixed-step form \[m/s or rad/s\].
-pub const MAX_SPEED: f64 = 1e6;
-
 /// The continuous states of a model: a small fixed array, so that integrators neither allocate nor
 /// loop over a length they do not know.
 pub trait ContinuousState<T: Real = f64>: Copy + Debug + PartialEq {
@@ -203,7 +200,7 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
     /// The fixed-step form: the force now at `velocity`, after which the state advances by one
     /// period under that velocity.
     ///
-    /// Stable for every valid parameter set and period. A velocity beyond [`MAX_SPEED`] is cut to
+    /// Stable for every valid parameter set and period. A velocity beyond [`MAX_SPEED`](crate::MAX_SPEED) is cut to
     /// it; one that is not a number counts as zero, so that the state stays finite (whoever
     /// measures velocities must raise the fault).
     fn step(
@@ -230,7 +227,7 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
     }
 
     /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, see
-    /// [`inject`](Self::inject). What is not a number counts as zero, and more than [`MAX_SPEED`]
+    /// [`inject`](Self::inject). What is not a number counts as zero, and more than [`MAX_SPEED`](crate::MAX_SPEED)
     /// is cut to it.
     #[inline]
     fn step_injected(

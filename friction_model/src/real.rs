@@ -79,6 +79,23 @@ macro_rules! real {
 
 real!(f32, f64);
 
+impl<T: Real> Value for Option<T> {
+    fn each(&self, f: &mut dyn FnMut(f64)) {
+        if let Some(value) = self {
+            f(value.double());
+        }
+    }
+    fn scale(&mut self, factor: f64) {
+        if let Some(value) = self {
+            value.scale(factor);
+        }
+    }
+    fn set(&mut self, value: f64) -> bool {
+        *self = Some(T::of(value));
+        true
+    }
+}
+
 /// Keeps [`Real`] to the numbers of this crate.
 pub trait Sealed {}
 

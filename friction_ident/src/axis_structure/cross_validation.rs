@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::AxisStructure;
-use super::fit::Search;
+use super::search::Search;
 use super::shape::PositionScale;
 use crate::IdentError;
 use crate::conditioning::Conditioned;

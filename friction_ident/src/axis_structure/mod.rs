@@ -30,15 +30,16 @@ mod fit;
 mod naming;
 mod profile;
 mod regressors;
+mod search;
 mod shape;
-mod structure;
 
+pub use crate::structure::{AxisStructure, UnknownStructure};
 pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
-pub(crate) use regressors::{LONGEST_DELAY, read as read_between, rows_of};
+pub(crate) use regressors::{read as read_between, rows_of};
+pub(crate) use shape::LONGEST_DELAY;
 pub use shape::{PositionScale, Shape};
-pub use structure::{AxisStructure, UnknownStructure};
 
 #[cfg(test)]
 mod tests;

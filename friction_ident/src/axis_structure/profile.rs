@@ -4,7 +4,7 @@
 //! stays below `S (1 + t^2 / n)`, with Student's quantile `t` and the `n` degrees of freedom that
 //! the residual is worth (Bates and Watts 1988, chapter 6).
 
-use super::fit::{Best, Search};
+use super::search::{Best, Search};
 use super::shape::{Shape, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::statistics::student_95;

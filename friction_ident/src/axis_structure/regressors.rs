@@ -8,13 +8,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::AxisStructure;
-use super::shape::{PositionScale, Shape, ShapeTerm};
+use super::shape::{LONGEST_DELAY, PositionScale, Shape, ShapeTerm};
 use crate::IdentError;
 use crate::conditioning::{Conditioned, Piece};
 use crate::zero_phase::LowPass;
-
-/// Longest delay that is considered, in samples.
-pub(crate) const LONGEST_DELAY: usize = 10;
 
 /// The columns that a nonlinear parameter changes, with the values they were made for.
 #[derive(Debug, Clone, Default)]

@@ -3,9 +3,11 @@
 use serde::Serialize;
 
 use super::AxisStructure;
-use super::regressors::LONGEST_DELAY;
 use crate::bounded::Bound;
 use crate::conditioning::Conditioned;
+
+/// Longest delay that is considered, in samples.
+pub(crate) const LONGEST_DELAY: usize = 10;
 
 /// Values of the nonlinear parameters; those that a structure does not have have no effect.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -4,6 +4,7 @@
 use serde::Serialize;
 
 use super::constants::Calibration;
+use super::fitted::Fitted;
 use super::report::Report;
 use super::with_torque::with_torque;
 use super::{Breakaway, breakaways};
@@ -92,15 +93,6 @@ pub fn fit_drive<'a>(
         predicted,
         notes,
     })
-}
-
-/// The fit in volts.
-pub(super) struct Fitted {
-    pub estimates: Estimates,
-    pub time: Vec<f64>,
-    pub measured: Vec<f64>,
-    pub predicted: Vec<f64>,
-    pub share: f64,
 }
 
 fn without_torque(recording: &Conditioned) -> Result<Fitted, IdentError> {

@@ -22,6 +22,7 @@ mod breakaway;
 mod combine;
 mod constants;
 mod fit;
+mod fitted;
 mod report;
 mod with_torque;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::Fitted;
+use super::fitted::Fitted;
 use crate::axis_structure::{LONGEST_DELAY, read_between, rows_of};
 use crate::bounded::Minimum;
 use crate::conditioning::{Conditioned, Piece};

@@ -5,7 +5,7 @@ use nalgebra::{Matrix5, Vector2};
 
 use super::LagValues;
 use super::pass::{Prepared, Sums};
-use super::search::Point;
+use super::point::Point;
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::statistics::student_95;
 

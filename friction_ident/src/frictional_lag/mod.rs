@@ -25,6 +25,7 @@ mod coarse_sensor;
 mod estimates;
 mod filter;
 mod pass;
+mod point;
 mod relaxation;
 mod search;
 mod start;

@@ -26,12 +26,14 @@ mod maxwell_slip;
 mod operator;
 mod scan;
 mod spectrum;
+mod stops;
 #[cfg(test)]
 mod tests;
 
-pub use maxwell_slip::{MaxwellSlip, stops};
+pub use maxwell_slip::MaxwellSlip;
 pub use operator::Operator;
 pub use spectrum::{Spectrum, stop_spectrum};
+pub use stops::stops;
 
 /// One slow path, sample by sample.
 #[derive(Debug, Clone, Copy, PartialEq)]

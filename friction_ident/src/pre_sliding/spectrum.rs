@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::finite::finite;
 
-use super::{Paths, maxwell_slip::stops};
+use super::{Paths, stops::stops};
 
 /// Stops side by side.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -14,98 +14,15 @@
 //! on real axes, they are too small. What it cannot reproduce: the Stribeck dip, presliding,
 //! friction that depends on position or load.
 
-use std::fmt;
-
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use crate::IdentError;
+use crate::axis_term::AxisTerm;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
 use crate::statistics::root_mean_square;
 use crate::zero_phase::decimate;
-
-/// One term of the axis model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum AxisTerm {
-    /// Moving mass \[kg\] or moment of inertia \[kg m^2\], as seen by the force.
-    Inertia,
-    /// Viscous friction \[N s/m or N m s/rad\].
-    Viscous,
-    /// Coulomb friction \[N or N m\].
-    Coulomb,
-    /// Constant force \[N or N m\]: gravity, or the offset of an amplifier.
-    Offset,
-    /// Viscous friction of motion in the positive direction.
-    ViscousPositive,
-    /// Viscous friction of motion in the negative direction.
-    ViscousNegative,
-    /// Coulomb friction of motion in the positive direction.
-    CoulombPositive,
-    /// Coulomb friction of motion in the negative direction, a positive number.
-    CoulombNegative,
-}
-
-impl AxisTerm {
-    /// Name in files: `inertia`, `viscous_positive`, ...
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inertia => "inertia",
-            Self::Viscous => "viscous",
-            Self::Coulomb => "coulomb",
-            Self::Offset => "offset",
-            Self::ViscousPositive => "viscous_positive",
-            Self::ViscousNegative => "viscous_negative",
-            Self::CoulombPositive => "coulomb_positive",
-            Self::CoulombNegative => "coulomb_negative",
-        }
-    }
-
-    /// The term in words.
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Inertia => "the inertia",
-            Self::Viscous => "the viscous friction",
-            Self::Coulomb => "the Coulomb friction",
-            Self::Offset => "the offset",
-            Self::ViscousPositive => "the viscous friction of positive motion",
-            Self::ViscousNegative => "the viscous friction of negative motion",
-            Self::CoulombPositive => "the Coulomb friction of positive motion",
-            Self::CoulombNegative => "the Coulomb friction of negative motion",
-        }
-    }
-
-    /// The direction of motion the term belongs to, if it belongs to one.
-    pub fn direction(self) -> Option<f64> {
-        match self {
-            Self::ViscousPositive | Self::CoulombPositive => Some(1.0),
-            Self::ViscousNegative | Self::CoulombNegative => Some(-1.0),
-            _ => None,
-        }
-    }
-
-    /// What multiplies the term in one sample; `sign` is that of the velocity, zero at rest.
-    fn regressor(self, acceleration: f64, velocity: f64, sign: f64) -> f64 {
-        let here = |direction: f64| if sign == direction { 1.0 } else { 0.0 };
-        match self {
-            Self::Inertia => acceleration,
-            Self::Viscous => velocity,
-            Self::Coulomb => sign,
-            Self::Offset => 1.0,
-            Self::ViscousPositive => velocity * here(1.0),
-            Self::ViscousNegative => velocity * here(-1.0),
-            Self::CoulombPositive => here(1.0),
-            Self::CoulombNegative => -here(-1.0),
-        }
-    }
-}
-
-impl fmt::Display for AxisTerm {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// Which terms the model has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

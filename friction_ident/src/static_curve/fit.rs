@@ -4,20 +4,15 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
+use super::data::{Data, F_C, F_S, F_V, V_S};
 use super::intervals::intervals;
 use super::separable::Separable;
 use super::{SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Unidentifiable, check};
 use crate::IdentError;
 use crate::least_squares;
-use crate::steady_point::relative_weights;
 
 /// Trial Stribeck velocities of the scan.
 const TRIALS: usize = 80;
-/// Indices of the parameters.
-const F_S: usize = 0;
-const F_C: usize = 1;
-const V_S: usize = 2;
-const F_V: usize = 3;
 /// Standard errors the dip must be worth. Three rather than two: the scan picks the `v_s` where
 /// noise looks most like a dip.
 const CLEAR_DIP: f64 = 3.0;
@@ -116,50 +111,6 @@ fn without_dip(
     fit.unidentifiable[F_S] = Some(why);
     fit.unidentifiable[V_S] = Some(why);
     Ok(fit)
-}
-
-/// The points as columns, with the square roots of their weights.
-pub(super) struct Data {
-    pub(super) velocity: Vec<f64>,
-    pub(super) torque: Vec<f64>,
-    pub(super) weight: Vec<f64>,
-}
-
-impl Data {
-    fn new(points: &[SteadyPoint]) -> Self {
-        Self {
-            velocity: points.iter().map(|point| point.velocity).collect(),
-            torque: points.iter().map(|point| point.torque).collect(),
-            weight: relative_weights(points),
-        }
-    }
-
-    fn residuals(&self, values: &StribeckValues) -> DVector<f64> {
-        let points = self.velocity.iter().zip(&self.torque).zip(&self.weight);
-        DVector::from_iterator(
-            self.velocity.len(),
-            points.map(|((&velocity, torque), weight)| weight * (values.torque(velocity) - torque)),
-        )
-    }
-
-    fn jacobian(&self, values: &StribeckValues, free: &[usize]) -> DMatrix<f64> {
-        let gradients: Vec<_> =
-            self.velocity.iter().map(|&velocity| values.gradient(velocity)).collect();
-        DMatrix::from_fn(gradients.len(), free.len(), |i, j| self.weight[i] * gradients[i][free[j]])
-    }
-
-    /// The Jacobian, with `f_s` tied to `f_c` where it is not free.
-    fn design(&self, values: &StribeckValues, free: &[usize]) -> DMatrix<f64> {
-        let mut matrix = self.jacobian(values, free);
-        if !free.contains(&F_S)
-            && let Some(column) = free.iter().position(|&parameter| parameter == F_C)
-        {
-            for (i, (velocity, weight)) in self.velocity.iter().zip(&self.weight).enumerate() {
-                matrix[(i, column)] = weight * velocity.signum();
-            }
-        }
-        matrix
-    }
 }
 
 /// Range of trial Stribeck velocities: below it the dip has vanished before the slowest point,

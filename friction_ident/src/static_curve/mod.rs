@@ -18,6 +18,7 @@ use crate::estimate::Interval;
 use crate::statistics::student_95;
 use crate::steady_point::{Needed, check_points};
 
+mod data;
 mod estimates;
 mod fit;
 mod intervals;

@@ -5,7 +5,7 @@
 //! Pereyra 1973).
 
 use super::StribeckValues;
-use super::fit::Data;
+use super::data::Data;
 
 /// The points, prepared for many trials of `v_s`.
 pub(super) struct Separable {

@@ -1,0 +1,245 @@
+//! Separable least squares: the linear parameters by QR for every trial of the nonlinear ones
+//! (Golub and Pereyra 1973).
+
+use std::ops::ControlFlow;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::AxisStructure;
+use super::naming::{AxisUnits, unknowns};
+use super::regressors::Regressors;
+use super::shape::{Limits, PositionScale, Shape, ShapeTerm};
+use crate::bounded::{Minimum, Patience, Residuals, minimise};
+use crate::conditioning::Conditioned;
+use crate::finite::finite;
+use crate::least_squares::{self, Solution};
+use crate::{Ending, IdentError};
+
+/// The nonlinear parameters found and the linear fit that belongs to them.
+pub(super) struct Best {
+    pub shape: Shape,
+    pub solution: Solution,
+}
+
+/// The search for the nonlinear parameters on some rows of a recording.
+pub(super) struct Search<'a> {
+    pub regressors: Regressors<'a>,
+    pub limits: Limits,
+    pub structure: AxisStructure,
+    /// The rows that count; none for all.
+    pub rows: Option<Vec<usize>>,
+}
+
+impl<'a> Search<'a> {
+    pub fn new(
+        recording: &'a Conditioned,
+        structure: AxisStructure,
+        scale: PositionScale,
+    ) -> Result<Self, IdentError> {
+        let regressors = Regressors::new(recording, structure, scale)?;
+        Ok(Self { regressors, limits: Limits::of(recording), structure, rows: None })
+    }
+
+    /// The best fit without a starting point: grids one after the other, then all together.
+    pub fn whole(&mut self) -> Result<Best, IdentError> {
+        let mut start = self.limits.start();
+        for term in ShapeTerm::of(&self.structure) {
+            // The delay's well is wide: it needs no grid. That of a period is narrow.
+            let count = match term {
+                ShapeTerm::Delay => continue,
+                ShapeTerm::Period => 400,
+                _ => 9,
+            };
+            let mut best = f64::INFINITY;
+            let mut chosen = start;
+            for value in self.limits.grid(term, count) {
+                let mut trial = start;
+                term.set(&mut trial, value);
+                let (matrix, force) = self.system(&trial)?;
+                let sum = Projection::new(matrix)
+                    .map(|projection| projection.rest(&force).1.norm_squared());
+                if let Some(sum) = sum.filter(|sum| *sum < best) {
+                    (best, chosen) = (sum, trial);
+                }
+            }
+            start = chosen;
+        }
+        self.from(start, &[])
+    }
+
+    /// The best fit from a starting point, with some nonlinear parameters kept at it.
+    pub fn from(&mut self, start: Shape, kept: &[ShapeTerm]) -> Result<Best, IdentError> {
+        let terms: Vec<ShapeTerm> = ShapeTerm::of(&self.structure)
+            .into_iter()
+            .filter(|term| !kept.contains(term))
+            .collect();
+        let mut shape = start;
+        if !terms.is_empty() {
+            let bounds: Vec<_> = terms.iter().map(|&term| self.limits.bound(term)).collect();
+            let from: Vec<f64> =
+                terms.iter().map(|&term| term.unknown(term.value(&start))).collect();
+            let patience = Patience { sum: 1e-8, step: 1e-5, iterations: 30, broyden: false };
+            let mut problem = Separable { search: self, terms: &terms, start };
+            let watch = &mut |_: &_| ControlFlow::Continue(());
+            if let Some(minimum) = minimise(&mut problem, &from, &bounds, &patience, watch) {
+                shape = problem.shape(&minimum.x);
+            }
+        }
+        let solution = self.solve(&shape)?;
+        Ok(Best { shape, solution })
+    }
+
+    /// The linear parameters for given nonlinear ones.
+    pub fn solve(&mut self, shape: &Shape) -> Result<Solution, IdentError> {
+        let (matrix, force) = self.system(shape)?;
+        self.solved(&matrix, &force)
+    }
+
+    fn solved(&self, matrix: &DMatrix<f64>, force: &DVector<f64>) -> Result<Solution, IdentError> {
+        least_squares::solve(matrix, force).map_err(|degenerate| {
+            let names = unknowns(&self.structure, &AxisUnits::LINEAR);
+            let columns = degenerate.columns.into_iter().filter_map(|column| names.get(column));
+            IdentError::Columns { names: columns.map(|unknown| unknown.id.to_string()).collect() }
+        })
+    }
+
+    /// Columns and force on the rows that count.
+    fn system(&mut self, shape: &Shape) -> Result<(DMatrix<f64>, DVector<f64>), IdentError> {
+        let matrix = self.regressors.matrix(shape)?;
+        let force = self.values_of(&self.regressors.force);
+        Ok((self.rows_of(matrix), force))
+    }
+
+    fn values_of(&self, column: &DVector<f64>) -> DVector<f64> {
+        match &self.rows {
+            None => column.clone(),
+            Some(rows) => DVector::from_iterator(rows.len(), rows.iter().map(|&k| column[k])),
+        }
+    }
+
+    /// The rows that count.
+    fn rows_of(&self, matrix: DMatrix<f64>) -> DMatrix<f64> {
+        match &self.rows {
+            None => matrix,
+            Some(rows) => matrix.select_rows(rows),
+        }
+    }
+
+    /// Derivative of the predicted force with respect to one nonlinear parameter, the linear ones
+    /// kept, on all rows; by central differences within the bounds.
+    fn slope(
+        &mut self,
+        shape: &Shape,
+        linear: &DVector<f64>,
+        term: ShapeTerm,
+    ) -> Result<DVector<f64>, IdentError> {
+        let value = term.value(shape);
+        let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
+        let h = 1e-4 * value.max(1e-2 * high);
+        let at = |to: f64| {
+            let mut moved = *shape;
+            term.set(&mut moved, to.clamp(low, high));
+            moved
+        };
+        self.regressors.slope(term, &at(value - h), &at(value + h), linear)
+    }
+
+    /// All parameters together, linear ones first, as a minimum of least squares.
+    pub fn linearise(&mut self, best: &Best, terms: &[ShapeTerm]) -> Result<Minimum, IdentError> {
+        let linear = best.solution.x.clone();
+        let matrix = self.regressors.matrix(&best.shape)?;
+        let (rows, columns) = matrix.shape();
+        let mut jacobian = DMatrix::zeros(rows, columns + terms.len());
+        jacobian.columns_mut(0, columns).copy_from(&-matrix);
+        let mut x = linear.as_slice().to_vec();
+        let mut held = vec![false; columns];
+        for (j, &term) in terms.iter().enumerate() {
+            let value = term.value(&best.shape);
+            let (low, high) = (term.value(&self.limits.low), term.value(&self.limits.high));
+            let slope = self.slope(&best.shape, &linear, term)?;
+            jacobian.set_column(columns + j, &-slope);
+            x.push(value);
+            held.push(value <= low * (1.0 + 1e-9) || value >= high * (1.0 - 1e-9));
+        }
+        let residuals = best.solution.residual.clone();
+        let sum = residuals.norm_squared();
+        Ok(Minimum { x, residuals, jacobian, held, sum, evaluations: 0, ending: Ending::Converged })
+    }
+}
+
+/// The residual of the linear fit as a function of the nonlinear parameters.
+struct Separable<'s, 'a> {
+    search: &'s mut Search<'a>,
+    terms: &'s [ShapeTerm],
+    start: Shape,
+}
+
+impl Separable<'_, '_> {
+    fn shape(&self, x: &[f64]) -> Shape {
+        let mut shape = self.start;
+        for (term, &value) in self.terms.iter().zip(x) {
+            term.set(&mut shape, term.natural(value));
+        }
+        shape
+    }
+}
+
+impl Residuals for Separable<'_, '_> {
+    fn len(&self) -> usize {
+        self.search.rows.as_ref().map_or(self.search.regressors.rows(), Vec::len)
+    }
+
+    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
+        let Ok((matrix, force)) = self.search.system(&self.shape(x)) else { return false };
+        let Some(projection) = Projection::new(matrix) else { return false };
+        out.copy_from_slice(projection.rest(&force).1.as_slice());
+        true
+    }
+
+    /// Kaufman's (1975): the change of the columns, projected off what the linear parameters can
+    /// follow.
+    fn jacobian(&mut self, x: &[f64], _: &[f64], jacobian: &mut DMatrix<f64>) -> bool {
+        let shape = self.shape(x);
+        let Ok((matrix, force)) = self.search.system(&shape) else { return false };
+        let Some(projection) = Projection::new(matrix) else { return false };
+        let (linear, _) = projection.rest(&force);
+        for (j, &term) in self.terms.iter().enumerate() {
+            let Ok(slope) = self.search.slope(&shape, &linear, term) else { return false };
+            let slope = self.search.values_of(&slope) * term.stretch(term.value(&shape));
+            jacobian.set_column(j, &-projection.rest(&slope).1);
+        }
+        true
+    }
+}
+
+/// Least squares by normal equations of columns scaled to unit length: quick enough to be done for
+/// every trial of the search. The final parameters come from the factorisation of the columns
+/// themselves.
+struct Projection {
+    scaled: DMatrix<f64>,
+    scale: DVector<f64>,
+    factor: nalgebra::Cholesky<f64, nalgebra::Dyn>,
+}
+
+impl Projection {
+    /// None for columns that depend on one another.
+    fn new(mut matrix: DMatrix<f64>) -> Option<Self> {
+        let scale = DVector::from_iterator(
+            matrix.ncols(),
+            matrix.column_iter().map(|column| column.norm()),
+        );
+        if scale.iter().any(|norm| *norm == 0.0) {
+            return None;
+        }
+        matrix.column_iter_mut().zip(scale.iter()).for_each(|(mut column, norm)| column /= *norm);
+        let factor = finite(matrix.tr_mul(&matrix))?.cholesky()?;
+        Some(Self { scaled: matrix, scale, factor })
+    }
+
+    /// The linear parameters for `y` and what they leave of it.
+    fn rest(&self, y: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let weights = self.factor.solve(&self.scaled.tr_mul(y));
+        let rest = y - &self.scaled * &weights;
+        (weights.component_div(&self.scale), rest)
+    }
+}
