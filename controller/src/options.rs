@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AccelerationFeedback, ControlMode, ControllerParameters, DerivativeOn, Dither, GuardOptions,
-    Impulse, PidGains, PlantInverse, VelocityLaw,
+    AccelerationFeedback, ControlMode, DerivativeOn, Dither, GuardOptions, Impulse, PidGains,
+    PlantInverse, VelocityLaw,
 };
 
 /// Friction compensation: the observer's estimate, as volts, added to the command.
@@ -62,12 +62,4 @@ pub struct ControllerOptions {
     pub fade: f64,
     /// Largest magnitude of the command \[V\].
     pub voltage_limit: f64,
-}
-
-impl Default for ControllerOptions {
-    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded,
-    /// no plant inverse, no additions, +-6 V.
-    fn default() -> Self {
-        ControllerParameters::default().unchecked()
-    }
 }

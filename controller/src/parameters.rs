@@ -196,6 +196,14 @@ impl ControllerParameters {
     }
 }
 
+impl Default for ControllerOptions {
+    /// The thesis's gains at 1 kHz on the SRV-02, compensation physical, switched on and guarded,
+    /// no plant inverse, no additions, +-6 V.
+    fn default() -> Self {
+        ControllerParameters::default().unchecked()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

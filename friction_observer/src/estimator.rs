@@ -1,59 +1,10 @@
 //! The whole estimator: which velocity, which technique, which model.
 
 use friction_model::{AnyModel, ModelName, TimeStep};
-use serde::{Deserialize, Serialize};
 
 use crate::change::Change;
-use crate::error::within;
 use crate::running::{Adapted, Running};
-use crate::{Estimate, NominalDrive, ObserverError, Seen, Technique, VelocitySource};
-
-/// Everything an estimator is made of, but for its friction model.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EstimatorOptions {
-    /// Where the estimate comes from.
-    pub technique: Technique,
-    /// Error injection gain k of the observer on the measured velocity: `-k e` in each state's
-    /// derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without such an
-    /// observer ignore it.
-    pub injection: f64,
-    /// Which velocity the estimator believes.
-    #[serde(default)]
-    pub velocity: VelocitySource,
-    /// Whether the velocity controller is given the estimator's velocity too, in place of the
-    /// tachometer's.
-    #[serde(default)]
-    pub feeds_controller: bool,
-    /// What is believed of the drive.
-    pub drive: NominalDrive,
-}
-
-impl Default for EstimatorOptions {
-    /// The observer on the velocity of the tachometer, without error injection, on the SRV-02.
-    fn default() -> Self {
-        Self {
-            technique: Technique::default(),
-            injection: 0.0,
-            velocity: VelocitySource::default(),
-            feeds_controller: false,
-            drive: NominalDrive::SRV02,
-        }
-    }
-}
-
-impl EstimatorOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ObserverError`] names the option that is out of range.
-    pub fn check(&self) -> Result<(), ObserverError> {
-        self.technique.check()?;
-        within("injection", self.injection, -1e3..=1e3, "from -1e3 to 1e3")?;
-        self.velocity.check()?;
-        Ok(self.drive.check()?)
-    }
-}
+use crate::{Estimate, EstimatorOptions, ObserverError, Seen};
 
 /// An estimator running at a fixed period.
 #[derive(Debug, Clone)]

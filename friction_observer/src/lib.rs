@@ -20,6 +20,7 @@ pub mod messages;
 #[cfg(feature = "ros")]
 pub mod node;
 mod observer;
+mod options;
 pub mod parameters;
 mod rbf;
 mod running;
@@ -32,8 +33,9 @@ pub use drive::NominalDrive;
 pub use drive_inverse::DriveInverse;
 pub use error::ObserverError;
 pub use estimate::{Estimate, Source};
-pub use estimator::{EstimatorOptions, FrictionEstimator};
+pub use estimator::FrictionEstimator;
 pub use observer::FrictionObserver;
+pub use options::EstimatorOptions;
 pub use rbf::{RbfCompensator, RbfOptions};
 pub use running::Adapted;
 pub use seen::Seen;

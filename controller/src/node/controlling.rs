@@ -28,9 +28,10 @@ use ros_node::{
 
 use super::{
     declarations,
+    friction::Friction,
     parameters::ControlSettings,
     plausible,
-    step::{self, Control, Decided, Friction, Inputs, Joint, Order},
+    step::{self, Control, Decided, Inputs, Joint, Order},
 };
 use crate::{Controller, Reference, messages};
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use ros_node::stamps::{Answers, Given};
 
-use super::step::Friction;
+use super::friction::Friction;
 
 /// Estimates that wait for their joint state at most: the two come on different ways.
 const WAITING: usize = 64;

@@ -7,6 +7,7 @@
 
 mod controlling;
 mod estimates;
+mod friction;
 #[cfg(test)]
 mod hostile;
 mod parameters;
@@ -16,6 +17,7 @@ mod reference;
 mod step;
 
 pub use controlling::{Inner, ManagedController, run};
+pub use friction::Friction;
 pub use parameters::declarations;
 pub use program::program;
-pub use step::{Control, Decided, Friction, Joint};
+pub use step::{Control, Decided, Joint};

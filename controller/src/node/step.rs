@@ -11,7 +11,10 @@ use std::{
 
 use ros_node::queue::{Receiver, Sender, Waker};
 
-use super::{estimates::Estimates, parameters::ControlSettings, reference::ReferenceKeeper};
+use super::{
+    estimates::Estimates, friction::Friction, parameters::ControlSettings,
+    reference::ReferenceKeeper,
+};
 use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedback, Reference};
 
 /// Time without joint states after which the loop begins anew [s]: the rig driver takes that of
@@ -32,15 +35,6 @@ pub struct Joint {
     pub velocity: f64,
     /// Number of the measurement, where it is known: one that comes twice is found by it.
     pub cycle: Option<u64>,
-}
-
-/// One friction estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Friction {
-    /// Time of the measurement behind it \[ns since the epoch\]; zero for none.
-    pub stamp_ns: u64,
-    /// Estimated friction torque \[N m\].
-    pub torque: f64,
 }
 
 /// What people ask of it, taken at the beginning of a cycle.

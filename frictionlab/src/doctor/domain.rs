@@ -9,10 +9,11 @@ use std::{
 
 use msgs::{diagnostic_msgs::DiagnosticStatus, topics};
 use ros_node::{
-    Arguments, Discovery, Participant, RosNodeError, SeenNode, Stop,
-    lifecycle::RemoteLifecycle,
-    security::{Other, Prefix},
+    Arguments, Discovery, Participant, RosNodeError, SeenNode, Stop, lifecycle::RemoteLifecycle,
 };
+
+use super::heard::{Heard, is_ours};
+use super::security;
 
 /// Time in which everybody is found: a participant of Fast DDS that was there first takes 1.2 s.
 const DISCOVERY: Duration = Duration::from_secs(3);
@@ -21,55 +22,13 @@ const ANSWER: Duration = Duration::from_secs(2);
 /// Time for three reports of a node's health, which come once a second.
 const HEALTH: Duration = Duration::from_millis(3500);
 
-/// What was heard on a domain.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Heard {
-    /// The other nodes.
-    pub(super) nodes: Vec<SeenNode>,
-    /// Lifecycle states of the laboratory's nodes that say nothing of their health, by full name.
-    pub(super) states: BTreeMap<String, &'static str>,
-    /// Whether the doctor itself is secured.
-    pub(super) secured: bool,
-    /// The other participants, if it is.
-    pub(super) participants: BTreeMap<Prefix, Other>,
-    /// What each component said of itself, in order; by its name in `/diagnostics`.
-    pub(super) health: BTreeMap<String, Vec<DiagnosticStatus>>,
-}
-
-impl Heard {
-    /// The laboratory's nodes of which nothing was heard.
-    fn silent(&self) -> Vec<String> {
-        let ours = self
-            .nodes
-            .iter()
-            .map(|node| node.name.clone())
-            .filter(|name| super::participants::is_ours(name));
-        let mut silent: Vec<String> = ours.filter(|name| self.said_by(name).is_none()).collect();
-        silent.dedup();
-        silent
-    }
-
-    /// The last and worst thing that a node said of itself.
-    pub(super) fn said_by(&self, name: &str) -> Option<&DiagnosticStatus> {
-        self.health
-            .iter()
-            .filter(|(component, _)| {
-                super::participants::node_of(component) == name.trim_start_matches('/')
-            })
-            .filter_map(|(_, statuses)| statuses.last())
-            .max_by_key(|status| status.level)
-    }
-}
-
 /// Joins, listens and leaves.
 ///
 /// # Errors
 /// [`RosNodeError`] if the network cannot be joined.
 pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNodeError> {
-    let participant = Participant::join_with(
-        discovery,
-        Arguments::default().or_enclave(super::security::ENCLAVE),
-    )?;
+    let participant =
+        Participant::join_with(discovery, Arguments::default().or_enclave(security::ENCLAVE))?;
     // In the clear everybody is seen, also those that a secured participant is not told of.
     let secured = participant.enclave().is_some();
     let scout = if secured {
@@ -94,8 +53,7 @@ pub(super) fn listen(discovery: &Discovery, stop: &Stop) -> Result<Heard, RosNod
     let others = || graph.nodes().into_iter().filter(|seen| seen.name != own).collect::<Vec<_>>();
     let mut interrupted = stop.wait(DISCOVERY);
     // Only the laboratory's nodes tell their health.
-    let reporting =
-        |nodes: &[SeenNode]| nodes.iter().any(|node| super::participants::is_ours(&node.name));
+    let reporting = |nodes: &[SeenNode]| nodes.iter().any(|node| is_ours(&node.name));
     if !interrupted && reporting(&others()) {
         let began = Instant::now();
         while !interrupted && began.elapsed() < HEALTH {

@@ -6,8 +6,8 @@ use msgs::diagnostic_msgs::DiagnosticStatus;
 
 use super::{
     Finding,
-    domain::Heard,
-    participants::{node_of, value},
+    heard::{Heard, node_of},
+    participants::value,
 };
 
 /// Age of a command at the 99th percentile that is worth a look [us]: a quarter of what counts by

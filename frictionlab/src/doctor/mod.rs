@@ -14,6 +14,7 @@
 mod clock;
 mod domain;
 mod finding;
+mod heard;
 mod loop_timing;
 mod network;
 mod participants;

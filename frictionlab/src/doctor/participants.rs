@@ -4,15 +4,8 @@ use std::collections::BTreeMap;
 
 use msgs::diagnostic_msgs::DiagnosticStatus;
 
-use super::{Finding, domain::Heard};
-
-/// Names of the laboratory's nodes.
-const OURS: [&str; 4] = ["rig_driver", "friction_observer", "controller", "experiment_runner"];
-
-/// Whether a node, by its full name, has the name of one of the laboratory's.
-pub(super) fn is_ours(name: &str) -> bool {
-    name.rsplit('/').next().is_some_and(|last| OURS.contains(&last))
-}
+use super::Finding;
+use super::heard::{Heard, is_ours};
 
 /// Findings about the graph of a domain.
 pub(super) fn check(heard: &Heard) -> Vec<Finding> {
@@ -86,11 +79,6 @@ fn state(name: &str, heard: &Heard) -> Finding {
             ),
         ),
     }
-}
-
-/// The node of a component as `/diagnostics` names it: what stands before the colon.
-pub(super) fn node_of(component: &str) -> &str {
-    component.split(':').next().unwrap_or(component).trim().trim_start_matches('/')
 }
 
 /// A value of a report.

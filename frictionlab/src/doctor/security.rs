@@ -5,7 +5,7 @@ use ros_node::{
     security::{BUILT, Protection, Standing, Strategy, Wish},
 };
 
-use super::{Finding, domain::Heard};
+use super::{Finding, heard::Heard};
 
 /// The enclave as which the doctor listens, unless the environment names another.
 pub(super) const ENCLAVE: &str = "/viewer";

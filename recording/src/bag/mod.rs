@@ -26,6 +26,7 @@
 mod error;
 mod guard;
 mod metadata;
+mod options;
 mod output;
 mod reader;
 mod recover;
@@ -40,8 +41,9 @@ mod tests;
 mod writer;
 
 pub use error::BagError;
+pub use options::{BagOptions, BagSummary, Compression};
 pub use reader::{BagReader, TopicInfo};
 pub use recover::{Recovery, cut_bags, is_cut, recover};
 pub use remove::remove;
 pub use table::{Table, table};
-pub use writer::{BagOptions, BagSummary, BagWriter, Compression, TopicHandle};
+pub use writer::{BagWriter, TopicHandle};

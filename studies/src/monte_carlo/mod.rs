@@ -10,6 +10,7 @@
 //! * [`page`], [`terminal`]: what a person sees of it.
 
 pub mod errors;
+mod options;
 pub mod page;
 pub mod ranking;
 pub mod study;
@@ -19,6 +20,7 @@ pub mod trial;
 pub mod worth;
 
 pub use errors::{BeliefErrors, Sharing};
-pub use study::{Cell, Setting, Study, StudyError, StudyOptions};
+pub use options::{Setting, StudyError, StudyOptions, bench};
+pub use study::{Cell, Study};
 pub use task::Task;
 pub use trial::Trial;

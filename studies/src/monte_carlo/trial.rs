@@ -5,8 +5,7 @@ use std::time::Instant;
 use friction_model::{AnyModel, ModelName, ViscousParameters};
 use serde::Serialize;
 
-use super::study::bench;
-use super::{StudyError, StudyOptions, Task};
+use super::{StudyError, StudyOptions, Task, bench};
 use experiment_runner::compensation::Arm;
 use experiment_runner::test_bed::TestBed;
 use experiment_runner::tracking::{TrackingJob, TrackingRun};
