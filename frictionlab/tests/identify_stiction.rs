@@ -1,31 +1,13 @@
 //! `frictionlab identify-stiction` on two recordings of one rotary pendulum: what one says the
 //! other must confirm.
 //!
-//! The recordings are not part of the project. The test looks for them in `$FRICTION_DATA` and
-//! beside the checkout, and says so where it finds none. No friction of this axis is published: the
+//! The recordings are not part of the project. They are looked for in `$FRICTION_DATA` and
+//! beside the checkout. No friction of this axis is published: the
 //! test holds the two recordings against each other.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
-
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let folders = std::env::var_os("FRICTION_DATA").map(PathBuf::from).into_iter().chain([beside]);
-    let found = folders
-        .map(|folder| folder.join("qube_servo"))
-        .find(|folder| folder.join("episode_1.csv").is_file());
-    if found.is_none() {
-        // Straight to the stream: the test harness would swallow eprintln.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED: no qube_servo/episode_1.csv in $FRICTION_DATA or ../shared/data"
-        );
-    }
-    found
-}
 
 /// Value and half the interval.
 fn estimate(of: &Value, name: &str) -> (f64, f64) {
@@ -38,9 +20,10 @@ fn estimate(of: &Value, name: &str) -> (f64, f64) {
     (value, (high - low) / 2.0)
 }
 
+#[tests::needs(qube_servo)]
 #[test]
 fn two_recordings_of_one_axis_agree_within_their_intervals() {
-    let Some(data) = data() else { return };
+    let data = tests::shared_data().join("qube_servo");
     let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_frictionlab"))
         .current_dir(folder.path())

@@ -54,9 +54,10 @@ impl RosService for CutRequest {
     type Response = ChangeStateResponse;
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn with_a_full_pipe_at_standard_error_the_driver_stops_and_ends() {
-    let Some(command) = namespaced() else { return };
+    let command = namespaced();
     let told = run_ignored(command, "attack", &[]);
     for line in told.lines().filter(|line| line.starts_with("blocked:")) {
         eprintln!("{line}");

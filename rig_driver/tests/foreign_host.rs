@@ -130,10 +130,11 @@ fn replay_from_there(packets: &[Packet], said_to: Prefix, to: Prefix) {
     run_ignored(command, "replay", &[]);
 }
 
+#[tests::needs(machines)]
 #[test]
 fn packets_recorded_here_and_sent_from_another_machine_are_obeyed_by_nobody_who_keeps_to_this_machine()
  {
-    let Some(command) = two_machines(ORDINARY_MTU) else { return };
+    let command = two_machines(ORDINARY_MTU);
     let folder = tempfile::tempdir().unwrap();
     let told =
         run_ignored(command, "attack", &[(CAUGHT, folder.path().join("caught").as_os_str())]);

@@ -33,6 +33,7 @@ use ros_node::{
     },
 };
 use socket2::{Domain, Protocol, Socket, Type};
+use tests::network::namespaced;
 
 /// Set where a test runs itself in a namespace: the folder it works in.
 const INSIDE: &str = "FRICTION_SECURITY_INSIDE";
@@ -42,33 +43,14 @@ const DAY: i64 = 86_400;
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Time that each stranger has.
 const SECONDS: &str = "8";
-/// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
-
-fn skip(why: &str) {
-    println!("SKIPPED: {why}");
-}
-
 /// Runs a test of this file once more, in a network of its own, with a keystore and the compiled
 /// peer.
 fn in_a_network_of_its_own(test: &str) {
-    let network = |program: &Path| {
-        let mut command = Command::new("unshare");
-        command.args(["-r", "-n", "bash", "-c", LOOPBACK_ONLY, "--"]).arg(program);
-        command
-    };
-    let granted = network(Path::new("true")).stderr(Stdio::null()).status();
-    if !granted.is_ok_and(|status| status.success()) {
-        return skip(
-            "no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces",
-        );
-    }
     let folder = tempfile::tempdir().expect("a folder");
-    if let Err(why) = compile(folder.path()) {
-        return skip(&format!("no peer of another vendor: {why}"));
-    }
+    compile(folder.path());
     keystores(folder.path());
-    let output = network(&env::current_exe().expect("a test knows its program"))
+    let output = namespaced()
+        .arg(env::current_exe().expect("a test knows its program"))
         .args(["--exact", test, "--nocapture"])
         .env(INSIDE, folder.path())
         .env("ROS_DOMAIN_ID", DOMAIN.to_string())
@@ -84,7 +66,7 @@ fn in_a_network_of_its_own(test: &str) {
     assert!(said.contains("1 passed"), "{said}");
 }
 
-fn compile(folder: &Path) -> Result<(), String> {
+fn compile(folder: &Path) {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/security/peer.cpp");
     let output = Command::new("g++")
         .args(["-std=c++17", "-O1", "-o"])
@@ -92,16 +74,8 @@ fn compile(folder: &Path) -> Result<(), String> {
         .arg(source)
         .args(["-lfastrtps", "-lfastcdr"])
         .output()
-        .map_err(|error| format!("g++ does not start: {error}"))?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    // Only a missing library is a reason to skip.
-    let missing = said.contains("fastdds/dds/domain/DomainParticipant.hpp: No such file");
-    assert!(output.status.success() || missing, "{said}");
-    if missing {
-        Err("apt-get install g++ libfastrtps-dev libfastcdr-dev".to_owned())
-    } else {
-        Ok(())
-    }
+        .expect("g++ starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
 /// The laboratory's keystore, one of strangers, and enclaves of cheats.
@@ -248,6 +222,7 @@ impl Sniffer {
     }
 }
 
+#[tests::needs(namespace, fast_dds)]
 #[test]
 fn the_controllers_enclave_drives_a_secured_rig_and_nothing_travels_in_the_clear() {
     let Some(folder) = env::var_os(INSIDE).map(PathBuf::from) else {
@@ -286,6 +261,7 @@ fn the_controllers_enclave_drives_a_secured_rig_and_nothing_travels_in_the_clear
 
 /// What the test above says of the sniffer, the other way round: in the clear it reads the name of
 /// the joint.
+#[tests::needs(namespace, fast_dds)]
 #[test]
 fn in_the_clear_the_same_line_can_be_read() {
     if env::var_os(INSIDE).is_none() {
@@ -306,6 +282,7 @@ fn in_the_clear_the_same_line_can_be_read() {
     assert!(sniffer.end().1);
 }
 
+#[tests::needs(namespace, fast_dds)]
 #[test]
 fn strangers_get_and_move_nothing() {
     let Some(folder) = env::var_os(INSIDE).map(PathBuf::from) else {

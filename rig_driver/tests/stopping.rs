@@ -28,16 +28,15 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Runs a test of this file that is ignored elsewhere in a network namespace of its own. Where the
 /// system grants none, it is left out.
 fn alone(test: &str) {
-    if let Some(command) = namespaced() {
-        run_ignored(
-            command,
-            test,
-            &[
-                ("ROS_DOMAIN_ID", "41".as_ref()),
-                ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST".as_ref()),
-            ],
-        );
-    }
+    let command = namespaced();
+    run_ignored(
+        command,
+        test,
+        &[
+            ("ROS_DOMAIN_ID", "41".as_ref()),
+            ("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST".as_ref()),
+        ],
+    );
 }
 
 /// What a test knows of the rig, and does to it.
@@ -147,6 +146,7 @@ impl Bench {
     }
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn a_stop_while_the_node_configures_holds() {
     alone("stop_while_configuring");
@@ -182,6 +182,7 @@ fn stop_while_configuring() {
     assert!(trigger(&session.clear).success);
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn a_stop_goes_to_the_back_end_and_holds_until_it_is_cleared() {
     alone("stop_while_active");
@@ -209,6 +210,7 @@ fn stop_while_active() {
     assert_eq!(session.lifecycle.phase(PATIENCE).unwrap(), Phase::Unconfigured);
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn an_activation_that_was_given_up_is_never_done() {
     alone("late_activation");

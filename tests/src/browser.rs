@@ -48,16 +48,12 @@ pub struct DrawnFigure {
 }
 
 impl Browser {
-    /// Chromium or Chrome, if one is installed: `$CHROMIUM`, or a usual name in the `PATH`.
-    pub fn find() -> Option<Browser> {
-        let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
-        let usual = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-        let path = std::env::var_os("PATH").unwrap_or_default();
-        named
-            .into_iter()
-            .chain(std::env::split_paths(&path).flat_map(|dir| usual.map(|name| dir.join(name))))
-            .find(|program| program.is_file())
-            .map(|program| Browser { program })
+    /// Chromium or Chrome: `$CHROMIUM`, or a usual name in the `PATH`.
+    ///
+    /// # Panics
+    /// Where none is installed: the test says what it needs by [`needs`](macro@crate::needs).
+    pub fn installed() -> Browser {
+        Browser { program: machine::chromium().expect("a browser") }
     }
 
     /// Loads a copy of `html`, waits until its figures stand, then evaluates `probe`, the body of

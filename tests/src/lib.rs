@@ -16,6 +16,8 @@ pub mod python;
 pub mod readers;
 pub mod wire;
 
+pub use needs::needs;
+
 /// The built `frictionlab`, ready for arguments.
 ///
 /// `$FRICTIONLAB_BIN` names it where it is set. Under cargo it is brought up to date first (in the
@@ -89,6 +91,11 @@ fn program(found: &OnceLock<PathBuf>, variable: &str, package: &str, name: &str)
     }))
 }
 
+/// The target folder that the running test was built in.
+fn target_folder() -> PathBuf {
+    profile_folder().parent().expect("a profile folder lies in the target folder").to_owned()
+}
+
 /// Folder of the profile that the running test was built in, such as `target/debug`.
 fn profile_folder() -> PathBuf {
     let test = std::env::current_exe().expect("a running test knows its own file");
@@ -122,24 +129,27 @@ pub fn checkout() -> &'static Path {
 }
 
 /// The folder of recordings that are not part of the project: `$FRICTION_DATA`, or `../shared/data`
-/// beside the checkout; `None` where there is none, and the test should [`skip`].
+/// beside the checkout.
 ///
 /// # Panics
-/// When `$FRICTION_DATA` is set but no folder, because skipping then would hide a slip.
-pub fn shared_data() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("FRICTION_DATA") {
-        let named = PathBuf::from(named);
-        assert!(named.is_dir(), "FRICTION_DATA is {}, which is no folder", named.display());
-        return Some(named);
-    }
-    Some(checkout().parent()?.join("shared").join("data")).filter(|folder| folder.is_dir())
+/// Where there is none: the test says what it needs by [`needs`](macro@needs).
+pub fn shared_data() -> PathBuf {
+    machine::recordings().expect("a test of recordings says that it needs them")
 }
 
-/// Says on standard error, past libtest's capture, that the running test does not test anything,
-/// and why.
-pub fn skip(reason: &str) {
+/// Says on standard error, past libtest's capture, that the running test left a part out, and why:
+/// the machine was too busy, or one command of many reads what is not here. `cargo xtask test`
+/// counts the parts at its end.
+///
+/// Whoever calls this has asserted what load cannot change. What cannot run at all is not begun:
+/// [`needs`](macro@needs).
+pub fn leave_out(reason: &str) {
     let current = std::thread::current();
-    let test = current.name().unwrap_or("a test");
+    let line = format!("LEFT OUT of {}: {reason}\n", current.name().unwrap_or("a test"));
     // Nothing is lost if nobody listens.
-    let _ = writeln!(std::io::stderr(), "SKIPPED {test}: {reason}");
+    let _ = std::io::stderr().write_all(line.as_bytes());
+    if let Some(file) = std::env::var_os("FRICTION_LEFT_OUT") {
+        let list = std::fs::OpenOptions::new().append(true).create(true).open(file);
+        let _ = list.and_then(|mut list| list.write_all(line.as_bytes()));
+    }
 }

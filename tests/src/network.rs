@@ -8,38 +8,25 @@ use serde_json::Value;
 
 use crate::python::{self, Distribution};
 
-/// Brings loopback up with multicast, then becomes the command.
-const LOOPBACK_ONLY: &str = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo && exec \"$@\"";
-
 /// A command in a network namespace of its own, so that nothing leaves this machine and nothing
-/// else is heard; `None` where the system grants none.
-pub fn namespaced() -> Option<Command> {
-    for flags in [&["-n"][..], &["-r", "-n"]] {
-        let mut command = Command::new("unshare");
-        command.args(flags).args(["bash", "-c", LOOPBACK_ONLY, "--"]);
-        let probe = Command::new("unshare")
-            .args(flags)
-            .args(["bash", "-c", LOOPBACK_ONLY, "--", "true"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
-        if probe.is_ok_and(|status| status.success()) {
-            return Some(command);
-        }
-    }
-    crate::skip(
-        "no network namespace (`unshare -n` with `ip`); run as root or allow user namespaces",
-    );
-    None
+/// else is heard.
+///
+/// # Panics
+/// Where the system grants none: the test says what it needs by [`needs`](macro@crate::needs).
+pub fn namespaced() -> Command {
+    let flags = machine::namespace_flags().expect("a network namespace");
+    let mut command = Command::new("unshare");
+    command.args(flags).args(["bash", "-c", machine::LOOPBACK_ONLY, "--"]);
+    command
 }
 
 /// Runs a script of `tests/python/` with the real rclpy in a namespace of its own, and reads the
-/// JSON it prints; `None` where either cannot be had. The nodes' programs are given to it as the
-/// folder in which they lie.
+/// JSON it prints. The nodes' programs are given to it as the folder in which they lie.
 ///
 /// # Panics
-/// When the script fails or prints something else; the message carries what it said.
-pub fn session(script: &str, arguments: &[&str]) -> Option<Value> {
+/// When either cannot be had, or the script fails or prints something else; the message carries
+/// what it said.
+pub fn session(script: &str, arguments: &[&str]) -> Value {
     session_at(Place::Loopback, Distribution::Kilted, script, arguments)
 }
 
@@ -52,15 +39,15 @@ pub fn session_at(
     distribution: Distribution,
     script: &str,
     arguments: &[&str],
-) -> Option<Value> {
+) -> Value {
     // Six nodes at 1 kHz are enough for one machine: one session after the other.
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let python = python::interpreter_of(distribution)?;
-    let mut command = place.command()?;
+    let python = python::interpreter_of(distribution);
+    let mut command = place.command();
     command.arg(&python).arg(python::script(script)).arg(crate::node_programs()).args(arguments);
     command.env("ROS_DOMAIN_ID", "74");
-    Some(report(command).0)
+    report(command).0
 }
 
 /// Runs a session: the JSON that it prints, and what it says on standard error.
@@ -78,14 +65,13 @@ pub fn report(mut command: Command) -> (Value, String) {
     (report, told)
 }
 
-/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints;
-/// `None` where it cannot be had.
+/// Gives `cases` to a script of `tests/python/` with the real rclpy and reads the JSON it prints.
 ///
 /// # Panics
-/// When the script fails or prints something else; the message carries what it said.
-pub fn peer(script: &str, cases: &Value) -> Option<Value> {
-    let python = python::interpreter("rclpy")?;
-    let mut command = namespaced()?;
+/// As [`session`].
+pub fn peer(script: &str, cases: &Value) -> Value {
+    let python = python::interpreter("rclpy");
+    let mut command = namespaced();
     let logs = tempfile::tempdir().expect("a folder");
     let mut running = command
         .arg(&python)
@@ -103,10 +89,8 @@ pub fn peer(script: &str, cases: &Value) -> Option<Value> {
     let output = running.wait_with_output().expect("it ends");
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{script}: {told}");
-    Some(
-        serde_json::from_slice(&output.stdout)
-            .unwrap_or_else(|error| panic!("{script}: {error}\n{told}")),
-    )
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|error| panic!("{script}: {error}\n{told}"))
 }
 
 /// MTU of an ordinary network card [bytes].
@@ -138,14 +122,16 @@ export OTHER_MACHINE=$other THIS_MACHINE=$$
 const SHORT_QUEUE: &str = "tbf rate 50mbit burst 10kb limit 20kb";
 
 /// A command on a machine with another one on its network, whose cards take packets of `mtu` bytes:
-/// `$OTHER_MACHINE` is a process there, for `nsenter -t $OTHER_MACHINE -n`. `None` where the system
-/// grants no such thing.
-pub fn two_machines(mtu: u16) -> Option<Command> {
+/// `$OTHER_MACHINE` is a process there, for `nsenter -t $OTHER_MACHINE -n`.
+///
+/// # Panics
+/// Where the system grants no such thing.
+pub fn two_machines(mtu: u16) -> Command {
     machines(mtu, "")
 }
 
-fn machines(mtu: u16, queue: &str) -> Option<Command> {
-    for flags in [&["-n"][..], &["-r", "-n"]] {
+fn machines(mtu: u16, queue: &str) -> Command {
+    for flags in machine::NAMESPACE_FLAGS {
         let command = || {
             let mut command = Command::new("unshare");
             command.args(flags).args(["bash", "-c", TWO_MACHINES, "--", &mtu.to_string(), queue]);
@@ -153,13 +139,10 @@ fn machines(mtu: u16, queue: &str) -> Option<Command> {
         };
         let probe = command().arg("true").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if probe.is_ok_and(|status| status.success()) {
-            return Some(command());
+            return command();
         }
     }
-    crate::skip(
-        "no two network namespaces (`unshare -n`, `ip link add type veth`, `nsenter`, `tc`); run as root",
-    );
-    None
+    panic!("no two network namespaces");
 }
 
 /// Where the laboratory's programs run, and where the script runs that asks them.
@@ -197,13 +180,16 @@ impl Place {
         ]
     }
 
-    /// A command there, for the script; `None` where the system grants no such place.
-    pub fn command(self) -> Option<Command> {
+    /// A command there, for the script.
+    ///
+    /// # Panics
+    /// Where the system grants no such place.
+    pub fn command(self) -> Command {
         let mut command = match self {
-            Self::Loopback => namespaced()?,
-            Self::OnePc | Self::OnePcOnItsNetwork => two_machines(ORDINARY_MTU)?,
-            Self::TwoPcs(mtu) => two_machines(mtu)?,
-            Self::CrowdedNetwork => machines(ORDINARY_MTU, SHORT_QUEUE)?,
+            Self::Loopback => namespaced(),
+            Self::OnePc | Self::OnePcOnItsNetwork => two_machines(ORDINARY_MTU),
+            Self::TwoPcs(mtu) => two_machines(mtu),
+            Self::CrowdedNetwork => machines(ORDINARY_MTU, SHORT_QUEUE),
         };
         if matches!(self, Self::TwoPcs(_) | Self::CrowdedNetwork) {
             // `processes.py` starts the programs where $PROGRAMS_MACHINE is.
@@ -213,7 +199,7 @@ impl Place {
         let keep_to_it = matches!(self, Self::Loopback | Self::OnePc);
         command
             .env("ROS_AUTOMATIC_DISCOVERY_RANGE", if keep_to_it { "LOCALHOST" } else { "SUBNET" });
-        Some(command)
+        command
     }
 }
 

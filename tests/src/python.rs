@@ -1,6 +1,5 @@
 //! The Python environment that `cargo xtask python-env` makes.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -27,56 +26,41 @@ impl Distribution {
     }
 }
 
-/// The interpreter with a distribution's rclpy; otherwise says so and the test should end.
-/// `$FRICTION_PYTHON_ENV` and `$FRICTION_PYTHON_ENV_JAZZY` name environments elsewhere.
-pub fn interpreter_of(distribution: Distribution) -> Option<PathBuf> {
+/// The interpreter with a distribution's rclpy. `$FRICTION_PYTHON_ENV` and
+/// `$FRICTION_PYTHON_ENV_JAZZY` name environments elsewhere.
+///
+/// # Panics
+/// As [`interpreter`].
+pub fn interpreter_of(distribution: Distribution) -> PathBuf {
     match distribution {
         Distribution::Kilted => interpreter("rclpy"),
-        Distribution::Jazzy => {
-            let made_by = "cargo xtask python-env --distribution jazzy";
-            interpreter_in("FRICTION_PYTHON_ENV_JAZZY", "python-jazzy", "rclpy", made_by)
-        }
+        Distribution::Jazzy => interpreter_in("FRICTION_PYTHON_ENV_JAZZY", "python-jazzy", "rclpy"),
     }
 }
 
-/// The environment's interpreter, where the part of that name (`bag_tools`, `rclpy`, `colcon`) is
-/// ready; otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` names an environment
-/// elsewhere.
-pub fn interpreter(half: &str) -> Option<PathBuf> {
-    interpreter_in("FRICTION_PYTHON_ENV", "python", half, "cargo xtask python-env")
+/// The environment's interpreter with the part of that name: `bag_tools`, `rclpy` or `colcon`.
+/// `$FRICTION_PYTHON_ENV` names an environment elsewhere.
+///
+/// # Panics
+/// Where it is not ready: the test says what it needs by [`needs`](macro@crate::needs).
+pub fn interpreter(part: &str) -> PathBuf {
+    interpreter_in("FRICTION_PYTHON_ENV", "python", part)
 }
 
-fn interpreter_in(variable: &str, beside: &str, half: &str, made_by: &str) -> Option<PathBuf> {
-    let folder = match std::env::var_os(variable) {
-        Some(named) => PathBuf::from(named),
-        None => crate::profile_folder().parent()?.join(beside),
-    };
-    let python = folder.join("bin/python");
-    if python.is_file() && folder.join(format!("{half}.stamp")).is_file() {
-        return Some(python);
-    }
-    crate::skip(&format!("no Python with {half} in {}; `{made_by}` makes it", folder.display()));
-    None
+fn interpreter_in(variable: &str, beside: &str, part: &str) -> PathBuf {
+    let folder = machine::environment(&crate::target_folder(), variable, beside);
+    let (python, stamp) = (folder.join("bin/python"), folder.join(format!("{part}.stamp")));
+    assert!(python.is_file() && stamp.is_file(), "no Python with {part} in {}", folder.display());
+    python
 }
 
-/// The interpreter of an environment of its own with a peer, as `cyclone`, where it is ready;
-/// otherwise says so and the test should end. `$FRICTION_PYTHON_ENV` names the main environment; a
-/// peer's stands beside it.
-pub fn peer(name: &str) -> Option<PathBuf> {
-    let main = match std::env::var_os("FRICTION_PYTHON_ENV") {
-        Some(named) => PathBuf::from(named),
-        None => crate::profile_folder().parent()?.join("python"),
-    };
-    let folder = main.with_file_name(format!("python-{name}"));
-    let python = folder.join("bin/python");
-    if python.is_file() && folder.join(format!("{name}.stamp")).is_file() {
-        return Some(python);
-    }
-    crate::skip(&format!(
-        "no Python with {name} in {}; `cargo xtask python-env` makes it",
-        folder.display()
-    ));
-    None
+/// The interpreter of an environment of its own with a peer on Cyclone DDS.
+/// `$FRICTION_PYTHON_ENV_CYCLONE` names one elsewhere.
+///
+/// # Panics
+/// As [`interpreter`].
+pub fn cyclone() -> PathBuf {
+    interpreter_in("FRICTION_PYTHON_ENV_CYCLONE", "python-cyclone", "cyclone")
 }
 
 /// A script of `tests/python/`.
@@ -95,8 +79,8 @@ pub fn json(python: &Path, name: &str, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("the script prints JSON")
 }
 
-/// Runs pytest in a folder, behind `command` (`env`, or what makes a network namespace), and passes
-/// on what it skipped as lines that begin with SKIPPED.
+/// Runs pytest in a folder, behind `command` (`env`, or what makes a network namespace), and tells
+/// what it left out.
 ///
 /// # Panics
 /// When a test fails; the message carries what pytest said.
@@ -112,11 +96,6 @@ pub fn pytest(mut command: Command, python: &Path, folder: &Path, arguments: &[&
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{said}\n{}", String::from_utf8_lossy(&output.stderr));
     for line in said.lines().filter(|line| line.starts_with("SKIPPED")) {
-        // Past libtest's capture, as `skip` does; nothing is lost if nobody listens.
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED pytest: {}",
-            line.trim_start_matches("SKIPPED").trim()
-        );
+        crate::leave_out(&format!("pytest: {}", line.trim_start_matches("SKIPPED").trim()));
     }
 }

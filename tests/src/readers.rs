@@ -17,19 +17,18 @@ pub struct LoopAndReaders<'a> {
     pub readers: &'a [&'a str],
 }
 
-/// What a reader of rclpy that keeps up hears of a loop beside others that do not; `None` where two
-/// machines or rclpy cannot be had.
+/// What a reader of rclpy that keeps up hears of a loop beside others that do not.
 ///
 /// # Panics
-/// When the session fails; the message carries what it said.
-pub fn beside_readers(what: &LoopAndReaders<'_>) -> Option<Value> {
-    let python = python::interpreter("rclpy")?;
-    let mut command = two_machines(ORDINARY_MTU)?;
+/// When two machines or rclpy cannot be had, or the session fails; the message carries what it said.
+pub fn beside_readers(what: &LoopAndReaders<'_>) -> Value {
+    let python = python::interpreter("rclpy");
+    let mut command = two_machines(ORDINARY_MTU);
     command.arg(&python).arg(python::script("frozen_session.py")).arg(crate::node_programs());
     command.arg(crate::frictionlab().get_program()).args([what.way, &what.seconds.to_string()]);
     command
         .args(what.readers)
         .env("ROS_DOMAIN_ID", "77")
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET");
-    Some(report(command).0)
+    report(command).0
 }

@@ -25,12 +25,13 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Time that answers have to get lost.
 const MUTE: Duration = Duration::from_secs(1);
 
+#[tests::needs(namespace)]
 #[test]
 fn answers_wait_for_a_reader_that_is_found_late() {
     if std::env::var_os(INSIDE).is_some() {
         return inside();
     }
-    let Some(mut command) = tests::network::namespaced() else { return };
+    let mut command = tests::network::namespaced();
     let this = std::env::current_exe().expect("a test knows its program");
     command.arg(this).args([
         "--exact",

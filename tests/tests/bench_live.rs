@@ -5,10 +5,7 @@ use std::process::Command;
 
 #[test]
 fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
-    let Some(cargo) = std::env::var_os("CARGO") else {
-        tests::skip("no cargo to run the bench with");
-        return;
-    };
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .args(["run", "--quiet", "--locked", "--package", "xtask", "--"])
         .args(["bench-live", "--blocks", "2", "--seconds", "2", "--report-only", "--program"])
@@ -19,7 +16,7 @@ fn the_bench_of_the_live_loop_prints_a_ratio_for_each_block() {
     let (told, said) =
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     if said.contains("too busy to measure") {
-        tests::skip("the machine is too busy for the bench");
+        tests::leave_out("the machine is too busy for the bench");
         return;
     }
     assert!(output.status.success(), "{told}\n{said}");

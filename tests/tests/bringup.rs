@@ -3,9 +3,10 @@
 
 use tests::python;
 
+#[tests::needs(bag_tools)]
 #[test]
 fn launch_files_layouts_and_packages_agree_with_the_code() {
-    let Some(python) = python::interpreter("bag_tools") else { return };
+    let python = python::interpreter("bag_tools");
     python::pytest(
         std::process::Command::new("env"),
         &python,

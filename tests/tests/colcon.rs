@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use tempfile::TempDir;
-use tests::{checkout, network::namespaced, node_programs, python, skip};
+use tests::{checkout, network::namespaced, node_programs, python};
 
 const PACKAGES: [&str; 3] = ["friction_bringup", "friction_msgs", "friction_nodes"];
 const PROGRAMS: [&str; 5] =
@@ -26,15 +26,15 @@ struct Workspace {
 }
 
 impl Workspace {
-    /// With `linked` as its only source; `None` where there is no colcon.
-    fn with(linked: &Path) -> Option<Self> {
-        let python = python::interpreter("colcon")?;
-        python::interpreter("rclpy")?;
+    /// With `linked` as its only source.
+    fn with(linked: &Path) -> Self {
+        let python = python::interpreter("colcon");
+        python::interpreter("rclpy");
         let ros = python.ancestors().nth(2).expect("it lies in bin").to_owned();
         let folder = tempfile::tempdir().expect("a folder");
         fs::create_dir(folder.path().join("src")).expect("a folder");
         symlink(linked, folder.path().join("src/friction")).expect("a link");
-        Some(Self { folder, ros })
+        Self { folder, ros }
     }
 
     fn path(&self) -> &Path {
@@ -85,7 +85,7 @@ fn said(command: &mut Command, what: &str) -> String {
 fn colcon_finds_three_packages_whether_or_not_it_knows_cargo() {
     // The folder is linked, or the whole checkout lies in the workspace.
     for linked in [checkout().join("ros"), checkout().to_owned()] {
-        let Some(workspace) = Workspace::with(&linked) else { return };
+        let workspace = Workspace::with(&linked);
         for blocked in ["", WITHOUT_CARGO] {
             let listed =
                 workspace.colcon(&["--log-base", "/dev/null", "list", "--names-only"], blocked);
@@ -113,7 +113,7 @@ done
 
 #[test]
 fn each_program_is_installed_where_ros_looks_for_it() {
-    let Some(workspace) = Workspace::with(&checkout().join("ros")) else { return };
+    let workspace = Workspace::with(&checkout().join("ros"));
     let (built, notes) = (node_programs(), workspace.path().join("notes"));
     // With the command its node is built.
     let _ = tests::frictionlab();
@@ -188,21 +188,16 @@ fn has_ros2() -> bool {
 }
 
 /// The way of docs/tutorials/ros-workspace.md, from an empty folder, with the real cargo.
+#[tests::needs(rclpy, colcon, namespace, long_tier)]
 #[test]
 fn the_whole_way_from_an_empty_folder_to_nodes_that_run() {
-    if std::env::var_os("FRICTION_FULL").is_none() {
-        skip(
-            "colcon builds the nodes in release, which takes minutes: long tier, `cargo xtask test --full`",
-        );
-        return;
-    }
-    let Some(workspace) = Workspace::with(&checkout().join("ros")) else { return };
+    let workspace = Workspace::with(&checkout().join("ros"));
     // What cargo built is kept for the next time; everything else is new.
     let kept = checkout().join("target/colcon");
     let kept = format!("-DFRICTION_CARGO_TARGET={}", kept.display());
     workspace.colcon(&["build", "--packages-up-to", "friction_bringup", "--cmake-args", &kept], "");
     assert_eq!(executables(&workspace), PROGRAMS);
-    let Some(namespaced) = namespaced() else { return };
+    let namespaced = namespaced();
     let words: Vec<String> = std::iter::once(namespaced.get_program())
         .chain(namespaced.get_args())
         .map(|word| format!("'{}'", word.to_str().expect("text")))

@@ -19,22 +19,23 @@ const INSIDE: &str = "FRICTION_CYCLONE_INSIDE";
 /// Longest wait for an answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-fn session() -> Option<Value> {
-    let cyclone = python::peer("cyclone")?;
-    let rclpy = python::interpreter("rclpy")?;
-    let mut command = namespaced()?;
+fn session() -> Value {
+    let cyclone = python::cyclone();
+    let rclpy = python::interpreter("rclpy");
+    let mut command = namespaced();
     command.arg(cyclone).arg(python::script("cyclone_session.py")).arg(tests::node_programs());
     command.arg(tests::frictionlab().get_program()).arg(rclpy);
     command.env("ROS_DOMAIN_ID", "74").env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST");
     let (report, told) = network::report(command);
     // What Cyclone DDS cannot read it says.
     assert!(!told.contains("deserialization"), "{told}");
-    Some(report)
+    report
 }
 
+#[tests::needs(rclpy, cyclone, namespace)]
 #[test]
 fn what_people_do_with_nodes_is_done_over_cyclone_beside_fast_dds() {
-    let Some(report) = session() else { return };
+    let report = session();
     topics_pass_both_ways(&report["topics"]);
     parameters_are_listed_read_and_set(&report["parameters"]);
     states_change(&report["lifecycle"]);
@@ -128,13 +129,14 @@ fn every_endpoint_tells_its_types_hash(report: &Value) {
     assert_eq!(participants, &vec![json!("enclave=/;"); 3]);
 }
 
+#[tests::needs(cyclone, namespace)]
 #[test]
 fn a_server_of_cyclone_is_asked_as_it_reads() {
     if std::env::var_os(INSIDE).is_some() {
         return inside();
     }
-    let Some(cyclone) = python::peer("cyclone") else { return };
-    let Some(mut command) = namespaced() else { return };
+    let cyclone = python::cyclone();
+    let mut command = namespaced();
     let this = std::env::current_exe().expect("a test knows its program");
     let output = command
         .arg(this)

@@ -51,9 +51,10 @@ fn figure(finding: &Value, name: &str) -> f64 {
     found["value"].as_f64().expect("a number")
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn alone_nothing_is_broken_and_every_figure_is_there() {
-    let Some(command) = namespaced() else { return };
+    let command = namespaced();
     let (code, report) = doctor(command, &[]);
     assert_ne!(report["verdict"], "broken", "{report}");
     assert_eq!(code, Some(0), "{report}");
@@ -78,9 +79,10 @@ fn alone_nothing_is_broken_and_every_figure_is_there() {
     assert!(figure(of(&report, "Rigs and disk", "disk"), "free") > 0.0);
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn a_domain_that_is_none_is_broken_and_said_how_to_mend() {
-    let Some(command) = namespaced() else { return };
+    let command = namespaced();
     let (code, report) =
         doctor(command, &[("ROS_DOMAIN_ID", "999"), ("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")]);
     assert_eq!((code, &report["verdict"]), (Some(1), &Value::from("broken")), "{report}");
@@ -96,9 +98,10 @@ fn a_domain_that_is_none_is_broken_and_said_how_to_mend() {
     assert!(figure(of(&report, "Scheduling", "bare loop"), "lateness p99") > 0.0);
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn a_loopback_that_is_down_is_broken_and_said_how_to_mend() {
-    let Some(mut command) = namespaced() else { return };
+    let mut command = namespaced();
     command.args(["bash", "-c", "ip link set lo down && exec \"$@\"", "--"]);
     let (code, report) = doctor(command, &[]);
     assert_eq!(code, Some(1), "{report}");

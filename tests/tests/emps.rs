@@ -42,13 +42,10 @@ fn check(
     }
 }
 
+#[tests::needs(emps)]
 #[test]
-#[cfg_attr(
-    not(recordings = "emps"),
-    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn agrees_with_the_published_table() {
-    let folder = shared_data().unwrap().join("emps");
+    let folder = shared_data().join("emps");
     let estimation = load(&folder.join("estimation.csv"));
     let validation = load(&folder.join("validation.csv"));
     let symmetric = [95.1089, 203.5034, 20.3935, -3.1648];

@@ -37,13 +37,10 @@ fn load(file: &Path) -> Conditioned {
     condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
 }
 
+#[tests::needs(emps)]
 #[test]
-#[cfg_attr(
-    not(recordings = "emps"),
-    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn the_chosen_structure_beats_the_published_models_on_both_recordings() {
-    let folder = shared_data().unwrap().join("emps");
+    let folder = shared_data().join("emps");
     let estimation = load(&folder.join("estimation.csv"));
     let scores: Vec<_> = AxisStructure::candidates()
         .into_iter()
@@ -80,13 +77,10 @@ fn the_chosen_structure_beats_the_published_models_on_both_recordings() {
 }
 
 /// The bar is 3.2 and 3.7 % of raw control signal; published parameters give 4.55 and 5.24 %.
+#[tests::needs(emps)]
 #[test]
-#[cfg_attr(
-    not(recordings = "emps"),
-    ignore = "the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn the_closed_loop_reproduces_both_recordings() {
-    let folder = shared_data().unwrap().join("emps");
+    let folder = shared_data().join("emps");
     let estimation = rows(&folder.join("estimation.csv"));
     let (reference, position, control) =
         (column(&estimation, 1), column(&estimation, 2), column(&estimation, 3));

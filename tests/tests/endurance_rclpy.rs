@@ -16,9 +16,10 @@ fn assert_ended(exits: &Value) {
     assert!(!exits.is_empty() && exits.iter().all(|exit| exit[0] == 0), "{exits:?}");
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn ten_seconds_at_1_khz_lose_nothing_and_do_not_drift() {
-    let Some(report) = session("soak_session.py", &["10", "processes"]) else { return };
+    let report = session("soak_session.py", &["10", "processes"]);
     assert!(number(&report["heard"]) > 9000.0, "{report}");
     // A subscriber in Python that does not get its share of a busy machine loses what its queue of
     // two seconds does not hold.
@@ -39,10 +40,11 @@ fn ten_seconds_at_1_khz_lose_nothing_and_do_not_drift() {
     assert_ended(&report["exit"]);
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn whoever_is_killed_the_motor_stands_within_the_age_of_a_command() {
     let rounds = if std::env::var_os("FRICTION_FULL").is_some() { "50" } else { "3" };
-    let Some(report) = session("killed_session.py", &[rounds, "6"]) else { return };
+    let report = session("killed_session.py", &[rounds, "6"]);
     for round in report["rounds"].as_array().expect("rounds") {
         assert!(number(&round["highest"]) <= 6.0 + 0.0025, "{round}");
         assert_eq!(round["moves_again"], true, "{round}");

@@ -54,10 +54,11 @@ fn measurements(bag: &Path) -> Vec<(u64, RigMeasurement)> {
     bag.messages::<RigMeasurement>("/rig_measurement").expect("measurements")
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn an_experiment_over_the_nodes_is_the_one_of_a_single_process_and_ends_well_whatever_dies() {
-    let Some(interpreter) = python::interpreter("rclpy") else { return };
-    let Some(mut command) = namespaced() else { return };
+    let interpreter = python::interpreter("rclpy");
+    let mut command = namespaced();
     let folder = tempfile::tempdir().expect("a folder");
     let program = frictionlab();
     let output = command

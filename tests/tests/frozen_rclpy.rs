@@ -29,9 +29,9 @@ fn assert_unharmed(report: &Value, phase: &str) {
     }
 }
 
-/// The loop beside these readers; what its programs said, where the machine can do it.
+/// The loop beside these readers.
 fn hold(way: &str, seconds: u32, readers: &[&str]) {
-    let Some(report) = beside_readers(&LoopAndReaders { way, seconds, readers }) else { return };
+    let report = beside_readers(&LoopAndReaders { way, seconds, readers });
     let said = report["said"].as_str().expect("text");
     for phase in ["alone", "beside", "after"] {
         assert_unharmed(&report, phase);
@@ -70,6 +70,7 @@ fn hold(way: &str, seconds: u32, readers: &[&str]) {
 /// Longer than eight thousand messages at 1 kHz take.
 const SHORT: u32 = 12;
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn no_reader_stops_the_loop_of_the_launched_nodes() {
     hold("launch", SHORT, &["stopped", "killed", "slow", "best_effort", "gone"]);
@@ -77,12 +78,9 @@ fn no_reader_stops_the_loop_of_the_launched_nodes() {
 
 /// Every kind alone; three and ten of them with every way to run the loop, until the lease of those
 /// that are gone has ended.
+#[tests::needs(rclpy, machines, long_tier)]
 #[test]
 fn no_number_of_readers_stops_any_loop() {
-    if std::env::var_os("FRICTION_FULL").is_none() {
-        tests::skip("it takes some minutes; `cargo xtask test --full` runs it");
-        return;
-    }
     for kind in ["stopped", "killed", "slow", "best_effort", "gone"] {
         hold("launch", SHORT, &[kind]);
     }

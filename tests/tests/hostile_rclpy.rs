@@ -19,8 +19,8 @@ fn text(value: &Value) -> &str {
 }
 
 /// Runs parts of the session; asserts what holds in each.
-fn hostile(parts: &[&str]) -> Option<Value> {
-    let report = session("hostile_session.py", parts)?;
+fn hostile(parts: &[&str]) -> Value {
+    let report = session("hostile_session.py", parts);
     assert_eq!(report["moves"], true, "{report}");
     for part in parts {
         let Some(phases) = report[part].as_object() else { continue };
@@ -43,7 +43,7 @@ fn hostile(parts: &[&str]) -> Option<Value> {
     for exit in report["exit"].as_array().expect("exits") {
         assert_eq!(exit[0], 0, "{exit}");
     }
-    Some(report)
+    report
 }
 
 /// Nothing moved, within the limits, and the measurements went on.
@@ -55,9 +55,10 @@ fn quiet(name: &str, phase: &Value) {
     assert_eq!(phase["state"], "active", "a stranger stops nothing: {name}: {phase}");
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn numbers_that_no_shaft_has_are_left_out_and_told() {
-    let Some(report) = hostile(&["numbers"]) else { return };
+    let report = hostile(&["numbers"]);
     // Six times twenty of references, and of joint states beyond a shaft's; of estimates those that
     // are no number.
     let left_out = text(&report["health"]["controller"]["messages without numbers"])
@@ -76,9 +77,10 @@ fn numbers_that_no_shaft_has_are_left_out_and_told() {
     );
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn joint_states_of_others_and_stamps_of_other_times_move_nothing() {
-    let Some(report) = hostile(&["forms", "another_type"]) else { return };
+    let report = hostile(&["forms", "another_type"]);
     for node in ["controller", "friction_observer"] {
         assert!(
             text(&report[&format!("said {node}")])
@@ -92,9 +94,10 @@ fn joint_states_of_others_and_stamps_of_other_times_move_nothing() {
     quiet("another type", &report["another_type"]);
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn bytes_that_are_no_message_are_dropped_and_told() {
-    let Some(report) = hostile(&["bytes"]) else { return };
+    let report = hostile(&["bytes"]);
     assert!(number(&report["bytes"]["cases"]) > 500.0);
     for (node, topic) in [
         ("rig_driver", "/motor_voltage"),
@@ -107,9 +110,10 @@ fn bytes_that_are_no_message_are_dropped_and_told() {
     }
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn a_flood_does_not_keep_the_loop_from_its_work_nor_the_nodes_from_answering() {
-    let Some(report) = hostile(&["floods", "requests"]) else { return };
+    let report = hostile(&["floods", "requests"]);
     for which in ["reference", "voltage"] {
         let flood = &report["floods"][which];
         // The node was asked, and the motor looked at, while these came.
@@ -149,10 +153,11 @@ fn is_lost(said: &str) -> bool {
 
 /// A node whose middleware a packet ended would start anew, and say so; a deaf one would not
 /// answer. One whose middleware is lost in a packet ends.
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn damaged_dds_packets_neither_move_the_motor_nor_silence_the_nodes() {
     let packets = if std::env::var_os("FRICTION_FULL").is_some() { "30000" } else { "3000" };
-    let Some(report) = session("packets_session.py", &[packets, "6"]) else { return };
+    let report = session("packets_session.py", &[packets, "6"]);
     assert!(number(&report["sources"]) > 20.0, "{report}");
     assert!(number(&report["highest"]) < 1.0, "the loop holds still: {report}");
     for (index, node) in ["rig_driver", "friction_observer", "controller"].into_iter().enumerate() {
@@ -172,9 +177,10 @@ fn damaged_dds_packets_neither_move_the_motor_nor_silence_the_nodes() {
 }
 
 /// The middleware listed what a HEARTBEAT said that it missed, however many billions.
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn a_packet_that_announces_billions_of_messages_changes_nothing() {
-    let Some(report) = session("heartbeat_session.py", &[]) else { return };
+    let report = session("heartbeat_session.py", &[]);
     assert!(number(&report["heartbeats"]) > 0.0, "{report}");
     assert_eq!(report["states"], json!(["active", "active", "active"]), "{report}");
     assert!(report["moves"] == true && report["code"] == 0, "{report}");
@@ -182,6 +188,7 @@ fn a_packet_that_announces_billions_of_messages_changes_nothing() {
 }
 
 /// `live` took 16 GB and did not hear ctrl-C.
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn a_live_run_goes_on_under_hostile_packets_and_hears_ctrl_c() {
     let program = tests::frictionlab().get_program().to_string_lossy().into_owned();
@@ -190,7 +197,7 @@ fn a_live_run_goes_on_under_hostile_packets_and_hears_ctrl_c() {
     for attack in attacks.iter().take(if full { 3 } else { 1 }) {
         let arguments: Vec<&str> =
             [program.as_str()].into_iter().chain(attack.iter().copied()).collect();
-        let Some(report) = session("live_attacked_session.py", &arguments) else { return };
+        let report = session("live_attacked_session.py", &arguments);
         eprintln!("{attack:?}: ended after {} s with {} GB", report["took"], report["gigabytes"]);
         assert!(number(&report["writers"]) > 4.0, "{report}");
         assert_eq!(report["went_on"], true, "{report}");

@@ -388,14 +388,10 @@ fn an_unwritable_folder_leaves_nothing_behind() {
     desk.refused(&["a.csv", "--out", "/proc/nowhere"], &["/proc/nowhere"]);
 }
 
+#[tests::needs(emps)]
 #[test]
 fn agrees_with_the_published_table_of_emps() {
-    let Some(data) =
-        tests::shared_data().map(|folder| folder.join("emps")).filter(|folder| folder.is_dir())
-    else {
-        tests::skip("the EMPS recordings are neither in $FRICTION_DATA nor in ../shared/data");
-        return;
-    };
+    let data = tests::shared_data().join("emps");
     let desk = Desk::new();
     let file = |name: &str| -> String { Path::new(&data).join(name).to_str().unwrap().to_owned() };
     let (estimation, validation) = (file("estimation.csv"), file("validation.csv"));

@@ -13,12 +13,12 @@ const MODELS: &[&str] = &["coulomb_viscous", "stribeck", "lugre", "proposed"];
 
 /// Every answer that was asked for came, and what else is large arrived. `models` are those of an
 /// experiment that is run and identified.
-fn all_arrive(place: Place, distribution: Distribution, models: &[&str]) -> Option<Value> {
+fn all_arrive(place: Place, distribution: Distribution, models: &[&str]) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let (lab, runs) = (tests::frictionlab(), folder.path().join("runs").display().to_string());
     let lab = lab.get_program().to_str().expect("a path of text");
     let arguments = [&[lab, runs.as_str()], models].concat();
-    let report = session_at(place, distribution, "large_answers_session.py", &arguments)?;
+    let report = session_at(place, distribution, "large_answers_session.py", &arguments);
     let answers = report["answers"].as_object().expect("answers by name");
     let missing: Vec<_> = answers.iter().filter(|(_, answer)| answer.is_string()).collect();
     assert!(missing.is_empty(), "{place:?}, {distribution:?}: {missing:#?}");
@@ -35,24 +35,22 @@ fn all_arrive(place: Place, distribution: Distribution, models: &[&str]) -> Opti
     );
     let exits = report["exit"].as_array().expect("codes");
     assert!(exits.len() == 4 && exits.iter().all(|code| code == 0), "{report}");
-    Some(report)
+    report
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn on_a_network_that_loses_packets() {
-    let Some(report) = all_arrive(Place::CrowdedNetwork, Kilted, &[]) else { return };
+    let report = all_arrive(Place::CrowdedNetwork, Kilted, &[]);
     assert!(report["dropped"].as_u64() > Some(0), "nothing was lost: {report}");
 }
 
+#[tests::needs(rclpy, jazzy, machines, long_tier)]
 #[test]
 fn everywhere_with_both_distributions() {
-    if std::env::var_os("FRICTION_FULL").is_none() {
-        tests::skip("it takes some minutes; `cargo xtask test --full` runs it");
-        return;
-    }
     for distribution in [Kilted, Jazzy] {
         for place in Place::of_tier(Place::CrowdedNetwork) {
-            let Some(report) = all_arrive(place, distribution, MODELS) else { continue };
+            let report = all_arrive(place, distribution, MODELS);
             let result = &report["answers"]["/experiment_runner/run_experiment result"];
             assert!(result[0].as_u64() > Some(ONE_PACKET), "{result}");
         }

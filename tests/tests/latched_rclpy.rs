@@ -38,9 +38,10 @@ fn publishes_as_told() {
     }
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn a_late_joiner_is_sent_the_last_messages_and_no_older_ones() {
-    let (Some(python), Some(mut command)) = (interpreter("rclpy"), namespaced()) else { return };
+    let (python, mut command) = (interpreter("rclpy"), namespaced());
     command.arg(&python).arg(script("latched_session.py"));
     command.arg(std::env::current_exe().expect("a running test knows its own file"));
     command.args(["--ignored", "--exact", "publishes_as_told", "--nocapture"]);

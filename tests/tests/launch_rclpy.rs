@@ -52,20 +52,19 @@ fn services_of(node: &str) -> BTreeMap<String, String> {
     own.chain(every).map(|(name, kind)| (format!("/{node}/{name}"), kind.to_owned())).collect()
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn launched_nodes_offer_what_the_tables_say_and_end_together() {
     let program = tests::frictionlab();
     let program = program.get_program().to_str().expect("a plain path");
     let folder = tempfile::tempdir().expect("a folder");
     let bag = folder.path().join("bag");
-    let Some(report) = session_at(
+    let report = session_at(
         Place::OnePcOnItsNetwork,
         Distribution::Kilted,
         "launch_session.py",
         &[program, bag.to_str().expect("a plain path")],
-    ) else {
-        return;
-    };
+    );
     for node in NODES {
         let offered = &report["offered"][node];
         let [publishes, hears] = topics_of(node);
@@ -170,9 +169,10 @@ fn shown(arguments: &[String]) -> Vec<Vec<String>> {
         .collect()
 }
 
+#[tests::needs(bag_tools)]
 #[test]
 fn launch_starts_what_the_launch_files_start() {
-    let Some(python) = python::interpreter("bag_tools") else { return };
+    let python = python::interpreter("bag_tools");
     let bringup = tests::checkout().join("launch_configs");
     let config = bringup.join("config").canonicalize().expect("the folder of parameter files");
     let folder = tempfile::tempdir().expect("a folder");

@@ -18,10 +18,10 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
 }
 
-/// What the session `script` in `folder` reports; `None` where rclpy or a namespace cannot be had.
-fn session(script: &str, folder: &Path) -> Option<Value> {
-    let python = python::interpreter("rclpy")?;
-    let mut command = Place::OnePc.command()?;
+/// What the session `script` in `folder` reports.
+fn session(script: &str, folder: &Path) -> Value {
+    let python = python::interpreter("rclpy");
+    let mut command = Place::OnePc.command();
     let output = command
         .arg(&python)
         .arg(python::script(script))
@@ -33,13 +33,14 @@ fn session(script: &str, folder: &Path) -> Option<Value> {
         .expect("unshare starts");
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{told}");
-    Some(serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}\n{told}")))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}\n{told}"))
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     let folder = tempfile::tempdir().expect("a folder");
-    let Some(report) = session("live_nodes_session.py", folder.path()) else { return };
+    let report = session("live_nodes_session.py", folder.path());
     assert_eq!(report["active"], true, "{report}");
     for node in ["/rig_driver", "/friction_observer", "/controller", "/experiment_runner"] {
         assert!(
@@ -126,10 +127,11 @@ fn one_process_offers_what_the_executables_offer_and_its_loop_obeys() {
     check_bags(folder.path());
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn two_processes_are_two_axes_of_one_domain() {
     let folder = tempfile::tempdir().expect("a folder");
-    let Some(report) = session("live_axes_session.py", folder.path()) else { return };
+    let report = session("live_axes_session.py", folder.path());
     assert_eq!(report["follow"], true, "each its own reference: {}", report["velocities"]);
     let names = ["controller", "experiment_runner", "friction_observer", "rig_driver"];
     let nodes: Vec<String> = ["/axis_1", "/axis_2"]

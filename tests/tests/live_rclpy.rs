@@ -51,10 +51,11 @@ fn assert_same(topic: &str, received: &[(u64, Vec<u64>)], recorded: &HashMap<u64
     assert!((rate - 1000.0).abs() < 1.0, "{topic}: stamps come at {rate} Hz");
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn rclpy_receives_what_the_bag_holds() {
-    let Some(python) = python::interpreter("rclpy") else { return };
-    let Some(mut command) = namespaced() else { return };
+    let python = python::interpreter("rclpy");
+    let mut command = namespaced();
     let folder = tempfile::tempdir().expect("a folder");
     let (result, out) = (folder.path().join("received.json"), folder.path().join("run"));
     let program = tests::frictionlab();

@@ -53,9 +53,10 @@ fn error_of_one_process(amplitude: f64, angular_frequency: f64, seconds: f64) ->
 /// The error over DDS is that of one process but for a reference that comes in steps of a
 /// millisecond, late, from an ordinary Python process, and for a cycle or more between measurement
 /// and voltage. Measured on two busy cores: .092 to .098 rad/s over DDS, .098 rad/s in one process.
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn three_processes_follow_a_reference_that_rclpy_publishes() {
-    let Some(report) = session("loop_session.py", &["6"]) else { return };
+    let report = session("loop_session.py", &["6"]);
     let one = error_of_one_process(1.5, 3.0, 6.0);
     let many = number(&report["rms_error"]);
     eprintln!(
@@ -85,13 +86,11 @@ fn three_processes_follow_a_reference_that_rclpy_publishes() {
     assert_ended(&report["exit"]);
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn parameters_are_listed_set_described_and_refused_with_reasons() {
     for place in Place::of_tier(Place::TwoPcs(ORDINARY_MTU)) {
-        let Some(report) = session_at(place, Distribution::Kilted, "parameters_session.py", &[])
-        else {
-            return;
-        };
+        let report = session_at(place, Distribution::Kilted, "parameters_session.py", &[]);
         let names: Vec<&str> =
             report["names"].as_array().expect("names").iter().map(text).collect();
         for name in [
@@ -167,13 +166,11 @@ fn parameters_are_listed_set_described_and_refused_with_reasons() {
     }
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
     for place in Place::of_tier(Place::OnePc) {
-        let Some(report) = session_at(place, Distribution::Kilted, "lifecycle_session.py", &[])
-        else {
-            return;
-        };
+        let report = session_at(place, Distribution::Kilted, "lifecycle_session.py", &[]);
         // rclpy's own managed node is the peer.
         assert_eq!(report["same_states"], true);
         assert_eq!(report["graph"][0], report["graph"][1]);
@@ -250,13 +247,11 @@ fn the_rig_moves_in_active_only_and_its_states_are_those_of_rcl() {
     }
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn two_rigs_share_a_domain_by_their_namespaces_and_names_can_be_remapped() {
     for place in Place::of_tier(Place::OnePcOnItsNetwork) {
-        let Some(report) = session_at(place, Distribution::Kilted, "namespace_session.py", &[])
-        else {
-            return;
-        };
+        let report = session_at(place, Distribution::Kilted, "namespace_session.py", &[]);
         assert_eq!(report["moving"], true, "{report}");
         // The lag compensator leaves an error under friction that is only half compensated.
         assert!(
@@ -333,6 +328,7 @@ fn ours(case: &Value) -> Value {
     })
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn arguments_mean_what_the_real_rcl_makes_of_them() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -413,7 +409,7 @@ left:
         case("n", &["--log-level", "loud"]),
         case("n", &["--params-file", "/no/such/file"]),
     ]);
-    let Some(theirs) = peer("arguments_peer.py", &cases) else { return };
+    let theirs = peer("arguments_peer.py", &cases);
     for (case, theirs) in
         cases.as_array().expect("cases").iter().zip(theirs.as_array().expect("answers"))
     {

@@ -17,10 +17,9 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// threads: several times those of its first looks.
 const SETTLED: u64 = 30;
 
-/// `frictionlab` in a namespace of its own, and the lines that it prints; `None` where no namespace
-/// can be had.
-fn start(arguments: &[&str], folder: &Path) -> Option<(Child, Receiver<String>)> {
-    let mut child = namespaced()?
+/// `frictionlab` in a namespace of its own, and the lines that it prints.
+fn start(arguments: &[&str], folder: &Path) -> (Child, Receiver<String>) {
+    let mut child = namespaced()
         .arg(tests::frictionlab().get_program())
         .args(arguments)
         .current_dir(folder)
@@ -34,7 +33,7 @@ fn start(arguments: &[&str], folder: &Path) -> Option<(Child, Receiver<String>)>
     thread::spawn(move || {
         output.lines().map_while(Result::ok).try_for_each(|line| tell.send(line))
     });
-    Some((child, lines))
+    (child, lines)
 }
 
 fn wait_for(lines: &Receiver<String>, part: &str) {
@@ -85,11 +84,12 @@ fn pause(child: &Child) {
     signal(child, "-CONT");
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn live_ends_with_the_motor_at_rest_and_its_bag_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let arguments = ["live", "--duration", "300", "--out", "run"];
-    let Some((mut child, lines)) = start(&arguments, folder.path()) else { return };
+    let (mut child, lines) = start(&arguments, folder.path());
     wait_for(&lines, "live at");
     pause(&child);
     let mut said = String::new();
@@ -103,10 +103,11 @@ fn live_ends_with_the_motor_at_rest_and_its_bag_whole() {
     assert!(info.status.success(), "{}", String::from_utf8_lossy(&info.stderr));
 }
 
+#[tests::needs(namespace)]
 #[test]
 fn serve_begins_anew() {
     let folder = tempfile::tempdir().expect("a folder");
-    let Some((mut child, lines)) = start(&["serve"], folder.path()) else { return };
+    let (mut child, lines) = start(&["serve"], folder.path());
     wait_for(&lines, "experiment_runner is ready");
     pause(&child);
     wait_for(&lines, "starts anew");

@@ -10,9 +10,10 @@ fn package() -> PathBuf {
     tests::checkout().join("python")
 }
 
+#[tests::needs(bag_tools)]
 #[test]
 fn bags_become_tables_curves_and_figures() {
-    let Some(python) = python::interpreter("bag_tools") else { return };
+    let python = python::interpreter("bag_tools");
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let run = tests::frictionlab()
@@ -36,13 +37,11 @@ fn bags_become_tables_curves_and_figures() {
     python::pytest(command, &python, &package(), &["--ignore=tests/test_ros.py"]);
 }
 
+#[tests::needs(rclpy, bag_tools, namespace)]
 #[test]
 fn live_plots_and_experiments_work_with_the_real_rclpy() {
-    let Some(python) = python::interpreter("rclpy") else { return };
-    if python::interpreter("bag_tools").is_none() {
-        return;
-    }
-    let Some(mut command) = network::namespaced() else { return };
+    let python = python::interpreter("rclpy");
+    let mut command = network::namespaced();
     let folder = tempfile::tempdir().expect("a folder");
     command
         .env("FRICTION_ROS_TESTS", "1")

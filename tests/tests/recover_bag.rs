@@ -22,9 +22,9 @@ const TOPICS: [&str; 6] = [
     "/controller_state",
 ];
 
-fn live(out: &Path, domain: &str) -> Option<Child> {
+fn live(out: &Path, domain: &str) -> Child {
     let program = frictionlab();
-    let mut command = namespaced()?;
+    let mut command = namespaced();
     command
         .arg(program.get_program())
         .args(["live", "--quiet", "--out"])
@@ -33,7 +33,7 @@ fn live(out: &Path, domain: &str) -> Option<Child> {
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .stdout(Stdio::null())
         .stderr(Stdio::piped());
-    Some(command.spawn().expect("unshare starts"))
+    command.spawn().expect("unshare starts")
 }
 
 /// Waits until the file holds more than its head and the parameters: the first cycles.
@@ -52,6 +52,7 @@ fn bag_command(arguments: &[&str], bag: &Path) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&text).into_owned())
 }
 
+#[tests::needs(rclpy, bag_tools, namespace)]
 #[test]
 fn a_killed_run_loses_its_last_second_and_no_more() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -59,7 +60,7 @@ fn a_killed_run_loses_its_last_second_and_no_more() {
     for (number, moment) in [0.1, 0.7, 1.3].into_iter().enumerate() {
         let out = folder.path().join(format!("runs/live-{number}"));
         let bag = out.join("bag");
-        let Some(mut run) = live(&out, "75") else { return };
+        let mut run = live(&out, "75");
         wait_for_data(&bag.join("bag_0.mcap"));
         // A moment after a flush, wherever in the half second to the next.
         std::thread::sleep(Duration::from_secs_f64(moment));
@@ -100,7 +101,7 @@ fn a_killed_run_loses_its_last_second_and_no_more() {
         assert!(lost < 2_000_000_000, "{:.3} s were lost", lost as f64 * 1e-9);
         recovered.push((bag, counts));
     }
-    let Some(interpreter) = python::interpreter("bag_tools") else { return };
+    let interpreter = python::interpreter("bag_tools");
     for (bag, counts) in &recovered {
         let seen =
             python::json(&interpreter, "read_bag.py", &[bag.to_str().expect("a plain path")]);
@@ -111,14 +112,14 @@ fn a_killed_run_loses_its_last_second_and_no_more() {
             assert_eq!(seen["mcap_ros2"][topic], *count, "{topic} by mcap-ros2-support");
         }
     }
-    let Some((bag, _)) = recovered.last() else { return };
+    let (bag, _) = recovered.last().expect("a bag");
     replayed(bag);
 }
 
 /// Plays the bag with rclpy and compares what a subscriber gets.
 fn replayed(bag: &Path) {
-    let Some(interpreter) = python::interpreter("rclpy") else { return };
-    let Some(mut command) = namespaced() else { return };
+    let interpreter = python::interpreter("rclpy");
+    let mut command = namespaced();
     let folder = tempfile::tempdir().expect("a folder");
     let output = command
         .arg(&interpreter)

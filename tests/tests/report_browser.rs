@@ -10,14 +10,6 @@ use tests::browser::{Browser, Seen};
 #[path = "../../report/examples/report_demo/page.rs"]
 mod demonstration;
 
-fn browser() -> Option<Browser> {
-    let found = Browser::find();
-    if found.is_none() {
-        tests::skip("no Chromium found; install `chromium` or name one in CHROMIUM");
-    }
-    found
-}
-
 /// Where a person may look at what the test saw.
 fn picture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(name)
@@ -33,9 +25,10 @@ fn assert_sound(seen: &Seen) {
     }
 }
 
+#[tests::needs(chromium)]
 #[test]
 fn the_demonstration_page_draws_everything() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let page = demonstration::demonstration();
     let html = render_page(&page);
     let seen = browser.load(&html, "");
@@ -67,9 +60,10 @@ fn the_demonstration_page_draws_everything() {
 }
 
 /// The report that a person gets: a short run of the whole job, by the built program.
+#[tests::needs(chromium)]
 #[test]
 fn the_report_of_a_run_draws_everything() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("run");
     let run = tests::frictionlab()
@@ -105,9 +99,10 @@ fn the_report_of_a_run_draws_everything() {
 
 /// A reader's hands: dragging zooms all panels of a figure, a double click resets, a click on a
 /// legend entry hides its series, pointing shows values of all panels.
+#[tests::needs(chromium)]
 #[test]
 fn figures_answer_the_mouse() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let seen = browser
         .load(&render_page(&demonstration::demonstration()), include_str!("../browser/hands.js"));
     assert_sound(&seen);
@@ -130,9 +125,10 @@ fn figures_answer_the_mouse() {
 }
 
 /// A table comes whole, with one head, and a figure with its series, axes and categories.
+#[tests::needs(chromium)]
 #[test]
 fn figures_and_tables_are_saved_as_csv() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let page = demonstration::demonstration();
     let seen = browser.load(&render_page(&page), include_str!("../browser/csv.js"));
     assert_sound(&seen);
@@ -181,9 +177,10 @@ fn figures_and_tables_are_saved_as_csv() {
 }
 
 /// No two of the models look alike, in the browser's own words.
+#[tests::needs(chromium)]
 #[test]
 fn every_model_has_its_own_look() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let probe = "const plot = [...document.querySelectorAll('.plot')].at(-2); const models = plot._fullData; \
                  return { models: models.length, lines: new Set(models.map((t) => t.line.color + t.line.dash)).size, \
                  markers: new Set(models.map((t) => t.marker.color + t.marker.symbol)).size };";
@@ -197,9 +194,10 @@ fn every_model_has_its_own_look() {
 }
 
 /// Labels are text, whatever they contain.
+#[tests::needs(chromium)]
 #[test]
 fn markup_in_labels_stays_text() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let mut page = demonstration::demonstration();
     let nasty =
         "a <b>bold</b> </script><img src='https://example.invalid/x.png'> & <a href='x'>b</a>";
@@ -222,9 +220,10 @@ fn markup_in_labels_stays_text() {
 }
 
 /// The checks above can fail: each of these pages has one fault, and it is seen.
+#[tests::needs(chromium)]
 #[test]
 fn broken_pages_are_noticed() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let page = |body: &str| format!("<!doctype html><html><head></head><body>{body}</body></html>");
 
     let seen = browser.load(&page("<p>fine</p>"), "");

@@ -69,17 +69,10 @@ fn assert_fits(browser: &Browser, folder: &Path, out: &str) {
     }
 }
 
-fn browser() -> Option<Browser> {
-    let found = Browser::find();
-    if found.is_none() {
-        tests::skip("no Chromium found; install `chromium` or name one in CHROMIUM");
-    }
-    found
-}
-
+#[tests::needs(chromium)]
 #[test]
 fn reports_of_runs_fit_window_and_paper() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     make(folder, "all", &["run", "--quick"]);
@@ -92,9 +85,10 @@ fn reports_of_runs_fit_window_and_paper() {
     }
 }
 
+#[tests::needs(chromium)]
 #[test]
 fn a_sequence_has_its_figures() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let protocol =
@@ -106,9 +100,10 @@ fn a_sequence_has_its_figures() {
     assert!(html.contains("<b>Figure 2. "), "a sequence without figures");
 }
 
+#[tests::needs(chromium)]
 #[test]
 fn reports_of_experiments_and_identification_fit_window_and_paper() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     make(folder, "characterise", &["run", "characterise", "--quick"]);
@@ -136,9 +131,10 @@ fn reports_of_experiments_and_identification_fit_window_and_paper() {
     assert_fits(&browser, folder, "identify");
 }
 
+#[tests::needs(chromium)]
 #[test]
 fn reports_of_studies_fit_window_and_paper() {
-    let Some(browser) = browser() else { return };
+    let browser = Browser::installed();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     make(folder, "features", &["features", "--model", "coulomb,dahl,lugre,gms,proposed"]);
@@ -159,13 +155,11 @@ fn reports_of_studies_fit_window_and_paper() {
     assert_fits(&browser, folder, "design");
 }
 
+#[tests::needs(chromium, emps, qube_servo)]
 #[test]
 fn reports_of_public_recordings_fit_window_and_paper() {
-    let Some(browser) = browser() else { return };
-    let Some(data) = tests::shared_data() else {
-        tests::skip("the measured recordings are neither in $FRICTION_DATA nor in ../shared/data");
-        return;
-    };
+    let browser = Browser::installed();
+    let data = tests::shared_data();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let file = |name: &str| data.join(name).display().to_string();

@@ -24,10 +24,11 @@ fn assert_ended(exits: &Value) {
     assert!(!exits.is_empty() && exits.iter().all(|exit| exit[0] == 0), "{exits:?}");
 }
 
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_whoever_comes_back()
 {
-    let Some(report) = session("restarts_session.py", &[]) else { return };
+    let report = session("restarts_session.py", &[]);
     assert_eq!(report["moves"], true, "the rig comes last: {report}");
     for (how, code) in [("SIGINT", 0), ("SIGKILL", -9)] {
         let gone = &report[how]["controller"];
@@ -71,9 +72,10 @@ fn the_motor_stands_while_its_controller_is_gone_and_the_loop_closes_again_with_
 
 /// The middleware's own threads do not survive SIGSTOP and SIGCONT: the node notices and starts
 /// anew.
+#[tests::needs(rclpy, namespace)]
 #[test]
 fn a_process_that_stood_still_comes_back_and_nothing_that_waited_moves_the_motor() {
-    let Some(report) = session("pauses_session.py", &[]) else { return };
+    let report = session("pauses_session.py", &[]);
     assert_eq!(report["moves"], true, "{report}");
     for node in ["rig_driver", "friction_observer", "controller"] {
         let one = &report[node];

@@ -1,8 +1,6 @@
 //! The `ros2` command itself, where a ROS installation is on the path.
 
-use std::process::Command;
-
-use tests::{network::namespaced, node_programs, skip};
+use tests::{network::namespaced, node_programs};
 
 /// Starts the nodes from the folder in `$1`, calls the verbs, and ends the nodes.
 const SESSION: &str = r#"
@@ -23,15 +21,10 @@ verb lifecycle list /rig_driver --no-daemon
 verb service call /rig_driver/emergency_stop std_srvs/srv/Trigger
 "#;
 
+#[tests::needs(namespace, ros2)]
 #[test]
 fn the_ros2_command_finds_and_drives_the_nodes() {
-    if !Command::new("ros2").arg("--help").output().is_ok_and(|said| said.status.success()) {
-        skip(
-            "no `ros2` command on the path; the same calls are made with rclpy in the other tests",
-        );
-        return;
-    }
-    let Some(mut command) = namespaced() else { return };
+    let mut command = namespaced();
     let output = command
         .args(["bash", "-c", SESSION, "verbs"])
         .arg(node_programs())

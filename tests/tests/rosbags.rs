@@ -34,9 +34,10 @@ fn joint_state(index: u64) -> JointState {
     }
 }
 
+#[tests::needs(bag_tools)]
 #[test]
 fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
-    let Some(python) = python::interpreter("bag_tools") else { return };
+    let python = python::interpreter("bag_tools");
     let folder = tempfile::tempdir().expect("a folder");
     let dir = folder.path().join("bag");
     let mut bag = BagWriter::create(&dir, BagOptions::default()).expect("a new bag");
@@ -166,9 +167,10 @@ fn rosbags_reads_types_counts_and_stamps_out_of_the_bag() {
     assert_eq!(seen["topics"]["/motor_voltage"]["messages"][0]["voltage"], 1.5);
 }
 
+#[tests::needs(rclpy)]
 #[test]
 fn type_hashes_are_those_that_ros_generates() {
-    let Some(python) = python::interpreter("rclpy") else { return };
+    let python = python::interpreter("rclpy");
     fn of<M: RosMessage>() -> (String, &'static str) {
         (M::type_name(), M::TYPE_HASH)
     }
@@ -204,9 +206,10 @@ fn type_hashes_are_those_that_ros_generates() {
     }
 }
 
+#[tests::needs(bag_tools)]
 #[test]
 fn the_python_package_makes_a_table_of_a_bag() {
-    let Some(python) = python::interpreter("bag_tools") else { return };
+    let python = python::interpreter("bag_tools");
     let folder = tempfile::tempdir().expect("a folder");
     let dir = folder.path().join("bag");
     let mut bag = BagWriter::create(&dir, BagOptions::default()).expect("a new bag");

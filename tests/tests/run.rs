@@ -194,12 +194,9 @@ fn a_change_of_mind_leaves_a_readable_bag() {
 }
 
 /// The protocol at full length, in the full tier only.
+#[tests::needs(long_tier)]
 #[test]
 fn the_full_protocol_fits_its_bag() {
-    if std::env::var_os("FRICTION_FULL").is_none() {
-        tests::skip("the protocol at full length runs with `cargo xtask test --full`");
-        return;
-    }
     let folder = folder();
     let out = folder.path().join("all");
     let output = run(&["--quiet"], &out);

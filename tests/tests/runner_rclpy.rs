@@ -19,9 +19,9 @@ fn bag(result: &Value) -> BagReader {
     BagReader::open(Path::new(text(result, "bag_path"))).expect("a whole bag")
 }
 
-fn session(place: Place) -> Option<(tempfile::TempDir, Value)> {
-    let python = python::interpreter("rclpy")?;
-    let mut command = place.command()?;
+fn session(place: Place) -> (tempfile::TempDir, Value) {
+    let python = python::interpreter("rclpy");
+    let mut command = place.command();
     let folder = tempfile::tempdir().expect("a folder");
     let (result, runs) = (folder.path().join("report.json"), folder.path().join("runs"));
     let program = tests::frictionlab();
@@ -41,13 +41,14 @@ fn session(place: Place) -> Option<(tempfile::TempDir, Value)> {
         .expect("unshare starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let report = std::fs::read_to_string(&result).expect("the session's report");
-    Some((folder, serde_json::from_str(&report).expect("JSON")))
+    (folder, serde_json::from_str(&report).expect("JSON"))
 }
 
+#[tests::needs(rclpy, machines)]
 #[test]
 fn rclpy_runs_cancels_and_is_refused() {
     for place in Place::of_tier(Place::TwoPcs(ORDINARY_MTU)) {
-        let Some((_folder, report)) = session(place) else { return };
+        let (_folder, report) = session(place);
         ready_and_listed(&report);
         bad_requests_are_answered(&report);
         one_runs_to_its_end(&report);

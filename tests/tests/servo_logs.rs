@@ -13,7 +13,7 @@ use friction_ident::servo::{
 use tests::shared_data;
 
 fn logs() -> Vec<ServoLog> {
-    let folder = shared_data().unwrap().join("xl330");
+    let folder = shared_data().join("xl330");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
@@ -69,11 +69,8 @@ fn peer_m6() -> Physics {
     Physics::new(&names, &values)
 }
 
+#[tests::needs(xl330)]
 #[test]
-#[cfg_attr(
-    not(recordings = "xl330"),
-    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn the_peers_parameters_have_the_peers_errors() {
     let logs = logs();
     let (train, held) = split(&logs);
@@ -84,11 +81,8 @@ fn the_peers_parameters_have_the_peers_errors() {
 }
 
 /// One log, one step after the other, written out as in the paper, without lanes.
+#[tests::needs(xl330)]
 #[test]
-#[cfg_attr(
-    not(recordings = "xl330"),
-    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn lanes_agree_with_a_plain_simulation() {
     let logs = logs();
     // Five logs: one full group and one with three empty lanes.
@@ -141,11 +135,8 @@ fn plain(log: &ServoLog, of: &dyn Fn(ServoParameter) -> f64) -> Vec<f64> {
 }
 
 /// The peer's simplest level has one minimum: 56.05 mrad fitted, 62.82 held out.
+#[tests::needs(xl330)]
 #[test]
-#[cfg_attr(
-    not(recordings = "xl330"),
-    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
     let logs = logs();
     let (train, held) = split(&logs);
@@ -160,11 +151,8 @@ fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
     }
 }
 
+#[tests::needs(xl330)]
 #[test]
-#[cfg_attr(
-    not(recordings = "xl330"),
-    ignore = "the servo logs are neither in $FRICTION_DATA nor in ../shared/data"
-)]
 fn a_search_is_reproducible_and_stops_when_told() {
     let logs = logs();
     let lanes = Lanes::new(&logs.iter().take(1).collect::<Vec<_>>());

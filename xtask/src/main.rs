@@ -11,6 +11,7 @@ mod book;
 mod distribution;
 mod python_env;
 mod soak;
+mod tally;
 mod test;
 
 use clap::Parser;

@@ -122,7 +122,7 @@ impl PythonEnvCommand {
         if self.distribution != Distribution::Kilted {
             let dir = rclpy(self.distribution)?;
             println!("Python environment: {}\n  ready: rclpy with friction_msgs", dir.display());
-            return Ok(());
+            return told_to_the_tests(&dir);
         }
         let environment = prepare()?;
         println!("Python environment: {}", environment.dir.display());
@@ -139,13 +139,19 @@ impl PythonEnvCommand {
                 Ok(()) => println!("  ready: {what}"),
                 Err(error) => {
                     println!(
-                        "  missing: {what}; tests that need it are skipped\n    because: {error:#}"
+                        "  missing: {what}; tests that need it are ignored\n    because: {error:#}"
                     )
                 }
             }
         }
-        Ok(())
+        told_to_the_tests(&environment.dir)
     }
+}
+
+/// The tests beside an environment are built for what is there.
+fn told_to_the_tests(environment: &Path) -> anyhow::Result<()> {
+    let target = environment.parent().context("an environment lies in the target folder")?;
+    Ok(machine::write_down(target, &machine::look(target))?)
 }
 
 /// A virtual environment of Python.

@@ -1,12 +1,17 @@
 //! `cargo xtask test`: every test of the project, with what they need made ready first.
 
+use std::io::{self, BufReader};
 use std::path::Path;
-use std::process::Command;
-use std::{env, thread, time::Instant};
+use std::process::{Command, Stdio};
+use std::{env, fs, thread, time::Instant};
 
 use anyhow::{Context, ensure};
 
-use crate::{distribution::Distribution, python_env};
+use machine::Need;
+
+use crate::distribution::Distribution;
+use crate::python_env;
+use crate::tally::Tally;
 
 /// Random cases a property test runs through: in the short tier, and in the full one.
 const CASES: [(&str, &str); 2] = [("short", "2000"), ("full", "50000")];
@@ -38,12 +43,21 @@ impl Test {
         let target = env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| root.join("target"), |dir| root.join(dir));
         let (tier, cases) = CASES[usize::from(self.full)];
+        let long: &[(&str, &str)] = if self.full { &[("FRICTION_FULL", "1")] } else { &[] };
         // Fetching the Python half leaves the processors to the compiler. Programs and tests are
-        // built together, with the same features, so that nothing is built twice.
+        // built together, with the same features, so that nothing is built twice. The tests know
+        // what the machine has: they are built for what it will have, and those that need what
+        // could not be had are built again.
+        fs::create_dir_all(&target)?;
+        let mut expected = machine::look(&target);
+        expected.extend([Need::Rclpy, Need::BagTools, Need::Colcon, Need::Cyclone]);
+        expected.extend(self.full.then_some(Need::Jazzy));
+        machine::write_down(&target, &expected)?;
         thread::scope(|scope| {
             scope.spawn(|| prepare_python(self.full));
-            cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], &[])
+            cargo(root, &["build", "--workspace", "--bins", "--tests", "--locked"], long)
         })?;
+        machine::write_down(&target, &machine::look(&target))?;
         let built = |name: &str| {
             let program = target.join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX));
             program
@@ -57,7 +71,12 @@ impl Test {
         let nodes = nodes.context("the target folder's path must be text")?;
         let state = target.join("state").into_os_string().into_string().ok();
         let state = state.context("the target folder's path must be text")?;
+        let left_out = target.join("left_out.txt");
+        let _ = fs::remove_file(&left_out);
+        let left_out_by_name =
+            left_out.to_str().context("the target folder's path must be text")?;
         let mut environment = vec![
+            ("FRICTION_LEFT_OUT", left_out_by_name),
             ("FRICTION_NODES", nodes.as_str()),
             ("FRICTIONLAB_BIN", program.as_str()),
             ("RIG_EMULATOR_BIN", emulator.as_str()),
@@ -69,7 +88,8 @@ impl Test {
             environment.push(("FRICTION_FULL", "1"));
             environment.push(("FRICTION_COVERAGE", "2000"));
         }
-        cargo(root, &["test", "--workspace", "--locked"], &environment)?;
+        let mut tally = Tally::default();
+        counted(root, &["test", "--workspace", "--locked"], &environment, &mut tally)?;
         if self.full {
             let seeds = [
                 "run",
@@ -92,20 +112,23 @@ impl Test {
             ];
             cargo(root, &bars, &environment)?;
             loader_under_valgrind(root, &environment)?;
-            middleware(root, &environment)?;
-            secured(root, &environment)?;
+            middleware(root, &environment, &mut tally)?;
+            secured(root, &environment, &mut tally)?;
         }
         println!(
-            "All tests passed, {tier} tier, in {:.0} s. Lines that begin with SKIPPED name what this machine lacks.",
+            "All tests passed, {tier} tier, in {:.0} s: {tally}",
             started.elapsed().as_secs_f64()
         );
+        if let Ok(parts) = fs::read_to_string(&left_out) {
+            println!("Parts of tests were left out:\n{parts}");
+        }
         Ok(())
     }
 }
 
 /// DDS Security, with a peer of another vendor; in the long tier only, because the middleware is
 /// compiled once more for it.
-fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+fn secured(root: &Path, environment: &[(&str, &str)], tally: &mut Tally) -> anyhow::Result<()> {
     if !Path::new("/usr/include/openssl/ssl.h").exists() {
         println!(
             "SKIPPED: DDS Security, because OpenSSL's headers are missing (Debian: apt-get install libssl-dev)"
@@ -124,22 +147,22 @@ fn secured(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
         "--test",
         "security_peers",
     ];
-    cargo(root, &[&of_nodes[..], &features].concat(), environment)?;
+    counted(root, &[&of_nodes[..], &features].concat(), environment, tally)?;
     // Keystores from the command line.
     let of_command =
         ["test", "--locked", "-p", "frictionlab", "--features", "security", "--lib", "security"];
-    cargo(root, &of_command, environment)
+    counted(root, &of_command, environment, tally)
 }
 
 /// The unit tests of the mended middleware, which is no member of the workspace.
-fn middleware(root: &Path, environment: &[(&str, &str)]) -> anyhow::Result<()> {
+fn middleware(root: &Path, environment: &[(&str, &str)], tally: &mut Tally) -> anyhow::Result<()> {
     let library =
         ["test", "--locked", "--manifest-path", "third_party/rustdds/Cargo.toml", "--lib"];
     let features = ["--no-default-features", "--features", "mio_1"];
     let target = root.join("target/rustdds");
     let apart = [environment, &[("CARGO_TARGET_DIR", target.to_str().context("a folder's name")?)]]
         .concat();
-    cargo(root, &[&library[..], &features].concat(), &apart)
+    counted(root, &[&library[..], &features].concat(), &apart, tally)
 }
 
 /// The tests of the loader of foreign code, each access to memory checked. Those that kill
@@ -196,14 +219,32 @@ fn prepare_python(full: bool) {
 }
 
 fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> anyhow::Result<()> {
-    println!("cargo {}", arguments.join(" "));
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let status = Command::new(cargo)
-        .args(arguments)
-        .current_dir(root)
-        .envs(environment.iter().copied())
-        .status()
-        .context("cargo does not start")?;
+    let status = command(root, arguments, environment).status().context("cargo does not start")?;
     ensure!(status.success(), "cargo {} failed", arguments.join(" "));
     Ok(())
+}
+
+/// Runs tests, and counts what came of them.
+fn counted(
+    root: &Path,
+    arguments: &[&str],
+    environment: &[(&str, &str)],
+    tally: &mut Tally,
+) -> anyhow::Result<()> {
+    let mut tests = command(root, arguments, environment)
+        .stdout(Stdio::piped())
+        .spawn()
+        .context("cargo does not start")?;
+    let said = tests.stdout.take().context("its output is ours")?;
+    tally.hear(BufReader::new(said), &mut io::stdout())?;
+    let status = tests.wait()?;
+    ensure!(status.success(), "cargo {} failed: {tally}", arguments.join(" "));
+    Ok(())
+}
+
+fn command(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Command {
+    println!("cargo {}", arguments.join(" "));
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(root).envs(environment.iter().copied());
+    command
 }

@@ -597,11 +597,9 @@ fn nor_with_a_fault_a_deaf_device_and_a_request_that_is_given_up() {
 }
 
 /// Larger budgets; minutes.
+#[tests::needs(long_tier)]
 #[test]
 fn nor_in_longer_stories() {
-    if std::env::var_os("FRICTION_FULL").is_none() {
-        return;
-    }
     let found =
         search(Budget { transitions: 4, stops: 2, clears: 1, faults: 1, give_ups: 1, ..NONE });
     println!("{found:?}");

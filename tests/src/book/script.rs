@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::{env, fs};
 
 use super::{Page, Treatment};
-use crate::{checkout, frictionlab, python, rig_emulator, shared_data, skip};
+use crate::{checkout, frictionlab, leave_out, python, rig_emulator};
 
 /// Recordings that are not part of the project, by the names that the pages have for them.
 const RECORDINGS: [(&str, &str); 4] = [
@@ -81,7 +81,7 @@ impl Ran {
             let runs = match block.treatment().expect("the words behind a fence") {
                 Some(Treatment::Run { .. }) => true,
                 Some(Treatment::Full) => full,
-                Some(Treatment::Python) => python::interpreter("bag_tools").is_some(),
+                Some(Treatment::Python) => self.has_python(page, &block.text),
                 Some(Treatment::Parse) | None => false,
             };
             if !runs || !self.has_what_it_reads(page, &block.text) {
@@ -103,11 +103,24 @@ impl Ran {
         (!script.is_empty()).then_some(script)
     }
 
+    /// Whether there is a Python that can run what a block says; says so where there is none.
+    fn has_python(&self, page: &Page, text: &str) -> bool {
+        let here = machine::Need::BagTools.is_met(&crate::target_folder());
+        if !here {
+            leave_out(&format!(
+                "{}: {}: {text}",
+                page.path.display(),
+                machine::Need::BagTools.reason()
+            ));
+        }
+        here
+    }
+
     /// Whether the recordings that a command names are here; says so where they are not.
     fn has_what_it_reads(&self, page: &Page, text: &str) -> bool {
         let here = self.recorded || !RECORDINGS.iter().any(|(name, _)| text.contains(name));
         if !here {
-            skip(&format!("{}: the recordings are not at hand: {text}", page.path.display()));
+            leave_out(&format!("{}: the recordings are not at hand: {text}", page.path.display()));
         }
         here
     }
@@ -125,8 +138,8 @@ impl Ran {
         if script.contains("rig_emulator") {
             bash.env("RIG_EMULATOR", rig_emulator().get_program());
         }
-        if let Some(python) = python::interpreter("bag_tools") {
-            bash.env("PYTHON", python);
+        if script.contains("$PYTHON") {
+            bash.env("PYTHON", python::interpreter("bag_tools"));
         }
         let output = bash.output().expect("bash starts");
         let said = String::from_utf8_lossy(&output.stderr);
@@ -173,7 +186,7 @@ fn with_wait(line: &str) -> String {
 
 /// Whether the recordings were to be had and are in the folder now.
 fn recordings(folder: &Path) -> bool {
-    let Some(data) = shared_data() else { return false };
+    let Some(data) = machine::recordings() else { return false };
     let copied =
         |(name, file): &(&str, &str)| fs::copy(data.join(PathBuf::from(file)), folder.join(name));
     RECORDINGS.iter().all(|recording| copied(recording).is_ok())

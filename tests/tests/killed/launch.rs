@@ -41,28 +41,28 @@ enum Blow {
 }
 
 impl Launched {
-    /// Starts the group and waits until the loop of all nodes moves the motor; `None` where no
-    /// network namespace can be had.
-    pub fn start(device: &mut Device) -> Option<Self> {
-        for attempt in 1.. {
-            let mut group = Self::once(device)?;
+    /// Starts the group and waits until the loop of all nodes moves the motor.
+    pub fn start(device: &mut Device) -> Self {
+        let mut attempt = 1;
+        loop {
+            let mut group = Self::once(device);
             let launcher = &mut group.launcher;
             if device.drives(Duration::from_secs(20), || matches!(launcher.try_wait(), Ok(None))) {
                 let nodes = children(group.launcher.id());
                 group.nodes = nodes.into_iter().map(|(pid, program)| (program, pid)).collect();
-                return Some(group);
+                return group;
             }
             assert!(attempt < ATTEMPTS, "the group does not drive: {}", group.said());
+            attempt += 1;
         }
-        None
     }
 
-    fn once(device: &Device) -> Option<Self> {
+    fn once(device: &Device) -> Self {
         let parameters = device.folder().join("parameters.yaml");
         std::fs::write(&parameters, PARAMETERS).expect("the folder can be written");
         // All of them are built before the clock runs.
         tests::node_programs();
-        let mut launcher = tests::network::namespaced()?
+        let mut launcher = tests::network::namespaced()
             .arg(tests::frictionlab().get_program())
             .args(["launch", &format!("rig:={}", device.name())])
             .arg(format!("params_file:={}", parameters.display()))
@@ -76,7 +76,7 @@ impl Launched {
         let said: Arc<Mutex<String>> = Arc::default();
         hear(launcher.stdout.take().expect("its output is ours"), &said);
         hear(launcher.stderr.take().expect("its errors are ours"), &said);
-        Some(Self { launcher, nodes: BTreeMap::new(), said })
+        Self { launcher, nodes: BTreeMap::new(), said }
     }
 
     fn said(&self) -> String {

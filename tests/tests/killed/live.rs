@@ -10,12 +10,12 @@ use super::{ATTEMPTS, Counts, Device, PATIENCE, round_of_one};
 pub struct Live(Child);
 
 impl Live {
-    /// Starts it and waits until it drives; `None` where no network namespace can be had.
-    pub fn start(device: &mut Device) -> Option<Self> {
+    /// Starts it and waits until it drives.
+    pub fn start(device: &mut Device) -> Self {
         for _ in 0..ATTEMPTS {
-            let mut run = Self::once(device)?;
+            let mut run = Self::once(device);
             if device.drives(PATIENCE, || matches!(run.0.try_wait(), Ok(None))) {
-                return Some(run);
+                return run;
             }
             let _ = run.0.kill();
             run.0.wait().expect("it ends");
@@ -23,9 +23,9 @@ impl Live {
         panic!("the run does not drive");
     }
 
-    fn once(device: &Device) -> Option<Self> {
+    fn once(device: &Device) -> Self {
         let out = device.new_folder("live");
-        let child = tests::network::namespaced()?
+        let child = tests::network::namespaced()
             .arg(tests::frictionlab().get_program())
             .args([
                 "live",
@@ -45,7 +45,7 @@ impl Live {
             .stdout(Stdio::null())
             .spawn()
             .expect("unshare starts");
-        Some(Self(child))
+        Self(child)
     }
 
     /// Kills it at the latest at the end.

@@ -22,13 +22,12 @@ pub struct Served {
 }
 
 impl Served {
-    /// Starts both and waits until the experiment drives; `None` where no network namespace can be
-    /// had.
-    pub fn start(device: &mut Device) -> Option<Self> {
+    /// Starts both and waits until the experiment drives.
+    pub fn start(device: &mut Device) -> Self {
         let this = env::current_exe().expect("a test knows its program");
-        let mut asking = tests::network::namespaced()?
+        let mut asking = tests::network::namespaced()
             .arg(this)
-            .args(["--exact", "the_asking_process", "--nocapture"])
+            .args(["--ignored", "--exact", "the_asking_process", "--nocapture"])
             .current_dir(device.folder())
             .env(RIG, device.name())
             .env("ROS_DOMAIN_ID", "78")
@@ -45,7 +44,7 @@ impl Served {
         let asking = &mut served.asking;
         let drives = device.drives(2 * PATIENCE, || matches!(asking.try_wait(), Ok(None)));
         assert!(drives, "the experiment does not drive");
-        Some(served)
+        served
     }
 
     /// Kills the server at the latest at the end.
@@ -70,8 +69,8 @@ impl Drop for Served {
 
 /// Starts a server on the rig that [`RIG`] names, and asks it for an experiment, again when that
 /// has ended, until its own input ends.
-pub fn ask_if_wished() {
-    let Ok(rig) = env::var(RIG) else { return };
+pub fn ask() {
+    let rig = env::var(RIG).expect("a rig");
     let mut server = Command::new(tests::frictionlab().get_program())
         .args(["serve", "--quiet", "--rig", &rig])
         .stdin(Stdio::null())
