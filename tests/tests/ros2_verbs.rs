@@ -6,7 +6,10 @@ use tests::{network::namespaced, node_programs};
 const SESSION: &str = r#"
 for node in rig_driver friction_observer controller; do "$1/$node" & done
 trap 'kill -INT $(jobs -p); wait' EXIT
-sleep 4
+for attempt in $(seq 30); do
+  there=$(ros2 node list --no-daemon | grep -cxE '/(rig_driver|friction_observer|controller)')
+  [ "$there" = 3 ] && break
+done
 verb() { echo "== $*"; timeout 30 ros2 "$@" || echo "FAILED $*"; }
 verb node list --no-daemon
 verb topic list -t --no-daemon
