@@ -1,50 +1,29 @@
-//! The only two ways by which foreign text gets into the page.
+//! How foreign text gets into the page where the templates' own escaping is not all it takes.
 
 use std::fmt::Write;
 
-/// Text as it may stand between tags and in quoted attributes.
-pub(super) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
+use maud::{Markup, PreEscaped, html};
 
 /// Text for reading: escaped, with what stands between two backticks set as code.
-pub(super) fn prose(text: &str) -> String {
-    let escaped = escape(text);
-    let parts: Vec<&str> = escaped.split('`').collect();
-    let mut out = String::with_capacity(escaped.len());
-    for (index, part) in parts.iter().enumerate() {
-        let closed = index + 1 < parts.len();
-        match (index % 2 == 1, closed) {
-            (false, _) => out.push_str(part),
-            (true, true) => {
-                let _ = write!(out, "<code>{part}</code>");
-            }
-            // A single backtick is itself.
-            (true, false) => {
-                out.push('`');
-                out.push_str(part);
+pub(super) fn prose(text: &str) -> Markup {
+    let parts: Vec<&str> = text.split('`').collect();
+    html! {
+        @for (index, part) in parts.iter().enumerate() {
+            @match (index % 2 == 1, index + 1 < parts.len()) {
+                (false, _) => { (part) }
+                (true, true) => { code { (part) } }
+                // A single backtick is itself.
+                (true, false) => { "`" (part) }
             }
         }
     }
-    out
 }
 
 /// JSON as it may stand inside a `<script>` element.
 ///
 /// In JSON these characters can only occur within strings, where the escape means the same; without
 /// it a `</script>` or `<!--` in somebody's label would end or swallow the element.
-pub(super) fn escape_json(json: &str) -> String {
+pub(super) fn json_element(json: &str) -> PreEscaped<String> {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
@@ -55,7 +34,7 @@ pub(super) fn escape_json(json: &str) -> String {
             c => out.push(c),
         }
     }
-    out
+    PreEscaped(out)
 }
 
 #[cfg(test)]
@@ -65,23 +44,24 @@ mod tests {
     #[test]
     fn markup_becomes_text() {
         assert_eq!(
-            escape(r#"<b a='1' c="2">&amp;"#),
-            "&lt;b a=&#39;1&#39; c=&quot;2&quot;&gt;&amp;amp;"
+            prose(r#"<b a='1' c="2">&amp;"#).0,
+            "&lt;b a='1' c=&quot;2&quot;&gt;&amp;amp;",
+            "attributes stand in double quotes, so single ones may stay"
         );
     }
 
     #[test]
     fn backticks_become_code() {
-        assert_eq!(prose("run `a <b>` or `c`"), "run <code>a &lt;b&gt;</code> or <code>c</code>");
-        assert_eq!(prose("a ` alone"), "a ` alone");
-        assert_eq!(prose("`whole`"), "<code>whole</code>");
+        assert_eq!(prose("run `a <b>` or `c`").0, "run <code>a &lt;b&gt;</code> or <code>c</code>");
+        assert_eq!(prose("a ` alone").0, "a ` alone");
+        assert_eq!(prose("`whole`").0, "<code>whole</code>");
     }
 
     #[test]
     fn json_cannot_close_its_element_and_keeps_its_meaning() {
         let nasty = "</script><!-- <b>&\u{2028}";
         let json = serde_json::to_string(nasty).unwrap();
-        let safe = escape_json(&json);
+        let safe = json_element(&json).0;
         assert!(!safe.contains(['<', '>', '&', '\u{2028}']));
         assert_eq!(serde_json::from_str::<String>(&safe).unwrap(), nasty);
     }

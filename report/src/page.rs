@@ -2,8 +2,10 @@
 
 use std::fmt::Write;
 
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
 use super::figure::{Block, Figure, FileLink, Page};
-use super::html::{escape, escape_json, prose};
+use super::html::{json_element, prose};
 use super::palette::Palette;
 use super::plot::Plot;
 use super::table;
@@ -20,10 +22,15 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 
                       img-src data: blob:; base-uri 'none'; form-action 'none'";
 
 /// Stands before the first figure.
-const HINT: &str = "<p class=\"hint\">In every figure: drag to zoom, double-click to reset, point to read values, \
-                    click a legend entry to hide or show it. A series looks the same throughout: colour, stroke and marker.</p>\n\
-                    <noscript><p class=\"note\">The figures are drawn by a script inside this file; \
-                    scripts are switched off in this browser.</p></noscript>\n";
+const HINT: &str = "In every figure: drag to zoom, double-click to reset, point to read values, \
+                    click a legend entry to hide or show it. A series looks the same throughout: \
+                    colour, stroke and marker.";
+
+/// Stands there where scripts are off.
+const NO_SCRIPT: &str = "The figures are drawn by a script inside this file; scripts are switched \
+                         off in this browser.";
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// From this many headings on, the page starts with a table of contents.
 const HEADINGS_FOR_CONTENTS: usize = 3;
@@ -36,138 +43,143 @@ const HEADINGS_FOR_CONTENTS: usize = 3;
 /// ragged.
 pub fn render_page(page: &Page) -> String {
     let palette = Palette::of(page);
-    let mut body = Body::default();
-    for block in &page.blocks {
-        body.block(block, &palette);
+    let mut counted = Counted::default();
+    let blocks: Vec<Markup> =
+        page.blocks.iter().map(|block| counted.block(block, &palette)).collect();
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            (head(&page.title))
+            body {
+                a class="skip" href="#content" { "Skip to the results" }
+                header {
+                    h1 { (page.title) }
+                    p class="subtitle" { (page.subtitle) }
+                }
+                (contents(&counted.headings))
+                main id="content" { @for block in blocks { (block) "\n" } }
+                footer {
+                    "Made by frictionlab " (VERSION)
+                    ". This file is complete: it needs no network"
+                    @if counted.figures > 0 { "; figures by plotly.js (MIT)" }
+                    "."
+                }
+                (scripts(&counted))
+            }
+        }
     }
-    let title = escape(&page.title);
-    let mut out = String::with_capacity(PLOTLY.len() + body.html.len() + 40_000);
-    // Writing to a String cannot fail, hence the results are let go here and below.
-    let _ = write!(
-        out,
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <meta name=\"generator\" content=\"frictionlab {version}\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#content\">Skip to the results</a>\n\
-         <header><h1>{title}</h1>\n<p class=\"subtitle\">{subtitle}</p></header>\n",
-        version = env!("CARGO_PKG_VERSION"),
-        subtitle = escape(&page.subtitle),
-    );
-    out.push_str(&body.contents());
-    out.push_str("<main id=\"content\">\n");
-    out.push_str(&body.html);
-    let _ = write!(
-        out,
-        "</main>\n<footer>Made by frictionlab {}. This file is complete: it needs no network{}.</footer>\n",
-        env!("CARGO_PKG_VERSION"),
-        if body.figures > 0 { "; figures by plotly.js (MIT)" } else { "" },
-    );
-    if body.figures + body.tables > 0 {
-        let _ = write!(out, "<script>\n{CSV}</script>\n");
+    .into_string()
+}
+
+fn head(title: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta http-equiv="Content-Security-Policy" content=(POLICY);
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            meta name="color-scheme" content="light dark";
+            meta name="generator" content={ "frictionlab " (VERSION) };
+            title { (title) }
+            style { (PreEscaped(STYLE)) }
+        }
     }
-    if body.figures > 0 {
-        let _ = write!(
-            out,
-            "<script>\n/* plotly.js is distributed under this licence:\n{PLOTLY_LICENSE}\n*/\n{PLOTLY}</script>\n\
-             <script>\n{SCRIPT}</script>\n"
-        );
+}
+
+/// The table of contents of a long page; nothing on a short one.
+fn contents(headings: &[&str]) -> Markup {
+    html! {
+        @if headings.len() >= HEADINGS_FOR_CONTENTS {
+            nav aria-label="Contents" {
+                h2 { "Contents" }
+                ol {
+                    @for (i, heading) in headings.iter().enumerate() {
+                        li { a href={ "#section-" (i + 1) } { (prose(heading)) } }
+                    }
+                }
+            }
+        }
     }
-    out.push_str("</body>\n</html>\n");
-    out
+}
+
+/// What the page's figures and tables need, the library last: our own text, which closes no
+/// element.
+fn scripts(counted: &Counted) -> Markup {
+    html! {
+        @if counted.figures + counted.tables > 0 {
+            script { (PreEscaped(CSV)) }
+        }
+        @if counted.figures > 0 {
+            script {
+                "/* plotly.js is distributed under this licence:\n"
+                (PreEscaped(PLOTLY_LICENSE)) "\n*/\n" (PreEscaped(PLOTLY))
+            }
+            script { (PreEscaped(SCRIPT)) }
+        }
+    }
 }
 
 /// The blocks so far.
 #[derive(Default)]
-struct Body {
-    html: String,
-    headings: Vec<String>,
+struct Counted<'a> {
+    headings: Vec<&'a str>,
     figures: usize,
     tables: usize,
 }
 
-impl Body {
-    fn block(&mut self, block: &Block, palette: &Palette) {
+impl<'a> Counted<'a> {
+    fn block(&mut self, block: &'a Block, palette: &Palette) -> Markup {
         match block {
             Block::Heading(text) => {
-                self.headings.push(prose(text));
-                let _ = writeln!(
-                    self.html,
-                    "<h2 id=\"section-{}\">{}</h2>",
-                    self.headings.len(),
-                    prose(text)
-                );
+                self.headings.push(text);
+                html! { h2 id={ "section-" (self.headings.len()) } { (prose(text)) } }
             }
-            Block::Text(text) => {
-                let _ = writeln!(self.html, "<p class=\"text\">{}</p>", prose(text));
+            Block::Text(text) => html! { p class="text" { (prose(text)) } },
+            Block::Note(text) => html! { p class="note" role="note" { (prose(text)) } },
+            Block::Figure(shown) => {
+                self.figures += 1;
+                figure(shown, self.figures, palette)
             }
-            Block::Note(text) => {
-                let _ = writeln!(self.html, "<p class=\"note\" role=\"note\">{}</p>", prose(text));
-            }
-            Block::Figure(figure) => self.figure(figure, palette),
-            Block::Table(t) => {
+            Block::Table(shown) => {
                 self.tables += 1;
-                self.html.push_str(&table::render(t, self.tables));
+                table::render(shown, self.tables)
             }
-            Block::Files(files) => self.files(files),
+            Block::Files(links) => files(links),
         }
     }
+}
 
-    fn files(&mut self, files: &[FileLink]) {
-        self.html.push_str("<ul class=\"files\" aria-label=\"Files beside this page\">\n");
-        for file in files {
-            let _ = writeln!(
-                self.html,
-                "<li><a href=\"{}\">{}</a> {}</li>",
-                escape(&address(&file.path)),
-                escape(&file.path),
-                prose(&file.what)
-            );
+fn files(links: &[FileLink]) -> Markup {
+    html! {
+        ul class="files" aria-label="Files beside this page" {
+            @for FileLink { path, what } in links {
+                li { a href=(address(path)) { (path) } " " (prose(what)) }
+            }
         }
-        self.html.push_str("</ul>\n");
     }
+}
 
-    fn figure(&mut self, figure: &Figure, palette: &Palette) {
-        self.figures += 1;
-        let number = self.figures;
-        if number == 1 {
-            self.html.push_str(HINT);
+fn figure(figure: &Figure, number: usize, palette: &Palette) -> Markup {
+    let plot = Plot::of(figure, palette);
+    let height = height(figure.panels.len());
+    let caption = format!("caption-{number}");
+    html! {
+        @if number == 1 {
+            p class="hint" { (HINT) }
+            noscript { p class="note" { (NO_SCRIPT) } }
         }
-        let plot = Plot::of(figure, palette);
-        let remarks: String = plot
-            .remarks
-            .iter()
-            .map(|r| format!(" <span class=\"remark\">{}</span>", escape(r)))
-            .collect();
-        let _ = write!(
-            self.html,
-            "<figure id=\"figure-{number}\" aria-labelledby=\"caption-{number}\">\n\
-             <div class=\"plot\" id=\"plot-{number}\" style=\"height:{height}px\" role=\"img\" aria-label=\"{label}\">\
-             </div>\n\
-             <figcaption id=\"caption-{number}\"><b>Figure {number}. {title}.</b> {caption}{remarks} \
-             <button type=\"button\" class=\"csv\" data-figure=\"{number}\">Save as CSV</button></figcaption>\n\
-             <script type=\"application/json\" id=\"data-{number}\">{json}</script>\n</figure>\n",
-            height = height(figure.panels.len()),
-            label = escape(&plot.description()),
-            title = prose(figure.title.trim_end_matches('.')),
-            caption = prose(&figure.caption),
-            json = escape_json(&plot.json()),
-        );
-    }
-
-    /// The table of contents of a long page; nothing on a short one.
-    fn contents(&self) -> String {
-        if self.headings.len() < HEADINGS_FOR_CONTENTS {
-            return String::new();
+        figure id={ "figure-" (number) } aria-labelledby=(caption) {
+            div class="plot" id={ "plot-" (number) } style={ "height:" (height) "px" }
+                role="img" aria-label=(plot.description()) {}
+            figcaption id=(caption) {
+                b { "Figure " (number) ". " (prose(figure.title.trim_end_matches('.'))) "." }
+                " " (prose(&figure.caption))
+                @for remark in &plot.remarks { " " span class="remark" { (remark) } }
+                " " button type="button" class="csv" data-figure=(number) { "Save as CSV" }
+            }
+            script type="application/json" id={ "data-" (number) } {
+                (json_element(&plot.json()))
+            }
         }
-        let mut out = String::from("<nav aria-label=\"Contents\"><h2>Contents</h2><ol>\n");
-        for (i, heading) in self.headings.iter().enumerate() {
-            let _ = writeln!(out, "<li><a href=\"#section-{}\">{heading}</a></li>", i + 1);
-        }
-        out.push_str("</ol></nav>\n");
-        out
     }
 }
 
@@ -178,6 +190,7 @@ fn address(path: &str) -> String {
         if byte.is_ascii_alphanumeric() || b"/-._~".contains(&byte) {
             out.push(char::from(byte));
         } else {
+            // Writing to a String cannot fail.
             let _ = write!(out, "%{byte:02X}");
         }
     }
@@ -196,7 +209,7 @@ fn height(panels: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{LineStyle, Panel, Table, Trace};
+    use crate::figure::{LineStyle, Mark, Panel, Table, Trace};
 
     const NASTY: &str = "</script><img src=\"https://example.org/x.png\" onerror='alert(1)'>&";
 
@@ -209,18 +222,20 @@ mod tests {
             y: vec![f64::NAN, 1.0],
             style: LineStyle::Solid,
         };
-        let figure = Figure {
+        let bars =
+            Trace::Categories { name: text(), x: vec![text()], y: vec![1.0], mark: Mark::Bar };
+        let figure = |trace| Figure {
             title: text(),
             caption: text(),
             x_label: text(),
             log_x: false,
-            panels: vec![Panel { y_label: text(), traces: vec![line] }],
+            panels: vec![Panel { y_label: text(), traces: vec![trace] }],
         };
         let table = Table {
             title: text(),
             caption: text(),
-            columns: vec![text()],
-            rows: vec![vec![text()]],
+            columns: vec![text(), format!("torque [{NASTY}]"), format!("`{NASTY}`")],
+            rows: vec![vec![text(), format!("`{NASTY}`"), format!("1 ` {NASTY}")]],
             highlight: Some(0),
         };
         Page {
@@ -232,8 +247,10 @@ mod tests {
                 Block::Heading(text()),
                 Block::Text(text()),
                 Block::Note(text()),
-                Block::Figure(figure),
+                Block::Figure(figure(line)),
+                Block::Figure(figure(bars)),
                 Block::Table(table),
+                Block::Files(vec![FileLink { path: text(), what: text() }]),
             ],
         }
     }
@@ -243,10 +260,14 @@ mod tests {
         let html = render_page(&nasty_page());
         assert!(!html.contains("<img"), "an element got through");
         // Data, library, our scripts: each opened and closed once, none closed by a label.
-        assert_eq!(html.matches("<script").count(), 4);
-        assert_eq!(html.matches("</script").count(), 4);
+        assert_eq!(html.matches("<script").count(), 5);
+        assert_eq!(html.matches("</script").count(), 5);
         assert_eq!(html.matches("&lt;/script&gt;").count(), html.matches("&lt;img").count());
-        assert!(html.matches("&lt;img").count() >= 13);
+        // Page 3, sections 3 and their contents, paragraphs 2, figures 5 each, table 9 and its first
+        // column twice, files 2.
+        assert_eq!(html.matches("&lt;img").count(), 3 + 6 + 2 + 2 * 5 + 11 + 2);
+        // An address has no quote that would end it.
+        assert!(html.contains("href=\"./%3C/script%3E%3Cimg%20src%3D%22https%3A//"));
     }
 
     #[test]

@@ -1,72 +1,70 @@
 //! Tables.
 
-use std::fmt::Write;
+use maud::{Markup, html};
 
 use super::figure::Table;
-use super::html::{escape, prose};
+use super::html::prose;
 
 /// A table with its caption; columns of numbers are set so that decimal points stand below each
 /// other.
 ///
 /// A row shorter than the head is filled with empty cells, a longer one widens the table: showing a
 /// mistake is better than hiding it.
-pub(super) fn render(table: &Table, number: usize) -> String {
+pub(super) fn render(table: &Table, number: usize) -> Markup {
     let width = table.rows.iter().map(Vec::len).max().unwrap_or(0).max(table.columns.len());
-    let cell = |row: &'_ [String], column: usize| {
-        row.get(column).map_or("", String::as_str).trim().to_owned()
-    };
     let columns: Vec<Column> =
         (0..width).map(|c| Column::of(table.rows.iter().map(|row| cell(row, c)))).collect();
-
     let head = |c: usize| table.columns.get(c).map_or("", String::as_str);
     let widths: Vec<usize> =
         columns.iter().enumerate().map(|(c, column)| column.width(head(c))).collect();
     let dense = widths.iter().sum::<usize>() > ROOMY;
-
-    let mut out = String::new();
-    // Writing to a String cannot fail, hence the results are let go.
-    let _ = writeln!(
-        out,
-        "<div class=\"table{class}\" id=\"table-{number}\" role=\"region\" tabindex=\"0\" aria-label=\"Table {number}: {title}\">\
-         <p class=\"caption\" id=\"table-caption-{number}\"><b>Table {number}. {title}.</b> {caption} \
-         <button type=\"button\" class=\"csv\" data-table=\"{number}\">Save as CSV</button></p>",
-        class = match (dense, table.rows.len() > LONG) {
-            (false, false) => "",
-            (false, true) => " long",
-            (true, false) => " dense",
-            (true, true) => " dense long",
-        },
-        title = escape(table.title.trim_end_matches('.')),
-        caption = prose(&table.caption),
-    );
-    for part in parts(&widths) {
-        let _ = write!(out, "<table aria-labelledby=\"table-caption-{number}\">\n<thead><tr>");
-        for &c in &part {
-            let _ = write!(out, "<th scope=\"col\"{}>{}</th>", columns[c].class(), headed(head(c)));
-        }
-        out.push_str("</tr></thead>\n<tbody>\n");
-        for (r, row) in table.rows.iter().enumerate() {
-            let best = table.highlight == Some(r);
-            out.push_str(if best { "<tr class=\"best\">" } else { "<tr>" });
-            for &c in &part {
-                let column = &columns[c];
-                let text = cell(row, c);
-                let mark =
-                    if best && c == 0 { "<span class=\"hidden\"> (set apart)</span>" } else { "" };
-                let _ = write!(
-                    out,
-                    "<td{}>{}{}{mark}</td>",
-                    column.class(),
-                    prose(&text),
-                    column.padding(&text)
-                );
+    let long = table.rows.len() > LONG;
+    let title = table.title.trim_end_matches('.');
+    let caption = format!("table-caption-{number}");
+    html! {
+        div .table .dense[dense] .long[long] id={ "table-" (number) } role="region" tabindex="0"
+            aria-label={ "Table " (number) ": " (title) } {
+            p class="caption" id=(caption) {
+                b { "Table " (number) ". " (title) "." } " " (prose(&table.caption)) " "
+                button type="button" class="csv" data-table=(number) { "Save as CSV" }
             }
-            out.push_str("</tr>\n");
+            @for part in parts(&widths) {
+                table aria-labelledby=(caption) {
+                    thead { tr {
+                        @for &c in &part {
+                            th scope="col" class=[columns[c].class()] { (headed(head(c))) }
+                        }
+                    } }
+                    tbody {
+                        @for (r, row) in table.rows.iter().enumerate() {
+                            (self::row(row, &columns, &part, table.highlight == Some(r)))
+                        }
+                    }
+                }
+            }
         }
-        out.push_str("</tbody></table>\n");
     }
-    out.push_str("</div>\n");
-    out
+}
+
+/// The cells of a row that stand in one part of the table; `best` sets it apart.
+fn row(row: &[String], columns: &[Column], part: &[usize], best: bool) -> Markup {
+    html! {
+        tr class=[best.then_some("best")] {
+            @for &c in part {
+                @let (column, text) = (&columns[c], cell(row, c));
+                td class=[column.class()] {
+                    (prose(text)) (column.padding(text))
+                    @if best && c == 0 { span class="hidden" { " (set apart)" } }
+                }
+            }
+        }
+        "\n"
+    }
+}
+
+/// The text of a cell; none where the row is too short.
+fn cell(row: &[String], column: usize) -> &str {
+    row.get(column).map_or("", String::as_str).trim()
 }
 
 /// Widths, in characters, up to which a table is set in the usual size, and in the small one, so
@@ -98,11 +96,9 @@ fn parts(widths: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// A column's head; its unit stays together.
-fn headed(head: &str) -> String {
+fn headed(head: &str) -> Markup {
     match head.split_once('[').filter(|(before, _)| !before.is_empty()) {
-        Some((before, unit)) => {
-            format!("{}<span class=\"unit\">[{}</span>", prose(before), escape(unit))
-        }
+        Some((before, unit)) => html! { (prose(before)) span class="unit" { "[" (unit) } },
         None => prose(head),
     }
 }
@@ -134,8 +130,8 @@ const BETWEEN: usize = 3;
 const BROKEN: usize = 28;
 
 impl Column {
-    fn of(cells: impl Iterator<Item = String>) -> Self {
-        let cells: Vec<String> = cells.filter(|c| !c.is_empty() && !is_dash(c)).collect();
+    fn of<'a>(cells: impl Iterator<Item = &'a str>) -> Self {
+        let cells: Vec<&str> = cells.filter(|c| !c.is_empty() && !is_dash(c)).collect();
         let longest = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
         let word = cells
             .iter()
@@ -173,12 +169,12 @@ impl Column {
         cells.max(head) + BETWEEN
     }
 
-    fn class(&self) -> &'static str {
+    fn class(&self) -> Option<&'static str> {
         match (self.numeric, self.short) {
-            (false, false) if self.longest.1 > BROKEN => " class=\"broken\"",
-            (true, _) => " class=\"num\"",
-            (false, true) => " class=\"short\"",
-            (false, false) => "",
+            (false, false) if self.longest.1 > BROKEN => Some("broken"),
+            (true, _) => Some("num"),
+            (false, true) => Some("short"),
+            (false, false) => None,
         }
     }
 
@@ -212,6 +208,10 @@ fn decimals(cell: &str) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn render(table: &Table, number: usize) -> String {
+        super::render(table, number).0
+    }
 
     fn table(rows: &[&[&str]]) -> Table {
         Table {
