@@ -86,6 +86,7 @@ pub mod stretch;
 mod structure;
 pub mod synthetic;
 pub mod torque_source;
+mod trust_region;
 pub mod truth_matrix;
 pub mod two_line;
 pub mod uncertain;

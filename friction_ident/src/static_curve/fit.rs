@@ -1,8 +1,6 @@
 //! Scan, then Levenberg and Marquardt.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::data::{Data, F_C, F_S, F_V, V_S};
 use super::intervals::intervals;
@@ -10,6 +8,7 @@ use super::separable::Separable;
 use super::{SteadyPoint, StribeckFit, StribeckOptions, StribeckValues, Unidentifiable, check};
 use crate::IdentError;
 use crate::least_squares;
+use crate::trust_region::{self, minimise};
 
 /// Trial Stribeck velocities of the scan.
 const TRIALS: usize = 80;
@@ -215,51 +214,43 @@ fn assign(values: &mut StribeckValues, free: &[usize], x: &[f64]) {
 /// The nonlinear problem over the free parameters.
 struct Problem<'a> {
     data: &'a Data,
-    values: StribeckValues,
-    free: Vec<usize>,
+    start: StribeckValues,
+    free: &'a [usize],
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ParameterStorage = Owned<f64, Dyn>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-
-    fn set_params(&mut self, x: &DVector<f64>) {
-        assign(&mut self.values, &self.free, x.as_slice());
-    }
-
-    fn params(&self) -> DVector<f64> {
-        let StribeckValues { f_s, f_c, v_s, f_v, .. } = self.values;
-        let all = [f_s, f_c, v_s, f_v];
-        DVector::from_iterator(self.free.len(), self.free.iter().map(|&parameter| all[parameter]))
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        Some(self.data.residuals(&self.values))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        Some(self.data.jacobian(&self.values, &self.free))
+impl Problem<'_> {
+    fn values(&self, x: &[f64]) -> StribeckValues {
+        let mut values = self.start;
+        assign(&mut values, self.free, x);
+        values
     }
 }
 
+impl trust_region::Problem for Problem<'_> {
+    fn residuals(&self, x: &[f64]) -> DVector<f64> {
+        self.data.residuals(&self.values(x))
+    }
+
+    fn jacobian(&self, x: &[f64]) -> DMatrix<f64> {
+        self.data.jacobian(&self.values(x), self.free)
+    }
+}
+
+/// The curve at the minimum beside `start`, or where patience ended, which the caller checks
+/// against the bounds.
 fn polish(
     data: &Data,
-    values: StribeckValues,
+    start: StribeckValues,
     free: &[usize],
 ) -> Result<StribeckValues, IdentError> {
-    let problem = Problem { data, values, free: free.to_vec() };
-    let (problem, report) = LevenbergMarquardt::new().minimize(problem);
-    let reason = report.termination;
-    // "No improvement possible" is what a perfect fit to exact data ends with; "lost patience"
-    // leaves the best point found, which the caller still checks against the bounds.
-    let usable = reason.was_successful()
-        || matches!(
-            reason,
-            levenberg_marquardt::TerminationReason::NoImprovementPossible(_)
-                | levenberg_marquardt::TerminationReason::LostPatience
-        );
-    if usable { Ok(problem.values) } else { Err(IdentError::NoConvergence(format!("{reason:?}"))) }
+    let problem = Problem { data, start, free };
+    let StribeckValues { f_s, f_c, v_s, f_v, .. } = start;
+    let all = [f_s, f_c, v_s, f_v];
+    let x: Vec<f64> = free.iter().map(|&parameter| all[parameter]).collect();
+    match minimise(&problem, &x) {
+        Ok(x) => Ok(problem.values(&x)),
+        Err(what) => Err(IdentError::NoConvergence(format!("not finite: {what}"))),
+    }
 }
 
 fn summarise(
