@@ -1,9 +1,8 @@
 //! Runs under a profile: driven from rest, recorded, taken apart where they ran, averaged over the
 //! repetitions.
 
-use std::fmt::Write;
-
 use friction_ident::FrictionTorque;
+use recording::csv_table::CsvTable;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -130,8 +129,10 @@ impl MeanRecord {
     /// every sample has one.
     pub fn csv(&self) -> String {
         let with_current = !self.time.is_empty() && self.current.len() == self.time.len();
-        let current = if with_current { ",current_A" } else { "" };
-        let mut text = format!("t_s,position_rad,velocity_rad_s,voltage_V{current},torque_Nm\n");
+        let mut columns = vec!["t_s", "position_rad", "velocity_rad_s", "voltage_V"];
+        columns.extend(with_current.then_some("current_A"));
+        columns.push("torque_Nm");
+        let mut table = CsvTable::new(columns);
         let rows = self
             .time
             .iter()
@@ -140,14 +141,17 @@ impl MeanRecord {
             .zip(&self.voltage)
             .zip(&self.torque);
         for (i, ((((t, x), w), u), torque)) in rows.enumerate() {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{t:.6},{x:.8},{w:.7},{u:.7}");
+            table.cell(format_args!("{t:.6}"));
+            table.cell(format_args!("{x:.8}"));
+            table.cell(format_args!("{w:.7}"));
+            table.cell(format_args!("{u:.7}"));
             if let Some(amperes) = self.current.get(i).filter(|_| with_current) {
-                let _ = write!(text, ",{amperes:.7}");
+                table.cell(format_args!("{amperes:.7}"));
             }
-            let _ = writeln!(text, ",{torque:.8}");
+            table.cell(format_args!("{torque:.8}"));
+            table.end_row();
         }
-        text
+        table.text()
     }
 }
 

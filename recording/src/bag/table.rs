@@ -1,7 +1,6 @@
 //! The cycles of a bag as one table.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::Path;
 
 use msgs::RosMessage;
@@ -10,6 +9,7 @@ use msgs::sensor_msgs::JointState;
 use msgs::topics;
 
 use super::{BagError, BagReader};
+use crate::csv_table::CsvTable;
 
 /// Names of the columns, with units. The first five are those that `frictionlab identify` reads.
 const COLUMNS: [&str; 12] = [
@@ -100,19 +100,18 @@ pub fn table(path: &Path) -> Result<Table, BagError> {
                 .join(", "),
         });
     }
-    let mut text = COLUMNS.join(",") + "\n";
+    let mut table = CsvTable::new(COLUMNS);
     let start = rows.keys().next().copied().unwrap_or(0);
     for (stamp, values) in &rows {
         let since = stamp - start;
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{}.{:09}", since / 1_000_000_000, since % 1_000_000_000);
+        table.cell(format_args!("{}.{:09}", since / 1_000_000_000, since % 1_000_000_000));
         for value in &values[1..] {
-            text.push(',');
-            if let Some(value) = value {
-                let _ = write!(text, "{value}");
+            match value {
+                Some(value) => table.cell(value),
+                None => table.cell(""),
             }
         }
-        text.push('\n');
+        table.end_row();
     }
-    Ok(Table { text, rows: rows.len() })
+    Ok(Table { text: table.text(), rows: rows.len() })
 }

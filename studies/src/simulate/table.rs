@@ -1,15 +1,16 @@
 //! The result of a simulation as CSV.
 
-use std::fmt::Write;
+use std::fmt;
 
 use friction_model::load_dependent::loaded;
 use friction_model::{ContinuousState, FrictionModel, Regime, State};
 
 use recording::AxisKind;
+use recording::csv_table::CsvTable;
 
 /// The result as it grows.
 pub(super) struct Table<'a> {
-    text: String,
+    csv: CsvTable,
     load: Option<(f64, &'a [f64])>,
     energy: bool,
 }
@@ -28,18 +29,16 @@ impl<'a> Table<'a> {
             AxisKind::Linear => ["velocity_m_s", "load_N", "force_N", "deflection_m", "gamma_N"],
         };
         let energy = model.stored_energy(rest).is_some();
-        let mut names = vec!["t_s", velocity];
-        names.extend(load.map(|_| loads));
-        names.extend([force, deflection, gamma, "regime"]);
-        names.extend(energy.then_some("stored_energy_J"));
-        let mut text = names.join(",");
+        let mut names = vec!["t_s".to_owned(), velocity.to_owned()];
+        names.extend(load.map(|_| loads.to_owned()));
+        names.extend([force, deflection, gamma, "regime"].map(str::to_owned));
+        names.extend(energy.then(|| "stored_energy_J".to_owned()));
         let mut count = 0;
         rest.continuous.each(&mut |_| {
             count += 1;
-            let _ = write!(text, ",state_{count}");
+            names.push(format!("state_{count}"));
         });
-        text.push('\n');
-        Self { text, load, energy }
+        Self { csv: CsvTable::new(names), load, energy }
     }
 
     /// Adds a row: the contact in `state` at a time and velocity.
@@ -55,45 +54,43 @@ impl<'a> Table<'a> {
         let force =
             load.map_or(force, |(gain, load)| loaded(force, model.viscous(v), gain, load.abs()));
         let inner = model.internals(state, v);
-        let text = &mut self.text;
-        push(text, t);
+        let csv = &mut self.csv;
         let shown = [
+            Some(t),
             Some(v),
             load.map(|(_, load)| load),
             Some(force),
             Some(inner.deflection),
             Some(inner.gamma),
         ];
-        for value in shown.into_iter().flatten() {
-            text.push(',');
-            push(text, value);
-        }
-        text.push_str(match inner.regime {
-            Regime::Stick => ",stick",
-            Regime::Slip => ",slip",
+        shown.into_iter().flatten().for_each(|value| csv.cell(Shortest(value)));
+        csv.cell(match inner.regime {
+            Regime::Stick => "stick",
+            Regime::Slip => "slip",
         });
         if self.energy {
-            text.push(',');
-            push(text, model.stored_energy(state).unwrap_or_default());
+            csv.cell(Shortest(model.stored_energy(state).unwrap_or_default()));
         }
-        state.continuous.each(&mut |value| {
-            text.push(',');
-            push(text, value);
-        });
-        text.push('\n');
+        state.continuous.each(&mut |value| csv.cell(Shortest(value)));
+        csv.end_row();
     }
 
     /// The table as text.
     pub fn finish(self) -> String {
-        self.text
+        self.csv.text()
     }
 }
 
-/// The shortest text that reads back as `value`. Writing to a string cannot fail.
-fn push(text: &mut String, value: f64) {
-    let _ = if value != 0.0 && !(1e-5..1e15).contains(&value.abs()) {
-        write!(text, "{value:e}")
-    } else {
-        write!(text, "{value}")
-    };
+/// The shortest text that reads back as this value.
+struct Shortest(f64);
+
+impl fmt::Display for Shortest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = self;
+        if *value != 0.0 && !(1e-5..1e15).contains(&value.abs()) {
+            write!(f, "{value:e}")
+        } else {
+            write!(f, "{value}")
+        }
+    }
 }
