@@ -1,14 +1,13 @@
 //! `rig.yaml`: everything that is known of one rig, in one file, so that it need not be passed by
 //! hand.
 
-use std::fmt::Write;
+use std::collections::BTreeMap;
 
 use friction_model::Motor;
 use rig_driver::Calibration;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{RigChoice, RigDescription, RigFileError, RigLimits, SensorsPresent};
-use parameters::file::number;
 
 /// Name of the profile that is found by default, in the current folder.
 pub const PROFILE: &str = "rig.yaml";
@@ -167,103 +166,40 @@ impl RigProfile {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
-            "# Rig profile by frictionlab {}: docs/reference/rig-profile.md says what uses it. `rig check`, `rig calibrate` and `identify-drive` write their\n\
+            "# Rig profile by frictionlab {}: docs/reference/rig-profile.md says what uses it. \
+             `rig check`, `rig calibrate` and `identify-drive` write their\n\
              # parts anew; comments of your own are lost then.\n\
-             # [V], [s], [rad], [N m], [A], [ohm], [kg m^2], at the load side of the gear.\n\
-             rig: {}\n",
+             # [V], [s], [rad], [N m], [A], [ohm], [kg m^2], at the load side of the gear.\n",
             env!("CARGO_PKG_VERSION"),
-            quoted(&self.rig.to_string())
         );
-        // Writing to a string cannot fail.
-        if let Some(RigDescription {
-            name,
-            firmware,
-            period,
-            voltage_range,
-            counts_per_turn,
-            scales,
-        }) = &self.description
-        {
-            let _ = writeln!(
-                text,
-                "\n# What the device says of itself.\ndescription:\n  name: {}",
-                quoted(name)
-            );
-            if let Some(firmware) = firmware {
-                let _ = writeln!(text, "  firmware: {}", quoted(firmware));
-            }
-            let _ = writeln!(
-                text,
-                "  period: {}\n  voltage_range: {}\n  counts_per_turn: {}",
-                number(*period),
-                number(*voltage_range),
-                number(*counts_per_turn)
-            );
-            if let Some(scales) = scales {
-                let _ = writeln!(text, "  scales:");
-                for (name, value) in [
-                    ("volts_per_count", scales.volts_per_count),
-                    ("tachometer_per_count", scales.tachometer_per_count),
-                    ("potentiometer_per_count", scales.potentiometer_per_count),
-                    ("torque_per_count", scales.torque_per_count),
-                    ("current_per_count", scales.current_per_count),
-                ] {
-                    let _ = writeln!(text, "    {name}: {}", number(value));
-                }
-            }
+        part(&mut text, "rig", &self.rig);
+        if let Some(description) = &self.description {
+            text += "\n# What the device says of itself.\n";
+            part(&mut text, "description", description);
         }
-        if let Some(SensorsPresent { torque, current }) = self.sensors {
-            let _ = writeln!(
-                text,
-                "\n# Sensors that a rig may lack.\nsensors: {{torque: {torque}, current: {current}}}"
-            );
+        if let Some(sensors) = &self.sensors {
+            text += "\n# Sensors that a rig may lack.\n";
+            part(&mut text, "sensors", sensors);
         }
-        text.push_str("\n# What is allowed, within the device's own range: voltage [usual: 6 V], velocity [usual: 9.5 rad/s], travel {min, max, margin}.\n");
-        if self.limits == RigLimits::default() {
-            text.push_str("limits: {}\n");
-        } else {
-            text.push_str("limits:\n");
-            for (name, value) in numbers(&self.limits) {
-                if let Some(value) = value {
-                    let _ = writeln!(text, "  {name}: {}", number(value));
-                }
-            }
-            if let Some(travel) = self.limits.travel {
-                let [min, max, margin] = [travel.min, travel.max, travel.margin].map(number);
-                let _ = writeln!(text, "  travel: {{min: {min}, max: {max}, margin: {margin}}}");
-            }
+        text += "\n# What is allowed, within the device's own range: voltage [usual: 6 V], \
+                 velocity [usual: 9.5 rad/s], travel {min, max, margin}.\n";
+        part(&mut text, "limits", &self.limits);
+        if let Some(calibration) = &self.calibration {
+            text += "\n# By `frictionlab rig calibrate`.\n";
+            part(&mut text, "calibration", calibration);
         }
-        if let Some(found) = self.calibration {
-            let _ = writeln!(
-                text,
-                "\n# By `frictionlab rig calibrate`.\ncalibration:\n  encoder_sign: {}\n  tachometer_gain: {}\n  tachometer_zero: {}\n  torque_sign: {}\n  \
-                 torque_zero: {}\n  deadband_forward: {}\n  deadband_backward: {}",
-                i8::from(found.encoder_sign),
-                number(found.tachometer_gain),
-                number(found.tachometer_zero),
-                i8::from(found.torque_sign),
-                number(found.torque_zero),
-                number(found.deadband_forward),
-                number(found.deadband_backward)
-            );
-        }
-        if let Some(drive) = self.drive {
-            let _ = writeln!(text, "\n# By `frictionlab identify-drive`.\ndrive:");
-            for (name, value) in [
-                ("gain", Some(drive.gain)),
-                ("time_constant", Some(drive.time_constant)),
-                ("motor_constant", drive.motor_constant),
-                ("gear_ratio", drive.gear_ratio),
-                ("armature_resistance", drive.armature_resistance),
-                ("inertia", drive.inertia),
-            ] {
-                if let Some(value) = value {
-                    let _ = writeln!(text, "  {name}: {}", number(value));
-                }
-            }
+        if let Some(drive) = &self.drive {
+            text += "\n# By `frictionlab identify-drive`.\n";
+            part(&mut text, "drive", drive);
         }
         text
     }
+}
+
+/// Adds one key of the profile and what it holds.
+fn part(text: &mut String, key: &str, value: &impl Serialize) {
+    // Plain data, written to a string: neither can fail.
+    let _ = serde_saphyr::to_fmt_writer(text, &BTreeMap::from([(key, value)]));
 }
 
 /// The limits that are numbers, by name.
@@ -277,11 +213,6 @@ const fn numbers(limits: &RigLimits) -> [(&'static str, Option<f64>); 7] {
         ("cycle_late", limits.cycle_late),
         ("cycle_lost", limits.cycle_lost),
     ]
-}
-
-/// A text that no YAML reader takes for anything else.
-fn quoted(text: &str) -> String {
-    format!("'{}'", text.replace('\'', "''"))
 }
 
 fn read_address<'de, D: Deserializer<'de>>(from: D) -> Result<RigChoice, D::Error> {
@@ -346,6 +277,19 @@ mod tests {
     #[test]
     fn a_profile_reads_back_as_it_was_written() {
         for profile in [full(), RigProfile::new(RigChoice::Simulated)] {
+            let text = profile.text();
+            assert_eq!(RigProfile::read(&text).unwrap(), profile, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_a_device_says_stays_text() {
+        for said in ["1.20", "no", "~", "0x10", "a: {b}", "# c", "'", "\"", "two\nlines", "", " x "]
+        {
+            let mut profile = full();
+            let description = profile.description.as_mut().unwrap();
+            description.name = said.to_owned();
+            description.firmware = Some(said.to_owned());
             let text = profile.text();
             assert_eq!(RigProfile::read(&text).unwrap(), profile, "{text}");
         }
