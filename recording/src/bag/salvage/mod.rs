@@ -5,17 +5,16 @@
 //! checksum or its successor vouches for is looked for byte by byte. A chunk counts only whole,
 //! with the right checksum.
 
+mod record;
+
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::reader::LARGEST_RECORD;
+use self::record::{HEAD, length, parse, unpack};
 
-/// Opcode and length.
-const HEAD: usize = 9;
 /// Bytes looked at in one go while searching.
 const WINDOW: usize = 1 << 20;
 
@@ -260,120 +259,4 @@ impl Salvage {
         self.file.read_exact(&mut bytes)?;
         Ok(bytes)
     }
-}
-
-/// Length of a record, its head included, if there is room for it.
-fn length(head: &[u8], left: u64) -> Option<usize> {
-    let (&opcode, rest) = head.split_first()?;
-    let content = u64::from_le_bytes(*rest.first_chunk::<8>()?);
-    let whole = content.checked_add(HEAD as u64).filter(|whole| *whole <= left)?;
-    let known = (op::HEADER..=op::DATA_END).contains(&opcode);
-    usize::try_from(whole).ok().filter(|whole| known && *whole <= LARGEST_RECORD)
-}
-
-/// The record in the bytes, if they are one.
-fn parse(record: &[u8]) -> Option<Record<'_>> {
-    let (&opcode, content) =
-        record.split_first().and_then(|(opcode, rest)| Some((opcode, rest.get(8..)?)))?;
-    // A length that is too long would swallow what stands behind the record; one that is too short
-    // makes the library cut where nothing is.
-    if !Content(content).ends_with(opcode) {
-        return None;
-    }
-    mcap::parse_record(opcode, content).ok()
-}
-
-/// What is left of a record's content.
-struct Content<'a>(&'a [u8]);
-
-impl Content<'_> {
-    /// Whether the content ends where its own lengths say.
-    fn ends_with(mut self, opcode: u8) -> bool {
-        let read = match opcode {
-            op::HEADER => self.text().and_then(|()| self.text()),
-            op::FOOTER => self.skip(20),
-            op::SCHEMA => self
-                .skip(2)
-                .and_then(|()| self.text())
-                .and_then(|()| self.text())
-                .and_then(|()| self.text()),
-            op::CHANNEL => self
-                .skip(4)
-                .and_then(|()| self.text())
-                .and_then(|()| self.text())
-                .and_then(|()| self.text()),
-            // A message has no length but that of its record.
-            op::MESSAGE => return self.0.len() >= 22,
-            op::CHUNK => self.skip(28).and_then(|()| self.text()).and_then(|()| self.long()),
-            op::MESSAGE_INDEX => self.skip(2).and_then(|()| self.text()),
-            op::ATTACHMENT => self
-                .skip(16)
-                .and_then(|()| self.text())
-                .and_then(|()| self.text())
-                .and_then(|()| self.long())
-                .and_then(|()| self.skip(4)),
-            op::METADATA => self.text().and_then(|()| self.text()),
-            op::DATA_END => self.skip(4),
-            // The index at the end: it is made anew.
-            _ => return true,
-        };
-        read.is_some() && self.0.is_empty()
-    }
-
-    fn skip(&mut self, bytes: usize) -> Option<()> {
-        self.0 = self.0.get(bytes..)?;
-        Some(())
-    }
-
-    /// Passes over something with its length in four bytes before it.
-    fn text(&mut self) -> Option<()> {
-        let (length, rest) = self.0.split_first_chunk::<4>()?;
-        self.0 = rest.get(u32::from_le_bytes(*length) as usize..)?;
-        Some(())
-    }
-
-    /// The same with eight bytes.
-    fn long(&mut self) -> Option<()> {
-        let (length, rest) = self.0.split_first_chunk::<8>()?;
-        self.0 = rest.get(usize::try_from(u64::from_le_bytes(*length)).ok()?..)?;
-        Some(())
-    }
-}
-
-/// The records in a chunk; `None` unless all of it can be read and its checksum is right.
-fn unpack(record: &[u8]) -> Option<Vec<Vec<u8>>> {
-    // The reader goes by the content's own length: with a record's that is too long it would read
-    // one chunk and leave out those behind it.
-    if !Content(record.get(HEAD..)?).ends_with(op::CHUNK) {
-        return None;
-    }
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(LARGEST_RECORD);
-    let mut reader = LinearReader::new_with_options(options);
-    let mut left = record;
-    let mut inside = Vec::new();
-    while let Some(event) = reader.next_event() {
-        match event.ok()? {
-            LinearReadEvent::ReadRequest(need) => {
-                let length = need.min(left.len());
-                let (now, later) = left.split_at(length);
-                reader.insert(length).copy_from_slice(now);
-                reader.notify_read(length);
-                left = later;
-            }
-            LinearReadEvent::Record { data, opcode } => {
-                let mut record = Vec::with_capacity(HEAD + data.len());
-                record.push(opcode);
-                record.extend_from_slice(&(data.len() as u64).to_le_bytes());
-                record.extend_from_slice(data);
-                // A message that is not one makes the chunk damaged, checksum or not.
-                parse(&record)?;
-                inside.push(record);
-            }
-        }
-    }
-    Some(inside)
 }
