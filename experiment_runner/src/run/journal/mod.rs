@@ -4,16 +4,20 @@
 //! job is delivered; a line that a kill cut off counts as not written. While a run goes on it holds
 //! the file's lock.
 
+mod jobs;
+mod line;
+
 use std::collections::VecDeque;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::de::{DeserializeOwned, IgnoredAny};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 
+use self::line::{Begun, Header, Line, Lines, Place, read, text_of};
 use super::differences::differences;
 use super::results::{Reconnection, Session};
 use super::{RunError, RunOptions};
@@ -25,59 +29,6 @@ const NAME: &str = "journal.jsonl";
 const FORMAT: u32 = 1;
 /// Differences of options that are named.
 const NAMED: usize = 5;
-
-/// A line of the journal; `R` is what a job gave.
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Line<R> {
-    Header(Header),
-    Session(Begun),
-    Done(Done<R>),
-    Reconnection(Reconnection),
-}
-
-/// How the run was begun.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct Header {
-    format: u32,
-    program: String,
-    /// Where the command was given: its files are found from there.
-    directory: PathBuf,
-    /// What stood behind `run`.
-    words: Vec<String>,
-    /// What was asked for.
-    asked: Value,
-    /// What became of it once the rig was open.
-    opened: Value,
-}
-
-/// A sitting: the first one, or one that went on.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct Begun {
-    began_ns: u64,
-    /// Where the bag of the sitting before is kept.
-    moved: Option<String>,
-}
-
-/// A job that was delivered.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Done<R> {
-    /// Its number, counted over the whole run.
-    job: u64,
-    /// When it was done [ns since the Unix epoch].
-    finished_ns: u64,
-    /// Start of its run on the bag's time axis [ns since the Unix epoch].
-    pub start_ns: u64,
-    /// What it gave.
-    pub result: R,
-}
-
-/// A job's line in the file.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    offset: u64,
-    length: usize,
-}
 
 /// The journal of a run, locked.
 #[derive(Debug)]
@@ -306,81 +257,6 @@ impl Journal {
         }
     }
 
-    /// What the next job gave in a run before this one; `None` from the first job on that was not
-    /// done. A result that cannot be read counts as not done, and so does all that follows it.
-    pub(super) fn replay<R: DeserializeOwned>(&mut self) -> Result<Option<Done<R>>, RunError> {
-        let Some(place) = self.waiting.front().copied() else { return Ok(None) };
-        let mut line = vec![0; place.length];
-        let got = self
-            .file
-            .seek(SeekFrom::Start(place.offset))
-            .and_then(|_| self.file.read_exact(&mut line));
-        got.map_err(|source| self.unwritten(source))?;
-        let Some(Line::Done(done)) = read::<R>(&line) else {
-            self.forget(place.offset)?;
-            return Ok(None);
-        };
-        self.waiting.pop_front();
-        self.next += 1;
-        self.last_start_ns = done.start_ns;
-        self.file.seek(SeekFrom::End(0)).map_err(|source| self.unwritten(source))?;
-        Ok(Some(done))
-    }
-
-    /// Start of the run that was delivered last, where a run that went on has not delivered one of
-    /// its own yet.
-    pub(super) fn resumed_after(&self) -> Option<u64> {
-        let (_, _, jobs, _) = self.sessions.last()?;
-        (self.sessions.len() > 1 && *jobs == 0).then_some(self.last_start_ns)
-    }
-
-    /// Takes the lines from `offset` on out of the file, but those of sittings.
-    fn forget(&mut self, offset: u64) -> Result<(), RunError> {
-        self.waiting.clear();
-        self.file.set_len(offset).map_err(|source| self.unwritten(source))?;
-        self.file.seek(SeekFrom::End(0)).map_err(|source| self.unwritten(source))?;
-        let mut kept = Vec::new();
-        for (begun, first, jobs, ended) in std::mem::take(&mut self.sessions) {
-            let left = self.next.saturating_sub(first).min(jobs);
-            if first > self.next {
-                self.append(&Line::<()>::Session(begun.clone()))?;
-            }
-            kept.push((begun, first.min(self.next), left, ended.filter(|_| left > 0)));
-        }
-        self.sessions = kept;
-        Ok(())
-    }
-
-    /// The line of the next job.
-    pub(super) fn line<R: Serialize>(
-        &self,
-        start_ns: u64,
-        result: &R,
-    ) -> Result<(u64, String), RunError> {
-        let finished_ns = now_ns();
-        let done = Done { job: self.next, finished_ns, start_ns, result };
-        text_of(&Line::Done(done)).map(|line| (finished_ns, line))
-    }
-
-    /// Writes the line of the job that was just delivered.
-    pub(super) fn add(&mut self, (finished_ns, line): (u64, String)) -> Result<(), RunError> {
-        self.write(&line)?;
-        self.note(finished_ns);
-        self.next += 1;
-        Ok(())
-    }
-
-    /// Keeps that the line failed and came back.
-    pub(super) fn reconnected(&mut self, reconnection: &Reconnection) -> Result<(), RunError> {
-        self.reconnections.push(reconnection.clone());
-        self.append(&Line::<()>::Reconnection(reconnection.clone()))
-    }
-
-    /// What was repeated in all sittings.
-    pub(super) fn reconnections(&self) -> Vec<Reconnection> {
-        self.reconnections.clone()
-    }
-
     /// The sittings of the run, the last one until now. The bag of each is where the next one put
     /// it.
     pub(super) fn sessions(&self, bag: &str) -> Vec<Session> {
@@ -442,35 +318,5 @@ fn no_journal(folder: &Path) -> String {
         Some(_) => "this run ended early, but has no journal.jsonl to go on with".to_owned(),
         None => "it holds no journal.jsonl, which a run that was stopped leaves in its folder"
             .to_owned(),
-    }
-}
-
-fn text_of<R: Serialize>(line: &Line<R>) -> Result<String, RunError> {
-    let text = serde_json::to_string(line);
-    let text = text.map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
-    Ok(text + "\n")
-}
-
-fn read<R: DeserializeOwned>(line: &[u8]) -> Option<Line<R>> {
-    serde_json::from_slice(line).ok()
-}
-
-/// Whole lines of a file, with their places.
-struct Lines<'a> {
-    reader: BufReader<&'a File>,
-    offset: u64,
-}
-
-impl Lines<'_> {
-    /// The next line that has an end.
-    fn next_line(&mut self) -> io::Result<Option<(u64, Vec<u8>)>> {
-        let mut line = Vec::new();
-        self.reader.read_until(b'\n', &mut line)?;
-        if line.last() != Some(&b'\n') {
-            return Ok(None);
-        }
-        let offset = self.offset;
-        self.offset += line.len() as u64;
-        Ok(Some((offset, line)))
     }
 }
