@@ -1,26 +1,26 @@
 //! The run itself, stage by stage.
 
-use std::fs;
+mod folder;
+mod write;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use friction_model::ModelName;
 use recording::bag;
-use report::{linked, render_page};
 use work::progress::Progress;
 use work::sequencer::Completion;
 
+use self::folder::{put_aside, require_empty};
+use self::write::{Ending, write_results};
 use super::bench::{self, Bench};
 use super::experiment::{Found, Running};
 use super::journal::Journal;
 use super::recorder::{Recorder, Timeline};
-use super::results::{BagFigures, RunResults, Status, Timing};
-use super::{CHARACTERISE, RunError, RunOptions, page, parameter_file};
-use crate::constant_velocity::SteadyRun;
+use super::results::{RunResults, Status};
+use super::{Appended, Compensators, RunError, RunOptions};
 use crate::control_loop::EPOCH_NS;
-use files::{OutputError, is_empty_or_missing, write_all};
 
 /// Where the results of a run are.
 #[derive(Debug, Clone)]
@@ -90,19 +90,43 @@ pub fn execute_in(
     }
     let asked = options;
     let (rig, options) = bench::open(options, progress, cancel)?;
-    let options = &options;
-    let mut bench = Bench::new(options, rig, progress, cancel);
-    Bench::check(options)?;
-    let real_time = bench.is_real_time();
+    let mut bench = Bench::new(&options, rig, progress, cancel);
+    Bench::check(&options)?;
+    let mut recorder = begin(&mut bench, asked, folder, beginning)?;
+    let measured = measure(&bench, &mut recorder)?;
+    // The rig is let go before the report is written.
+    let reconnections = bench.reconnections();
+    let journal = bench.journal();
+    let sessions = journal.as_ref().map(|journal| journal.sessions(BAG)).unwrap_or_default();
+    let ended = bench.end();
+    // To go on would bring no other curve.
+    let over = (measured.status == Status::Complete || measured.unfit.is_some()) && ended.is_none();
+    let ending = Ending { ended, reconnections, sessions, started };
+    let results = write_results(folder, &options, progress, recorder, measured, ending)?;
+    if let Some(journal) = journal.filter(|_| over) {
+        journal.complete()?;
+    }
+    progress.finish();
+    Ok(Outcome { results, folder: folder.to_owned() })
+}
+
+/// Where the bag and the journal of a run begin, or go on.
+fn begin(
+    bench: &mut Bench<'_>,
+    asked: &RunOptions,
+    folder: &Path,
+    beginning: Beginning,
+) -> Result<Recorder, RunError> {
+    let (options, real_time) = (bench.options, bench.is_real_time());
     let beginning = match beginning {
         Beginning::Resumed(mut journal) => {
             journal.require_opened(options)?;
-            journal.go_on(real_time, put_aside(folder, progress)?)?;
+            journal.go_on(real_time, put_aside(folder, bench.progress)?)?;
             Beginning::Resumed(journal)
         }
         anew @ Beginning::Anew { .. } => anew,
     };
-    let mut recorder = Recorder::create(&folder.join(BAG), options, real_time)?;
+    let recorder = Recorder::create(&folder.join(BAG), options, real_time)?;
     bench.record_to(recorder.stream(), recorder.marks());
     match beginning {
         Beginning::Anew { words: Some(words), .. } => {
@@ -111,110 +135,63 @@ pub fn execute_in(
         Beginning::Anew { words: None, .. } => Journal::remove(folder)?,
         Beginning::Resumed(journal) => bench.keep_in(*journal),
     }
+    Ok(recorder)
+}
+
+/// What all experiments of a run gave.
+struct Measured {
+    status: Status,
+    /// Time on the rig [s].
+    rig_seconds: f64,
+    models: Compensators,
+    found: Found,
+    tables: Option<Appended>,
+    /// Why the experiments ended early: hours of measuring are not thrown away because no curve
+    /// fits.
+    unfit: Option<String>,
+}
+
+/// Carries the experiments out, and computes what stands behind them.
+fn measure(bench: &Bench<'_>, recorder: &mut Recorder) -> Result<Measured, RunError> {
+    let options = bench.options;
     let mut timeline = Timeline::from(bench.now_or(EPOCH_NS));
-    let mut status = Status::Complete;
-    let mut rig_seconds = 0.0;
-    let mut models = options.compensators.clone();
-    let mut found = Found::default();
+    let mut measured = Measured {
+        status: Status::Complete,
+        rig_seconds: 0.0,
+        models: options.compensators.clone(),
+        found: Found::default(),
+        tables: None,
+        unfit: None,
+    };
     let mut going = true;
-    // Hours of measuring are not thrown away because no curve fits.
-    let mut unfit = None;
     for experiment in options.experiment.parts() {
         if !going {
             break;
         }
         let progressed = experiment.carry_out(&mut Running {
-            bench: &bench,
-            recorder: &mut recorder,
+            bench,
+            recorder,
             timeline: &mut timeline,
-            models: &mut models,
-            found: &mut found,
+            models: &mut measured.models,
+            found: &mut measured.found,
         })?;
-        rig_seconds += progressed.rig_seconds;
+        measured.rig_seconds += progressed.rig_seconds;
         if progressed.completion != Completion::All {
-            status = Status::Interrupted;
+            measured.status = Status::Interrupted;
         }
-        unfit = progressed.ended;
-        going = progressed.completion == Completion::All && unfit.is_none();
+        measured.unfit = progressed.ended;
+        going = progressed.completion == Completion::All && measured.unfit.is_none();
     }
-
-    let mut tables = None;
     if let Some(appendix) = options.appendix.filter(|_| going) {
-        let computed = (appendix.compute)(options.seed, options.workers, progress, cancel)?;
-        rig_seconds += (appendix.rig_seconds)();
+        let compute = appendix.compute;
+        let computed = compute(options.seed, options.workers, bench.progress, bench.cancel)?;
+        measured.rig_seconds += (appendix.rig_seconds)();
         if !computed.complete {
-            status = Status::Interrupted;
+            measured.status = Status::Interrupted;
         }
-        tables = Some(computed);
+        measured.tables = Some(computed);
     }
-
-    // The rig is let go before the report is written.
-    let reconnections = bench.reconnections();
-    let journal = bench.journal();
-    let sessions = journal.as_ref().map(|journal| journal.sessions(BAG)).unwrap_or_default();
-    // To go on would bring no other curve.
-    let over = status == Status::Complete || unfit.is_some();
-    let ended = bench.end();
-    let over = over && ended.is_none();
-    let ended = ended.or(unfit);
-    let unrecorded = recorder.drain()?;
-    if unrecorded > 0 {
-        progress.line(&format!("{unrecorded} cycles are not in the bag: the disk did not keep up"));
-    }
-    progress.stage("report");
-    let chosen = options.models.last().copied().unwrap_or(ModelName::Proposed);
-    let name = format!("`run {}` in {}", options.experiment.as_str(), folder.display());
-    let parameters =
-        parameter_file::render(options, &models, chosen, found.identification.as_ref(), &name)?;
-    let (parameters, origin) = (parameters.text, parameters.origins);
-    recorder.attach("parameters.yaml", "application/yaml", &parameters)?;
-    let bag = recorder.finish()?;
-    let wall_seconds = started.elapsed().as_secs_f64();
-    let Found { steady, identification, characterisation, tracked, own, blocks, tables: of_own } =
-        found;
-    let results = RunResults {
-        program_version: env!("CARGO_PKG_VERSION"),
-        status: if ended.is_some() { Status::Interrupted } else { status },
-        ended,
-        reconnections,
-        sessions: if sessions.len() > 1 { sessions } else { Vec::new() },
-        options: options.clone(),
-        origin,
-        constant_velocity: steady,
-        identification,
-        characterisation,
-        velocity_tracking: tracked.velocity,
-        position_tracking: tracked.position,
-        compensation: tracked.tasks,
-        thesis_tables: tables,
-        own,
-        bag: BagFigures {
-            folder: BAG,
-            messages: bag.messages,
-            bytes: bag.bytes,
-            recorded: options.record.describe(),
-        },
-        timing: Timing { wall_seconds, rig_seconds, times_real_time: rig_seconds / wall_seconds },
-    };
-    let json = serde_json::to_string_pretty(&results)
-        .map_err(|e| RunError::Describe { what: "JSON", detail: e.to_string() })?;
-    let mut files = vec![("parameters.yaml", parameters), ("run.json", json)];
-    let tables = &results.characterisation.records;
-    files.extend(tables.iter().map(|(name, record)| (name.as_str(), record.csv())));
-    files.extend(of_own.iter().map(|(name, table)| (name.as_str(), table.clone())));
-    if options.experiment.as_str() == CHARACTERISE && !results.constant_velocity.is_empty() {
-        files.push(("steady_points.csv", steady_points(&results.constant_velocity)));
-    }
-    let page = page::build(&results, &models, &tracked.traces, blocks);
-    let report =
-        render_page(&linked(page, std::iter::once(BAG).chain(files.iter().map(|file| file.0))));
-    files.push(("report.html", report));
-    write_all(folder, &files)?;
-    if let Some(journal) = journal.filter(|_| over) {
-        journal.complete()?;
-    }
-    progress.finish();
-    Ok(Outcome { results, folder: folder.to_owned() })
+    Ok(measured)
 }
 
 /// Whether a run with these options into that folder could start: every loop is put together once,
@@ -235,59 +212,12 @@ pub fn check_options(options: &RunOptions) -> Result<(), RunError> {
     Bench::check(options)
 }
 
-/// The steady points as comma-separated values.
-fn steady_points(runs: &[SteadyRun]) -> String {
-    let with_current = runs.iter().all(|run| run.current.is_some());
-    let head = if with_current { ",current_A" } else { "" };
-    let mut text =
-        format!("set,repetition,velocity_rad_s,voltage_V{head},torque_Nm,torque_deviation_Nm\n");
-    for run in runs {
-        let SteadyRun { set, repetition, velocity, voltage, torque, torque_deviation, .. } = run;
-        let current =
-            run.current.filter(|_| with_current).map_or(String::new(), |i| format!(",{i:.7}"));
-        text += &format!("{},{},{velocity:.8},{voltage:.7}{current}", set + 1, repetition + 1);
-        text += &format!(",{torque:.8},{torque_deviation:.6}\n");
-    }
-    text
-}
-
-/// Puts the bag of a run that was stopped aside, whole as far as it goes; the name of the folder
-/// that it is in then.
-fn put_aside(folder: &Path, progress: &Progress) -> Result<Option<String>, RunError> {
-    let old = folder.join(BAG);
-    if is_empty_or_missing(&old)
-        .map_err(|source| OutputError::Write { path: old.clone(), source })?
-    {
-        return Ok(None);
-    }
-    if bag::is_cut(&old)
-        && let Err(error) = bag::recover(&old)
-    {
-        progress.line(&format!(
-            "the bag of the run before cannot be saved and is kept as it is: {error}"
-        ));
-    }
-    let free = (1u32..)
-        .map(|n| format!("{BAG}_before_resume_{n}"))
-        .find(|name| !folder.join(name).exists());
-    let Some(name) = free else { return Ok(None) };
-    fs::rename(&old, folder.join(&name))
-        .map_err(|source| OutputError::Write { path: old, source })?;
-    Ok(Some(name))
-}
-
-/// Refuses a folder that holds something; one that does not exist is made later.
-fn require_empty(folder: &Path) -> Result<(), RunError> {
-    match is_empty_or_missing(folder) {
-        Ok(true) => Ok(()),
-        Ok(false) => Err(OutputError::NotEmpty(folder.to_owned()).into()),
-        Err(source) => Err(OutputError::Write { path: folder.to_owned(), source }.into()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::sync::atomic::Ordering;
+
+    use files::OutputError;
 
     use super::*;
     use crate::run::options::tests::options;
