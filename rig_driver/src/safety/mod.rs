@@ -9,6 +9,7 @@
 //! ([`FAULTS`]). The book shows both; a test holds its pages to the tables.
 
 mod fault;
+mod fault_report;
 mod lifecycle;
 mod limits;
 mod pages;
@@ -20,7 +21,8 @@ mod supervised;
 mod supervisor;
 mod temperature;
 
-pub use fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
+pub use fault::{FAULTS, Fault, FaultRule, Reaction};
+pub use fault_report::FaultReport;
 pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
 pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Standstill, Travel};
 pub use pages::{fault_table, transition_list, transition_table};
