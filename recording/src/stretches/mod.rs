@@ -5,28 +5,26 @@
 //! first fifth and last tenth, as in the thesis's experiment 1. A CSV file without a time column is
 //! read as steady points.
 
+mod pieces;
+mod points;
+mod prepare;
+
 use std::path::{Path, PathBuf};
 
-use csv::StringRecord;
-use friction_ident::quantiser::{Turn, between_counts, step_of};
-use friction_ident::stretch::Before;
-use friction_ident::zero_phase::{LowPass, decimate};
+use friction_ident::quantiser::step_of;
 use friction_ident::{
-    ChannelDeviations, ConstantError, DriveConstant, DriveConstants, DriveSignals, Hampel,
-    IdentError, SavitzkyGolay, SteadyPoint, Stretch, TorqueSource, Uncertain, friction_torque,
+    DriveConstant, DriveConstants, Hampel, SteadyPoint, Stretch, TorqueSource, Uncertain,
 };
 use serde::Serialize;
 
-use super::column::{Channel, axis_of};
+use self::pieces::{cropped, steady_part};
+use self::points::{is_points, points};
+use self::prepare::prepare;
 use super::drive_error::DriveError;
 use super::rosbag::{self, BagChannel};
-use super::table::{self, Columns, Header, Motion, damaged};
-use super::timing::{EvenStretch, TOLERANCE, Timing};
+use super::table::{self, Columns, Motion};
+use super::timing::{TOLERANCE, Timing};
 use super::{AxisKind, Irregularities, RecordingError};
-
-mod pieces;
-
-use pieces::{cropped, steady_part};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
@@ -196,71 +194,6 @@ pub fn holds_points(path: &Path, columns: &Columns) -> bool {
     files::input::table(path).is_ok_and(|bytes| is_points(path, &bytes, columns))
 }
 
-fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {
-    let Ok((_, names)) = table::open(path, bytes, EXAMPLE) else { return false };
-    let has = |channel: Channel, named: bool| named || channel.recognise(&names).is_some();
-    !has(Channel::Time, columns.time.is_some())
-        && has(Channel::Velocity, columns.velocity.is_some())
-        && has(Channel::Force, columns.force.is_some())
-}
-
-const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
-/// Names of the standard deviation of a point's friction.
-const DEVIATIONS: [&str; 4] =
-    ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
-
-/// Steady points: nothing is accelerated, and where there is no sensor friction is what drives.
-fn points(
-    path: &Path,
-    bytes: &[u8],
-    columns: &Columns,
-    how: &Preparation,
-) -> Result<FrictionRecording, RecordingError> {
-    let (drive, source) = (how.constants(), how.torque);
-    drive.check(source).map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
-    let mut drive_errors = how.drive_errors();
-    let (mut reader, names) = table::open(path, bytes, EXAMPLE)?;
-    let header = Header { path, names: &names };
-    let velocity = header.require(Channel::Velocity, columns.velocity.as_ref())?;
-    let force = header.require(Channel::Force, columns.force.as_ref())?;
-    let deviation = names
-        .iter()
-        .position(|name| DEVIATIONS.iter().any(|known| known.eq_ignore_ascii_case(name)))
-        .map(|index| table::Found {
-            index,
-            source: super::ChannelSource { name: names[index].clone(), scale: force.source.scale },
-        });
-    let mut points = Vec::new();
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let number = |found| header.number(&record, line, found);
-        let (velocity, channel) = (number(&velocity)?, number(&force)?);
-        for error in &mut drive_errors {
-            error.points.push(drive.friction_error(source, error.constant, channel, velocity, 0.0));
-        }
-        points.push(SteadyPoint {
-            velocity,
-            torque: drive.friction(source, channel, velocity, 0.0),
-            deviation: deviation.as_ref().map(number).transpose()?,
-        });
-    }
-    if points.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
-    let axis = axis_of(&velocity.source.name).or_else(|| axis_of(&force.source.name));
-    Ok(FrictionRecording {
-        path: path.into(),
-        samples: points.len(),
-        points,
-        stretches: Vec::new(),
-        axis,
-        outliers: Vec::new(),
-        drive_errors,
-        irregularities: Irregularities::default(),
-    })
-}
-
 /// Samples below which a piece between two pauses is left out.
 const SHORTEST: usize = 12;
 
@@ -302,105 +235,6 @@ fn cut(
         }
     }
     Ok(found)
-}
-
-fn prepare(
-    samples: &Samples,
-    even: &EvenStretch,
-    how: &Preparation,
-    found: &mut FrictionRecording,
-) -> Result<(Stretch, Vec<ConstantError>), IdentError> {
-    let dt = even.time_step;
-    let mut clean = |channel: &'static str, values: &[f64]| -> Result<Vec<f64>, IdentError> {
-        let Some(hampel) = how.outliers else { return Ok(values.to_vec()) };
-        let cleaned = hampel.clean(values)?;
-        found.outliers.extend(cleaned.replaced.iter().map(|replaced| Outlier {
-            channel,
-            time: even.start + replaced.index as f64 * dt,
-            measured: replaced.measured,
-            by: replaced.by,
-        }));
-        Ok(cleaned.signal)
-    };
-    let column = clean("force", &even.channel(&samples.force, None))?;
-    let velocity = samples.velocity.as_ref().map(|values| even.channel(values, None));
-    let velocity = velocity.map(|values| clean("velocity", &values)).transpose()?;
-    let position = samples.position.as_ref().map(|values| even.channel(values, samples.step));
-    let position = position.map(|values| clean("position", &values)).transpose()?;
-    // An encoder's steps are no motion: beside a measured velocity such a position says little,
-    // alone its path between the counts is used.
-    let step = position.as_deref().and_then(step_of);
-    let position = match (position, step, &velocity) {
-        (Some(_), Some(_), Some(_)) => None,
-        (Some(position), Some(step), None) => Some(between_steps(position, step)?),
-        (position, ..) => position,
-    };
-
-    let filter = SavitzkyGolay::new(3, frame(dt, even.len()))?;
-    let rate = 1.0 / dt;
-    let smooth = |signal: &[f64]| -> Result<Vec<f64>, IdentError> {
-        match how.smoothing {
-            Smoothing::SavitzkyGolay => filter.smooth(signal),
-            Smoothing::Butterworth => {
-                let cutoff = how.cutoff.unwrap_or((rate / 10.0).min(100.0));
-                LowPass::butterworth(how.order, cutoff, rate)?.filter(signal)
-            }
-            Smoothing::None => Ok(signal.to_vec()),
-        }
-    };
-    let position = position.map(|position| smooth(&position)).transpose()?;
-    let from_position = velocity.is_none();
-    let measured = match (velocity, &position) {
-        (Some(velocity), _) => velocity,
-        (None, Some(position)) => filter.derivative(position, dt)?,
-        (None, None) => return Err(IdentError::NoMotion),
-    };
-    let signals = DriveSignals {
-        time_step: dt,
-        velocity: &measured,
-        torque: &column,
-        voltage: &column,
-        current: &column,
-    };
-    // What the scatter of the samples is, the residuals of the fit say.
-    let friction =
-        friction_torque(how.torque, &signals, &how.constants(), &ChannelDeviations::default())?;
-    let velocity = if from_position { measured } else { smooth(&measured)? };
-    let thin = |values: Vec<f64>| decimate(&values, how.decimate);
-    let mut stretch = Stretch::new(
-        dt * how.decimate as f64,
-        thin(velocity)?,
-        position.map(thin).transpose()?,
-        thin(friction.torque)?,
-    )?;
-    // Experiment 2 begins at a fortieth of its fastest velocity, and has slid before.
-    let fastest = stretch.velocity.iter().fold(0.0f64, |fastest, v| fastest.max(v.abs()));
-    if stretch.velocity.first().is_some_and(|v| v.abs() < 0.01 * fastest) {
-        stretch.before = Before::Rested;
-    } else if even.after_gap {
-        // The motion went on while nothing was recorded.
-        stretch.before = Before::Slid;
-    }
-    let thinned = |error: ConstantError| Ok(ConstantError { torque: thin(error.torque)?, ..error });
-    let errors = friction.constants.into_iter().map(thinned).collect::<Result<_, IdentError>>()?;
-    Ok((stretch, errors))
-}
-
-/// The position between the counts of an encoder \[m or rad\]. One that hardly moved has no path
-/// between its counts and stays as it is.
-fn between_steps(position: Vec<f64>, step: f64) -> Result<Vec<f64>, IdentError> {
-    let first = position.first().copied().unwrap_or(0.0);
-    match between_counts(&position, step, Turn::Sharp) {
-        Ok(path) => Ok(path.into_iter().map(|x| first + x).collect()),
-        Err(IdentError::TooFewSamples { .. }) => Ok(position),
-        Err(error) => Err(error),
-    }
-}
-
-/// Samples of the thesis's 31 ms, odd, five at least and no more than there are.
-fn frame(dt: f64, samples: usize) -> usize {
-    let half = (0.0155 / dt).round().clamp(2.0, 15.0) as usize;
-    (2 * half + 1).min(samples - (samples + 1) % 2)
 }
 
 #[cfg(test)]
