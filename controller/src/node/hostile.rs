@@ -7,7 +7,7 @@ use ros_node::{
     stamps::{Follows, Forwards},
 };
 
-use super::{estimates::Estimates, plausible, reference::ReferenceKeeper, step::Friction};
+use super::{estimates::Estimates, friction::Friction, plausible, reference::ReferenceKeeper};
 use crate::{Controller, ControllerOptions, Feedback, Reference};
 
 const ONE: WriterId = WriterId([1; 16]);
