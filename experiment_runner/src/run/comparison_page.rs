@@ -2,7 +2,7 @@
 
 use controller::ControlMode;
 
-use super::results::Comparison;
+use super::results::{ArmFigures, Comparison};
 use super::trace::Trace;
 use crate::compensation::Arm;
 use report::figure::{Figure, LineStyle, Panel, Table, Trace as Drawn};
@@ -10,27 +10,11 @@ use report::numbers;
 
 /// The figures of every compensation.
 pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
+    let shown = Shown::of(comparison);
     let (unit, square) = match comparison.mode {
         ControlMode::Velocity => ("rad/s", "(rad/s)²"),
         ControlMode::Position => ("rad", "rad²"),
     };
-    let repetitions = comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0);
-    // A single repetition has no scatter to show.
-    let spread = |value: f64, deviation: f64| {
-        let value = numbers::significant(value, 4);
-        if repetitions > 1 && deviation > 0.0 {
-            format!("{value} ± {}", numbers::plain(deviation, 1))
-        } else {
-            value
-        }
-    };
-    let of = if repetitions > 1 {
-        format!("Mean over {repetitions} repetitions ± standard deviation")
-    } else {
-        "One repetition".to_owned()
-    };
-    let known = comparison.runs.iter().any(|run| run.torque_error.is_some());
-    let hunting = comparison.rows.iter().any(|row| row.limit_cycle.is_some());
     let mut columns = vec![
         "compensation".to_owned(),
         format!("mse [{square}]"),
@@ -40,62 +24,98 @@ pub(super) fn comparison_table(title: &str, comparison: &Comparison) -> Table {
         "voltage [V]".to_owned(),
         "torque off by [N m]".to_owned(),
     ];
-    let mut caption = format!(
-        "{of}. {} How much smaller is against the linear controller alone. Voltage: root mean square. Torque: root mean square of \
-         the estimate minus {}.",
-        if known {
-            "Errors are those of the shaft itself, which the simulated rig knows. The plant's friction is one \
-             of the models: a ranking among observers says which is nearest to that plant, no more."
-        } else {
-            "Errors are as measured, the sensor's noise included."
-        },
-        if known { "the true friction" } else { "what the torque sensor shows" },
-    );
-    if hunting {
-        columns.push("limit cycle".to_owned());
-        caption += " A limit cycle, amplitude and period, is read in the last three fifths of the run: half the distance of the extremes, and the mean time between rises \
-                    through the middle.";
-    }
-    let rows = comparison
-        .rows
-        .iter()
-        .map(|row| {
-            let percent = |value: f64| {
-                if row.arm == Arm::None { "-".to_owned() } else { numbers::smaller_by(value) }
-            };
-            // Without compensation an observer runs too, but nobody listens to it.
-            let torque = |rms: Option<f64>| match rms.filter(|_| row.arm != Arm::None) {
-                Some(rms) => format!("{rms:.4}"),
-                None => "-".to_owned(),
-            };
-            let mut cells = vec![
-                row.arm.to_string(),
-                spread(row.mse, row.mse_deviation),
-                percent(row.mse_improvement),
-                spread(row.max_error, row.max_error_deviation),
-                percent(row.max_error_improvement),
-                spread(row.effort, row.effort_deviation),
-                torque(if known { row.torque_error } else { Some(row.torque_residual) }),
-            ];
-            if hunting {
-                cells.push(row.limit_cycle.map_or("none".to_owned(), |cycle| {
-                    let of = if cycle.repetitions < repetitions as usize {
-                        format!(", in {} of {repetitions}", cycle.repetitions)
-                    } else {
-                        String::new()
-                    };
-                    format!("{:.4} rad, {:.2} s{of}", cycle.amplitude, cycle.period)
-                }));
-            }
-            cells
-        })
-        .collect();
+    columns.extend(shown.hunting.then(|| "limit cycle".to_owned()));
     Table {
         title: format!("{title}: compensations compared"),
-        caption,
+        caption: shown.caption(),
         columns,
-        rows,
+        rows: comparison.rows.iter().map(|row| shown.cells(row)).collect(),
         highlight: comparison.best(),
+    }
+}
+
+/// What the table of a comparison can show.
+struct Shown {
+    repetitions: u32,
+    /// The shaft's own motion and friction are known.
+    known: bool,
+    /// Something ran into a limit cycle.
+    hunting: bool,
+}
+
+impl Shown {
+    fn of(comparison: &Comparison) -> Self {
+        Self {
+            repetitions: comparison.runs.iter().map(|run| run.repetition + 1).max().unwrap_or(0),
+            known: comparison.runs.iter().any(|run| run.torque_error.is_some()),
+            hunting: comparison.rows.iter().any(|row| row.limit_cycle.is_some()),
+        }
+    }
+
+    fn caption(&self) -> String {
+        let of = match self.repetitions {
+            0 | 1 => "One repetition".to_owned(),
+            many => format!("Mean over {many} repetitions ± standard deviation"),
+        };
+        let errors = if self.known {
+            "Errors are those of the shaft itself, which the simulated rig knows. The plant's \
+             friction is one of the models: a ranking among observers says which is nearest to \
+             that plant, no more."
+        } else {
+            "Errors are as measured, the sensor's noise included."
+        };
+        let torque = if self.known { "the true friction" } else { "what the torque sensor shows" };
+        let mut caption = format!(
+            "{of}. {errors} How much smaller is against the linear controller alone. Voltage: \
+             root mean square. Torque: root mean square of the estimate minus {torque}."
+        );
+        if self.hunting {
+            caption += " A limit cycle, amplitude and period, is read in the last three fifths of \
+                        the run: half the distance of the extremes, and the mean time between \
+                        rises through the middle.";
+        }
+        caption
+    }
+
+    /// A mean and its standard deviation; a single repetition has no scatter to show.
+    fn spread(&self, value: f64, deviation: f64) -> String {
+        let value = numbers::significant(value, 4);
+        if self.repetitions > 1 && deviation > 0.0 {
+            format!("{value} ± {}", numbers::plain(deviation, 1))
+        } else {
+            value
+        }
+    }
+
+    fn cells(&self, row: &ArmFigures) -> Vec<String> {
+        let percent = |value: f64| {
+            if row.arm == Arm::None { "-".to_owned() } else { numbers::smaller_by(value) }
+        };
+        // Without compensation an observer runs too, but nobody listens to it.
+        let torque = |rms: Option<f64>| match rms.filter(|_| row.arm != Arm::None) {
+            Some(rms) => format!("{rms:.4}"),
+            None => "-".to_owned(),
+        };
+        let mut cells = vec![
+            row.arm.to_string(),
+            self.spread(row.mse, row.mse_deviation),
+            percent(row.mse_improvement),
+            self.spread(row.max_error, row.max_error_deviation),
+            percent(row.max_error_improvement),
+            self.spread(row.effort, row.effort_deviation),
+            torque(if self.known { row.torque_error } else { Some(row.torque_residual) }),
+        ];
+        if self.hunting {
+            cells.push(row.limit_cycle.map_or("none".to_owned(), |cycle| {
+                let of = if cycle.repetitions < self.repetitions as usize {
+                    format!(", in {} of {}", cycle.repetitions, self.repetitions)
+                } else {
+                    String::new()
+                };
+                format!("{:.4} rad, {:.2} s{of}", cycle.amplitude, cycle.period)
+            }));
+        }
+        cells
     }
 }
 

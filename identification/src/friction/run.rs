@@ -46,33 +46,11 @@ pub fn identify(
     let held_out = (!validation.is_empty()).then(|| sorted(validation, reach).0);
 
     let moved = moved(files, reach, settings);
-    let stages_only = StagedOptions { joint: false, ..settings.staged };
 
     let mut models: Vec<(Identified, Option<FromDrive>)> = Vec::new();
     let mut refused: Vec<(ModelName, IdentError)> = Vec::new();
     let work = |name: &ModelName| {
-        let mut watch = |stage, step: &friction_ident::bounded::Step| {
-            progress.stage(wording::progress(*name, stage, step.sum));
-            if cancel.load(Ordering::Relaxed) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        };
-        let found = identify_model(*name, &data, &settings.staged, &mut watch).and_then(|found| {
-            let refit = |data: &_| {
-                let stages = identify_model(*name, data, &stages_only, &mut watch)?;
-                let joint = if settings.staged.joint {
-                    refine_jointly(&found.model, &stages.model, data, &settings.staged, &mut watch)?
-                } else {
-                    None
-                };
-                let stopped = stages.stopped || cancel.load(Ordering::Relaxed);
-                Ok((!stopped).then(|| by_name(stages.stages.iter().chain(&joint))))
-            };
-            let from_drive = FromDrive::work_out(&found, &data, &moved, refit)?;
-            Ok((found, from_drive))
-        });
+        let found = one_model(*name, (&data, &moved), settings, progress, cancel);
         progress.advance(1.0);
         Ok::<_, std::convert::Infallible>(found)
     };
@@ -87,14 +65,7 @@ pub fn identify(
     let interrupted = cancel.load(Ordering::Relaxed)
         && (completion != Completion::All || models.iter().any(|(model, _)| model.stopped));
     if models.is_empty() {
-        return Err(match refused.into_iter().next() {
-            Some((model, source)) => {
-                let files: Vec<_> =
-                    files.iter().map(|file| file.path.display().to_string()).collect();
-                FrictionError::Refused { model, files: files.join(", "), source }
-            }
-            None => FrictionError::Nothing,
-        });
+        return Err(nothing_found(refused, files));
     }
     for (name, error) in refused {
         notes.push(format!("{name} was left out: {error}."));
@@ -126,6 +97,52 @@ pub fn identify(
         notes,
         interrupted,
     })
+}
+
+/// Identifies one model, and what of it moves with the drive's constants.
+fn one_model(
+    name: ModelName,
+    (data, moved): (&FrictionData, &[(DriveConstant, FrictionData)]),
+    settings: &Settings,
+    progress: &Progress,
+    cancel: &AtomicBool,
+) -> Result<(Identified, Option<FromDrive>), IdentError> {
+    let stages_only = StagedOptions { joint: false, ..settings.staged };
+    let mut watch = |stage, step: &friction_ident::bounded::Step| {
+        progress.stage(wording::progress(name, stage, step.sum));
+        if cancel.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let found = identify_model(name, data, &settings.staged, &mut watch)?;
+    let refit = |data: &_| {
+        let stages = identify_model(name, data, &stages_only, &mut watch)?;
+        let joint = if settings.staged.joint {
+            refine_jointly(&found.model, &stages.model, data, &settings.staged, &mut watch)?
+        } else {
+            None
+        };
+        let stopped = stages.stopped || cancel.load(Ordering::Relaxed);
+        Ok((!stopped).then(|| by_name(stages.stages.iter().chain(&joint))))
+    };
+    let from_drive = FromDrive::work_out(&found, data, moved, refit)?;
+    Ok((found, from_drive))
+}
+
+/// Why not one model could be identified.
+fn nothing_found(
+    refused: Vec<(ModelName, IdentError)>,
+    files: &[FrictionRecording],
+) -> FrictionError {
+    match refused.into_iter().next() {
+        Some((model, source)) => {
+            let files: Vec<_> = files.iter().map(|file| file.path.display().to_string()).collect();
+            FrictionError::Refused { model, files: files.join(", "), source }
+        }
+        None => FrictionError::Nothing,
+    }
 }
 
 /// Sorts the stretches of all files by what they show.
