@@ -35,11 +35,14 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether whoever started the program can mend it by naming another place. A full disk is a
-    /// failure of the work itself.
+    /// Whether whoever named the place can mend it by naming another. A full disk is a failure of
+    /// the work itself.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
-        !is_full(self)
+        match self {
+            Self::Write { source, .. } => is_of_the_path(source),
+            Self::NotEmpty(_) | Self::Exists(_) | Self::IsFolder(_) | Self::NoFolder(_) => true,
+        }
     }
 
     /// What the system says, where the system refused.
@@ -72,6 +75,32 @@ pub fn is_full(error: &(dyn Error + 'static)) -> bool {
         };
     }
     false
+}
+
+/// Whether what the system says is about the path that was named: nothing is there, it may not be
+/// used, it is something else. Whoever named it can name another. A full disk, a device that fails
+/// or memory that ran out are the machine's.
+#[must_use]
+pub fn is_of_the_path(error: &io::Error) -> bool {
+    match error.kind() {
+        ErrorKind::NotFound
+        | ErrorKind::PermissionDenied
+        | ErrorKind::AlreadyExists
+        | ErrorKind::InvalidInput
+        | ErrorKind::InvalidData
+        | ErrorKind::InvalidFilename
+        | ErrorKind::NotADirectory
+        | ErrorKind::IsADirectory
+        | ErrorKind::DirectoryNotEmpty
+        | ErrorKind::ReadOnlyFilesystem
+        | ErrorKind::CrossesDevices
+        | ErrorKind::TooManyLinks
+        | ErrorKind::NotSeekable
+        | ErrorKind::Unsupported => true,
+        // Of a file to be read this program says so; the system says it of one that is written.
+        ErrorKind::FileTooLarge => error.raw_os_error().is_none(),
+        _ => false,
+    }
 }
 
 /// What the system says, without the names of what stands between.
@@ -107,5 +136,20 @@ mod tests {
         let denied =
             OutputError::Write { path: "x".into(), source: ErrorKind::PermissionDenied.into() };
         assert!(!is_full(&denied) && denied.is_bad_input() && denied.to_string().contains("--out"));
+    }
+
+    #[test]
+    fn a_path_can_be_mended_by_its_user_and_a_machine_cannot() {
+        for kind in [ErrorKind::NotFound, ErrorKind::IsADirectory, ErrorKind::ReadOnlyFilesystem] {
+            assert!(is_of_the_path(&kind.into()), "{kind}");
+        }
+        for kind in [ErrorKind::StorageFull, ErrorKind::QuotaExceeded, ErrorKind::OutOfMemory] {
+            assert!(!is_of_the_path(&kind.into()), "{kind}");
+        }
+        assert!(is_of_the_path(&io::Error::new(ErrorKind::FileTooLarge, "above 1 MiB")));
+        #[cfg(target_os = "linux")]
+        for (number, what) in [(5, "EIO"), (27, "EFBIG"), (28, "ENOSPC"), (122, "EDQUOT")] {
+            assert!(!is_of_the_path(&io::Error::from_raw_os_error(number)), "{what}");
+        }
     }
 }

@@ -12,7 +12,7 @@ mod folder;
 pub mod input;
 pub mod ros_parameters;
 
-pub use error::{OutputError, is_full, said};
+pub use error::{OutputError, is_full, is_of_the_path, said};
 pub use file::OutputFile;
 pub use folder::{Folder, first_free, is_empty_or_missing};
 
