@@ -113,7 +113,10 @@ impl Arguments {
                 .ok_or_else(|| format!("`{flag}` wants {what} behind it"))
         };
         match flag {
-            "-r" | "--remap" => self.remaps.push(RemapRule::parse(&value("FROM:=TO")?)?),
+            "-r" | "--remap" => {
+                let rule = RemapRule::parse(&value("FROM:=TO")?);
+                self.remaps.push(rule.map_err(|error| error.to_string())?);
+            }
             "-p" | "--param" => self.parameter(&value("NAME:=VALUE")?)?,
             "--params-file" => self.file(&value("a file")?)?,
             "--log-level" => self.level(&value("a level")?)?,

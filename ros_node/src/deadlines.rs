@@ -64,21 +64,28 @@ impl Deadlines {
     }
 }
 
+/// The system grants no real-time scheduling.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct RealtimeRefused(String);
+
 /// Asks for first-in-first-out real-time scheduling of the calling thread, at priority
 /// [`PRIORITY`].
 ///
 /// # Errors
-/// What the system says when it refuses.
-pub fn realtime() -> Result<(), String> {
+/// [`RealtimeRefused`] with what the system says.
+pub fn realtime() -> Result<(), RealtimeRefused> {
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    ThreadPriorityValue::try_from(PRIORITY).and_then(|priority| {
-        set_thread_priority_and_policy(
-            thread_native_id(),
-            ThreadPriority::Crossplatform(priority),
-            policy,
-        )
-        .map_err(|error| format!("{error:?}"))
-    })
+    ThreadPriorityValue::try_from(PRIORITY)
+        .and_then(|priority| {
+            set_thread_priority_and_policy(
+                thread_native_id(),
+                ThreadPriority::Crossplatform(priority),
+                policy,
+            )
+            .map_err(|error| format!("{error:?}"))
+        })
+        .map_err(RealtimeRefused)
 }
 
 /// Asks for [`realtime`] scheduling of the calling thread. Returns a line that says what came of

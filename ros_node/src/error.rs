@@ -1,5 +1,7 @@
 //! What can go wrong between a node and the network.
 
+use crate::security::SecurityError;
+
 /// A node that cannot join, or a message that cannot be sent.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -48,7 +50,7 @@ pub enum RosNodeError {
     },
     /// Security is asked for and cannot be had.
     #[error("security is asked for (ROS_SECURITY_ENABLE=true), but {0}")]
-    Security(String),
+    Security(#[from] SecurityError),
     /// Signals cannot be watched.
     #[error("SIGINT and SIGTERM cannot be watched: {0}")]
     Signals(String),
@@ -126,13 +128,20 @@ impl RosNodeError {
     /// Whether the user can mend it: an argument, a parameter, an environment variable.
     #[must_use]
     pub const fn is_bad_input(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::Environment { .. }
-                | Self::Name { .. }
-                | Self::Parameter { .. }
-                | Self::Parameters { .. }
-                | Self::Security(_)
-        )
+            | Self::Name { .. }
+            | Self::Parameter { .. }
+            | Self::Parameters { .. }
+            | Self::Security(_) => true,
+            Self::Signals(_)
+            | Self::Runtime(_)
+            | Self::Scope(_)
+            | Self::Join { .. }
+            | Self::Create { .. }
+            | Self::NoAnswer { .. }
+            | Self::Refused { .. }
+            | Self::Publish { .. } => false,
+        }
     }
 }

@@ -72,6 +72,20 @@ pub struct GateReport {
     pub error: Option<String>,
 }
 
+/// Two writers of one topic, of whom none may be preferred.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "two publish on {topic} at the same time, {one} and {other}, and none may be preferred; end one of them"
+)]
+pub struct TwoWriters {
+    /// Absolute name of the topic.
+    pub topic: String,
+    /// One of them, as far as the graph tells.
+    pub one: String,
+    /// The other.
+    pub other: String,
+}
+
 impl Gate {
     /// A gate, closed, for the topic that the code calls `topic`. After `handover` of silence
     /// another writer may follow the one that is obeyed.
@@ -108,9 +122,9 @@ impl Gate {
     /// Obeys the first that speaks from now on.
     ///
     /// # Errors
-    /// A sentence that names two writers that spoke within the last half second: none may be
-    /// preferred, unless [`only`](Self::only) says which.
-    pub fn open(&self) -> Result<(), String> {
+    /// [`TwoWriters`] names two that spoke within the last half second: none may be preferred,
+    /// unless [`only`](Self::only) says which.
+    pub fn open(&self) -> Result<(), TwoWriters> {
         let mut state = self.state();
         if !state.only.is_empty() {
             // The name says who is preferred.
@@ -119,13 +133,10 @@ impl Gate {
         }
         let opened = state.one.open(now_ns());
         drop(state);
-        opened.map_err(|(one, other)| {
-            format!(
-                "two publish on {} at the same time, {} and {}, and none may be preferred; end one of them",
-                self.0.topic,
-                self.told(one),
-                self.told(other)
-            )
+        opened.map_err(|(one, other)| TwoWriters {
+            topic: self.0.topic.clone(),
+            one: self.told(one),
+            other: self.told(other),
         })
     }
 
@@ -285,7 +296,7 @@ mod tests {
         let gate = gate(None);
         gate.hear(A);
         gate.hear(B);
-        let said = gate.open().unwrap_err();
+        let said = gate.open().unwrap_err().to_string();
         assert!(said.contains(&A.to_string()) && said.contains(&B.to_string()), "{said}");
         assert_eq!(gate.hear(A), Passes::No);
     }

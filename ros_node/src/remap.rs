@@ -17,6 +17,30 @@ enum Kind {
     TopicOrService,
 }
 
+impl Kind {
+    /// Whether both sides of the rule `text` are names that such a rule may have.
+    fn require_names(self, text: &str, from: &str, to: &str) -> Result<(), RemapError> {
+        let named = |source| RemapError::Name { text: text.to_owned(), source };
+        match self {
+            Self::NodeName => NodeIdentity::new(to, "/").map(drop).map_err(named),
+            Self::Namespace if !to.starts_with('/') => {
+                Err(RemapError::Namespace { text: text.to_owned() })
+            }
+            Self::Namespace => NodeIdentity::new("n", to).map(drop).map_err(named),
+            Self::Topic | Self::Service | Self::TopicOrService => {
+                let probe = NodeIdentity { name: "n".into(), namespace: "/".into() };
+                for side in [from, to] {
+                    if side.contains(['*', '\\']) {
+                        return Err(RemapError::Wildcard { text: text.to_owned() });
+                    }
+                    probe.expand(side).map_err(named)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
 /// One rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RemapRule {
@@ -27,17 +51,63 @@ pub struct RemapRule {
     to: String,
 }
 
+/// A text that is no remapping rule.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RemapError {
+    /// There is no `:=`.
+    #[error("`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states")]
+    NoRule {
+        /// What came.
+        text: String,
+    },
+    /// What stands before `://` says neither topic nor service.
+    #[error("`{scheme}://` in `{text}` is unknown; there are rostopic:// and rosservice://")]
+    Scheme {
+        /// What stands there.
+        scheme: String,
+        /// The rule.
+        text: String,
+    },
+    /// The node that the rule is for cannot have that name.
+    #[error("`{node}` in the remapping `{text}` is no name of a node")]
+    Node {
+        /// The name.
+        node: String,
+        /// The rule.
+        text: String,
+    },
+    /// A namespace without its slash.
+    #[error("the namespace in `{text}` must begin with a slash, as in __ns:=/axis_1")]
+    Namespace {
+        /// The rule.
+        text: String,
+    },
+    /// Wildcards, which rcl does not understand either.
+    #[error("wildcards in remappings, as in `{text}`, are not understood; write the whole name")]
+    Wildcard {
+        /// The rule.
+        text: String,
+    },
+    /// One of its sides is no name.
+    #[error("in the remapping `{text}`: {source}")]
+    Name {
+        /// The rule.
+        text: String,
+        /// What is wrong with the name.
+        source: RosNodeError,
+    },
+}
+
 impl RemapRule {
     /// Reads a rule.
     ///
     /// # Errors
-    /// A sentence about what is wrong with it.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let (left, to) = text.split_once(":=").ok_or_else(|| {
-            format!(
-                "`{text}` is no remapping; expected FROM:=TO, as in joint_states:=/arm/joint_states"
-            )
-        })?;
+    /// [`RemapError`] says what is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, RemapError> {
+        let text_of = || text.to_owned();
+        let (left, to) =
+            text.split_once(":=").ok_or_else(|| RemapError::NoRule { text: text_of() })?;
         let (left, scheme) = match left.split_once("://") {
             Some((before, from)) => {
                 let (node, scheme) = match before.rsplit_once(':') {
@@ -48,9 +118,8 @@ impl RemapRule {
                     "rostopic" => Kind::Topic,
                     "rosservice" => Kind::Service,
                     other => {
-                        return Err(format!(
-                            "`{other}://` in `{text}` is unknown; there are rostopic:// and rosservice://"
-                        ));
+                        let scheme = other.to_owned();
+                        return Err(RemapError::Scheme { scheme, text: text_of() });
                     }
                 };
                 ((node, from), Some(kind))
@@ -64,39 +133,14 @@ impl RemapRule {
         if let Some(node) = node
             && !is_token(node)
         {
-            return Err(format!("`{node}` in the remapping `{text}` is no name of a node"));
+            return Err(RemapError::Node { node: node.to_owned(), text: text_of() });
         }
         let kind = match (from, scheme) {
             ("__node" | "__name", None) => Kind::NodeName,
             ("__ns", None) => Kind::Namespace,
             (_, scheme) => scheme.unwrap_or(Kind::TopicOrService),
         };
-        let probe = NodeIdentity { name: "n".into(), namespace: "/".into() };
-        match kind {
-            Kind::NodeName => {
-                NodeIdentity::new(to, "/")
-                    .map_err(|e| format!("in the remapping `{text}`: {e}"))?;
-            }
-            Kind::Namespace => {
-                if !to.starts_with('/') {
-                    return Err(format!(
-                        "the namespace in `{text}` must begin with a slash, as in __ns:=/axis_1"
-                    ));
-                }
-                NodeIdentity::new("n", to)
-                    .map_err(|e| format!("in the remapping `{text}`: {e}"))?;
-            }
-            Kind::Topic | Kind::Service | Kind::TopicOrService => {
-                for side in [from, to] {
-                    if side.contains(['*', '\\']) {
-                        return Err(format!(
-                            "wildcards in remappings, as in `{text}`, are not understood; write the whole name"
-                        ));
-                    }
-                    probe.expand(side).map_err(|e| format!("in the remapping `{text}`: {e}"))?;
-                }
-            }
-        }
+        kind.require_names(text, from, to)?;
         Ok(Self { node: node.map(str::to_owned), kind, from: from.to_owned(), to: to.to_owned() })
     }
 
@@ -222,7 +266,7 @@ mod tests {
             "ftp://a:=b",
             "a/*:=b",
         ] {
-            assert!(RemapRule::parse(rule).unwrap_err().len() > 20, "{rule}");
+            assert!(RemapRule::parse(rule).unwrap_err().to_string().len() > 20, "{rule}");
         }
     }
 }

@@ -21,11 +21,11 @@ pub(crate) struct Twins {
 
 /// Another node of the same name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Twin {
+pub struct Twin {
     name: String,
     participant: ParticipantId,
     /// The other one was there first.
-    pub(crate) elder: bool,
+    pub elder: bool,
 }
 
 impl fmt::Display for Twin {

@@ -122,14 +122,10 @@ fn init(args: &InitArgs) -> anyhow::Result<()> {
         })?,
         None => policy::policy(&namespace(&args.namespace)?),
     };
-    let policy = permissions::read_policy(&text).map_err(BadInput)?;
+    let policy = permissions::read_policy(&text).map_err(|error| BadInput(error.to_string()))?;
     let domains = match args.domain.as_slice() {
         [] => {
-            vec![
-                ros_node::Discovery::from_environment()
-                    .map_err(|error| BadInput(error.to_string()))?
-                    .domain,
-            ]
+            vec![ros_node::Discovery::from_environment()?.domain]
         }
         given => given.to_vec(),
     };
@@ -144,16 +140,8 @@ fn init(args: &InitArgs) -> anyhow::Result<()> {
         now: since.as_secs().cast_signed(),
         days: args.days,
     };
-    keystore::make(&order).map_err(|error| match error {
-        keystore::KeystoreError::Exists(_) | keystore::KeystoreError::Name(_) => {
-            BadInput(error.to_string()).into()
-        }
-        other => anyhow::Error::new(other),
-    })?;
-    let shown = crate::security::table(
-        &crate::security::look(&args.dir, now).map_err(anyhow::Error::msg)?,
-        now,
-    );
+    keystore::make(&order)?;
+    let shown = crate::security::table(&crate::security::look(&args.dir, now)?, now);
     let folder = std::path::absolute(&args.dir).unwrap_or_else(|_| args.dir.clone());
     print(&format!(
         "{shown}\nFor every program: export ROS_SECURITY_ENABLE=true ROS_SECURITY_STRATEGY=Enforce ROS_SECURITY_KEYSTORE={}\n\
@@ -171,7 +159,7 @@ fn check(args: &CheckArgs) -> anyhow::Result<()> {
         BadInput("no keystore is named: give its folder, or set ROS_SECURITY_KEYSTORE".to_owned())
     })?;
     let now = std::time::SystemTime::now();
-    let enclaves = crate::security::look(&dir, now).map_err(BadInput)?;
+    let enclaves = crate::security::look(&dir, now)?;
     print(&crate::security::table(&enclaves, now))?;
     anyhow::ensure!(!enclaves.is_empty(), "{} has no enclave", dir.display());
     let broken: Vec<&str> = enclaves

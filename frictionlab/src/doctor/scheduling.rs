@@ -3,7 +3,7 @@
 use std::{fs, thread};
 
 use ros_node::{
-    deadlines::{self, Deadlines, PRIORITY},
+    deadlines::{self, Deadlines, PRIORITY, RealtimeRefused},
     timing::{Percentiles, Stopwatch},
 };
 use rustix::process::{Resource, getrlimit};
@@ -43,7 +43,7 @@ pub(super) fn check() -> Vec<Finding> {
     findings
 }
 
-fn priority(granted: Result<(), String>) -> Finding {
+fn priority(granted: Result<(), RealtimeRefused>) -> Finding {
     let limit = getrlimit(Resource::Rtprio).current;
     let finding = match granted {
         Ok(()) => Finding::fine("real-time priority", "SCHED_FIFO is granted to the control loop"),

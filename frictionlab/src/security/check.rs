@@ -2,13 +2,13 @@
 
 use std::{
     fmt::Write as _,
-    fs,
+    fs, io,
     path::{Path, PathBuf},
     time::SystemTime,
 };
 
 use ros_node::security::{
-    credentials::{self, Credentials},
+    credentials::{self, Credentials, CredentialsError},
     permissions::{Grant, fits},
 };
 
@@ -18,7 +18,27 @@ pub struct Enclave {
     /// Its name, as in `/rig_driver`.
     pub name: String,
     /// Its files, or why they cannot be used.
-    pub found: Result<Credentials, String>,
+    pub found: Result<Credentials, CredentialsError>,
+}
+
+/// A folder that is no keystore, or cannot be looked into.
+#[derive(Debug, thiserror::Error)]
+#[error("{} is no keystore: {}: {source}", keystore.display(), enclaves.display())]
+pub struct NoKeystore {
+    /// The folder.
+    pub keystore: PathBuf,
+    /// Where its enclaves would be.
+    pub enclaves: PathBuf,
+    /// What the system says of that.
+    pub source: io::Error,
+}
+
+impl NoKeystore {
+    /// Whether whoever named the folder can mend it.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        files::is_of_the_path(&self.source)
+    }
 }
 
 /// What one may do in the laboratory, and the topic of DDS that it takes to write for it; any
@@ -36,12 +56,14 @@ const DEEDS: [(&str, &str, &str); 7] = [
 /// Every enclave below a keystore, in the order of their names.
 ///
 /// # Errors
-/// A folder that is no keystore.
-pub fn look(keystore: &Path, now: SystemTime) -> Result<Vec<Enclave>, String> {
+/// [`NoKeystore`] for a folder that is none.
+pub fn look(keystore: &Path, now: SystemTime) -> Result<Vec<Enclave>, NoKeystore> {
     let folder = keystore.join("enclaves");
     let mut folders = Vec::new();
-    gather(&folder, &mut folders).map_err(|error| {
-        format!("{} is no keystore: {}: {error}", keystore.display(), folder.display())
+    gather(&folder, &mut folders).map_err(|source| NoKeystore {
+        keystore: keystore.to_owned(),
+        enclaves: folder.clone(),
+        source,
     })?;
     folders.sort();
     let enclaves = folders.into_iter().map(|path| {

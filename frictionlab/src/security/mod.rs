@@ -4,4 +4,4 @@
 mod check;
 
 #[cfg(feature = "security")]
-pub use check::{Enclave, look, table};
+pub use check::{Enclave, NoKeystore, look, table};

@@ -14,7 +14,7 @@ use msgs::{
 };
 use ros_node::{
     ParameterValue, Participant, Publisher, RosNode, RosNodeError, Stop,
-    lifecycle::{CallbackError, Lifecycle, Managed, Requested},
+    lifecycle::{CallbackError, Lifecycle, Managed, Requested, TransitionError},
     parameters::Parameters,
 };
 
@@ -51,8 +51,8 @@ pub struct Lasting {
 
 /// Why the node did not become active.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct NotActive(String);
+#[error(transparent)]
+pub struct NotActive(#[from] TransitionError);
 
 /// Runs the node until `stop`.
 ///
@@ -169,8 +169,8 @@ impl RigDriver {
     /// [`NotActive`] says why it is not; the log says it too.
     pub fn start(&self) -> Result<(), NotActive> {
         if self.autostart {
-            self.lifecycle.request(Requested::Configure).map_err(NotActive)?;
-            self.lifecycle.request(Requested::Activate).map_err(NotActive)?;
+            self.lifecycle.request(Requested::Configure)?;
+            self.lifecycle.request(Requested::Activate)?;
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ use msgs::{
 };
 
 use super::table::{Phase, TRANSITIONS, Transition, find};
-use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, quoted, twins::Twins};
+use crate::{Logger, NodeClock, Publisher, RosNode, RosNodeError, Twin, quoted, twins::Twins};
 
 /// How often another node of the same name is looked for.
 const LOOK: Duration = Duration::from_millis(250);
@@ -36,6 +36,46 @@ impl From<String> for CallbackError {
     fn from(reason: String) -> Self {
         Self::Failure(reason)
     }
+}
+
+/// A transition that was asked for and did not happen.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TransitionError {
+    /// There is no such transition from the state that the node is in.
+    #[error(
+        "the node is {} and cannot `{asked}`; from here it can: {}", from.label(), possible(*from)
+    )]
+    NotFromHere {
+        /// Where it is.
+        from: Phase,
+        /// Label or number of what was asked for.
+        asked: String,
+    },
+    /// A node of the same name was there before: this one does not work beside it.
+    #[error("{0}")]
+    Elder(Twin),
+    /// The node could not do what belongs to the transition.
+    #[error("{reason}")]
+    Refused {
+        /// The first reason it gave.
+        reason: String,
+    },
+    /// The table of transitions lacks a step, a mistake of this crate.
+    #[error("there is no {label} from {}", from.label())]
+    NoStep {
+        /// The step.
+        label: &'static str,
+        /// Where it would begin.
+        from: Phase,
+    },
+}
+
+/// What can be asked for in a state.
+fn possible(from: Phase) -> String {
+    let rows = TRANSITIONS.iter().filter(|row| row.start == from);
+    let labels: Vec<&str> = rows.map(|row| row.label).collect();
+    if labels.is_empty() { "nothing".to_owned() } else { labels.join(", ") }
 }
 
 /// What a node does on its way between states. What is left out does nothing and succeeds.
@@ -200,32 +240,25 @@ impl Lifecycle {
     /// Asks for a transition.
     ///
     /// # Errors
-    /// The reason it did not happen, which the log has too.
-    pub fn request(&self, requested: Requested) -> Result<Phase, String> {
+    /// [`TransitionError`] says why it did not happen; the log has it too.
+    pub fn request(&self, requested: Requested) -> Result<Phase, TransitionError> {
         self.change(0, requested.label())
     }
 
     /// Asks for a transition by number or label, as `change_state` does. Waits for one that is
     /// under way.
-    fn change(&self, id: u8, label: &str) -> Result<Phase, String> {
+    fn change(&self, id: u8, label: &str) -> Result<Phase, TransitionError> {
         let mut managed = self.0.managed.lock().unwrap_or_else(PoisonError::into_inner);
         let from = self.phase();
         let Some(first) = find(from, id, label) else {
-            let possible: Vec<&str> =
-                TRANSITIONS.iter().filter(|row| row.start == from).map(|row| row.label).collect();
             let asked = if label.is_empty() { id.to_string() } else { quoted(label).into_owned() };
-            let possible =
-                if possible.is_empty() { "nothing".to_owned() } else { possible.join(", ") };
-            let reason = format!(
-                "the node is {} and cannot `{asked}`; from here it can: {possible}",
-                from.label()
-            );
-            self.0.logger.error(&reason);
+            let reason = TransitionError::NotFromHere { from, asked };
+            self.0.logger.error(&reason.to_string());
             return Err(reason);
         };
         let begins = matches!(first.goal, Phase::Configuring | Phase::Activating);
         let outcome = match self.0.twins.found().filter(|twin| twin.elder && begins) {
-            Some(elder) => Err(elder.to_string()),
+            Some(elder) => Err(TransitionError::Elder(elder)),
             None => self.walk(managed.as_mut(), first),
         };
         match &outcome {
@@ -280,7 +313,11 @@ impl Lifecycle {
 
     /// Takes the transition, does what belongs to it, and takes the one that its outcome leads to,
     /// up to a primary state.
-    fn walk(&self, managed: &mut dyn Managed, first: &'static Transition) -> Result<Phase, String> {
+    fn walk(
+        &self,
+        managed: &mut dyn Managed,
+        first: &'static Transition,
+    ) -> Result<Phase, TransitionError> {
         let mut step = first;
         let mut reason = None;
         loop {
@@ -292,7 +329,10 @@ impl Lifecycle {
                 Phase::CleaningUp => managed.clean_up(),
                 Phase::ShuttingDown => managed.shut_down(),
                 Phase::ErrorProcessing => managed.recover(),
-                primary => return reason.map_or(Ok(primary), Err),
+                primary => {
+                    return reason
+                        .map_or(Ok(primary), |reason| Err(TransitionError::Refused { reason }));
+                }
             };
             let label = match outcome {
                 Ok(()) => "transition_success",
@@ -308,7 +348,7 @@ impl Lifecycle {
             match find(step.goal, 0, label) {
                 Some(next) => step = next,
                 // The table has one for each; a test says so.
-                None => return Err(format!("there is no {label} from {}", step.goal.label())),
+                None => return Err(TransitionError::NoStep { label, from: step.goal }),
             }
         }
     }

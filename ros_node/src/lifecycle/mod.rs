@@ -8,6 +8,6 @@ mod machine;
 mod remote;
 mod table;
 
-pub use machine::{CallbackError, Lifecycle, Managed, Requested};
+pub use machine::{CallbackError, Lifecycle, Managed, Requested, TransitionError};
 pub use remote::RemoteLifecycle;
 pub use table::{Phase, TRANSITIONS, Transition, find};

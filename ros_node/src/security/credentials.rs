@@ -3,14 +3,15 @@
 
 use std::{
     collections::BTreeSet,
-    fs,
+    fs, io,
     os::unix::fs::PermissionsExt,
-    path::Path,
+    path::{Path, PathBuf},
     time::{SystemTime, UNIX_EPOCH},
 };
 
 use openssl::{
     asn1::{Asn1Time, Asn1TimeRef},
+    error::ErrorStack,
     nid::Nid,
     pkcs7::{Pkcs7, Pkcs7Flags},
     pkey::{Id, PKey, PKeyRef, Public},
@@ -20,7 +21,7 @@ use openssl::{
 
 use super::{
     calendar::to_text,
-    permissions::{Grant, Rules, read_governance, read_permissions},
+    permissions::{DocumentError, Grant, Rules, read_governance, read_permissions},
 };
 
 /// Days before the end in which it is told.
@@ -41,28 +42,135 @@ pub struct Credentials {
     rules: Vec<Rules>,
 }
 
+/// Why an enclave cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CredentialsError {
+    /// A file cannot be read.
+    #[error("{} cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{file} {fault}: {source}")]
+    Malformed {
+        /// The file.
+        file: &'static str,
+        /// What is wrong with it, as `is no certificate in PEM`.
+        fault: &'static str,
+        /// What the library says.
+        source: ErrorStack,
+    },
+    /// A signed document that holds no text.
+    #[error("{file} is no text")]
+    NoText {
+        /// The file.
+        file: &'static str,
+    },
+    /// The library refuses a check.
+    #[error(transparent)]
+    Library(#[from] ErrorStack),
+    /// A date in a certificate.
+    #[error("a date in a certificate cannot be read: {0}")]
+    Date(ErrorStack),
+    /// The certificate is of another authority.
+    #[error(
+        "cert.pem of {subject} is not signed by identity_ca.cert.pem: it is of another keystore"
+    )]
+    OtherKeystore {
+        /// Whose certificate it is.
+        subject: String,
+    },
+    /// The key is of another certificate.
+    #[error("key.pem is not the key of cert.pem")]
+    OtherKey,
+    /// A kind of key that the middleware does not use.
+    #[error(
+        "{file} has a key that this middleware does not use; expected one on the curve prime256v1"
+    )]
+    KindOfKey {
+        /// The file.
+        file: &'static str,
+    },
+    /// A document that its authority did not sign.
+    #[error("{file} is not signed by permissions_ca.cert.pem, or was changed after it was signed")]
+    NotSigned {
+        /// The file.
+        file: &'static str,
+    },
+    /// A document that says something else than it should.
+    #[error("{file}: {source}")]
+    Document {
+        /// The file.
+        file: &'static str,
+        /// What is wrong with it.
+        source: DocumentError,
+    },
+    /// Permissions of others.
+    #[error("permissions.p7s grants nothing to {subject}")]
+    NothingGranted {
+        /// Whose certificate it is.
+        subject: String,
+    },
+    /// Something counts later only.
+    #[error("{file} counts from {} UTC, and it is {}: is the clock right?", to_text(*from), to_text(*now))]
+    TooEarly {
+        /// The file.
+        file: &'static str,
+        /// From when it counts, in seconds since 1970.
+        from: i64,
+        /// The time now.
+        now: i64,
+    },
+    /// Something does not count any more.
+    #[error("{file} expired on {} UTC: make a new keystore", to_text(*ended))]
+    Expired {
+        /// The file.
+        file: &'static str,
+        /// When it ended, in seconds since 1970.
+        ended: i64,
+    },
+    /// They are for other domains.
+    #[error(
+        "it does not count in ROS domain {domain}: use one of its domains ({}), or make a keystore for this one",
+        ranges(domains)
+    )]
+    OtherDomain {
+        /// The domain that was asked for.
+        domain: u16,
+        /// Those in which they count, each with the first and the last of a range.
+        domains: Vec<(u16, u16)>,
+    },
+}
+
+/// Ranges of domains, in words.
+fn ranges(domains: &[(u16, u16)]) -> String {
+    let range = |(from, to): &(u16, u16)| {
+        if from == to { from.to_string() } else { format!("{from} to {to}") }
+    };
+    domains.iter().map(range).collect::<Vec<_>>().join(", ")
+}
+
 /// Reads the files of an enclave's folder and holds them against each other and against the time.
 ///
 /// # Errors
-/// A sentence: which file, what was expected, what was found.
-pub fn examine(folder: &Path, now: SystemTime) -> Result<Credentials, String> {
+/// [`CredentialsError`]: which file, what was expected, what was found.
+pub fn examine(folder: &Path, now: SystemTime) -> Result<Credentials, CredentialsError> {
     let now = now.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs().cast_signed());
     let read = |file: &str| {
-        fs::read(folder.join(file))
-            .map_err(|error| format!("{} cannot be read: {error}", folder.join(file).display()))
+        let path = folder.join(file);
+        fs::read(&path).map_err(|source| CredentialsError::Read { path, source })
     };
-    let certificate = |file: &str| {
-        X509::from_pem(&read(file)?)
-            .map_err(|error| format!("{file} is no certificate in PEM: {error}"))
+    let certificate = |file: &'static str| {
+        X509::from_pem(&read(file)?).map_err(malformed(file, "is no certificate in PEM"))
     };
     let (authority, identity) = (certificate("identity_ca.cert.pem")?, certificate("cert.pem")?);
     let subject = name_of(identity.subject_name());
-    if !public(&authority, "identity_ca.cert.pem")
-        .and_then(|key| identity.verify(&key).map_err(|e| e.to_string()))?
-    {
-        return Err(format!(
-            "cert.pem of {subject} is not signed by identity_ca.cert.pem: it is of another keystore"
-        ));
+    if !identity.verify(&*public(&authority, "identity_ca.cert.pem")?)? {
+        return Err(CredentialsError::OtherKeystore { subject });
     }
     let mut ends = i64::MAX;
     for (file, of) in [("identity_ca.cert.pem", &authority), ("cert.pem", &identity)] {
@@ -72,27 +180,28 @@ pub fn examine(folder: &Path, now: SystemTime) -> Result<Credentials, String> {
     }
     let certificate_ends = ends;
     let key = PKey::private_key_from_pem(&read("key.pem")?)
-        .map_err(|error| format!("key.pem is no private key in PEM without a password: {error}"))?;
+        .map_err(malformed("key.pem", "is no private key in PEM without a password"))?;
     let own = public(&identity, "cert.pem")?;
     if !own.public_eq(&key) {
-        return Err("key.pem is not the key of cert.pem".to_owned());
+        return Err(CredentialsError::OtherKey);
     }
     usable(&own, "cert.pem", true)?;
 
     let signer = certificate("permissions_ca.cert.pem")?;
     let signers = public(&signer, "permissions_ca.cert.pem")?;
     usable(&signers, "permissions_ca.cert.pem", false)?;
+    let document = |file| move |source| CredentialsError::Document { file, source };
     let rules = read_governance(&content("governance.p7s", &read("governance.p7s")?, &signer)?)
-        .map_err(|error| format!("governance.p7s: {error}"))?;
+        .map_err(document("governance.p7s"))?;
     let grants = read_permissions(&content("permissions.p7s", &read("permissions.p7s")?, &signer)?)
-        .map_err(|error| format!("permissions.p7s: {error}"))?;
+        .map_err(document("permissions.p7s"))?;
     let of_subject: Vec<&Grant> =
         grants.iter().filter(|grant| same_name(&grant.subject, &subject)).collect();
     let grant = of_subject
         .iter()
         .find(|grant| grant.valid.0 <= now && now < grant.valid.1)
         .or(of_subject.first())
-        .ok_or_else(|| format!("permissions.p7s grants nothing to {subject}"))?;
+        .ok_or_else(|| CredentialsError::NothingGranted { subject: subject.clone() })?;
     in_time("permissions.p7s", grant.valid, now)?;
     ends = ends.min(grant.valid.1);
 
@@ -125,64 +234,54 @@ impl Credentials {
     /// The same, if they count in that domain.
     ///
     /// # Errors
-    /// A sentence.
-    pub fn for_domain(self, domain: u16) -> Result<Self, String> {
+    /// [`CredentialsError::OtherDomain`] if not.
+    pub fn for_domain(self, domain: u16) -> Result<Self, CredentialsError> {
         let within =
             |ranges: &[(u16, u16)]| ranges.iter().any(|(from, to)| (*from..=*to).contains(&domain));
         if !self.rules.iter().any(|rule| within(&rule.domains)) || !within(&self.grant.domains) {
-            return Err(format!(
-                "it does not count in ROS domain {domain}: use one of its domains ({}), or make a keystore with --domain {domain}",
-                self.grant
-                    .domains
-                    .iter()
-                    .map(|(from, to)| if from == to {
-                        from.to_string()
-                    } else {
-                        format!("{from} to {to}")
-                    })
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            ));
+            return Err(CredentialsError::OtherDomain { domain, domains: self.grant.domains });
         }
         Ok(self)
     }
 }
 
-fn in_time(file: &str, (from, to): (i64, i64), now: i64) -> Result<(), String> {
+fn in_time(file: &'static str, (from, to): (i64, i64), now: i64) -> Result<(), CredentialsError> {
     if now < from {
-        return Err(format!(
-            "{file} counts from {} UTC, and it is {}: is the clock right?",
-            to_text(from),
-            to_text(now)
-        ));
+        return Err(CredentialsError::TooEarly { file, from, now });
     }
     if now >= to {
-        return Err(format!(
-            "{file} expired on {} UTC: make a new keystore with `frictionlab security init`",
-            to_text(to)
-        ));
+        return Err(CredentialsError::Expired { file, ended: to });
     }
     Ok(())
 }
 
-fn public(certificate: &X509, file: &str) -> Result<PKey<Public>, String> {
-    certificate.public_key().map_err(|error| format!("{file} has no readable key: {error}"))
+const fn malformed(
+    file: &'static str,
+    fault: &'static str,
+) -> impl Fn(ErrorStack) -> CredentialsError + Copy {
+    move |source| CredentialsError::Malformed { file, fault, source }
+}
+
+fn public(certificate: &X509, file: &'static str) -> Result<PKey<Public>, CredentialsError> {
+    certificate.public_key().map_err(malformed(file, "has no readable key"))
 }
 
 /// Keys that RustDDS can use: the curve prime256v1, and for identities RSA of 2048 bits.
-fn usable(key: &PKeyRef<Public>, file: &str, rsa: bool) -> Result<(), String> {
+fn usable(key: &PKeyRef<Public>, file: &'static str, rsa: bool) -> Result<(), CredentialsError> {
     let curve = key.ec_key().ok().and_then(|key| key.group().curve_name());
     if curve == Some(Nid::X9_62_PRIME256V1) || (rsa && key.id() == Id::RSA && key.bits() == 2048) {
         return Ok(());
     }
-    Err(format!(
-        "{file} has a key that this middleware does not use; expected one on the curve prime256v1"
-    ))
+    Err(CredentialsError::KindOfKey { file })
 }
 
 /// The text of a signed document, if that authority signed it.
-fn content(file: &str, signed: &[u8], authority: &X509) -> Result<String, String> {
-    let broken = |error| format!("{file} is no signed document (S/MIME): {error}");
+fn content(
+    file: &'static str,
+    signed: &[u8],
+    authority: &X509,
+) -> Result<String, CredentialsError> {
+    let broken = malformed(file, "is no signed document (S/MIME)");
     let (signature, text) = Pkcs7::from_smime(signed).map_err(broken)?;
     let mut authorities = Stack::new().map_err(broken)?;
     authorities.push(authority.clone()).map_err(broken)?;
@@ -191,16 +290,15 @@ fn content(file: &str, signed: &[u8], authority: &X509) -> Result<String, String
     // The authority is trusted because it lies in the enclave; certificates in the document are
     // not.
     let flags = Pkcs7Flags::NOVERIFY | Pkcs7Flags::NOINTERN | Pkcs7Flags::TEXT;
-    signature.verify(&authorities, &nobody, text.as_deref(), Some(&mut content), flags).map_err(|_| {
-        format!("{file} is not signed by permissions_ca.cert.pem, or was changed after it was signed")
-    })?;
-    String::from_utf8(content).map_err(|_| format!("{file} is no text"))
+    signature
+        .verify(&authorities, &nobody, text.as_deref(), Some(&mut content), flags)
+        .map_err(|_| CredentialsError::NotSigned { file })?;
+    String::from_utf8(content).map_err(|_| CredentialsError::NoText { file })
 }
 
-fn seconds(time: &Asn1TimeRef) -> Result<i64, String> {
+fn seconds(time: &Asn1TimeRef) -> Result<i64, CredentialsError> {
     let since = Asn1Time::from_unix(0).and_then(|epoch| epoch.diff(time));
-    let since =
-        since.map_err(|error| format!("a date in a certificate cannot be read: {error}"))?;
+    let since = since.map_err(CredentialsError::Date)?;
     Ok(i64::from(since.days) * DAY + i64::from(since.secs))
 }
 
@@ -263,7 +361,7 @@ mod tests {
             assert_eq!(found.notes, [""; 0], "{name}");
             assert_eq!(found.ends, NOW + 100 * DAY);
             assert!(found.clone().for_domain(7).is_ok());
-            assert!(found.for_domain(1).unwrap_err().contains("--domain 1"));
+            assert!(found.for_domain(1).unwrap_err().to_string().contains("ROS domain 1"));
         }
         let soon = examine(&keys.join("enclaves/viewer"), at(NOW + 90 * DAY)).unwrap();
         assert!(soon.notes[0].contains("it ends on"), "{:?}", soon.notes);
@@ -295,7 +393,7 @@ mod tests {
             .collect();
         let refused = |file: &str, content: &[u8], said: &str| {
             fs::write(enclave.join(file), content).unwrap();
-            let error = examine(&enclave, at(NOW)).expect_err(file);
+            let error = examine(&enclave, at(NOW)).expect_err(file).to_string();
             assert!(error.contains(said), "{file}: {error}");
             let (_, good) = whole.iter().find(|(name, _)| *name == file).unwrap();
             fs::write(enclave.join(file), good).unwrap();
@@ -337,8 +435,8 @@ mod tests {
             ("/d", present, future, "is the clock right"),
         ] {
             authority.enclave(name, &rights, certificate, permissions).unwrap();
-            let error =
-                examine(&folder.path().join("enclaves").join(&name[1..]), at(NOW)).unwrap_err();
+            let enclave = folder.path().join("enclaves").join(&name[1..]);
+            let error = examine(&enclave, at(NOW)).unwrap_err().to_string();
             assert!(error.contains(said), "{name}: {error}");
         }
         authority.enclave("/e", &rights, present, (0, NOW + 60 * DAY)).unwrap();

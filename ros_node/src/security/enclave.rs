@@ -23,21 +23,29 @@ pub struct Enclave {
     pub folder: PathBuf,
 }
 
+/// A text that names no enclave.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{name}` is no enclave; expected a slash and letters, digits and underscores, as in /rig_driver"
+)]
+pub struct EnclaveNameError {
+    /// What came.
+    pub name: String,
+}
+
 impl Enclave {
     /// The enclave of that name in a keystore; nothing is looked at yet.
     ///
     /// # Errors
-    /// A name that is none.
-    pub fn of(keystore: &Path, name: &str) -> Result<Self, String> {
+    /// [`EnclaveNameError`] for a name that is none.
+    pub fn of(keystore: &Path, name: &str) -> Result<Self, EnclaveNameError> {
         let parts = name.strip_prefix('/').unwrap_or_default();
         let is_part = |part: &str| {
             !part.is_empty()
                 && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
         };
         if name != "/" && !parts.split('/').all(is_part) {
-            return Err(format!(
-                "`{name}` is no enclave; expected a slash and letters, digits and underscores, as in /rig_driver"
-            ));
+            return Err(EnclaveNameError { name: name.to_owned() });
         }
         let folder = keystore.join("enclaves");
         let folder = if parts.is_empty() { folder } else { folder.join(parts) };
@@ -67,7 +75,7 @@ mod tests {
         );
         for wrong in ["", "rig", "/rig/", "//rig", "/../private", "/a b", "/a/./b"] {
             assert!(
-                Enclave::of(keystore, wrong).unwrap_err().contains("as in /rig_driver"),
+                Enclave::of(keystore, wrong).unwrap_err().to_string().contains("as in /rig_driver"),
                 "{wrong}"
             );
         }

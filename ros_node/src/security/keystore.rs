@@ -27,7 +27,7 @@ use openssl::{
 };
 
 use super::{
-    Enclave,
+    Enclave, EnclaveNameError,
     permissions::{Policy, Rights, governance, permissions},
 };
 
@@ -44,13 +44,39 @@ pub enum KeystoreError {
     Exists(PathBuf),
     /// A name in the policy.
     #[error("in the policy: {0}")]
-    Name(String),
+    Name(#[from] EnclaveNameError),
     /// A file.
     #[error("{0} cannot be written: {1}")]
     Write(PathBuf, io::Error),
     /// The library of keys and certificates.
     #[error("a certificate cannot be made: {0}")]
     Certificate(#[from] ErrorStack),
+}
+
+impl KeystoreError {
+    /// Whether whoever asked for it can mend it: another folder, another policy.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Exists(_) | Self::Name(_) => true,
+            Self::Write(_, source) => names_another_place(source.kind()),
+            Self::Certificate(_) => false,
+        }
+    }
+}
+
+/// Whether another folder would do.
+const fn names_another_place(kind: io::ErrorKind) -> bool {
+    matches!(
+        kind,
+        io::ErrorKind::NotFound
+            | io::ErrorKind::PermissionDenied
+            | io::ErrorKind::AlreadyExists
+            | io::ErrorKind::NotADirectory
+            | io::ErrorKind::IsADirectory
+            | io::ErrorKind::InvalidFilename
+            | io::ErrorKind::ReadOnlyFilesystem
+    )
 }
 
 /// What a keystore is made of.
@@ -138,7 +164,7 @@ impl Authority {
         certificate_valid: (i64, i64),
         permissions_valid: (i64, i64),
     ) -> Result<(), KeystoreError> {
-        let folder = Enclave::of(&self.folder, name).map_err(KeystoreError::Name)?.folder;
+        let folder = Enclave::of(&self.folder, name)?.folder;
         private_folder(&folder)?;
         let (key, certificate) = identity(name, certificate_valid, Some(self))?;
         let granted = permissions(name, rights, permissions_valid, &self.domains);

@@ -19,6 +19,7 @@ mod calendar;
 #[cfg(feature = "security")]
 pub mod credentials;
 mod enclave;
+mod error;
 #[cfg(feature = "security")]
 pub mod keystore;
 mod others;
@@ -27,7 +28,8 @@ pub mod permissions;
 pub mod policy;
 mod wish;
 
-pub use enclave::{Enclave, FILES};
+pub use enclave::{Enclave, EnclaveNameError, FILES};
+pub use error::SecurityError;
 pub(crate) use others::prefix;
 pub use others::{Other, Others, Prefix, Standing};
 pub use wish::{Protection, Strategy, Wish};
@@ -65,9 +67,7 @@ fn secured(
 ) -> Result<DomainParticipantBuilder, RosNodeError> {
     credentials::examine(&enclave.folder, std::time::SystemTime::now())
         .and_then(|credentials| credentials.for_domain(domain))
-        .map_err(|error| {
-            RosNodeError::Security(format!("the enclave {}: {error}", enclave.name))
-        })?;
+        .map_err(|source| SecurityError::Unusable { enclave: enclave.name.clone(), source })?;
     // The key is stored without a password, as ROS 2 does it: the folder's rights protect it.
     let files = rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(
         &enclave.folder,
@@ -83,5 +83,5 @@ fn secured(
     _: u16,
     _: &Enclave,
 ) -> Result<DomainParticipantBuilder, RosNodeError> {
-    Err(RosNodeError::Security(wish::NOT_BUILT.to_owned()))
+    Err(SecurityError::NotBuilt.into())
 }

@@ -18,22 +18,83 @@ pub struct Rights {
     pub subscribe: BTreeSet<String>,
 }
 
+/// A text that is no policy of SROS 2.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolicyError {
+    /// No XML.
+    #[error("the policy is no XML: {0}")]
+    Xml(#[from] roxmltree::Error),
+    /// An enclave without a path.
+    #[error("line {line}: an enclave without a path")]
+    NoPath {
+        /// Its line.
+        line: u32,
+    },
+    /// Something else than allowed or denied.
+    #[error("line {line}: `{found}`; expected ALLOW or DENY")]
+    Qualifier {
+        /// Its line.
+        line: u32,
+        /// What stands there.
+        found: String,
+    },
+    /// A right that there is not.
+    #[error(
+        "line {line}: `{list} {right}`; expected topics publish or subscribe, services request or reply, actions call or execute"
+    )]
+    Right {
+        /// Its line.
+        line: u32,
+        /// What it is about.
+        list: String,
+        /// The right.
+        right: String,
+    },
+    /// Nobody in it.
+    #[error("the policy names no enclave; expected <policy><enclaves><enclave path=\"/name\">")]
+    Empty,
+}
+
+/// A text that is no document of permissions or governance.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DocumentError {
+    /// No XML.
+    #[error("the {what} is no XML: {source}")]
+    Xml {
+        /// Which document.
+        what: &'static str,
+        /// What is wrong with it.
+        source: roxmltree::Error,
+    },
+    /// A grant that is nobody's.
+    #[error("a grant without subject_name")]
+    NoSubject,
+    /// A time that is none.
+    #[error("`{text}` is no time for {name}; expected as in 2026-01-31T00:00:00")]
+    Time {
+        /// Which.
+        name: &'static str,
+        /// What stands there.
+        text: String,
+    },
+}
+
 /// What each enclave of a policy is allowed and denied, by its name.
 pub type Policy = BTreeMap<String, (Rights, Rights)>;
 
 /// Reads a policy of SROS 2 (version 0.2.0).
 ///
 /// # Errors
-/// What is not understood, with its line.
-pub fn read_policy(text: &str) -> Result<Policy, String> {
-    let document =
-        Document::parse(text).map_err(|error| format!("the policy is no XML: {error}"))?;
+/// [`PolicyError`] with what is not understood, and its line.
+pub fn read_policy(text: &str) -> Result<Policy, PolicyError> {
+    let document = Document::parse(text)?;
     let at = |node: Node| document.text_pos_at(node.range().start).row;
     let mut policy = Policy::new();
     for enclave in document.descendants().filter(|node| node.has_tag_name("enclave")) {
-        let name = enclave
-            .attribute("path")
-            .ok_or_else(|| format!("line {}: an enclave without a path", at(enclave)))?;
+        let name =
+            enclave.attribute("path").ok_or_else(|| PolicyError::NoPath { line: at(enclave) })?;
         let (allowed, denied) = policy.entry(name.to_owned()).or_default();
         for profile in enclave.descendants().filter(|node| node.has_tag_name("profile")) {
             let (namespace, node) =
@@ -49,20 +110,16 @@ pub fn read_policy(text: &str) -> Result<Policy, String> {
                         "ALLOW" => &mut *allowed,
                         "DENY" => &mut *denied,
                         other => {
-                            return Err(format!(
-                                "line {}: `{other}`; expected ALLOW or DENY",
-                                at(list)
-                            ));
+                            let found = other.to_owned();
+                            return Err(PolicyError::Qualifier { line: at(list), found });
                         }
                     };
                     for name in &names {
-                        rights.add(list.tag_name().name(), attribute.name(), name).ok_or_else(|| {
-                            format!(
-                                "line {}: `{} {}`; expected topics publish or subscribe, services request or reply, actions call or execute",
-                                at(list),
-                                list.tag_name().name(),
-                                attribute.name()
-                            )
+                        let (kind, right) = (list.tag_name().name(), attribute.name());
+                        rights.add(kind, right, name).ok_or_else(|| PolicyError::Right {
+                            line: at(list),
+                            list: kind.to_owned(),
+                            right: right.to_owned(),
                         })?;
                     }
                 }
@@ -70,10 +127,7 @@ pub fn read_policy(text: &str) -> Result<Policy, String> {
         }
     }
     if policy.is_empty() {
-        return Err(
-            "the policy names no enclave; expected <policy><enclaves><enclave path=\"/name\">"
-                .to_owned(),
-        );
+        return Err(PolicyError::Empty);
     }
     Ok(policy)
 }
@@ -226,23 +280,24 @@ pub struct Grant {
 /// Reads the grants of a document.
 ///
 /// # Errors
-/// What is not understood.
-pub fn read_permissions(text: &str) -> Result<Vec<Grant>, String> {
-    let document =
-        Document::parse(text).map_err(|error| format!("the permissions are no XML: {error}"))?;
+/// [`DocumentError`] with what is not understood.
+pub fn read_permissions(text: &str) -> Result<Vec<Grant>, DocumentError> {
+    let document = parsed("document of permissions", text)?;
     document.descendants().filter(|node| node.has_tag_name("grant")).map(read_grant).collect()
+}
+
+fn parsed<'a>(what: &'static str, text: &'a str) -> Result<Document<'a>, DocumentError> {
+    Document::parse(text).map_err(|source| DocumentError::Xml { what, source })
 }
 
 fn text_of<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     node.descendants().find(|below| below.has_tag_name(name))?.text().map(str::trim)
 }
 
-fn read_grant(grant: Node) -> Result<Grant, String> {
-    let time = |name: &str| {
+fn read_grant(grant: Node) -> Result<Grant, DocumentError> {
+    let time = |name: &'static str| {
         let text = text_of(grant, name).unwrap_or_default();
-        from_text(text).ok_or_else(|| {
-            format!("`{text}` is no time for {name}; expected as in 2026-01-31T00:00:00")
-        })
+        from_text(text).ok_or_else(|| DocumentError::Time { name, text: text.to_owned() })
     };
     let mut rights = Rights::default();
     let mut domains = Vec::new();
@@ -259,7 +314,7 @@ fn read_grant(grant: Node) -> Result<Grant, String> {
         }
     }
     Ok(Grant {
-        subject: text_of(grant, "subject_name").ok_or("a grant without subject_name")?.to_owned(),
+        subject: text_of(grant, "subject_name").ok_or(DocumentError::NoSubject)?.to_owned(),
         valid: (time("not_before")?, time("not_after")?),
         domains,
         allowed: rights,
@@ -297,10 +352,9 @@ pub struct Rules {
 /// Reads the rules of a governance document.
 ///
 /// # Errors
-/// What is not understood.
-pub fn read_governance(text: &str) -> Result<Vec<Rules>, String> {
-    let document =
-        Document::parse(text).map_err(|error| format!("the governance is no XML: {error}"))?;
+/// [`DocumentError`] with what is not understood.
+pub fn read_governance(text: &str) -> Result<Vec<Rules>, DocumentError> {
+    let document = parsed("governance", text)?;
     let rules = document.descendants().filter(|node| node.has_tag_name("domain_rule"));
     Ok(rules.map(|rule| Rules { domains: read_domains(rule), open: open(rule) }).collect())
 }
@@ -424,7 +478,7 @@ mod tests {
                 "topics call",
             ),
         ] {
-            let error = read_policy(text).unwrap_err();
+            let error = read_policy(text).unwrap_err().to_string();
             assert!(error.contains(said), "{text}: {error}");
         }
     }

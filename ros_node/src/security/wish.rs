@@ -1,17 +1,10 @@
 //! Whether and how a program is to be secured, from the environment as ROS 2 reads it, but never
 //! silently without.
 
-use std::{
-    env,
-    path::{Path, PathBuf},
-};
+use std::{env, path::PathBuf};
 
-use super::{BUILT, Enclave, enclave::REVOKED};
+use super::{BUILT, Enclave, SecurityError, enclave::REVOKED};
 use crate::RosNodeError;
-
-/// Said where security is asked for and the program has none.
-pub(super) const NOT_BUILT: &str = "this program was built without DDS Security: take one built with `--features security`, or unset \
-     ROS_SECURITY_ENABLE to run in the clear";
 
 /// What happens where a keystore or an enclave is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -139,46 +132,33 @@ impl Wish {
             return Ok(Protection::Off(None));
         }
         if !built {
-            return Err(RosNodeError::Security(NOT_BUILT.to_owned()));
+            return Err(SecurityError::NotBuilt.into());
         }
         let Some(keystore) = &self.keystore else {
-            return self.without("ROS_SECURITY_KEYSTORE names no keystore: set it to the folder that `frictionlab security init` made");
+            return self.without(SecurityError::NoKeystore);
         };
         let name = self.enclave.as_deref().or(enclave).unwrap_or("/");
-        let enclave = Enclave::of(keystore, name).map_err(RosNodeError::Security)?;
+        let enclave = Enclave::of(keystore, name).map_err(SecurityError::from)?;
         if let Some(lacking) = enclave.lacks() {
-            return self.without(&lack(&enclave, keystore, &lacking));
+            let (enclave, keystore) = (enclave.name, keystore.clone());
+            return self.without(SecurityError::Lacks { enclave, keystore, lacking });
         }
         if enclave.folder.join(REVOKED).exists() {
-            return Err(RosNodeError::Security(format!(
-                "{} lists revoked certificates, and this middleware does not read it: make a new keystore, so that the old certificates \
-                 are nobody's, and remove the list",
-                enclave.folder.join(REVOKED).display()
-            )));
+            return Err(SecurityError::Revoked { list: enclave.folder.join(REVOKED) }.into());
         }
         Ok(Protection::On(enclave))
     }
 
     /// What is missing ends the program or is said, as the strategy is.
-    fn without(&self, lacking: &str) -> Result<Protection, RosNodeError> {
+    fn without(&self, lacking: SecurityError) -> Result<Protection, RosNodeError> {
         match self.strategy {
-            Strategy::Enforce => Err(RosNodeError::Security(lacking.to_owned())),
+            Strategy::Enforce => Err(lacking.into()),
             Strategy::Permissive => Ok(Protection::Off(Some(format!(
                 "runs WITHOUT security, in the clear, though ROS_SECURITY_ENABLE is true: {lacking}; ROS_SECURITY_STRATEGY=Enforce \
                  would not have started it"
             )))),
         }
     }
-}
-
-fn lack(enclave: &Enclave, keystore: &Path, lacking: &Path) -> String {
-    format!(
-        "the enclave {} of the keystore {} lacks {}; `frictionlab security check` shows what is there, and --enclave behind --ros-args \
-         chooses another enclave",
-        enclave.name,
-        keystore.display(),
-        lacking.display()
-    )
 }
 
 #[cfg(test)]

@@ -98,7 +98,7 @@ impl Axis {
             };
             // Somebody else may have had it first; the next step sees where that led to.
             if let Err(why) = lifecycle.request(wanted) {
-                refused = Some(why);
+                refused = Some(why.to_string());
             }
             if begun.elapsed() >= CLEARS {
                 return Err(refused.unwrap_or_else(|| NotCleared::UnderWay.to_string()));
