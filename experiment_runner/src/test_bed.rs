@@ -54,6 +54,17 @@ pub enum TestBedError {
     Model(#[from] ModelError),
 }
 
+impl TestBedError {
+    /// Whether whoever set the bench up can mend it.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Rig(error) => error.is_bad_input(),
+            Self::Controller(_) | Self::Observer(_) | Self::Model(_) => true,
+        }
+    }
+}
+
 impl TestBed {
     /// The same bench with `inverse` of its drive, exactly known, in the feed-forward path.
     #[must_use]

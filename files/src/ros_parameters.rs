@@ -42,19 +42,62 @@ pub fn file(text: &str) -> Result<Option<Parameters>, FileError> {
     }
 }
 
-/// The parameters of `/rig_driver` that stand under `section`; `who` writes such a file.
+/// A section that cannot be had of a parameter file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SectionError {
+    /// No ROS 2 parameter file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It says nothing of the node.
+    #[error("there is no node `rig_driver` in it")]
+    NoNode,
+    /// It says nothing of the section.
+    #[error("`rig_driver` has no `{section}` in it")]
+    NoSection {
+        /// The section.
+        section: &'static str,
+    },
+    /// A value is not what it should be, or a name is not known.
+    #[error("in `{section}`: {detail}")]
+    Value {
+        /// The section.
+        section: &'static str,
+        /// What is wrong in it.
+        detail: String,
+    },
+    /// A whole number, which a node would not take for a real one.
+    #[error("in `{section}`: {name} is a real number: write {whole}.0")]
+    Whole {
+        /// The section.
+        section: &'static str,
+        /// The parameter.
+        name: String,
+        /// What came.
+        whole: i64,
+    },
+}
+
+impl SectionError {
+    /// Whether there is nothing of the kind in the file.
+    #[must_use]
+    pub const fn is_missing(&self) -> bool {
+        matches!(self, Self::NoNode | Self::NoSection { .. })
+    }
+}
+
+/// The parameters of `/rig_driver` that stand under `section`.
 ///
 /// # Errors
-/// A sentence about what is wrong in the text.
+/// [`SectionError`] says what is wrong in the text.
 pub fn of_rig_driver<T: DeserializeOwned + Serialize>(
     text: &str,
-    section: &str,
-    who: &str,
-) -> Result<T, String> {
-    let file = Parameters::parse(text).map_err(|error| error.to_string())?;
+    section: &'static str,
+) -> Result<T, SectionError> {
+    let file = Parameters::parse(text)?;
     let node = file.of_node("/rig_driver");
     if node.is_empty() {
-        return Err(format!("there is no node `rig_driver` in it; {who}"));
+        return Err(SectionError::NoNode);
     }
     let prefix = format!("{section}.");
     let within: BTreeMap<_, _> = node
@@ -62,17 +105,17 @@ pub fn of_rig_driver<T: DeserializeOwned + Serialize>(
         .filter_map(|(name, value)| Some((name.strip_prefix(&prefix)?.to_owned(), value)))
         .collect();
     if within.is_empty() {
-        return Err(format!("`rig_driver` has no `{section}` in it; {who}"));
+        return Err(SectionError::NoSection { section });
     }
     let found: T = serde_json::from_value(tree(&within).into())
-        .map_err(|error| format!("in `{section}`: {error}"))?;
+        .map_err(|error| SectionError::Value { section, detail: error.to_string() })?;
     // A node would not take a whole number for a real one either.
     let written = serde_json::to_value(&found).unwrap_or_default();
     for (name, value) in within {
         if let ParameterValue::Integer(whole) = value
             && written.get(&name).is_some_and(Value::is_f64)
         {
-            return Err(format!("in `{section}`: {name} is a real number: write {whole}.0"));
+            return Err(SectionError::Whole { section, name, whole });
         }
     }
     Ok(found)
@@ -94,7 +137,7 @@ mod tests {
     #[test]
     fn a_section_is_read_under_every_name_that_means_the_node() {
         let read = |node: &str, body: &str| {
-            of_rig_driver::<Gear>(&format!("{node}:\n  ros__parameters:\n{body}"), "gear", "x")
+            of_rig_driver::<Gear>(&format!("{node}:\n  ros__parameters:\n{body}"), "gear")
         };
         let good = "    gear: {ratio: 70.0, sign: -1}\n";
         for node in ["/rig_driver", "rig_driver", "/**/rig_driver", "/**", "/*"] {
@@ -107,7 +150,7 @@ mod tests {
             ("/rig_driver", "    gear: {ratio: 70, sign: -1}\n", "write 70.0"),
             ("/rig_driver", "    gear: {ratio: 70.0, sine: -1}\n", "sine"),
         ] {
-            let error = read(node, body).unwrap_err();
+            let error = read(node, body).unwrap_err().to_string();
             assert!(error.contains(said), "{node}: {error}");
         }
     }

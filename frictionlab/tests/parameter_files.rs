@@ -102,11 +102,19 @@ fn every_file_is_read_by_everybody_who_takes_such_a_file() {
         };
         let run = Given::default().take(&name, &text).map_err(|error| error.to_string());
         reads(!observer.is_empty() || !of("controller").is_empty(), "run", run);
-        reads(has("drive."), "run --drive", read_motor(&text).map(drop));
-        reads(has("drive.") || linear, "design --drive", KnownDrive::read(&text).map(drop));
+        reads(
+            has("drive."),
+            "run --drive",
+            read_motor(&text).map(drop).map_err(|error| error.to_string()),
+        );
+        reads(
+            has("drive.") || linear,
+            "design --drive",
+            KnownDrive::read(&text).map(drop).map_err(|error| error.to_string()),
+        );
         let calibration = read_calibration(&text).map(drop).map_err(|error| error.to_string());
         reads(has("calibration."), "run --calibration", calibration);
-        let model = models::file::read(&text, None).map(drop);
+        let model = models::file::read(&text, None).map(drop).map_err(|error| error.to_string());
         reads(!observer.is_empty(), "simulate --params", model);
     }
 }

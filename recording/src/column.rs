@@ -14,26 +14,34 @@ pub struct Column {
     pub scale: Option<f64>,
 }
 
-impl FromStr for Column {
-    type Err = String;
+/// A text that names no column.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ColumnError {
+    /// A scale that scales nothing.
+    #[error("the scale must be a finite number other than zero, but is {0}")]
+    Scale(f64),
+    /// No name.
+    #[error("expected NAME or NAME:SCALE, but the name is empty")]
+    NoName,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Column {
+    type Err = ColumnError;
+
+    fn from_str(text: &str) -> Result<Self, ColumnError> {
         // A colon may belong to the name, unless a number follows it.
         let (name, scale) = match text.rsplit_once(':') {
             Some((name, scale)) => match scale.trim().parse::<f64>() {
                 Ok(scale) if scale.is_finite() && scale != 0.0 => (name, Some(scale)),
-                Ok(scale) => {
-                    return Err(format!(
-                        "the scale must be a finite number other than zero, but is {scale}"
-                    ));
-                }
+                Ok(scale) => return Err(ColumnError::Scale(scale)),
                 Err(_) => (text, None),
             },
             None => (text, None),
         };
         let name = name.trim();
         if name.is_empty() {
-            return Err("expected NAME or NAME:SCALE, but the name is empty".to_owned());
+            return Err(ColumnError::NoName);
         }
         Ok(Self { name: name.to_owned(), scale })
     }

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use files::is_of_the_path;
+
 /// Why a file cannot be used as a recording. Each message names the file, the line or column, and
 /// the way out.
 #[derive(Debug, thiserror::Error)]
@@ -182,4 +184,32 @@ pub enum RecordingError {
     /// The bag itself cannot be read.
     #[error(transparent)]
     Bag(#[from] crate::bag::BagError),
+}
+
+impl RecordingError {
+    /// Whether whoever gave the file can mend it: a file that the machine fails to read is no such
+    /// thing.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Read { source, .. } => is_of_the_path(source),
+            Self::Bag(error) => error.is_bad_input(),
+            Self::Empty { .. }
+            | Self::HeaderOnly { .. }
+            | Self::NoHeader { .. }
+            | Self::Line { .. }
+            | Self::NoColumn { .. }
+            | Self::Unrecognised { .. }
+            | Self::MissingColumn { .. }
+            | Self::Several { .. }
+            | Self::Ambiguous { .. }
+            | Self::Cell { .. }
+            | Self::TimeOrder { .. }
+            | Self::Uneven { .. }
+            | Self::ServoLog { .. }
+            | Self::TooShort { .. }
+            | Self::Unusable { .. }
+            | Self::Message { .. } => true,
+        }
+    }
 }

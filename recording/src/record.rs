@@ -49,6 +49,17 @@ pub enum RecordError {
     Bag(#[from] BagError),
 }
 
+impl RecordError {
+    /// Whether whoever asked for it can mend it: another folder, another setting of ROS.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Ros(error) => error.is_bad_input(),
+            Self::Bag(error) => error.is_bad_input(),
+        }
+    }
+}
+
 /// What was recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {

@@ -89,6 +89,28 @@ impl RigError {
             _ => false,
         }
     }
+
+    /// Whether whoever asked for it can mend it: a parameter out of range, an address behind which
+    /// there is no such rig. A rig that is lost, faulted or taken is no such thing.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::OutOfRange { .. }
+            | Self::BeyondRange { .. }
+            | Self::Motor(_)
+            | Self::Sensor(_) => true,
+            #[cfg(feature = "serial")]
+            Self::Serial(error) => error.is_bad_input(),
+            Self::Quanser(error) => error.is_bad_input(),
+            Self::VoltageNotFinite(_)
+            | Self::Safety(_)
+            | Self::NotActive(_)
+            | Self::Lent
+            | Self::Stopped
+            | Self::Elsewhere(_)
+            | Self::Refused(_) => false,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What can end the setting up of a rig.
 
+use files::ros_parameters::SectionError;
 use rig_driver::RigError;
 
 /// A rig that cannot be opened, driven or understood.
@@ -62,6 +63,23 @@ pub enum RigSetupError {
     Stopped,
 }
 
+impl RigSetupError {
+    /// Whether whoever asked for it can mend it: another rig, another option, another profile.
+    /// Nothing has moved then. A rig that is lost, or wired wrongly, is no such thing.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Rig(error) => error.is_bad_input(),
+            Self::NotDriven(_) | Self::Nodes(_) | Self::OtherDevice { .. } => true,
+            Self::DoesNotMove { .. }
+            | Self::MovesAtRest { .. }
+            | Self::EncoderErratic
+            | Self::Undetermined { .. }
+            | Self::Stopped => false,
+        }
+    }
+}
+
 /// A text that is no rig profile, or no calibration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -69,6 +87,9 @@ pub enum RigFileError {
     /// It cannot be read as such a file.
     #[error("{0}")]
     Unreadable(String),
+    /// A section of a parameter file is missing, or cannot be read.
+    #[error(transparent)]
+    Parameters(#[from] SectionError),
     /// A section of it cannot be.
     #[error("in `{section}`: {why}")]
     Section {
@@ -80,6 +101,12 @@ pub enum RigFileError {
 }
 
 impl RigFileError {
+    /// Whether there is nothing of the kind in the text.
+    #[must_use]
+    pub const fn is_missing(&self) -> bool {
+        matches!(self, Self::Parameters(error) if error.is_missing())
+    }
+
     /// What is wrong in a section.
     pub(crate) fn section(section: &'static str, why: impl ToString) -> Self {
         Self::Section { section, why: why.to_string() }

@@ -60,9 +60,7 @@ pub fn render(found: &Findings, rig: &RigChoice) -> String {
 /// # Errors
 /// [`RigFileError`] says what is wrong in the text.
 pub fn read(text: &str) -> Result<Calibration, RigFileError> {
-    let calibration: Calibration =
-        of_rig_driver(text, "calibration", "`frictionlab rig calibrate` writes one")
-            .map_err(RigFileError::Unreadable)?;
+    let calibration: Calibration = of_rig_driver(text, "calibration")?;
     calibration.check().map_err(|error| RigFileError::section("calibration", error))?;
     Ok(calibration)
 }

@@ -13,11 +13,12 @@ use controller::ControllerOptions;
 use friction_ident::TorqueSource;
 use friction_model::{AnyModel, ModelName, Motor};
 use friction_observer::EstimatorOptions;
+use identification::asked::advice as drive_advice;
 use identification::drive::parameters::read_motor;
 use rig_driver::{
     Calibration, FrictionCoupling, HIGHEST_VOLTAGE, Sensors, SimulationOptions, VOLTAGE_RANGE,
 };
-use rig_setup::{RigChoice, read_calibration};
+use rig_setup::{RigChoice, RigFileError, read_calibration};
 use work::destination::ToFolder;
 use work::model_name::model_name;
 use work::saying::Saying;
@@ -372,7 +373,7 @@ fn drive(args: &RunArgs, chosen: &Chosen) -> Result<Motor, BadInput> {
     let say =
         |what: String| BadInput(format!("the drive {} cannot be used: {what}", file.display()));
     let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
-    read_motor(&text).map_err(say)
+    read_motor(&text).map_err(|error| say(format!("{error}{}", drive_advice(&error))))
 }
 
 /// The calibration of a real rig.
@@ -393,7 +394,15 @@ pub fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibr
         BadInput(format!("the calibration {} cannot be used: {what}", file.display()))
     };
     let text = files::input::text(file).map_err(|e| say(e.to_string()))?;
-    read_calibration(&text).map(Some).map_err(|e| say(e.to_string()))
+    read_calibration(&text)
+        .map(Some)
+        .map_err(|error| say(format!("{error}{}", calibration_advice(&error))))
+}
+
+/// The command that writes what a file given with `--calibration` lacks.
+#[must_use]
+pub const fn calibration_advice(error: &RigFileError) -> &'static str {
+    if error.is_missing() { "; `frictionlab rig calibrate` writes one" } else { "" }
 }
 
 /// A protocol that was given, and the experiment that it is of.
@@ -467,7 +476,7 @@ fn plant(args: &RunArgs) -> Result<AnyModel, BadInput> {
         BadInput(format!("the plant's parameters {} cannot be used: {what}", path.display()))
     };
     let text = files::input::text(path).map_err(|e| say(e.to_string()))?;
-    file::read(&text, Some(args.plant)).map_err(say)
+    file::read(&text, Some(args.plant)).map_err(|error| say(error.to_string()))
 }
 
 /// What the parameter files say together, later ones above earlier ones.

@@ -4,16 +4,16 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use friction_model::{AnyModel, ModelName};
+use friction_model::{AnyModel, ModelError, ModelName};
 use serde_json::{Map, Value, json};
 
 use super::sheet::{explained, range};
 use super::{Preset, values};
-use crate::run::of_node;
+use crate::run::{GivenError, of_node};
 use files::ros_parameters::file;
 use friction_observer::parameters::{ObserverSettings, declarations};
-use parameters::file::{Parameters, number};
-use parameters::{ParameterValue, Values};
+use parameters::file::{FileError, Parameters, number};
+use parameters::{ParameterError, ParameterValue, Values};
 
 /// A parameter file in YAML with every parameter of the model and what it means.
 #[must_use]
@@ -73,6 +73,91 @@ fn yaml(value: &Value) -> String {
     }
 }
 
+/// A parameter file that does not tell the model that is wanted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// A ROS 2 parameter file with a mistake.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// No YAML.
+    #[error("{0}")]
+    Yaml(String),
+    /// No map, or an empty one.
+    #[error("expected parameters under a model's name, as in `lugre: {{f_s: ...}}`")]
+    Nothing,
+    /// Parameters of nobody knows which model.
+    #[error(
+        "it names no model (its keys are: {keys}); put the parameters under the model's name, or give --model NAME"
+    )]
+    Nameless {
+        /// What stands there, with commas.
+        keys: String,
+    },
+    /// A ROS 2 parameter file without a model.
+    #[error("it names no model; give --model NAME")]
+    NoModel,
+    /// A key beside models that is none.
+    #[error("`{key}` is no model; expected one of: {}, asymmetric", ModelName::list())]
+    NotAModel {
+        /// The key.
+        key: String,
+    },
+    /// Nothing says which of several models is meant.
+    #[error("it has several models ({models}); choose one with --model NAME")]
+    Several {
+        /// Those there are, with commas.
+        models: String,
+    },
+    /// Another model than those in the file is wanted.
+    #[error("it has no parameters of `{wanted}`, but of: {models}")]
+    Lacks {
+        /// The model that is wanted.
+        wanted: ModelName,
+        /// Those there are, with commas.
+        models: String,
+    },
+    /// A model that stands there twice.
+    #[error("it has parameters of `{name}` more than once; leave one set of them")]
+    Repeated {
+        /// The model.
+        name: ModelName,
+    },
+    /// Parameters that the model does not take.
+    #[error("in `{name}`: {detail}")]
+    Parameters {
+        /// The model.
+        name: ModelName,
+        /// What is wrong with them.
+        detail: String,
+    },
+    /// A ROS 2 parameter file of other nodes.
+    #[error(
+        "there is no node `friction_observer` with `ros__parameters` in this ROS 2 parameter file"
+    )]
+    NoNode,
+    /// What the file gives the observer is not what it declares.
+    #[error(transparent)]
+    Given(#[from] GivenError),
+    /// Values that do not go together.
+    #[error(transparent)]
+    Values(#[from] ParameterError),
+    /// `model:` with something else than a name.
+    #[error("`model` must be the name of a model")]
+    NameNoText,
+    /// `model:` with a name that there is not.
+    #[error(transparent)]
+    Name(ModelError),
+    /// `asymmetric:` with something else than models.
+    #[error(
+        "`asymmetric` must be a map, as in `asymmetric: {{lugre: {{forward: {{...}}, backward: {{...}}}}}}`"
+    )]
+    AsymmetricNoMap,
+    /// A name below `asymmetric:` that there is not.
+    #[error("in `asymmetric`: {0}")]
+    AsymmetricName(ModelError),
+}
+
 /// The model in a parameter file, in any of these forms:
 ///
 /// * the parameters under the model's name, `lugre: {...}`, of one model or of several;
@@ -85,63 +170,54 @@ fn yaml(value: &Value) -> String {
 /// `wanted` chooses the model, and comes before what the file chooses.
 ///
 /// # Errors
-/// A sentence about what is wrong in the text.
-pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, String> {
-    if let Some(file) = file(text).map_err(|error| error.to_string())? {
+/// [`ModelFileError`] says what is wrong in the text.
+pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, ModelFileError> {
+    if let Some(file) = file(text)? {
         return of_observer(&file, wanted);
     }
-    let tree: Value =
-        serde_saphyr::from_str(text).map_err(|error| first_line(&error.to_string()))?;
+    let tree: Value = serde_saphyr::from_str(text)
+        .map_err(|error| ModelFileError::Yaml(first_line(&error.to_string())))?;
     let tree = tree.as_object().filter(|tree| !tree.is_empty());
-    let tree = tree.ok_or("expected parameters under a model's name, as in `lugre: {f_s: ...}`")?;
+    let tree = tree.ok_or(ModelFileError::Nothing)?;
     let Entries { chosen, models, others } = Entries::of(tree)?;
     let wanted = wanted.or(chosen);
     if models.is_empty() {
-        let keys = others.keys().cloned().collect::<Vec<_>>().join(", ");
-        let name = wanted.ok_or_else(|| {
-            format!("it names no model (its keys are: {keys}); put the parameters under the model's name, or give --model NAME")
-        })?;
+        let keys = || others.keys().cloned().collect::<Vec<_>>().join(", ");
+        let name = wanted.ok_or_else(|| ModelFileError::Nameless { keys: keys() })?;
         let both = others.contains_key("forward") && others.contains_key("backward");
         let tree = json!({ name.as_str(): others });
         return model(name, if both { json!({ "asymmetric": tree }) } else { tree });
     }
     if let Some(key) = others.keys().next() {
-        return Err(format!(
-            "`{key}` is no model; expected one of: {}, asymmetric",
-            ModelName::list()
-        ));
+        return Err(ModelFileError::NotAModel { key: key.clone() });
     }
     let names = || models.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ");
     let of = |wanted: ModelName| models.iter().filter(move |(name, _)| *name == wanted);
     let name = match (wanted, &models[..]) {
         (Some(name), _) => name,
         (None, [(name, _), others @ ..]) if others.iter().all(|(other, _)| other == name) => *name,
-        (None, _) => {
-            return Err(several(&names()));
-        }
+        (None, _) => return Err(ModelFileError::Several { models: names() }),
     };
     match of(name).collect::<Vec<_>>()[..] {
         [(name, tree)] => model(*name, tree.clone()),
-        [] => Err(format!("it has no parameters of `{name}`, but of: {}", names())),
-        _ => Err(format!("it has parameters of `{name}` more than once; leave one set of them")),
+        [] => Err(ModelFileError::Lacks { wanted: name, models: names() }),
+        _ => Err(ModelFileError::Repeated { name }),
     }
 }
 
-fn model(name: ModelName, tree: Value) -> Result<AnyModel, String> {
-    serde_json::from_value(tree).map_err(|error| format!("in `{name}`: {error}"))
+fn model(name: ModelName, tree: Value) -> Result<AnyModel, ModelFileError> {
+    serde_json::from_value(tree)
+        .map_err(|error| ModelFileError::Parameters { name, detail: error.to_string() })
 }
 
 /// The model that the node `friction_observer` would have with this file: what is left out is the
 /// test bed's.
-fn of_observer(file: &Parameters, wanted: Option<ModelName>) -> Result<AnyModel, String> {
+fn of_observer(file: &Parameters, wanted: Option<ModelName>) -> Result<AnyModel, ModelFileError> {
     let names: Vec<String> = file.of_node("/friction_observer").into_keys().collect();
     let declared = declarations(&names);
-    let given = of_node(file, "friction_observer", &declared).map_err(|error| error.to_string())?;
+    let given = of_node(file, "friction_observer", &declared)?;
     if given.is_empty() {
-        return Err(
-            "there is no node `friction_observer` with `ros__parameters` in this ROS 2 parameter file"
-                .to_owned(),
-        );
+        return Err(ModelFileError::NoNode);
     }
     let parts = given.keys().map(|name| name.trim_start_matches("asymmetric."));
     let models: BTreeSet<ModelName> =
@@ -155,20 +231,15 @@ fn of_observer(file: &Parameters, wanted: Option<ModelName>) -> Result<AnyModel,
         (Some(name), None) => name,
         (Some(name), Some(_)) if models.contains(&name) => name,
         (Some(name), Some(_)) => {
-            return Err(format!("it has no parameters of `{name}`, but of: {}", list()));
+            return Err(ModelFileError::Lacks { wanted: name, models: list() });
         }
         (None, Some(name)) if models.len() == 1 => *name,
-        (None, Some(_)) => return Err(several(&list())),
-        (None, None) => return Err("it names no model; give --model NAME".to_owned()),
+        (None, Some(_)) => return Err(ModelFileError::Several { models: list() }),
+        (None, None) => return Err(ModelFileError::NoModel),
     };
-    let mut values = Values::given(&declared, &given).map_err(|error| error.to_string())?;
+    let mut values = Values::given(&declared, &given)?;
     values.set("model", ParameterValue::String(name.to_string()));
-    let settings = ObserverSettings::read(&values).map_err(|error| error.to_string())?;
-    Ok(settings.model)
-}
-
-fn several(models: &str) -> String {
-    format!("it has several models ({models}); choose one with --model NAME")
+    Ok(ObserverSettings::read(&values)?.model)
 }
 
 /// What a tree says, sorted.
@@ -183,21 +254,16 @@ struct Entries {
 }
 
 impl Entries {
-    fn of(tree: &Map<String, Value>) -> Result<Self, String> {
+    fn of(tree: &Map<String, Value>) -> Result<Self, ModelFileError> {
         let mut found = Self::default();
         for (key, value) in tree {
             if key == "model" {
-                let name = value.as_str().ok_or("`model` must be the name of a model")?;
-                found.chosen =
-                    Some(name.parse().map_err(|e: friction_model::ModelError| e.to_string())?);
+                let name = value.as_str().ok_or(ModelFileError::NameNoText)?;
+                found.chosen = Some(name.parse().map_err(ModelFileError::Name)?);
             } else if key == "asymmetric" {
-                let sides = value.as_object().ok_or(
-                    "`asymmetric` must be a map, as in `asymmetric: {lugre: {forward: {...}, backward: {...}}}`",
-                )?;
+                let sides = value.as_object().ok_or(ModelFileError::AsymmetricNoMap)?;
                 for (key, value) in sides {
-                    let name: ModelName = key
-                        .parse()
-                        .map_err(|e: friction_model::ModelError| format!("in `asymmetric`: {e}"))?;
+                    let name: ModelName = key.parse().map_err(ModelFileError::AsymmetricName)?;
                     found.models.push((name, json!({ "asymmetric": { name.as_str(): value } })));
                 }
             } else if let Ok(name) = key.parse::<ModelName>() {
@@ -298,7 +364,7 @@ mod tests {
             ),
             ("/controller: {ros__parameters: {a: 1}}", None, &["friction_observer"]),
         ] {
-            let message = read(text, wanted).unwrap_err();
+            let message = read(text, wanted).unwrap_err().to_string();
             assert_eq!(message.lines().count(), 1, "{message}");
             for part in said {
                 assert!(message.contains(part), "{text:?} gave {message:?} without {part:?}");

@@ -70,32 +70,49 @@ pub struct Quantity {
     pub dimension: Dimension,
 }
 
-impl TryFrom<String> for Quantity {
-    type Error = String;
+/// A text that is no quantity.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum QuantityError {
+    /// Not a number with a unit behind it.
+    #[error("`{text}` is not a number with its unit; write it as in `15 s` (units: {})", units())]
+    NoQuantity {
+        /// What came.
+        text: String,
+    },
+    /// A unit that there is not.
+    #[error("`{text}`: the unit `{unit}` is not known; use one of {}", units())]
+    Unit {
+        /// What came.
+        text: String,
+        /// Its unit.
+        unit: String,
+    },
+}
 
-    fn try_from(text: String) -> Result<Self, String> {
-        let units = || UNITS.map(|unit| unit.0).join(", ");
+fn units() -> String {
+    UNITS.map(|unit| unit.0).join(", ")
+}
+
+impl TryFrom<String> for Quantity {
+    type Error = QuantityError;
+
+    fn try_from(text: String) -> Result<Self, QuantityError> {
         let text = text.trim();
         let end = text
             .char_indices()
             .find(|&(i, c)| !(c.is_ascii_digit() || "+-.".contains(c) || is_exponent(text, i)))
             .map_or(text.len(), |(i, _)| i);
         let (number, unit) = text.split_at(end);
-        let wrong = || {
-            format!(
-                "`{text}` is not a number with its unit; write it as in `15 s` (units: {})",
-                units()
-            )
-        };
+        let wrong = || QuantityError::NoQuantity { text: text.to_owned() };
         let number: f64 = number.trim().parse().map_err(|_| wrong())?;
         let unit = unit.split_whitespace().collect::<Vec<_>>().join(" ").replace("Nm", "N m");
         if unit.is_empty() || !number.is_finite() {
             return Err(wrong());
         }
         let found = UNITS.iter().find(|candidate| candidate.0 == unit);
-        let &(_, dimension, size) = found.ok_or_else(|| {
-            format!("`{text}`: the unit `{unit}` is not known; use one of {}", units())
-        })?;
+        let &(_, dimension, size) =
+            found.ok_or_else(|| QuantityError::Unit { text: text.to_owned(), unit })?;
         Ok(Self { value: number * size, dimension })
     }
 }
@@ -117,7 +134,7 @@ impl fmt::Display for Quantity {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Quantity, String> {
+    fn read(text: &str) -> Result<Quantity, QuantityError> {
         Quantity::try_from(text.to_owned())
     }
 
@@ -149,7 +166,7 @@ mod tests {
             ("1e999 s", "not a number"),
             ("", "not a number"),
         ] {
-            let message = read(text).unwrap_err();
+            let message = read(text).unwrap_err().to_string();
             assert!(message.contains(said) && message.contains("rad/s"), "{message}");
         }
     }

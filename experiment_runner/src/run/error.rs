@@ -89,6 +89,9 @@ pub enum RunError {
         /// What the library says.
         detail: String,
     },
+    /// A run that had begun failed: nothing that was asked for is at fault any more.
+    #[error(transparent)]
+    Underway(Box<Self>),
 }
 
 impl RunError {
@@ -99,7 +102,57 @@ impl RunError {
             Self::Rig(error)
             | Self::Steady(SteadyError::Rig(error))
             | Self::TestBed(TestBedError::Rig(error)) => Some(error),
+            Self::Underway(error) => error.of_rig(),
             _ => None,
         }
+    }
+
+    /// Whether whoever asked for the run can mend it. Nothing has moved then and nothing was
+    /// written. A rig that is lost, a full disk or points that no curve fits are no such thing.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::TestBed(error) => error.is_bad_input(),
+            Self::Rig(error) | Self::Steady(SteadyError::Rig(error)) => error.is_bad_input(),
+            Self::Setup(error) => error.is_bad_input(),
+            Self::Bag(error) => error.is_bad_input(),
+            Self::Output(error) => error.is_bad_input(),
+            Self::NoSensor { .. }
+            | Self::ExcitedTooFar { .. }
+            | Self::Model(_)
+            | Self::Resume { .. } => true,
+            Self::Steady(SteadyError::Torque(_))
+            | Self::NotBack { .. }
+            | Self::Identification(_)
+            | Self::Torque(_)
+            | Self::Describe { .. }
+            | Self::Underway(_) => false,
+        }
+    }
+
+    /// The same, of a run that had begun.
+    pub(super) fn underway(self) -> Self {
+        Self::Underway(Box::new(self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::ErrorKind;
+
+    use super::*;
+
+    #[test]
+    fn what_fails_once_a_run_has_begun_is_nobodys_input() {
+        let missing = || OutputError::Write {
+            path: "runs/all-1/run.json".into(),
+            source: ErrorKind::NotFound.into(),
+        };
+        let refused = RunError::from(missing());
+        assert!(refused.is_bad_input());
+        let lost = refused.underway();
+        assert!(!lost.is_bad_input());
+        assert_eq!(lost.to_string(), RunError::from(missing()).to_string());
+        assert!(RunError::from(RigError::Stopped).underway().of_rig().is_some());
     }
 }

@@ -10,6 +10,7 @@ use super::permissions::Permissions;
 use super::{Refusal, request};
 use identification::asked::friction::{self, Written};
 use identification::friction::ModelResult;
+use work::ending::told;
 use work::progress::Progress;
 
 /// Identifies what is asked for and writes it down; an answer that says what was wrong if nothing
@@ -35,7 +36,7 @@ fn attempt(
     let progress = Progress::counting(1, "models", true);
     let Written { found, folder } =
         friction::identify(&args, permissions.besides().friction, &progress, cancel)
-            .map_err(|error| Refusal::BadRequest(format!("{error:#}")))?;
+            .map_err(|error| Refusal::BadRequest(told(&error)))?;
     let chosen =
         found.chosen().map(|result| result.found.name.as_str().to_owned()).unwrap_or_default();
     let stopped = if found.interrupted { "stopped before the end; " } else { "" };

@@ -73,7 +73,7 @@ enum BagCommand {
 /// Runs it.
 ///
 /// # Errors
-/// [`BadInput`] names the bag or file at fault.
+/// [`BagError`] and [`OutputError`](files::OutputError) name the bag or file at fault.
 pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
     let text = match &args.command {
         #[cfg(feature = "ros")]
@@ -89,7 +89,7 @@ pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
 
 #[cfg(feature = "ros")]
 fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow::Result<String> {
-    use recording::record::{RecordError, RecordOptions, record};
+    use recording::record::{RecordOptions, record};
     if let Some(length) = duration.filter(|length| !(*length > 0.0 && length.is_finite())) {
         return Err(BadInput(format!("--duration must be above 0 s, but is {length}")).into());
     }
@@ -99,11 +99,7 @@ fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow:
         namespace.map(|name| format!("/{}", name.trim_matches('/'))).filter(|name| name != "/");
     let options = RecordOptions { dir: bag.to_owned(), namespace, duration };
     let ready = || _ = print(&format!("recording into {}; ctrl-C ends it\n", bag.display()));
-    let recorded = record(&options, &stop, ready).map_err(|error| match error {
-        RecordError::Bag(error) => anyhow::Error::new(bad(&error)),
-        RecordError::Ros(error) if error.is_bad_input() => BadInput(error.to_string()).into(),
-        other => other.into(),
-    })?;
+    let recorded = record(&options, &stop, ready)?;
     let lost = match recorded.dropped {
         0 => String::new(),
         lost => format!(", {lost} lost because the disk was too slow"),
@@ -111,12 +107,8 @@ fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow:
     Ok(format!("{} messages in {}{lost}\n", recorded.bag.messages, recorded.bag.dir.display()))
 }
 
-fn bad(error: &BagError) -> BadInput {
-    BadInput(error.to_string())
-}
-
-fn info(path: &Path, json: bool) -> Result<String, BadInput> {
-    let bag = BagReader::open(path).map_err(|error| bad(&error))?;
+fn info(path: &Path, json: bool) -> Result<String, BagError> {
+    let bag = BagReader::open(path)?;
     if json {
         return document(path, &bag).map(|document| format!("{document:#}\n"));
     }
@@ -140,7 +132,7 @@ fn info(path: &Path, json: bool) -> Result<String, BadInput> {
         text += &format!("  attachment {name}\n");
     }
     for name in bag.metadata_names().filter(|name| *name != "rosbag2") {
-        let entries = bag.metadata(name).map_err(|error| bad(&error))?.unwrap_or_default();
+        let entries = bag.metadata(name)?.unwrap_or_default();
         for (key, value) in entries {
             let line = value.lines().next().unwrap_or_default();
             let shown: String = line.chars().take(90).collect();
@@ -152,7 +144,7 @@ fn info(path: &Path, json: bool) -> Result<String, BadInput> {
 }
 
 /// The same for programs.
-fn document(path: &Path, bag: &BagReader) -> Result<serde_json::Value, BadInput> {
+fn document(path: &Path, bag: &BagReader) -> Result<serde_json::Value, BagError> {
     let topics: Vec<_> = bag
         .topics()
         .iter()
@@ -162,7 +154,7 @@ fn document(path: &Path, bag: &BagReader) -> Result<serde_json::Value, BadInput>
         .collect();
     let mut metadata = serde_json::Map::new();
     for name in bag.metadata_names().filter(|name| *name != "rosbag2") {
-        let entries = bag.metadata(name).map_err(|error| bad(&error))?.unwrap_or_default();
+        let entries = bag.metadata(name)?.unwrap_or_default();
         metadata.insert(name.to_owned(), serde_json::json!(entries));
     }
     let span = bag.span();
@@ -180,8 +172,8 @@ fn document(path: &Path, bag: &BagReader) -> Result<serde_json::Value, BadInput>
     }))
 }
 
-fn recovered(path: &Path) -> Result<String, BadInput> {
-    Ok(match recover(path).map_err(|error| bad(&error))? {
+fn recovered(path: &Path) -> Result<String, BagError> {
+    Ok(match recover(path)? {
         Recovery::Whole => format!("{} is whole; nothing was done\n", path.display()),
         Recovery::Recovered {
             bag,
@@ -226,7 +218,7 @@ fn recovered(path: &Path) -> Result<String, BadInput> {
 
 fn to_csv(path: &Path, out: Option<&Path>, force: &Force) -> anyhow::Result<String> {
     let out = force.file(&out.map_or_else(|| path.with_extension("csv"), Path::to_owned))?;
-    let table = recording::bag::table(path).map_err(|error| bad(&error))?;
+    let table = recording::bag::table(path)?;
     out.write(table.text.as_bytes())?;
     // Standard output has the table and nothing else.
     Ok(if out.is_stdout() {

@@ -11,6 +11,7 @@ use controller::design::{
 use controller::{ControllerError, DerivativeOn, LagGains, PiGains, PidGains, VelocityLaw};
 
 use experiment_runner::compensation::additions::{RETUNED_POSITION, RETUNED_VELOCITY};
+use identification::asked::advice as drive_advice;
 use identification::drive::linear::KnownDrive;
 use report::{linked, render_page};
 use studies::design::{DesignOptions, Worth, assess, document, page, parameters, summary};
@@ -236,7 +237,8 @@ fn drive(args: &SharedArgs) -> Result<(LinearDrive, f64), BadInput> {
     if let Some(file) = &args.drive {
         let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
         let text = files::input::text(file).map_err(|error| blame(error.to_string()))?;
-        let found = KnownDrive::read(&text).map_err(blame)?;
+        let found = KnownDrive::read(&text)
+            .map_err(|error| blame(format!("{error}{}", drive_advice(&error))))?;
         let volts = args.volts_per_newton_metre.or(found.volts_per_newton_metre);
         return Ok((found.linear, volts.unwrap_or(SRV02_VOLTS_PER_NEWTON_METRE)));
     }

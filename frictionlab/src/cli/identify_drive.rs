@@ -162,8 +162,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
     };
     let mut recordings = Vec::new();
     for file in &args.files {
-        let mut recording = driven::read(file, &columns, args.time_tolerance)
-            .map_err(|error| BadInput(error.to_string()))?;
+        let mut recording = driven::read(file, &columns, args.time_tolerance)?;
         if args.without_torque || senseless {
             recording.friction = None;
         }

@@ -94,7 +94,7 @@ pub fn execute(args: &IdentifyServoArgs) -> anyhow::Result<()> {
     let mut train: Vec<NamedServoLog> = Vec::new();
     let mut held_out = Vec::new();
     for path in &args.logs {
-        let named = servo_log::read(path).map_err(|error| BadInput(error.to_string()))?;
+        let named = servo_log::read(path)?;
         if args.hold_out.contains(&named.log.gain()) {
             held_out.push(named)
         } else {

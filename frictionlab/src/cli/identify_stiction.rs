@@ -99,9 +99,7 @@ pub fn execute(args: &IdentifyStictionArgs) -> anyhow::Result<()> {
     let tables = args
         .files
         .iter()
-        .map(|path| {
-            stiction_table::read(path, &columns).map_err(|error| BadInput(error.to_string()))
-        })
+        .map(|path| stiction_table::read(path, &columns))
         .collect::<Result<Vec<_>, _>>()?;
     let settings = Settings::new(args.counts, args.from, args.until);
     let found = identify(&tables, &settings).map_err(|error| BadInput(error.to_string()))?;

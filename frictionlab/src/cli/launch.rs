@@ -5,10 +5,7 @@ use std::{path::Path, time::Duration};
 use anyhow::Context;
 use ros_node::Stop;
 
-use crate::launch::{
-    LaunchArguments, LaunchError, LaunchFile, files::ConfigFolder, plan, supervise::supervise,
-};
-use work::BadInput;
+use crate::launch::{LaunchArguments, LaunchFile, files::ConfigFolder, plan, supervise::supervise};
 use work::saying::print;
 
 /// Start the nodes, each a process of its own
@@ -79,17 +76,9 @@ const ENDS_WITHIN: Duration = Duration::from_secs(15);
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an argument that cannot be; a plain error if a program is missing, does not
-/// start or ends by itself.
+/// [`LaunchError`](crate::launch::LaunchError) for an argument that cannot be, and if a program is
+/// missing, does not start or ends by itself.
 pub fn execute(args: &LaunchArgs) -> anyhow::Result<()> {
-    launch(args).map_err(|error| match error.downcast::<LaunchError>() {
-        Ok(error) if error.is_bad_input() => BadInput(error.to_string()).into(),
-        Ok(error) => error.into(),
-        Err(other) => other,
-    })
-}
-
-fn launch(args: &LaunchArgs) -> anyhow::Result<()> {
     let LaunchArgs { rig, model, mode, namespace, params_file, record, .. } = args;
     let options = [
         ("rig", rig),

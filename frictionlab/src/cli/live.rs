@@ -8,7 +8,7 @@ use friction_observer::EstimatorOptions;
 use rig_driver::{RigRegistry, SimulationOptions};
 
 use crate::interruption;
-use crate::live::{self, LiveError, LiveOptions, Serving};
+use crate::live::{self, LiveOptions, Serving};
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::compensation::Means;
 use experiment_runner::protocol::TrackingProtocol;
@@ -161,7 +161,7 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
     }
     let folder = args.to.reserve("live")?;
     if args.to.force {
-        remove(&folder.join("bag")).map_err(|error| BadInput(error.to_string()))?;
+        remove(&folder.join("bag"))?;
     }
     let options = LiveOptions { out: folder.path().to_owned(), ..options };
     let stop = interruption::watch(ros_node::ENDS_WITHIN_WRITING)?;
@@ -187,13 +187,6 @@ pub fn execute(args: &LiveArgs) -> anyhow::Result<()> {
         // after.
         if !quiet {
             ros_node::terminal::say(format!("{priority}\nlive at {rate}; ctrl-C ends the run"));
-        }
-    })
-    .map_err(|error: LiveError| {
-        if error.is_bad_input() {
-            BadInput(error.to_string()).into()
-        } else {
-            anyhow::Error::new(error)
         }
     })?;
     ros_node::terminal::flush();

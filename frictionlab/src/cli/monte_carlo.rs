@@ -162,7 +162,7 @@ fn options(args: &MonteCarloArgs) -> Result<StudyOptions, BadInput> {
     } else {
         args.plant
             .iter()
-            .map(|name| model_name(name).map_err(BadInput))
+            .map(|name| model_name(name).map_err(|error| BadInput(error.to_string())))
             .collect::<Result<Vec<_>, _>>()?
     };
     Ok(StudyOptions {

@@ -26,7 +26,7 @@ struct Words {
 pub(super) fn open(args: &RunArgs, folder: &Path) -> anyhow::Result<(PathBuf, RunArgs, Journal)> {
     let bad =
         |why: String| BadInput(format!("the run in {} cannot be resumed: {why}", folder.display()));
-    let journal = Journal::open(folder).map_err(|error| BadInput(error.to_string()))?;
+    let journal = Journal::open(folder)?;
     let folder = std::path::absolute(folder).map_err(|error| bad(error.to_string()))?;
     let mut given = parsed(journal.words()).map_err(|error| bad(error.to_string()))?;
     std::env::set_current_dir(journal.directory()).map_err(|error| {

@@ -13,6 +13,7 @@ use rig_driver::registry::Listed;
 use rig_driver::{Calibration, Miswiring, RigRegistry, SimulationOptions};
 
 use crate::interruption;
+use experiment_runner::asked::calibration_advice;
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use files::{OutputError, OutputFile};
 use rig_setup::{
@@ -192,13 +193,12 @@ fn calibrate(which: &Which, out: Option<&Path>, replace: &Force) -> anyhow::Resu
     let place = Place::of(which, true)?;
     let out = out.or(if place.file.is_none() { Some(Path::new(".")) } else { None });
     // Before anything moves.
-    let bad = |error: OutputError| BadInput(error.to_string());
     if let Some(folder) = out {
         fs::create_dir_all(folder)
-            .map_err(|source| bad(OutputError::Write { path: folder.to_owned(), source }))?;
+            .map_err(|source| OutputError::Write { path: folder.to_owned(), source })?;
     }
     let name = out.map(|folder| folder.join("calibration.yaml"));
-    let file = name.as_deref().map(|name| replace.file(name)).transpose().map_err(bad)?;
+    let file = name.as_deref().map(|name| replace.file(name)).transpose()?;
     let profile = place.writable()?;
     // Against the readings as they come: what an earlier calibration put right is found once more.
     let (calibration, limits) = (explicit_calibration(which)?, place.limits(which));
@@ -273,7 +273,7 @@ impl Place {
 
     /// The profile's file, if there is to be one: its parts are written anew, and it can be
     /// written.
-    fn writable(&self) -> Result<Option<OutputFile>, BadInput> {
+    fn writable(&self) -> anyhow::Result<Option<OutputFile>> {
         let folder = self.file.as_deref().and_then(Path::parent);
         if let Some(folder) =
             folder.filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir())
@@ -281,10 +281,11 @@ impl Place {
             return Err(BadInput(format!(
                 "there is no folder {} for the rig profile",
                 folder.display()
-            )));
+            ))
+            .into());
         }
         let file = self.file.as_deref().map(|file| OutputFile::new(file, true));
-        file.transpose().map_err(|error| BadInput(error.to_string()))
+        Ok(file.transpose()?)
     }
 
     /// Writes the profile, if there is to be one: what was `seen`, the limits, and the calibration
@@ -320,7 +321,9 @@ fn explicit_calibration(which: &Which) -> Result<Option<Calibration>, BadInput> 
     let Some(file) = &which.calibration else { return Ok(None) };
     let bad = |said: String| BadInput(format!("{}: {said}", file.display()));
     let text = files::input::text(file).map_err(|error| bad(error.to_string()))?;
-    read_calibration(&text).map(Some).map_err(|error| bad(error.to_string()))
+    read_calibration(&text)
+        .map(Some)
+        .map_err(|error| bad(format!("{error}{}", calibration_advice(&error))))
 }
 
 /// What this machine has.
@@ -484,19 +487,14 @@ fn drive<T>(
     outcome.map_err(told)
 }
 
-/// What the user can mend is wrong input.
+/// An error of the rig, where the command line has other words for it.
 fn told(error: RigSetupError) -> anyhow::Error {
     match error {
         RigSetupError::Stopped => Interrupted(error.to_string()).into(),
         RigSetupError::Rig(rig_driver::RigError::BeyondRange { limit, range }) => {
             BadInput(super::run::beyond_range(limit, range)).into()
         }
-        RigSetupError::Rig(
-            rig_driver::RigError::OutOfRange { .. } | rig_driver::RigError::Quanser(_),
-        )
-        | RigSetupError::NotDriven(_)
-        | RigSetupError::OtherDevice { .. } => BadInput(error.to_string()).into(),
-        error => anyhow::Error::new(error),
+        error => error.into(),
     }
 }
 

@@ -6,7 +6,6 @@ use experiment_runner::asked::rig::choose;
 use experiment_runner::asked::{RunArgs, given, options};
 use experiment_runner::run::{self, Beginning, Journal, RunError, RunOptions, Status};
 use experiment_runner::test_bed::TestBedError;
-use files::is_full;
 use rig_driver::RigError;
 use rig_setup::{RigChoice, RigSetupError};
 use work::destination::RUNS;
@@ -24,12 +23,12 @@ pub fn execute(args: &RunArgs) -> anyhow::Result<()> {
     if let Some(folder) = &args.resume {
         let (folder, given, journal) = super::resume::open(args, folder)?;
         let options = options(&given, &thesis::BESIDE)?;
-        journal.require_asked(&options).map_err(bad_input)?;
-        run::check_options(&options).map_err(bad_input)?;
+        journal.require_asked(&options).map_err(worded)?;
+        run::check_options(&options).map_err(worded)?;
         return run_in(&given, &options, &folder, Beginning::Resumed(Box::new(journal)));
     }
     let options = options(args, &thesis::BESIDE)?;
-    run::check_options(&options).map_err(bad_input)?;
+    run::check_options(&options).map_err(worded)?;
     let folder = args.to.reserve(options.experiment.as_str())?;
     let beginning = Beginning::Anew { force: args.to.force, words: super::resume::words() };
     run_in(args, &options, folder.path(), beginning)
@@ -71,7 +70,7 @@ fn run_in(
         if Journal::is_in(folder) && !matches!(error, RunError::Resume { .. }) {
             eprintln!("what was measured is kept{}", super::resume::hint(folder));
         }
-        bad_input(error)
+        worded(error)
     })?;
     let document = if args.saying.json { document(&outcome.results)? } else { String::new() };
     args.saying.result(args.quiet, &document, &run::terminal::summary(&outcome))?;
@@ -93,13 +92,9 @@ fn run_in(
     Ok(())
 }
 
-/// A run's error, as what the user can mend where he can.
-fn bad_input(error: RunError) -> anyhow::Error {
+/// A run's error, where the command line has other words for it.
+fn worded(error: RunError) -> anyhow::Error {
     match error {
-        error @ (RunError::Describe { .. } | RunError::Identification(_)) => {
-            anyhow::Error::new(error)
-        }
-        RunError::Output(error) => anyhow::Error::new(error),
         RunError::TestBed(TestBedError::Rig(RigError::OutOfRange { name, value, expected })) => {
             BadInput(named_option(name, value, expected)).into()
         }
@@ -107,11 +102,10 @@ fn bad_input(error: RunError) -> anyhow::Error {
         | RunError::Setup(RigSetupError::Rig(RigError::BeyondRange { limit, range })) => {
             BadInput(beyond_range(limit, range)).into()
         }
-        error @ RunError::Bag(_) if is_full(&error) => anyhow::Error::new(error),
-        error @ RunError::Bag(_) => {
+        RunError::Bag(error) if error.is_bad_input() => {
             BadInput(format!("{error}; --out DIR names another folder")).into()
         }
-        error => BadInput(error.to_string()).into(),
+        error => error.into(),
     }
 }
 

@@ -5,14 +5,13 @@ use std::time::Duration;
 
 use anyhow::Context;
 use ros_node::parameters::Parameters;
-use ros_node::{Arguments, Discovery, Lost, Participant, RosNodeError, Stop, Watch};
+use ros_node::{Arguments, Discovery, Lost, Participant, Stop, Watch};
 
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::server::desk::UsualRig;
 use experiment_runner::server::node::Runner;
 use experiment_runner::server::permissions::Permissions;
 use rig_setup::RigChoice;
-use work::BadInput;
 
 /// Run experiments for whoever asks over ROS 2
 ///
@@ -57,14 +56,13 @@ pub struct ServeArgs {
 /// Runs it until ctrl-C.
 ///
 /// # Errors
-/// [`BadInput`] for an environment variable that is none of ROS's, or security that is asked for
+/// [`RosNodeError`](ros_node::RosNodeError) for an environment variable that is none of ROS's, or security that is asked for
 /// and cannot be had; an error if the network cannot be joined.
 pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     ros_node::terminal::tell_panics();
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
-    let discovery =
-        Discovery::from_environment().map_err(|error: RosNodeError| BadInput(error.to_string()))?;
+    let discovery = Discovery::from_environment()?;
     if !args.quiet {
         super::offer_recovery(&args.runs);
     }
@@ -86,13 +84,7 @@ fn serve(
     stop: &Stop,
 ) -> anyhow::Result<Option<Lost>> {
     let arguments = Arguments::default().or_enclave("/experiment_runner");
-    let participant =
-        Participant::join_with(discovery, arguments).map_err(|error| match error {
-            mendable if mendable.is_bad_input() => {
-                anyhow::Error::new(BadInput(mendable.to_string()))
-            }
-            other => anyhow::Error::new(other),
-        })?;
+    let participant = Participant::join_with(discovery, arguments)?;
     let node = participant.node("experiment_runner")?;
     Parameters::usual(&node)?;
     let usual = UsualRig::default();

@@ -85,7 +85,7 @@ pub struct SimulateArgs {
 /// [`BadInput`] for whatever is wrong with the files or the options; nothing is written then.
 pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let model = model(args)?;
-    let motion = trajectory::read(&args.velocity).map_err(|error| BadInput(error.to_string()))?;
+    let motion = trajectory::read(&args.velocity)?;
     let out = destination(args)?;
     let settings = Settings { scheme: args.scheme, dt: args.dt, load_gain: args.load_gain };
 
@@ -114,7 +114,7 @@ fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {
                 BadInput(format!("the parameter file {} cannot be used: {what}", path.display()))
             };
             let text = files::input::text(path).map_err(|error| refused(error.to_string()))?;
-            file::read(&text, wanted).map_err(refused)
+            file::read(&text, wanted).map_err(|error| refused(error.to_string()))
         }
         (None, Some(name)) => Ok(AnyModel::test_bed(name)),
         // The command line asks for one of them.

@@ -2,6 +2,8 @@
 
 use std::{io, path::PathBuf};
 
+use files::is_of_the_path;
+
 /// A launch that did not begin, or did not go on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -50,6 +52,10 @@ impl LaunchError {
     /// Whether the person who typed the command can mend it.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
-        matches!(self, Self::Argument(_) | Self::Files { .. })
+        match self {
+            Self::Argument(_) => true,
+            Self::Files { source, .. } => is_of_the_path(source),
+            Self::NoProgram { .. } | Self::Start { .. } | Self::Died { .. } => false,
+        }
     }
 }

@@ -8,7 +8,7 @@ use rig_driver::RigError;
 
 use recording::bag::BagError;
 
-use files::{OutputError, is_full};
+use files::OutputError;
 
 use rig_setup::RigSetupError;
 
@@ -91,21 +91,22 @@ impl LiveError {
     /// Whether the user can mend it: an option, a folder, an environment variable.
     #[must_use]
     pub fn is_bad_input(&self) -> bool {
-        matches!(
-            self,
-            Self::Duration(_)
-                | Self::TestBed(_)
-                | Self::Setup(_)
-                | Self::Rate { .. }
-                | Self::Parameters(_)
-                | Self::Arguments(_)
-        ) || match self {
-            Self::Ros(error) => error.is_bad_input(),
+        match self {
+            Self::Duration(_) | Self::Rate { .. } | Self::Parameters(_) | Self::Arguments(_) => {
+                true
+            }
+            Self::TestBed(error) => error.is_bad_input(),
+            Self::Setup(error) => error.is_bad_input(),
             Self::Output(error) => error.is_bad_input(),
-            Self::Bag(
-                BagError::NotEmpty { .. } | BagError::Name { .. } | BagError::Write { .. },
-            ) => !is_full(self),
-            _ => false,
+            Self::ParameterFile(error) => error.is_bad_input(),
+            Self::Bag(error) => error.is_bad_input(),
+            Self::Ros(error) => error.is_bad_input(),
+            Self::Start(_)
+            | Self::Rig(_)
+            | Self::Deaf(_)
+            | Self::Elder(_)
+            | Self::Thread { .. }
+            | Self::Panicked { .. } => false,
         }
     }
 }

@@ -11,7 +11,7 @@ use friction_model::ModelName;
 use files::Folder;
 use recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
 use recording::table::Columns;
-use recording::{AxisKind, Column};
+use recording::{AxisKind, Column, RecordingError};
 use report::figure::Block;
 use work::model_name::model_name;
 use work::progress::Progress;
@@ -144,7 +144,7 @@ fn choice(text: &str) -> Result<Choice, String> {
     if text.trim().eq_ignore_ascii_case("all") {
         return Ok(Choice::All);
     }
-    let name = model_name(text)?;
+    let name = model_name(text).map_err(|error| error.to_string())?;
     let known = || ALL.map(ModelName::as_str).join(", ");
     if ALL.contains(&name) {
         Ok(Choice::One(name))
@@ -209,8 +209,8 @@ pub struct Written {
 /// is. With `--thesis-tables` the page shows what `beside` has as well.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the files, the options or the output folder; nothing is
-/// written then. [`Interrupted`] where nothing was found before `cancel` was set.
+/// [`BadInput`], [`RecordingError`] or [`OutputError`](files::OutputError) for whatever is wrong
+/// with the options, the files or the output folder; nothing is written then. [`Interrupted`] where nothing was found before `cancel` was set.
 pub fn identify(
     args: &IdentifyArgs,
     beside: Option<Beside>,
@@ -255,7 +255,7 @@ fn read(
     files: &[PathBuf],
     args: &IdentifyArgs,
     preparation: &Preparation,
-) -> Result<Vec<FrictionRecording>, BadInput> {
+) -> Result<Vec<FrictionRecording>, RecordingError> {
     let mut columns = args.columns();
     let usual = match args.friction.torque_source {
         Some(SourceChoice::Voltage) => Some("voltage_V"),
@@ -265,10 +265,7 @@ fn read(
     if columns.force.is_none() {
         columns.force = usual.map(|name| Column { name: name.to_owned(), scale: None });
     }
-    let one = |file: &PathBuf| {
-        stretches::read(file, &columns, preparation).map_err(|error| BadInput(error.to_string()))
-    };
-    files.iter().map(one).collect()
+    files.iter().map(|file| stretches::read(file, &columns, preparation)).collect()
 }
 
 fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {

@@ -10,13 +10,14 @@ use friction_model::Motor;
 use recording::rosbag;
 use recording::table;
 use recording::timing::{TOLERANCE, tolerance};
-use recording::{AxisKind, Column, Recording};
+use recording::{AxisKind, Column, Recording, RecordingError};
 use work::BadInput;
 use work::destination::ToFolder;
 use work::saying::Saying;
 
 use self::friction::FrictionArgs;
 use crate::axis::structure::StructureChoice;
+use crate::drive::DriveFileError;
 use crate::drive::parameters::read_motor;
 
 /// Find friction and inertia in your recordings (CSV or bags)
@@ -160,12 +161,25 @@ pub struct IdentifyArgs {
     pub resistance: f64,
 }
 
+/// The command that writes what a file given with `--drive` lacks.
+#[must_use]
+pub const fn advice(error: &DriveFileError) -> &'static str {
+    match error {
+        DriveFileError::Section(error) if error.is_missing() => {
+            "; identify-drive writes one where the motor's constants or a torque sensor tell them"
+        }
+        DriveFileError::NoDrive => "; `frictionlab identify-drive BAG --rig-file FILE` adds it",
+        DriveFileError::Nothing => ", as `frictionlab identify-drive` writes them",
+        _ => "",
+    }
+}
+
 /// What `--drive` says of the drive.
 pub fn drive_file(args: &IdentifyArgs) -> Result<Option<Motor>, BadInput> {
     let Some(file) = &args.drive else { return Ok(None) };
     let blame = |error: String| BadInput(format!("--drive {}: {error}", file.display()));
     let text = files::input::text(file).map_err(|error| blame(error.to_string()))?;
-    read_motor(&text).map(Some).map_err(blame)
+    read_motor(&text).map(Some).map_err(|error| blame(format!("{error}{}", advice(&error))))
 }
 
 /// The motor's constants, from the options or a drive's file.
@@ -225,14 +239,13 @@ pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
 /// Reads a CSV file or a bag as the options say.
 ///
 /// # Errors
-/// [`BadInput`] with the file and what is wrong with it.
-pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, BadInput> {
+/// [`RecordingError`] with the file and what is wrong with it.
+pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
     let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
-    let recording = if is_bag {
+    if is_bag {
         rosbag::read(file, args.torque_from_voltage.then_some(motor), args.time_tolerance)
     } else {
         let columns = args.columns();
         table::read(file, &columns, args.time_tolerance)
-    };
-    recording.map_err(|error| BadInput(error.to_string()))
+    }
 }

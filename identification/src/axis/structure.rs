@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use friction_ident::axis_structure::{
-    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, choose, cross_validate,
-    fit_structure,
+    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, choose,
+    cross_validate, fit_structure,
 };
 use friction_ident::{Conditioned, IdentError, Prediction};
 
@@ -25,17 +25,20 @@ pub enum StructureChoice {
     Named(Vec<AxisStructure>),
 }
 
-impl std::str::FromStr for StructureChoice {
-    type Err = String;
+/// A text that chooses no structures.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}; or `auto`")]
+pub struct ChoiceError(#[from] UnknownStructure);
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl std::str::FromStr for StructureChoice {
+    type Err = ChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, ChoiceError> {
         if text.trim() == "auto" {
             return Ok(Self::Auto);
         }
         let names = text.split(',').map(|name| name.trim().parse::<AxisStructure>());
-        Ok(Self::Named(
-            names.collect::<Result<_, _>>().map_err(|error| format!("{error}; or `auto`"))?,
-        ))
+        Ok(Self::Named(names.collect::<Result<_, _>>()?))
     }
 }
 

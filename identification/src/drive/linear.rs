@@ -4,6 +4,7 @@ use controller::design::LinearDrive;
 use files::ros_parameters::{file, tree};
 use serde_json::Value;
 
+use super::DriveFileError;
 use super::parameters::read_motor;
 
 /// A drive as far as a linear design needs it.
@@ -21,9 +22,9 @@ impl KnownDrive {
     /// under `drive:` or alone.
     ///
     /// # Errors
-    /// A sentence about what is wrong in the text.
-    pub fn read(text: &str) -> Result<Self, String> {
-        let tree = match file(text).map_err(|error| error.to_string())? {
+    /// [`DriveFileError`] says what is wrong in the text.
+    pub fn read(text: &str) -> Result<Self, DriveFileError> {
+        let tree = match file(text)? {
             Some(file) if file.of_node("/rig_driver").contains_key("drive.motor_constant") => {
                 let motor = read_motor(text)?;
                 return Ok(Self {
@@ -36,8 +37,8 @@ impl KnownDrive {
                 Value::Array(nodes.map(|node| tree(&node.values).into()).collect())
             }
             None => {
-                let bare: Value =
-                    serde_saphyr::from_str(text).map_err(|error| error.to_string())?;
+                let bare: Value = serde_saphyr::from_str(text)
+                    .map_err(|error| DriveFileError::Yaml(error.to_string()))?;
                 Value::Array(vec![bare])
             }
         };
@@ -53,10 +54,7 @@ impl KnownDrive {
                 .or_else(|| number(place, "volts_per_torque"));
             Some(Self { linear, volts_per_newton_metre: volts })
         });
-        let found = found.next().ok_or(
-            "expected the motor's constants (/rig_driver: ros__parameters: drive:) or `gain` [rad/s per V] and `time_constant` [s], \
-             as `frictionlab identify-drive` writes them",
-        )?;
+        let found = found.next().ok_or(DriveFileError::Nothing)?;
         let values = [
             Some(found.linear.gain),
             Some(found.linear.time_constant),
@@ -64,9 +62,7 @@ impl KnownDrive {
         ];
         match values.into_iter().flatten().find(|value| !(*value > 0.0 && value.is_finite())) {
             None => Ok(found),
-            Some(wrong) => Err(format!(
-                "the drive's numbers must be finite and above zero, but one is {wrong}"
-            )),
+            Some(wrong) => Err(DriveFileError::Number(wrong)),
         }
     }
 }
@@ -89,9 +85,9 @@ mod tests {
         for (text, said) in [
             ("gain: 2.0\n", "time_constant"),
             ("gain: -2.0\ntime_constant: 0.05\n", "-2"),
-            ("/controller:\n  ros__parameters:\n    pid: {k_p: 1.0}\n", "identify-drive"),
+            ("/controller:\n  ros__parameters:\n    pid: {k_p: 1.0}\n", "time_constant"),
         ] {
-            let error = KnownDrive::read(text).unwrap_err();
+            let error = KnownDrive::read(text).unwrap_err().to_string();
             assert!(error.contains(said), "{text}: {error}");
         }
     }

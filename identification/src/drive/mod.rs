@@ -1,9 +1,12 @@
 //! `frictionlab identify-drive` between reading and printing: [`page`] is the HTML, [`parameters`]
 //! the ROS parameter file, both from [`Identified`].
 
+mod error;
 pub mod linear;
 pub mod page;
 pub mod parameters;
+
+pub use error::DriveFileError;
 
 use std::fmt::Write;
 use std::path::PathBuf;

@@ -10,7 +10,7 @@ use parameters::ParameterValue;
 use parameters::file::Writer;
 use rig_setup::{DriveSheet, RigProfile};
 
-use super::Identified;
+use super::{DriveFileError, Identified};
 
 /// From what was identified; none unless gear ratio, back-EMF, torque per volt and inertia are
 /// all known.
@@ -43,23 +43,14 @@ pub fn motor_of(found: &Identified) -> Option<Motor> {
 /// drive.
 ///
 /// # Errors
-/// A sentence about what is wrong in the text.
-pub fn read_motor(text: &str) -> Result<Motor, String> {
+/// [`DriveFileError`] says what is wrong in the text.
+pub fn read_motor(text: &str) -> Result<Motor, DriveFileError> {
     if is_profile(text) {
-        let drive = RigProfile::read(text).map_err(|error| error.to_string())?.drive.ok_or(
-            "this rig profile has no drive; `frictionlab identify-drive BAG --rig-file FILE` adds it",
-        )?;
-        return drive.motor().ok_or_else(|| {
-            "the drive of this rig profile has gain and time constant alone; the motor's constants are needed, which identify-drive finds with a torque sensor or is given"
-                .to_owned()
-        });
+        let drive = RigProfile::read(text)?.drive.ok_or(DriveFileError::NoDrive)?;
+        return drive.motor().ok_or(DriveFileError::NoMotor);
     }
-    let motor: Motor = of_rig_driver(
-        text,
-        "drive",
-        "identify-drive writes one where the motor's constants or a torque sensor tell them",
-    )?;
-    motor.check().map_err(|error| format!("in `drive`: {error}"))?;
+    let motor: Motor = of_rig_driver(text, "drive")?;
+    motor.check()?;
     Ok(motor)
 }
 
@@ -139,10 +130,11 @@ mod tests {
             )
         };
         assert_eq!(read_motor(&file("0.0026")).unwrap().inertia, 0.0026);
-        assert!(read_motor(&file("-1.0")).unwrap_err().contains("inertia"));
+        assert!(read_motor(&file("-1.0")).unwrap_err().to_string().contains("inertia"));
         assert!(
             read_motor("/controller:\n  ros__parameters:\n    a: 1\n")
                 .unwrap_err()
+                .to_string()
                 .contains("rig_driver")
         );
     }

@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use msgs::cdr::CdrError;
 
-use files::said;
+use files::{is_of_the_path, said};
 
 /// A bag that cannot be written or read. Each message names the file, what was expected and how to
 /// mend it.
@@ -175,4 +175,30 @@ pub enum BagError {
     /// A message that cannot be turned into bytes.
     #[error(transparent)]
     Encode(#[from] CdrError),
+}
+
+impl BagError {
+    /// Whether whoever named the bag, or a topic of it, can mend it. What cannot be written further
+    /// is no such thing.
+    #[must_use]
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Write { source, .. } | Self::Read { source, .. } => is_of_the_path(source),
+            Self::NotEmpty { .. }
+            | Self::Name { .. }
+            | Self::NoMcap { .. }
+            | Self::Empty { .. }
+            | Self::NotMcap { .. }
+            | Self::Damaged { .. }
+            | Self::SeveralFiles { .. }
+            | Self::InUse { .. }
+            | Self::NoTopic { .. }
+            | Self::ReadType { .. }
+            | Self::Message { .. } => true,
+            Self::WriteMcap { .. }
+            | Self::Describe { .. }
+            | Self::TopicType { .. }
+            | Self::Encode(_) => false,
+        }
+    }
 }

@@ -347,14 +347,19 @@ pub fn even_step(
     Ok((time[n - 1] - time[0]) / (n - 1) as f64)
 }
 
+/// A text that is no tolerance of the time steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected a fraction of the usual time step from 0 to 0.5, as in 0.05")]
+pub struct ToleranceError;
+
 /// The tolerance on the command line.
 ///
 /// # Errors
-/// A sentence about what was expected.
-pub fn tolerance(text: &str) -> Result<f64, String> {
+/// [`ToleranceError`] says what was expected.
+pub fn tolerance(text: &str) -> Result<f64, ToleranceError> {
     match text.trim().parse::<f64>() {
         Ok(value) if (0.0..=0.5).contains(&value) => Ok(value),
-        _ => Err("expected a fraction of the usual time step from 0 to 0.5, as in 0.05".to_owned()),
+        _ => Err(ToleranceError),
     }
 }
 

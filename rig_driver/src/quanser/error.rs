@@ -50,6 +50,18 @@ pub enum QuanserError {
     },
 }
 
+impl QuanserError {
+    /// Whether whoever asked for the card can mend it: what is no HIL library, what cannot name a
+    /// card. What the card fails at is no such thing.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::NoLibrary { .. } | Self::NoFunction { .. } | Self::ZeroByte { .. } => true,
+            Self::Call { .. } | Self::WatchdogExpired { .. } => false,
+        }
+    }
+}
+
 /// What helps with the errors everybody meets first.
 const fn hint(code: i32) -> &'static str {
     match -code {

@@ -144,6 +144,30 @@ impl SerialError {
                 | Self::NotActive { state: State::Inactive, cause: Cause::HostLost }
         )
     }
+
+    /// Whether whoever named the rig can mend it: another port or baud rate, a device that speaks
+    /// this protocol. What the right device fails at is no such thing.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Option { .. }
+            | Self::Open { .. }
+            | Self::NotATerminal { .. }
+            | Self::Settings { .. }
+            | Self::Garbage { .. }
+            | Self::WrongVersion { .. } => true,
+            Self::Busy { .. }
+            | Self::NoAnswer { .. }
+            | Self::Held { .. }
+            | Self::TakenOver { .. }
+            | Self::StopNotAcknowledged { .. }
+            | Self::Disconnected { .. }
+            | Self::Silent { .. }
+            | Self::Restarted { .. }
+            | Self::NotActive { .. }
+            | Self::Thread { .. } => false,
+        }
+    }
 }
 
 const fn name(state: State) -> &'static str {

@@ -44,6 +44,18 @@ pub enum StudyError {
     Rig(#[from] RigError),
 }
 
+impl StudyError {
+    /// Whether whoever asked for the study can mend it.
+    #[must_use]
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Model(_) => true,
+            Self::Bed(error) => error.is_bad_input(),
+            Self::Rig(error) => error.is_bad_input(),
+        }
+    }
+}
+
 /// Units and sensors of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

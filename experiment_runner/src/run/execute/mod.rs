@@ -92,7 +92,18 @@ pub fn execute_in(
     let (rig, options) = bench::open(options, progress, cancel)?;
     let mut bench = Bench::new(&options, rig, progress, cancel);
     Bench::check(&options)?;
-    let mut recorder = begin(&mut bench, asked, folder, beginning)?;
+    let recorder = begin(&mut bench, asked, folder, beginning)?;
+    carry_out(bench, recorder, folder, started).map_err(RunError::underway)
+}
+
+/// What comes after the beginning: every experiment, then the results.
+fn carry_out(
+    bench: Bench<'_>,
+    mut recorder: Recorder,
+    folder: &Path,
+    started: Instant,
+) -> Result<Outcome, RunError> {
+    let (options, progress) = (bench.options, bench.progress);
     let measured = measure(&bench, &mut recorder)?;
     // The rig is let go before the report is written.
     let reconnections = bench.reconnections();
@@ -102,7 +113,7 @@ pub fn execute_in(
     // To go on would bring no other curve.
     let over = (measured.status == Status::Complete || measured.unfit.is_some()) && ended.is_none();
     let ending = Ending { ended, reconnections, sessions, started };
-    let results = write_results(folder, &options, progress, recorder, measured, ending)?;
+    let results = write_results(folder, options, progress, recorder, measured, ending)?;
     if let Some(journal) = journal.filter(|_| over) {
         journal.complete()?;
     }

@@ -59,7 +59,7 @@ pub struct Ended {
     /// Which.
     pub started: Started,
     /// What was found, also if it was stopped; or why it failed.
-    pub results: Result<RunResults, String>,
+    pub results: Result<RunResults, Arc<RunError>>,
 }
 
 /// Hears of every change: a status for whoever is interested.
@@ -312,7 +312,7 @@ impl Job {
             let _working = working;
             run::execute(&self.options, &self.started.folder, &self.progress, &self.cancel)
         });
-        let results = results.map(|outcome| outcome.results).map_err(|error| error.to_string());
+        let results = results.map(|outcome| outcome.results).map_err(Arc::new);
         let ended = Ended { started: self.started.clone(), results };
         let complete = ended.results.is_ok() && !self.cancel.load(Ordering::Relaxed);
         let _telling = Telling::new(&self.inner);
