@@ -152,7 +152,7 @@ mod tests {
         OutputFile::new(&path, false).unwrap().write(b"one").unwrap();
         let error = OutputFile::new(&path, false).unwrap_err();
         assert!(
-            matches!(error, OutputError::Exists(_)) && error.to_string().contains("--force"),
+            matches!(error, OutputError::Exists(_)) && error.to_string().contains("replaced"),
             "{error}"
         );
         fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();

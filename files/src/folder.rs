@@ -200,7 +200,7 @@ mod tests {
         drop(folder);
         let error = reserve(&out, false).unwrap_err();
         assert!(
-            matches!(error, OutputError::NotEmpty(_)) && error.to_string().contains("--force"),
+            matches!(error, OutputError::NotEmpty(_)) && error.to_string().contains("replaced"),
             "{error}"
         );
         reserve(&out, true).unwrap().write(&[("report.html", "two".to_owned())]).unwrap();

@@ -126,7 +126,7 @@ mod tests {
         let error = write_all(&folder, &[("x.json", String::new()), ("y.html", String::new())])
             .unwrap_err();
         assert!(
-            error.to_string().contains("y.html") && error.to_string().contains("--out"),
+            error.to_string().contains("y.html") && error.to_string().contains("another place"),
             "{error}"
         );
         assert_eq!(names(&folder), ["y.html"]);

@@ -62,21 +62,13 @@ pub enum Channel {
     Voltage,
     /// Friction torque from a sensor.
     Friction,
+    /// Angle of a motor, in counts.
+    Angle,
+    /// Angle of a pendulum, in counts.
+    Pendulum,
 }
 
 impl Channel {
-    /// The option that chooses the column.
-    pub fn option(self) -> &'static str {
-        match self {
-            Self::Time => "--time",
-            Self::Position => "--position",
-            Self::Velocity => "--velocity",
-            Self::Force => "--force-column",
-            Self::Voltage => "--voltage",
-            Self::Friction => "--friction",
-        }
-    }
-
     /// The channel in words.
     pub fn describe(self) -> &'static str {
         match self {
@@ -86,6 +78,8 @@ impl Channel {
             Self::Force => "force or torque",
             Self::Voltage => "voltage",
             Self::Friction => "friction torque",
+            Self::Angle => "angle of the motor",
+            Self::Pendulum => "angle of the pendulum",
         }
     }
 
@@ -97,6 +91,7 @@ impl Channel {
             Self::Velocity => "m/s or rad/s",
             Self::Force | Self::Friction => "N or N m",
             Self::Voltage => "V",
+            Self::Angle | Self::Pendulum => "counts",
         }
     }
 
@@ -143,6 +138,8 @@ impl Channel {
             Self::Friction => {
                 &["friction_Nm", "friction_torque_Nm", "friction_N", "friction_force_N"]
             }
+            // They are always named.
+            Self::Angle | Self::Pendulum => &[],
         }
     }
 

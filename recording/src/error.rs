@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use files::is_of_the_path;
 
+use crate::column::Channel;
+
 /// Why a file cannot be used as a recording. Each message names the file, the line or column, and
 /// the way out.
 #[derive(Debug, thiserror::Error)]
@@ -48,7 +50,7 @@ pub enum RecordingError {
         detail: String,
     },
     /// A column that was asked for is not there.
-    #[error("{} has no column `{name}`; its columns are: {present}. Choose one of them with {option} NAME", path.display())]
+    #[error("{} has no column `{name}`; its columns are: {present}. choose one of them", path.display())]
     NoColumn {
         /// The file.
         path: PathBuf,
@@ -56,22 +58,18 @@ pub enum RecordingError {
         name: String,
         /// The columns there are.
         present: String,
-        /// The option that chooses.
-        option: &'static str,
+        /// What it was to hold.
+        channel: Channel,
     },
     /// No column could be recognised for a channel.
-    #[error("{} has no column that is recognised as the {channel}; its columns are: {present}. Name one with {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}", path.display())]
+    #[error("{} has no column that is recognised as the {}; its columns are: {present}; name one of them, with a scale where its values are not in {}", path.display(), channel.describe(), channel.unit())]
     Unrecognised {
         /// The file.
         path: PathBuf,
         /// What was looked for.
-        channel: &'static str,
+        channel: Channel,
         /// The columns there are.
         present: String,
-        /// The option that chooses.
-        option: &'static str,
-        /// SI unit of the channel.
-        unit: &'static str,
     },
     /// A column that has to be there is not, under any of its names.
     #[error("{} has no column with the {channel}; expected one named {expected}, but its columns are: {present}", path.display())]
@@ -181,6 +179,20 @@ pub enum RecordingError {
         /// What is wrong with it.
         detail: String,
     },
+    /// A bag's message of joint states without velocity or effort.
+    #[error(
+        "message {index} of {topic} in {}: expected a velocity and an effort, but one of them is missing; a rig without a \
+         torque sensor needs its voltage and the constants of its motor instead",
+        path.display()
+    )]
+    NoEffort {
+        /// The bag.
+        path: PathBuf,
+        /// The topic.
+        topic: &'static str,
+        /// The message, counted from 1.
+        index: usize,
+    },
     /// The bag itself cannot be read.
     #[error(transparent)]
     Bag(#[from] crate::bag::BagError),
@@ -209,7 +221,8 @@ impl RecordingError {
             | Self::ServoLog { .. }
             | Self::TooShort { .. }
             | Self::Unusable { .. }
-            | Self::Message { .. } => true,
+            | Self::Message { .. }
+            | Self::NoEffort { .. } => true,
         }
     }
 }

@@ -135,24 +135,23 @@ impl Sample {
 
 fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError> {
     let messages = bag.messages::<JointState>(JOINT_STATES)?;
-    let sample = |(index, (_, state)): (usize, (u64, JointState))| {
-        match (
+    let sample = |(index, (_, state)): (usize, (u64, JointState))| match (
         state.velocity.first(),
         state.effort.first(),
     ) {
-        (Some(&velocity), Some(&effort)) => {
-            Sample::checked(path, JOINT_STATES, index, state.header.stamp.to_nanos(), velocity, effort)
-        }
-        _ => Err(RecordingError::Message {
+        (Some(&velocity), Some(&effort)) => Sample::checked(
+            path,
+            JOINT_STATES,
+            index,
+            state.header.stamp.to_nanos(),
+            velocity,
+            effort,
+        ),
+        _ => Err(RecordingError::NoEffort {
             path: path.into(),
             topic: JOINT_STATES,
             index: index + 1,
-            detail:
-                "expected a velocity and an effort, but one of them is missing; use --torque-from-voltage if \
-                     the rig has no torque sensor"
-                    .to_owned(),
         }),
-    }
     };
     messages.into_iter().enumerate().map(sample).collect()
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 
-use super::column::unit_factor;
+use super::column::{Channel, unit_factor};
 use super::table::{Found, Header, damaged, open};
 use super::timing::even_step;
 use super::{ChannelSource, Column, RecordingError};
@@ -57,13 +57,13 @@ fn parse(
     columns: &StictionColumns,
 ) -> Result<StictionTable, RecordingError> {
     let (mut reader, names) = open(path, bytes, "t,theta,plant_input")?;
-    let find = |column: &Column, option: &'static str| {
+    let find = |column: &Column, channel: Channel| {
         let index = names.iter().position(|name| *name == column.name).ok_or_else(|| {
             RecordingError::NoColumn {
                 path: path.into(),
                 name: column.name.clone(),
                 present: names.join(", "),
-                option,
+                channel,
             }
         })?;
         let scale = column.scale.unwrap_or_else(|| unit_factor(&column.name));
@@ -73,12 +73,12 @@ fn parse(
         })
     };
     let mut wanted = vec![
-        find(&columns.time, "--time")?,
-        find(&columns.angle, "--angle")?,
-        find(&columns.voltage, "--voltage")?,
+        find(&columns.time, Channel::Time)?,
+        find(&columns.angle, Channel::Angle)?,
+        find(&columns.voltage, Channel::Voltage)?,
     ];
     if let Some(column) = &columns.pendulum {
-        wanted.push(find(column, "--pendulum")?);
+        wanted.push(find(column, Channel::Pendulum)?);
     }
     let table = Header { path, names: &names };
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
@@ -125,16 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_column_is_named_with_its_option() {
+    fn a_missing_column_is_named() {
         let text = "t, theta, u\n0, 1, 5\n";
         let error = parse(Path::new("a.csv"), text.as_bytes(), &columns(Some("alpha")))
             .unwrap_err()
             .to_string();
-        assert!(
-            error.contains("alpha")
-                && error.contains("--pendulum")
-                && error.contains("t, theta, u"),
-            "{error}"
-        );
+        assert!(error.contains("alpha") && error.contains("t, theta, u"), "{error}");
     }
 }

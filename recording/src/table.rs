@@ -243,7 +243,7 @@ impl Header<'_> {
                 path: self.path.into(),
                 name: name.to_owned(),
                 present: self.names.join(", "),
-                option: channel.option(),
+                channel,
             }
         })?;
         let scale = scale.unwrap_or_else(|| unit_factor(name));
@@ -253,10 +253,8 @@ impl Header<'_> {
     pub(super) fn unrecognised(&self, channel: Channel) -> RecordingError {
         RecordingError::Unrecognised {
             path: self.path.into(),
-            channel: channel.describe(),
+            channel,
             present: self.names.join(", "),
-            option: channel.option(),
-            unit: channel.unit(),
         }
     }
 
@@ -336,9 +334,9 @@ mod tests {
             ("  \n\n", &["empty"]),
             ("t_s,position_m,force_N\n", &["no samples"]),
             ("0,1,2\n1,2,3\n", &["line 1", "header"]),
-            ("t_s,position_m,u\n0,1,2\n", &["t_s, position_m, u", "--force-column", "N or N m"]),
-            ("t_s,q,force_N\n0,1,2\n", &["position", "--position"]),
-            ("a,position_m,force_N\n0,1,2\n", &["--time"]),
+            ("t_s,position_m,u\n0,1,2\n", &["t_s, position_m, u", "force or torque", "N or N m"]),
+            ("t_s,q,force_N\n0,1,2\n", &["recognised as the position"]),
+            ("a,position_m,force_N\n0,1,2\n", &["recognised as the time"]),
             ("t_s,position_m,force_N\n0,1,2\n1,oops,2\n", &["line 3", "position_m", "oops"]),
             ("t_s,position_m,force_N\n0,1,NaN\n", &["line 2", "force_N", "NaN"]),
             ("t_s,position_m,force_N\n0,1,inf\n", &["line 2", "inf"]),

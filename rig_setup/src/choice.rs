@@ -96,7 +96,7 @@ impl RigChoice {
         match self {
             Self::Opened(address) => Ok(address.open(setup)?),
             Self::Simulated => Ok(RigAddress::simulated().open(setup)?),
-            Self::Nodes { .. } => Err(RigSetupError::NotDriven("the rig of the running nodes is driven by `frictionlab run --rig nodes`; here a rig of one's own is needed, as in --rig serial:/dev/ttyACM0".to_owned())),
+            Self::Nodes { .. } => Err(RigSetupError::NotDriven("the rig of the running nodes is driven by these; here a rig of one's own is needed, as in serial:/dev/ttyACM0".to_owned())),
         }
     }
 }

@@ -10,7 +10,7 @@ pub enum RigSetupError {
     /// The rig refused.
     #[error(transparent)]
     Rig(#[from] RigError),
-    /// This program does not drive such a rig yet.
+    /// A rig that is not driven here.
     #[error("{0}")]
     NotDriven(String),
     /// The nodes that are to drive the rig are missing or do not fit.
@@ -19,7 +19,7 @@ pub enum RigSetupError {
     /// The shaft does not move.
     #[error(
         "the shaft did not move {direction} up to {volts:.2} V: by the encoder it travelled {travelled} counts. Look at the motor's leads, the amplifier's enable and supply, \
-         the encoder's plug; a stiff axis needs a higher --max-volts"
+         the encoder's plug; a stiff axis needs a higher voltage"
     )]
     DoesNotMove {
         /// At a positive or at a negative voltage.
@@ -43,14 +43,16 @@ pub enum RigSetupError {
     )]
     EncoderErratic,
     /// Readings from which nothing follows.
-    #[error("{what} cannot be worked out: the readings do not change enough; raise --max-volts")]
+    #[error(
+        "{what} cannot be worked out: the readings do not change enough; a higher voltage may help"
+    )]
     Undetermined {
         /// What was to be found.
         what: &'static str,
     },
     /// The device is not the one of the rig profile.
     #[error(
-        "the device on {rig} is not the one of the rig profile: {what}; nothing has moved. `frictionlab rig calibrate --rig-file FILE` sets the profile up for it"
+        "the device on {rig} is not the one of the rig profile: {what}; nothing has moved. Calibrate this device, and write the profile for it"
     )]
     OtherDevice {
         /// Where it is.

@@ -67,7 +67,10 @@ impl Deadlines {
 /// The system grants no real-time scheduling.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct RealtimeRefused(String);
+pub struct RealtimeRefused(
+    /// What it says.
+    pub String,
+);
 
 /// Asks for first-in-first-out real-time scheduling of the calling thread, at priority
 /// [`PRIORITY`].

@@ -85,9 +85,7 @@ pub enum RosNodeError {
         detail: String,
     },
     /// A service did not answer.
-    #[error(
-        "{service} gave no answer: {detail}; does its node run on this domain? `frictionlab doctor` lists who is there"
-    )]
+    #[error("{service} gave no answer: {detail}; does its node run on this domain?")]
     NoAnswer {
         /// The service.
         service: String,
@@ -118,7 +116,7 @@ pub enum RosNodeError {
 
 fn how_to_make(refusal: &str) -> &'static str {
     if refusal.contains("not allowed by security") {
-        "the permissions of this process's enclave do not name it: `frictionlab security policy` shows those of the laboratory, `check` those in force"
+        "the permissions of this process's enclave do not name it"
     } else {
         "names of ROS 2 are letters, digits and underscores, with slashes between"
     }

@@ -8,10 +8,16 @@ use recording::bag::BagError;
 use rig_driver::RigError;
 use rig_setup::RigSetupError;
 use studies::monte_carlo::study::StudyError;
-pub use work::ending::told;
 use work::{BadInput, Interrupted};
 
+use super::advice::advice;
 use crate::interruption;
+
+/// What a person is told of an error: each cause once, and what mends it.
+#[must_use]
+pub fn told(error: &anyhow::Error) -> String {
+    work::ending::told(error) + &advice(error)
+}
 
 /// The exit code of a program that ended with this error: 1 if it failed at its work, 2 for wrong
 /// input, 128 plus its number after a signal.

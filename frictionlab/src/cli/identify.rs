@@ -2,10 +2,11 @@
 
 use anyhow::Context;
 use friction_ident::axis_structure::AxisStructure;
+use friction_ident::{AxisTerm, IdentError};
 use identification::asked::friction::{FILES, Written, identify};
 use identification::asked::{IdentifyArgs, check, conditioning, motor, read};
 use identification::axis::structure::{StructureChoice, Structured, structured};
-use identification::axis::{self, Settings};
+use identification::axis::{self, IdentifyError, Settings};
 use identification::friction;
 use recording::{AxisKind, Recording};
 use work::progress::Progress;
@@ -39,8 +40,8 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         offset: !args.without_offset,
         axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
     };
-    let mut found = axis::identify(&recording, validation.as_ref(), &settings)
-        .map_err(|error| BadInput(error.to_string()))?;
+    let mut found =
+        axis::identify(&recording, validation.as_ref(), &settings).map_err(with_option)?;
     if assumed {
         found.notes.push(
             "The column names do not tell whether the axis is linear or rotary; units are shown for a linear one. \
@@ -85,6 +86,25 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
     args.saying.result(args.quiet, &files[0].1, &text)
 }
 
+/// The error with the option that mends it.
+fn with_option(error: IdentifyError) -> BadInput {
+    let option = match &error.source {
+        IdentError::Cutoff { .. } => " (--cutoff HZ)",
+        IdentError::Order(_) => " (--order N)",
+        IdentError::Decimation(_) => " (--decimate N)",
+        IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
+        IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
+            " (--without-inertia)"
+        }
+        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => {
+            " (--without-offset)"
+        }
+        _ => "",
+    };
+    BadInput(format!("{error}{option}"))
+}
+
 /// Compares structures with a progress bar; ctrl-C ends the comparison with what there is.
 fn compare(
     recording: &Recording,
@@ -93,10 +113,9 @@ fn compare(
     wanted: &StructureChoice,
     quiet: bool,
 ) -> anyhow::Result<Option<Structured>> {
-    let blame = |error: &dyn std::fmt::Display| BadInput(error.to_string());
-    let estimation = axis::conditioned(recording, settings).map_err(|error| blame(&error))?;
+    let estimation = axis::conditioned(recording, settings).map_err(with_option)?;
     let other = validation.map(|other| axis::conditioned(other, settings)).transpose();
-    let other = other.map_err(|error| blame(&error))?;
+    let other = other.map_err(with_option)?;
     let cancel = interruption::watch(interruption::WRITING)?;
     let count = match wanted {
         StructureChoice::Auto => AxisStructure::candidates().len(),

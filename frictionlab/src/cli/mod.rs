@@ -1,5 +1,6 @@
 //! The `frictionlab` command, one file a subcommand.
 
+mod advice;
 pub mod bag;
 pub mod completions;
 pub mod design;

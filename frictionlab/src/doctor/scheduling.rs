@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn a_refused_priority_says_how_to_get_it() {
-        let finding = priority(Err("EPERM".into()));
+        let finding = priority(Err(RealtimeRefused("EPERM".to_owned())));
         assert_eq!(finding.verdict, Verdict::LookAtThis);
         assert!(finding.mend.is_some_and(|mend| mend.contains("rtprio 50")));
     }

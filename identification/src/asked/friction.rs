@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use friction_ident::output_error::OutputErrorOptions;
-use friction_ident::{DriveConstants, Hampel, StagedOptions, TorqueSource, Uncertain};
+use friction_ident::{DriveConstants, Hampel, IdentError, StagedOptions, TorqueSource, Uncertain};
 use friction_model::ModelName;
 
 use files::Folder;
@@ -231,6 +231,9 @@ pub fn identify(
     let found = match found {
         Err(FrictionError::Nothing) => {
             return Err(Interrupted(FrictionError::Nothing.to_string()).into());
+        }
+        Err(error @ FrictionError::Refused { source: IdentError::NotFriction { .. }, .. }) => {
+            return Err(BadInput(format!("{error} (--force-column NAME:-SCALE turns it)")).into());
         }
         other => other.map_err(|error| BadInput(error.to_string()))?,
     };

@@ -60,30 +60,12 @@ pub struct Identification {
 
 /// A recording that could not be identified.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {source}{}", path.display(), hint(source))]
+#[error("{}: {source}", path.display())]
 pub struct IdentifyError {
     /// The recording.
     pub path: PathBuf,
     /// Why.
     pub source: IdentError,
-}
-
-/// The option of the command that mends it.
-fn hint(error: &IdentError) -> &'static str {
-    match error {
-        IdentError::Cutoff { .. } => " (--cutoff HZ)",
-        IdentError::Order(_) => " (--order N)",
-        IdentError::Decimation(_) => " (--decimate N)",
-        IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
-        IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
-        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
-            " (--without-inertia)"
-        }
-        IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Offset) => {
-            " (--without-offset)"
-        }
-        _ => "",
-    }
 }
 
 /// Fits both models to `recording` and tries them on `validation`.

@@ -130,7 +130,7 @@ mod tests {
         assert_eq!("auto".parse(), Ok(StructureChoice::Auto));
         let named = "symmetric, asymmetric+delay".parse::<StructureChoice>().unwrap();
         assert!(matches!(named, StructureChoice::Named(list) if list.len() == 2));
-        let message = "symmetric,stribeck".parse::<StructureChoice>().unwrap_err();
+        let message = "symmetric,stribeck".parse::<StructureChoice>().unwrap_err().to_string();
         assert!(message.contains("`stribeck`") && message.contains("auto"), "{message}");
     }
 }

@@ -213,13 +213,12 @@ pub enum FrictionError {
     Nothing,
 }
 
-/// What mends it on the command line.
+/// What mends it.
 fn hint(error: &IdentError) -> &'static str {
     match error {
         IdentError::TooFewSamples { what, .. } if what.contains("Stribeck") => {
             " (add a file with steady points, columns velocity_rad_s and torque_Nm, or a recording that slides at several velocities)"
         }
-        IdentError::NotFriction { .. } => " (--force-column NAME:-SCALE turns it)",
         _ => "",
     }
 }

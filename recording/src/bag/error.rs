@@ -43,8 +43,7 @@ pub enum BagError {
     },
     /// The MCAP library refused to write.
     #[error(
-        "the bag {} cannot be written further: {}; what was written before is kept, and `frictionlab bag recover` makes it readable \
-         once the disk has room", path.display(), said(source.as_ref())
+        "the bag {} cannot be written further: {}; what was written before is kept, and can be recovered once the disk has room", path.display(), said(source.as_ref())
     )]
     WriteMcap {
         /// The file.
@@ -115,7 +114,7 @@ pub enum BagError {
     /// A file that stops short or is damaged.
     #[error(
         "the bag {} is cut off or damaged ({detail}): expected an MCAP file that was closed at its end; \
-         `frictionlab bag recover` saves everything that is whole",
+         what is whole can be recovered",
         path.display()
     )]
     Damaged {

@@ -89,7 +89,7 @@ fn steady_points_need_no_time() {
     for (text, said) in [
         ("velocity_rad_s,torque_Nm\n", "no samples"),
         ("velocity_rad_s,torque_Nm\n0.1,nan\n", "line 2"),
-        ("position_rad,torque_Nm\n0.1,0.1\n", "--time"),
+        ("position_rad,torque_Nm\n0.1,0.1\n", "recognised as the time"),
     ] {
         let message = parsed(text).unwrap_err().to_string();
         assert!(message.contains(said), "{message}");

@@ -184,7 +184,7 @@ fn what_is_read_between_two_counts_of_an_encoder_is_a_count() {
 fn the_tolerance_has_a_sane_range() {
     assert_eq!(tolerance("0.1"), Ok(0.1));
     for wrong in ["-0.1", "0.6", "nan", "x"] {
-        assert!(tolerance(wrong).unwrap_err().contains("from 0 to 0.5"), "{wrong}");
+        assert!(tolerance(wrong).unwrap_err().to_string().contains("from 0 to 0.5"), "{wrong}");
     }
 }
 
