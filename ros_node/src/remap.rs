@@ -20,7 +20,7 @@ enum Kind {
 impl Kind {
     /// Whether both sides of the rule `text` are names that such a rule may have.
     fn require_names(self, text: &str, from: &str, to: &str) -> Result<(), RemapError> {
-        let named = |source| RemapError::Name { text: text.to_owned(), source };
+        let named = |source| RemapError::Name { text: text.to_owned(), source: Box::new(source) };
         match self {
             Self::NodeName => NodeIdentity::new(to, "/").map(drop).map_err(named),
             Self::Namespace if !to.starts_with('/') => {
@@ -95,7 +95,7 @@ pub enum RemapError {
         /// The rule.
         text: String,
         /// What is wrong with the name.
-        source: RosNodeError,
+        source: Box<RosNodeError>,
     },
 }
 

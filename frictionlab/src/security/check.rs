@@ -173,6 +173,6 @@ mod tests {
         assert_eq!(of("/viewer"), ["100", "-", "-", "-", "-", "-", "-", "yes"]);
         assert_eq!(of("/live"), ["BROKEN"]);
         assert!(shown.contains("/live: key.pem is no private key"), "{shown}");
-        assert!(look(folder.path(), now).unwrap_err().contains("is no keystore"));
+        assert!(look(folder.path(), now).unwrap_err().to_string().contains("is no keystore"));
     }
 }

@@ -54,6 +54,6 @@ pub enum SecurityError {
         /// Name of the enclave.
         enclave: String,
         /// What is wrong with them.
-        source: CredentialsError,
+        source: Box<CredentialsError>,
     },
 }

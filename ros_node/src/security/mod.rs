@@ -67,7 +67,10 @@ fn secured(
 ) -> Result<DomainParticipantBuilder, RosNodeError> {
     credentials::examine(&enclave.folder, std::time::SystemTime::now())
         .and_then(|credentials| credentials.for_domain(domain))
-        .map_err(|source| SecurityError::Unusable { enclave: enclave.name.clone(), source })?;
+        .map_err(|source| SecurityError::Unusable {
+            enclave: enclave.name.clone(),
+            source: Box::new(source),
+        })?;
     // The key is stored without a password, as ROS 2 does it: the folder's rights protect it.
     let files = rustdds::DomainParticipantSecurityConfigFiles::with_ros_default_names(
         &enclave.folder,
