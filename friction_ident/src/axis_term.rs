@@ -5,8 +5,9 @@ use std::fmt;
 use serde::Serialize;
 
 /// One term of the axis model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, strum::IntoStaticStr)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum AxisTerm {
     /// Moving mass \[kg\] or moment of inertia \[kg m^2\], as seen by the force.
     Inertia,
@@ -29,16 +30,7 @@ pub enum AxisTerm {
 impl AxisTerm {
     /// Name in files: `inertia`, `viscous_positive`, ...
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Inertia => "inertia",
-            Self::Viscous => "viscous",
-            Self::Coulomb => "coulomb",
-            Self::Offset => "offset",
-            Self::ViscousPositive => "viscous_positive",
-            Self::ViscousNegative => "viscous_negative",
-            Self::CoulombPositive => "coulomb_positive",
-            Self::CoulombNegative => "coulomb_negative",
-        }
+        self.into()
     }
 
     /// The term in words.

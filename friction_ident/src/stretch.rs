@@ -51,7 +51,7 @@ pub enum StretchKind {
 }
 
 impl StretchKind {
-    /// All four, in the order of the figures.
+    /// All four, in the order of the figures: an array, because their errors stand in arrays.
     pub const ALL: [Self; 4] = [Self::Steady, Self::PreSliding, Self::Lag, Self::Mixed];
 
     /// In words.

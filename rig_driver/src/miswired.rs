@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use strum::{EnumString, IntoStaticStr, VariantArray};
+
 use crate::{Measurement, Rig, RigError};
 
 /// What is wrong with the wiring. The default is right.
@@ -40,14 +42,46 @@ impl Default for Miswiring {
     }
 }
 
+/// Mistakes as they are named; behind `=` stands a number where one is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
+enum Mistake {
+    Motor,
+    Encoder,
+    Torque,
+    EncoderUnplugged,
+    TachometerUnplugged,
+    Tachometer,
+    TachometerZero,
+    TorqueZero,
+}
+
+impl Mistake {
+    /// What the number behind it is; none where there is no number.
+    const fn number(self) -> Option<&'static str> {
+        match self {
+            Self::Tachometer => Some("GAIN"),
+            Self::TachometerZero => Some("RAD_S"),
+            Self::TorqueZero => Some("NM"),
+            _ => None,
+        }
+    }
+
+    /// All of them, as they are written.
+    fn grammar() -> String {
+        let form = |mistake: &Self| {
+            let name: &str = mistake.into();
+            mistake.number().map_or_else(|| name.to_owned(), |number| format!("{name}={number}"))
+        };
+        Self::VARIANTS.iter().map(form).collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// A text that names no mistake in a wiring.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MiswiringError {
     /// There is no such mistake.
-    #[error(
-        "`{0}` is no mistake known here; there are motor, encoder, torque, encoder-unplugged, tachometer-unplugged, tachometer=GAIN, \
-         tachometer-zero=RAD_S, torque-zero=NM"
-    )]
+    #[error("`{0}` is no mistake known here; there are {there}", there = Mistake::grammar())]
     Unknown(String),
     /// Behind the mistake stands no finite number.
     #[error("`{0}` wants a number, as in {0}=0.5")]
@@ -60,28 +94,28 @@ impl FromStr for Miswiring {
     /// Reads mistakes parted by commas, as in `encoder,tachometer=0.9,torque-zero=0.05`.
     fn from_str(text: &str) -> Result<Self, MiswiringError> {
         let mut wiring = Self::default();
-        for mistake in text.split(',') {
-            let (name, value) = mistake
-                .split_once('=')
-                .map_or((mistake, None), |(name, value)| (name, Some(value)));
+        for said in text.split(',') {
+            let (name, value) =
+                said.split_once('=').map_or((said, None), |(name, value)| (name, Some(value)));
+            let mistake = name.parse::<Mistake>().ok();
+            // A number behind what wants none is no mistake known.
+            let mistake = mistake.filter(|mistake| value.is_none() || mistake.number().is_some());
+            let mistake = mistake.ok_or_else(|| MiswiringError::Unknown(said.to_owned()))?;
             let number = || {
                 value
                     .and_then(|value| value.parse::<f64>().ok())
                     .filter(|value| value.is_finite())
                     .ok_or_else(|| MiswiringError::NoNumber(name.to_owned()))
             };
-            match (name, value) {
-                ("motor", None) => wiring.motor_reversed = true,
-                ("encoder", None) => wiring.encoder_reversed = true,
-                ("torque", None) => wiring.torque_reversed = true,
-                ("encoder-unplugged", None) => wiring.encoder_unplugged = true,
-                ("tachometer-unplugged", None) => wiring.tachometer_unplugged = true,
-                ("tachometer", _) => wiring.tachometer_gain = number()?,
-                ("tachometer-zero", _) => wiring.tachometer_zero = number()?,
-                ("torque-zero", _) => wiring.torque_zero = number()?,
-                _ => {
-                    return Err(MiswiringError::Unknown(mistake.to_owned()));
-                }
+            match mistake {
+                Mistake::Motor => wiring.motor_reversed = true,
+                Mistake::Encoder => wiring.encoder_reversed = true,
+                Mistake::Torque => wiring.torque_reversed = true,
+                Mistake::EncoderUnplugged => wiring.encoder_unplugged = true,
+                Mistake::TachometerUnplugged => wiring.tachometer_unplugged = true,
+                Mistake::Tachometer => wiring.tachometer_gain = number()?,
+                Mistake::TachometerZero => wiring.tachometer_zero = number()?,
+                Mistake::TorqueZero => wiring.torque_zero = number()?,
             }
         }
         Ok(wiring)

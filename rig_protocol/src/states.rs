@@ -48,7 +48,8 @@ pub const TRANSITIONS: [[State; 7]; 4] = [
 ];
 
 impl State {
-    /// Every state, in the table's order.
+    /// Every state, in the table's order. (Written out here and below: a firmware builds this crate,
+    /// and a derive for three lists would bring it a procedural macro.)
     pub const ALL: [Self; 4] = [Inactive, Active, Fault, Stopped];
 
     /// The state after `event`.

@@ -172,7 +172,7 @@ impl Arguments {
             Some((logger, level)) => (Some(logger), level),
             None => (None, text),
         };
-        let level = level.parse().map_err(|()| {
+        let level = level.parse().map_err(|_| {
             format!("`{level}` is no log level; there are debug, info, warn, error and fatal")
         })?;
         match logger {

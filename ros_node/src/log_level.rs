@@ -1,9 +1,9 @@
-//! Levels of log lines.
+use strum::{Display, EnumString};
 
-use std::{fmt, str::FromStr};
-
-/// How much a log line matters. The numbers are those of `rcl_interfaces/msg/Log`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// How much a log line matters. The numbers are those of `rcl_interfaces/msg/Log`; the names are
+/// read in capitals or not, as rcl does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Display, EnumString)]
+#[strum(serialize_all = "UPPERCASE", ascii_case_insensitive)]
 #[repr(u8)]
 pub enum LogLevel {
     /// For those who look for a mistake.
@@ -18,30 +18,16 @@ pub enum LogLevel {
     Fatal = 50,
 }
 
-impl FromStr for LogLevel {
-    type Err = ();
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Reads the name, in capitals or not, as rcl does.
-    fn from_str(text: &str) -> Result<Self, ()> {
-        match text.to_ascii_lowercase().as_str() {
-            "debug" => Ok(Self::Debug),
-            "info" => Ok(Self::Info),
-            "warn" => Ok(Self::Warn),
-            "error" => Ok(Self::Error),
-            "fatal" => Ok(Self::Fatal),
-            _ => Err(()),
+    #[test]
+    fn names_are_read_as_rcl_reads_them() {
+        for text in ["warn", "WARN", "Warn"] {
+            assert_eq!(text.parse(), Ok(LogLevel::Warn));
         }
-    }
-}
-
-impl fmt::Display for LogLevel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Debug => "DEBUG",
-            Self::Info => "INFO",
-            Self::Warn => "WARN",
-            Self::Error => "ERROR",
-            Self::Fatal => "FATAL",
-        })
+        assert_eq!(LogLevel::Fatal.to_string(), "FATAL");
+        assert!("loud".parse::<LogLevel>().is_err());
     }
 }

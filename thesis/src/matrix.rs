@@ -112,7 +112,7 @@ mod tests {
     /// same for every plant, so that the task says nothing about models.
     #[test]
     fn the_winner_is_the_model_that_the_plant_was_made_of() {
-        let rows = compute(&ThesisTask::ALL, 2, &Progress::new(1.0, true), &AtomicBool::new(false))
+        let rows = compute(ThesisTask::ALL, 2, &Progress::new(1.0, true), &AtomicBool::new(false))
             .unwrap();
         assert_eq!(rows.len(), 12);
         for row in &rows {

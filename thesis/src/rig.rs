@@ -19,7 +19,7 @@ use experiment_runner::tracking::{TrackingJob, TrackingRun};
 use experiment_runner::waveform::Waveform;
 
 /// A simulation of section 6.5.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, strum::VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ThesisTask {
     /// Table 6.5.
@@ -32,8 +32,7 @@ pub enum ThesisTask {
 
 impl ThesisTask {
     /// All three.
-    pub const ALL: [Self; 3] =
-        [Self::VelocityTracking, Self::VelocityRegulation, Self::PositionTracking];
+    pub const ALL: &'static [Self] = <Self as strum::VariantArray>::VARIANTS;
 
     /// In words.
     #[must_use]

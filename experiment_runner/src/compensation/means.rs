@@ -22,8 +22,10 @@ use super::additions;
     Serialize,
     Deserialize,
     clap::ValueEnum,
+    strum::IntoStaticStr,
 )]
 #[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
 pub enum Means {
     /// A model driven by the measured velocity
     #[default]
@@ -53,20 +55,8 @@ pub enum Means {
 impl Means {
     /// The name on the command line and in tables.
     #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Feedback => "feedback",
-            Self::Feedforward => "feedforward",
-            Self::Both => "both",
-            Self::Adaptive => "adaptive",
-            Self::AdaptiveParameters => "adaptive-parameters",
-            Self::DisturbanceObserver => "disturbance-observer",
-            Self::Rbf => "rbf",
-            Self::Dither => "dither",
-            Self::Knocker => "knocker",
-            Self::AccelerationFeedback => "acceleration-feedback",
-            Self::RetunedPid => "retuned-pid",
-        }
+    pub fn as_str(self) -> &'static str {
+        self.into()
     }
 
     /// Whether a friction model stands behind it.

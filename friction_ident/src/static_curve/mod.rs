@@ -43,27 +43,31 @@ impl Default for StribeckOptions {
 }
 
 /// One of the four estimated parameters, in the order of the covariance matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, strum::IntoStaticStr)]
 #[serde(rename_all = "snake_case")]
 pub enum StribeckParameter {
     /// Static friction \[N m or N\].
+    #[strum(serialize = "f_s")]
     StaticFriction,
     /// Coulomb (kinetic) friction \[N m or N\].
+    #[strum(serialize = "f_c")]
     CoulombFriction,
     /// Stribeck velocity \[rad/s or m/s\].
+    #[strum(serialize = "v_s")]
     StribeckVelocity,
     /// Viscous friction \[N m s/rad or N s/m\].
+    #[strum(serialize = "f_v")]
     Viscous,
 }
 
 impl StribeckParameter {
-    /// All four, in order.
+    /// All four, in order: an array, because the covariance and what is made from it have four rows.
     pub const ALL: [Self; 4] =
         [Self::StaticFriction, Self::CoulombFriction, Self::StribeckVelocity, Self::Viscous];
 
     /// Name in files: `f_s`, `f_c`, `v_s`, `f_v`.
     pub fn name(self) -> &'static str {
-        ["f_s", "f_c", "v_s", "f_v"][self as usize]
+        self.into()
     }
 }
 

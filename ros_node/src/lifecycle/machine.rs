@@ -226,7 +226,7 @@ impl Lifecycle {
     #[must_use]
     pub fn phase(&self) -> Phase {
         let id = self.0.phase.load(Ordering::Acquire);
-        Phase::ALL.into_iter().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
+        Phase::ALL.iter().copied().find(|phase| *phase as u8 == id).unwrap_or(Phase::Unknown)
     }
 
     /// Whether the node is to configure and activate itself, given its parameter `autostart`: in a

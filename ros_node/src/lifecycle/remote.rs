@@ -39,7 +39,8 @@ impl RemoteLifecycle {
     /// [`RosNodeError::NoAnswer`].
     pub fn phase(&self, patience: Duration) -> Result<Phase, RosNodeError> {
         let answer = self.get.call_until_answered(&GetStateRequest::default(), patience)?;
-        let phase = Phase::ALL.into_iter().find(|phase| *phase as u8 == answer.current_state.id);
+        let phase =
+            Phase::ALL.iter().copied().find(|phase| *phase as u8 == answer.current_state.id);
         Ok(phase.unwrap_or(Phase::Unknown))
     }
 

@@ -1,9 +1,11 @@
 //! The states of a managed node and the transitions between them: one table.
 
 use msgs::lifecycle_msgs::{self, State, TransitionDescription};
+use strum::{IntoStaticStr, VariantArray};
 
 /// State of a managed node. The last six are those in which it works.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 #[repr(u8)]
 pub enum Phase {
     /// Not known.
@@ -32,36 +34,12 @@ pub enum Phase {
 
 impl Phase {
     /// Every state, in the order in which `rcl_lifecycle` registers them.
-    pub const ALL: [Self; 11] = [
-        Self::Unknown,
-        Self::Unconfigured,
-        Self::Inactive,
-        Self::Active,
-        Self::Finalized,
-        Self::Configuring,
-        Self::CleaningUp,
-        Self::ShuttingDown,
-        Self::Activating,
-        Self::Deactivating,
-        Self::ErrorProcessing,
-    ];
+    pub const ALL: &'static [Self] = <Self as VariantArray>::VARIANTS;
 
     /// Its name, as ROS spells it.
     #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Unknown => "unknown",
-            Self::Unconfigured => "unconfigured",
-            Self::Inactive => "inactive",
-            Self::Active => "active",
-            Self::Finalized => "finalized",
-            Self::Configuring => "configuring",
-            Self::CleaningUp => "cleaningup",
-            Self::ShuttingDown => "shuttingdown",
-            Self::Activating => "activating",
-            Self::Deactivating => "deactivating",
-            Self::ErrorProcessing => "errorprocessing",
-        }
+    pub fn label(self) -> &'static str {
+        self.into()
     }
 
     /// As a message.
@@ -165,7 +143,7 @@ mod tests {
 
     #[test]
     fn from_each_working_state_there_is_one_way_for_each_answer() {
-        for phase in Phase::ALL.into_iter().filter(|phase| *phase as u8 >= 10) {
+        for phase in Phase::ALL.iter().copied().filter(|phase| *phase as u8 >= 10) {
             for answer in ["transition_success", "transition_failure", "transition_error"] {
                 let ways = TRANSITIONS
                     .iter()

@@ -43,7 +43,7 @@ pub fn page(study: &Study) -> Page {
         blocks.push(Block::Figure(distributions(study, cell)));
         blocks.extend(rankings(study, cell).map(Block::Table));
     }
-    for task in Task::ALL {
+    for &task in Task::ALL {
         blocks.extend(matrices(study, task).map(Block::Table));
     }
     Page {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use experiment_runner::protocol::TrackingProtocol;
 
 /// What the axis has to follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, strum::VariantArray)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
     /// r = 0.30 sin(0.107 t) rad/s for 58.7 s under the lag compensator (thesis Table 6.5).
@@ -16,7 +16,7 @@ pub enum Task {
 
 impl Task {
     /// Both.
-    pub const ALL: [Self; 2] = [Self::VelocityTracking, Self::PositionTracking];
+    pub const ALL: &'static [Self] = <Self as strum::VariantArray>::VARIANTS;
 
     /// In words.
     #[must_use]

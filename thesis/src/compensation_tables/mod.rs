@@ -68,7 +68,7 @@ pub struct ThesisTables {
 /// Time that the simulations would take on a rig [s].
 #[must_use]
 pub fn rig_seconds() -> f64 {
-    matrix::rig_seconds(&ThesisTask::ALL) + rig_rows::rig_seconds() + example(1).rig_seconds()
+    matrix::rig_seconds(ThesisTask::ALL) + rig_rows::rig_seconds() + example(1).rig_seconds()
 }
 
 const fn example(workers: usize) -> ExampleOptions {
@@ -86,7 +86,7 @@ pub fn compute(
     cancel: &AtomicBool,
 ) -> Result<ThesisTables, RunError> {
     let example = Example::compute(&example(workers), progress, cancel)?;
-    let matrix = matrix::compute(&ThesisTask::ALL, workers, progress, cancel)?;
+    let matrix = matrix::compute(ThesisTask::ALL, workers, progress, cancel)?;
     let measured = rig_rows::compute(seed, workers, progress, cancel)?;
     let tables: Vec<FilledTable> = PRINTED
         .iter()

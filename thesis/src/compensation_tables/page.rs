@@ -19,7 +19,7 @@ pub fn blocks(found: &ThesisTables) -> Vec<Block> {
     blocks.extend(found.tables.iter().map(|table| Block::Table(filled(table))));
     blocks.push(Block::Table(explained(found)));
     blocks.push(Block::Heading("Plant by observer".to_owned()));
-    blocks.extend(ThesisTask::ALL.map(|task| Block::Table(matrix(&found.matrix, task))));
+    blocks.extend(ThesisTask::ALL.iter().map(|&task| Block::Table(matrix(&found.matrix, task))));
     blocks.push(Block::Figure(matrix_figure(&found.matrix)));
     blocks
 }
@@ -29,7 +29,7 @@ pub fn blocks(found: &ThesisTables) -> Vec<Block> {
 pub fn text(found: &ThesisTables) -> String {
     let mut text = String::new();
     let tables = found.tables.iter().map(|table| (filled(table), true));
-    let matrices = ThesisTask::ALL.map(|task| (matrix(&found.matrix, task), false));
+    let matrices = ThesisTask::ALL.iter().map(|&task| (matrix(&found.matrix, task), false));
     for (table, noted) in tables.chain(matrices) {
         text += &format!("\n{}\n", table.title);
         let width = |column: usize| {
@@ -233,6 +233,6 @@ fn matrix_figure(rows: &[MatrixRow]) -> Figure {
             .to_owned(),
         x_label: "friction of the plant".to_owned(),
         log_x: false,
-        panels: ThesisTask::ALL.map(panel).to_vec(),
+        panels: ThesisTask::ALL.iter().copied().map(panel).collect(),
     }
 }
