@@ -106,7 +106,19 @@ impl Motor {
 const SRV02_BACK_EMF: f64 = 70.0 * 0.007_67;
 
 /// Where the friction torque is taken from. Who takes it from some of these only says so.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    strum::Display,
+    strum::EnumString,
+    strum::IntoStaticStr,
+    strum::VariantArray,
+)]
+#[strum(serialize_all = "snake_case")]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -125,24 +137,13 @@ pub enum TorqueSource {
 }
 
 impl TorqueSource {
-    /// All four.
-    pub const ALL: [Self; 4] = [Self::Sensor, Self::Voltage, Self::Current, Self::Driving];
+    /// All of them.
+    pub const ALL: &'static [Self] = <Self as strum::VariantArray>::VARIANTS;
 
     /// Name in files and tables.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sensor => "sensor",
-            Self::Voltage => "voltage",
-            Self::Current => "current",
-            Self::Driving => "driving",
-        }
-    }
-
-    /// The source of that name.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|source| source.name() == name)
+    pub fn name(self) -> &'static str {
+        self.into()
     }
 
     /// In words.
@@ -192,9 +193,10 @@ mod tests {
 
     #[test]
     fn torque_sources_are_found_by_their_names() {
-        for source in TorqueSource::ALL {
-            assert_eq!(TorqueSource::named(source.name()), Some(source));
+        let names = ["sensor", "voltage", "current", "driving"];
+        for (source, name) in TorqueSource::ALL.iter().zip(names) {
+            assert_eq!((source.name(), name.parse()), (name, Ok(*source)));
         }
-        assert_eq!(TorqueSource::named("feeling"), None);
+        assert!("feeling".parse::<TorqueSource>().is_err());
     }
 }

@@ -25,6 +25,8 @@ impl OutOfRange {
             ValueRange::NON_NEGATIVE => "a finite number, zero or more".to_owned(),
             ValueRange::Double(low, high) => format!("from {low} to {high}"),
             ValueRange::Integer(low, high) => format!("a whole number from {low} to {high}"),
+            ValueRange::Either(low, high) => format!("{high} or {low}"),
+            ValueRange::NotZero => "a finite number other than zero".to_owned(),
         }
     }
 }

@@ -39,6 +39,7 @@ mod declared;
 mod error;
 #[cfg(feature = "yaml")]
 pub mod file;
+mod named;
 mod nearest;
 mod range;
 mod spec;
@@ -51,6 +52,7 @@ pub use declaration::Declaration;
 pub use declared::joined;
 pub use declared::{Declared, OutOfRange};
 pub use error::ParameterError;
+pub use named::Named;
 pub use nearest::nearest;
 pub use range::ValueRange;
 pub use spec::Spec;

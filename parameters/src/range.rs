@@ -12,6 +12,10 @@ pub enum ValueRange {
     Double(f64, f64),
     /// From the first to the second, both allowed.
     Integer(i64, i64),
+    /// One of two whole numbers, as 1 or -1; the lower one first.
+    Either(i64, i64),
+    /// Every real number but zero.
+    NotZero,
 }
 
 impl ValueRange {
@@ -25,7 +29,8 @@ impl ValueRange {
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Any | Self::Integer(..) => true,
+                Self::Any | Self::Integer(..) | Self::Either(..) => true,
+                Self::NotZero => value != 0.0,
                 Self::Double(low, high) => (low..=high).contains(&value),
             }
     }
@@ -34,8 +39,9 @@ impl ValueRange {
     #[must_use]
     pub fn holds_integer(self, value: i64) -> bool {
         match self {
-            Self::Any | Self::Double(..) => true,
+            Self::Any | Self::Double(..) | Self::NotZero => true,
             Self::Integer(low, high) => (low..=high).contains(&value),
+            Self::Either(low, high) => value == low || value == high,
         }
     }
 }
@@ -49,6 +55,23 @@ impl fmt::Display for ValueRange {
             Self::Double(low, f64::MAX) => write!(f, "at least {low}"),
             Self::Double(low, high) => write!(f, "{low} to {high}"),
             Self::Integer(low, high) => write!(f, "{low} to {high}"),
+            Self::Either(low, high) => write!(f, "{high} or {low}"),
+            Self::NotZero => f.write_str("not 0"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_is_one_of_two_numbers_and_a_gain_is_not_zero() {
+        let sign = ValueRange::Either(-1, 1);
+        assert!([-2, 0, 2].iter().all(|n| !sign.holds_integer(*n)));
+        assert!(sign.holds_integer(1) && sign.holds_integer(-1));
+        assert_eq!(sign.to_string(), "1 or -1");
+        assert!(ValueRange::NotZero.holds(-1e-9) && !ValueRange::NotZero.holds(0.0));
+        assert!(!ValueRange::NotZero.holds(f64::NAN));
     }
 }

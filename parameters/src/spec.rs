@@ -10,6 +10,7 @@ pub struct Spec {
     more: &'static str,
     constraint: &'static str,
     range: ValueRange,
+    among: Option<fn() -> String>,
     choices: Option<fn() -> Vec<&'static str>>,
     read_only: bool,
 }
@@ -24,6 +25,7 @@ impl Spec {
             more: "",
             constraint: "",
             range: ValueRange::Any,
+            among: None,
             choices: None,
             read_only: false,
         }
@@ -39,6 +41,13 @@ impl Spec {
     #[must_use]
     pub const fn more(self, more: &'static str) -> Self {
         Self { more, ..self }
+    }
+
+    /// What it may be, in words that are only known while the program runs; they stand behind a
+    /// colon.
+    #[must_use]
+    pub const fn among(self, among: fn() -> String) -> Self {
+        Self { among: Some(among), ..self }
     }
 
     /// What else it must satisfy, in words.
@@ -80,6 +89,9 @@ impl Spec {
         }
         if !self.more.is_empty() {
             text += &format!("; {}", self.more);
+        }
+        if let Some(among) = self.among {
+            text += &format!(": {}", among());
         }
         let mut declaration = Declaration::new(name, default, text).range(self.range);
         if let Some(choices) = self.choices {

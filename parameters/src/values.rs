@@ -8,6 +8,12 @@ use crate::{Declaration, ParameterError, ParameterValue};
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Values(BTreeMap<String, ParameterValue>);
 
+impl From<Values> for BTreeMap<String, ParameterValue> {
+    fn from(values: Values) -> Self {
+        values.0
+    }
+}
+
 impl Values {
     /// The defaults of what is declared.
     #[must_use]

@@ -1,8 +1,13 @@
 //! Signs, gains and zeros of a rig's sensors, as found by calibration.
 
+use ::parameters::{Declaration, Declared, ParameterValue, Spec, ValueRange, Values, parameters};
 use serde::{Deserialize, Serialize};
 
 use crate::{Measurement, Rig, RigError};
+
+/// When a limit of a rig's driver counts.
+pub(crate) const LIMIT: &str =
+    "taken when the node is configured; on a real rig at the start only, see allow_limits";
 
 /// Whether a sensor counts the way the motor turns at a positive voltage. In files 1 or -1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -58,75 +63,49 @@ impl TryFrom<i8> for Sign {
     }
 }
 
-/// What turns raw readings into true ones. The voltage is the measure of all signs: a positive one
-/// turns the shaft forwards.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Calibration {
-    /// Sign of encoder counts.
-    pub encoder_sign: Sign,
-    /// True velocity over the tachometer's, with its sign; not zero.
-    pub tachometer_gain: f64,
-    /// Tachometer's reading at rest [rad/s].
-    pub tachometer_zero: f64,
-    /// Sign of the friction torque: a positive torque opposes forward motion.
-    pub torque_sign: Sign,
-    /// Torque sensor's reading without torque [N m].
-    pub torque_zero: f64,
-    /// Lowest voltage that moves the shaft forwards [V]: breakaway of its friction and dead zone of
-    /// the amplifier in one.
-    pub deadband_forward: f64,
-    /// Lowest magnitude of the voltage that moves it backwards [V].
-    pub deadband_backward: f64,
+/// A sign is a whole number: 1 or -1.
+impl Declared for Sign {
+    fn declare(&self, name: &str, spec: &Spec, into: &mut Vec<Declaration>) {
+        let value = ParameterValue::Integer(i8::from(*self).into());
+        into.push(spec.range(ValueRange::Either(-1, 1)).declaration(name, value));
+    }
+
+    fn take(&mut self, name: &str, values: &Values) {
+        if let Some(ParameterValue::Integer(value)) = values.get(name)
+            && let Some(Ok(sign)) = i8::try_from(*value).ok().map(Self::try_from)
+        {
+            *self = sign;
+        }
+    }
+
+    fn give(&self, name: &str, into: &mut Values) {
+        into.set(name, ParameterValue::Integer(i8::from(*self).into()));
+    }
 }
 
-impl Default for Calibration {
-    /// Readings that are true as they are.
-    fn default() -> Self {
-        Self {
-            encoder_sign: Sign::Forward,
-            tachometer_gain: 1.0,
-            tachometer_zero: 0.0,
-            torque_sign: Sign::Forward,
-            torque_zero: 0.0,
-            deadband_forward: 0.0,
-            deadband_backward: 0.0,
-        }
+parameters! {
+    /// What turns raw readings into true ones. The voltage is the measure of all signs: a positive
+    /// one turns the shaft forwards. By default readings are true as they are.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    pub struct Calibration {
+        encoder_sign: Sign = Sign::Forward, "Sign of encoder counts, 1 or -1", constraint(LIMIT);
+        tachometer_gain: f64 = 1.0, "True velocity over the tachometer's",
+            range(ValueRange::NotZero), constraint(LIMIT);
+        tachometer_zero: f64 = 0.0, "Tachometer's reading at rest", unit("rad/s"),
+            constraint(LIMIT);
+        torque_sign: Sign = Sign::Forward, "Sign of the friction torque, 1 or -1",
+            constraint(LIMIT);
+        torque_zero: f64 = 0.0, "Torque sensor's reading without torque", unit("N m"),
+            constraint(LIMIT);
+        deadband_forward: f64 = 0.0, "Lowest voltage that moves the shaft forwards", unit("V"),
+            range(ValueRange::NON_NEGATIVE), constraint(LIMIT);
+        deadband_backward: f64 = 0.0, "Lowest magnitude of the voltage that moves it backwards",
+            unit("V"), range(ValueRange::NON_NEGATIVE), constraint(LIMIT);
     }
 }
 
 impl Calibration {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`RigError::OutOfRange`] names the field.
-    pub fn check(&self) -> Result<(), RigError> {
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
-        if !(self.tachometer_gain.is_finite() && self.tachometer_gain != 0.0) {
-            return error(
-                "tachometer_gain",
-                self.tachometer_gain,
-                "a finite number other than zero",
-            );
-        }
-        for (name, value) in
-            [("tachometer_zero", self.tachometer_zero), ("torque_zero", self.torque_zero)]
-        {
-            if !value.is_finite() {
-                return error(name, value, "a finite number");
-            }
-        }
-        for (name, value) in [
-            ("deadband_forward", self.deadband_forward),
-            ("deadband_backward", self.deadband_backward),
-        ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return error(name, value, "a finite number, zero or more");
-            }
-        }
-        Ok(())
-    }
-
     /// The true readings behind raw ones. The potentiometer stays as it is.
     #[must_use]
     pub fn correct(&self, raw: &Measurement) -> Measurement {

@@ -30,7 +30,9 @@ impl FrictionDrift {
     /// # Errors
     /// [`RigError::OutOfRange`] names the field.
     pub fn check(&self) -> Result<(), RigError> {
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        let error = |name, value, expected: &'static str| {
+            Err(RigError::OutOfRange { name, value, expected: expected.into() })
+        };
         if !(-0.9..=9.0).contains(&self.change) {
             return error("friction_drift.change", self.change, "from -0.9 to 9");
         }

@@ -1,6 +1,9 @@
 //! What can be wrong with a rig.
 
+use std::borrow::Cow;
+
 use friction_model::MotorError;
+use parameters::OutOfRange;
 
 use crate::SensorError;
 use crate::quanser::QuanserError;
@@ -18,7 +21,7 @@ pub enum RigError {
         /// What came.
         value: f64,
         /// What was expected.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// A voltage limit that the rig cannot put out.
     #[error(
@@ -69,6 +72,12 @@ pub enum RigError {
     /// A transition that the state does not allow.
     #[error(transparent)]
     Refused(Refused),
+}
+
+impl From<OutOfRange> for RigError {
+    fn from(wrong: OutOfRange) -> Self {
+        Self::OutOfRange { name: wrong.name, value: wrong.value, expected: wrong.expected().into() }
+    }
 }
 
 impl RigError {

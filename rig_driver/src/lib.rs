@@ -19,6 +19,7 @@ pub mod messages;
 mod miswired;
 #[cfg(feature = "ros")]
 pub mod node;
+pub mod parameters;
 mod plant;
 pub mod quanser;
 pub mod registry;

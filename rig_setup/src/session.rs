@@ -38,7 +38,7 @@ impl<'a> Session<'a> {
             return Err(RigSetupError::Rig(RigError::OutOfRange {
                 name: "--max-volts",
                 value: max_volts,
-                expected: "above 0 and at most the rig's voltage limit",
+                expected: "above 0 and at most the rig's voltage limit".into(),
             }));
         }
         // A plug that is out shows the same value for ever; the steps say that better than a fault

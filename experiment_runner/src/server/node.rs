@@ -1,7 +1,6 @@
 //! The node `/experiment_runner`: an action, three services and a status that stays for latecomers.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -15,19 +14,16 @@ use msgs::friction_msgs::{
 use msgs::std_srvs::{Trigger, TriggerResponse};
 use msgs::topics;
 use ros_node::lifecycle::{CallbackError, Lifecycle, Managed, Requested};
-use ros_node::parameters::{Declared, Parameters, Values};
+use ros_node::parameters::{Declared, ParameterError, Parameters, Values};
 use ros_node::{
     ActionHandler, ActionServer, Goal, GoalEnd, GoalId, Participant, RosNode, RosNodeError, Stop,
 };
 
 use super::desk::{Desk, Ended, UsualRig, Watcher};
 use super::parameters::RunnerParameters;
-use super::permissions::{self, Permissions};
+use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, identification, listing, outcome};
-use rig_driver::registry::AddressError;
-use rig_setup::RigChoice;
-
 use crate::run::Beside;
 
 /// The executable `experiment_runner`: the node with its parameters, until the wish to end.
@@ -61,48 +57,36 @@ impl ManagedRunner {
         let axis = node.identity().namespace.clone();
         let first = OnceLock::new();
         let judge = move |values: &Values, _: &BTreeSet<String>| {
-            let rig = rig(values)?;
+            let said = RunnerParameters::default().with(values);
+            let rig = said.rig().map_err(ParameterError::refused)?;
             // What is allowed is what the program was started with.
             let allowed = match first.get() {
                 Some(allowed) => allowed,
                 None => {
-                    let allowed = permissions(&axis, values)?;
+                    let allowed = said.permissions(&axis).map_err(ParameterError::refused)?;
                     first.get_or_init(|| allowed)
                 }
             };
-            allowed.rig(rig.clone()).map_err(|refusal| refusal.to_string())?;
+            allowed.rig(rig.clone()).map_err(ParameterError::refused)?;
             named.set(rig);
             Ok(())
         };
         let declared = RunnerParameters::default().declarations();
         let parameters = Parameters::declare(node, declared, judge)?.values();
-        let permissions =
-            permissions(&node.identity().namespace, &parameters).map_err(|reason| {
-                RosNodeError::Parameters { node: node.identity().qualified(), reason }
-            })?;
+        let said = RunnerParameters::default().with(&parameters);
+        let permissions = said.permissions(&node.identity().namespace).map_err(|error| {
+            let node = node.identity().qualified();
+            RosNodeError::Parameters { node, reason: error.to_string() }
+        })?;
         let runner = Runner::new(node, permissions.and(beside), usual)?;
         runner.desk.close(Refusal::Inactive, Duration::ZERO);
         let lifecycle = Lifecycle::start(node, Box::new(Management(runner.desk.clone())))?;
-        if parameters.boolean("autostart") && lifecycle.request(Requested::Configure).is_ok() {
+        if said.autostart && lifecycle.request(Requested::Configure).is_ok() {
             // The log says why it is not active, if it is not.
             let _ = lifecycle.request(Requested::Activate);
         }
         Ok(Self { _lifecycle: lifecycle, _runner: runner })
     }
-}
-
-/// The rig of experiments whose request names none.
-fn rig(values: &Values) -> Result<RigChoice, String> {
-    values.text("rig").parse().map_err(|error: AddressError| error.to_string())
-}
-
-/// What requests may use, as the parameters say it when the node starts.
-fn permissions(axis: &str, values: &Values) -> Result<Permissions, String> {
-    let said = RunnerParameters::default().with(values);
-    let mut rigs = permissions::rigs(&said.allow_rigs).map_err(|error| error.to_string())?;
-    rigs.push(rig(values)?);
-    let inputs = Some(said.inputs).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-    Ok(Permissions::new(axis, rigs, PathBuf::from(said.runs), inputs))
 }
 
 /// Requests are taken while the node is active.

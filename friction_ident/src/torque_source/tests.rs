@@ -56,7 +56,7 @@ fn signals(channels: &[Vec<f64>; 4]) -> DriveSignals<'_> {
 
 #[test]
 fn every_source_gives_the_friction_that_made_the_recording() {
-    for source in TorqueSource::ALL {
+    for &source in TorqueSource::ALL {
         let channels = channels_of(source, 3000);
         let found = friction_torque(source, &signals(&channels), &srv02(), &EXACT).unwrap();
         assert_eq!(found.noise, 0.0);
@@ -119,7 +119,7 @@ fn the_stated_noise_is_the_scatter() {
             *value += size * 12f64.sqrt() * (random.random::<f64>() - 0.5);
         }
     }
-    for source in TorqueSource::ALL {
+    for &source in TorqueSource::ALL {
         let clean = friction_torque(source, &signals(&quiet), &srv02(), &EXACT).unwrap();
         let found = friction_torque(source, &signals(&noisy), &srv02(), &deviations).unwrap();
         let squares: f64 =

@@ -6,9 +6,10 @@ mod of_models;
 use std::collections::BTreeMap;
 
 use ::parameters::{
-    Declaration, Declared, ParameterError, ParameterValue, ValueRange, Values, choices, parameters,
+    Declaration, Declared, Named, ParameterError, ParameterValue, ValueRange, Values, choices,
+    parameters,
 };
-use friction_model::{AnyModel, ModelError, ModelName, TimeStep};
+use friction_model::{AnyModel, ModelName, TimeStep};
 
 pub use of_models::model_parameters;
 
@@ -56,8 +57,8 @@ parameters! {
     /// Parameters of the node `friction_observer`, but for those of the models.
     #[derive(Debug, Clone, PartialEq)]
     pub struct ObserverParameters {
-        model: String = ModelName::Proposed.to_string(), "Friction model that estimates",
-            choices(|| ModelName::ALL.iter().map(|name| name.as_str()).collect());
+        model: Named<ModelName> = Named(ModelName::Proposed), "Friction model that estimates",
+            choices(|| ModelName::ALL.map(ModelName::as_str).to_vec());
         technique: TechniqueName = TechniqueName::Feedback, "How the friction is estimated";
         mode: Regulated = Regulated::Velocity,
             "What the controller regulates: the error that is injected is of that";
@@ -108,8 +109,7 @@ impl ObserverSettings {
     /// [`ParameterError::Refused`] with the reason of the model or of the estimator.
     pub fn read(values: &Values) -> Result<Self, ParameterError> {
         let said = ObserverParameters::default().with(values);
-        let chosen: ModelName =
-            said.model.parse().map_err(|error: ModelError| ParameterError::refused(error))?;
+        let Named(chosen) = said.model;
         let mut model = AnyModel::test_bed(chosen);
         for name in ModelName::ALL {
             let read = of_models::read(name, values)?;
@@ -171,7 +171,7 @@ impl ObserverParameters {
     #[must_use]
     pub fn of(model: ModelName, options: &EstimatorOptions, regulated: Regulated) -> Self {
         let mut said = Self {
-            model: model.to_string(),
+            model: Named(model),
             technique: options.technique.into(),
             mode: regulated,
             injection: options.injection,

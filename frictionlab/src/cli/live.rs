@@ -100,7 +100,7 @@ pub struct LiveArgs {
         value_name = "RIGS",
         value_delimiter = ',',
         requires = "serve",
-        default_value = "simulated,nodes"
+        default_value = super::serve::USUAL.allow_rigs.as_str()
     )]
     pub allow_rigs: Vec<RigChoice>,
     /// Seed of the sensors' noise

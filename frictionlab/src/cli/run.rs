@@ -96,7 +96,7 @@ fn run_in(
 fn worded(error: RunError) -> anyhow::Error {
     match error {
         RunError::TestBed(TestBedError::Rig(RigError::OutOfRange { name, value, expected })) => {
-            BadInput(named_option(name, value, expected)).into()
+            BadInput(named_option(name, value, &expected)).into()
         }
         RunError::TestBed(TestBedError::Rig(RigError::BeyondRange { limit, range }))
         | RunError::Setup(RigSetupError::Rig(RigError::BeyondRange { limit, range })) => {

@@ -1,16 +1,18 @@
 //! `frictionlab serve`: experiments and identification for whoever asks over ROS 2.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::time::Duration;
 
 use anyhow::Context;
-use ros_node::parameters::Parameters;
+use clap::ValueHint;
+use ros_node::parameters::{Declared, Parameters};
 use ros_node::{Arguments, Discovery, Lost, Participant, Stop, Watch};
 
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
 use experiment_runner::server::desk::UsualRig;
 use experiment_runner::server::node::Runner;
-use experiment_runner::server::permissions::Permissions;
+use experiment_runner::server::parameters::RunnerParameters;
 use rig_setup::RigChoice;
 
 /// Run experiments for whoever asks over ROS 2
@@ -26,13 +28,14 @@ use rig_setup::RigChoice;
 /// The executable `experiment_runner` is the same with the arguments of ROS.
 #[derive(Debug, clap::Args)]
 pub struct ServeArgs {
-    /// Folder in which each run gets a folder of its own, unless its request names one
-    #[arg(long, value_name = "DIR", default_value = "runs")]
-    pub runs: PathBuf,
-    /// Rig of experiments whose request names none
+    /// The folder of runs.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath,
+        default_value = USUAL.runs.as_str(), help = meaning("runs"))]
+    pub runs: String,
+    /// The usual rig.
     #[arg(long, value_name = "RIG", value_parser = RigParser, hide_possible_values = true, help = format!(
-        "Rig of experiments whose request names none: {} [default: the rig of --rig-file, else simulated]",
-        RigChoice::grammar()
+        "{} [default: the rig of --rig-file, else simulated]",
+        meaning("rig")
     ))]
     pub rig: Option<RigChoice>,
     /// Rig profile: address, calibration, limits and drive in one file; it counts for every
@@ -40,17 +43,41 @@ pub struct ServeArgs {
     /// [default: rig.yaml of this folder, where --rig names the rig that it is of]
     #[arg(long, value_name = "FILE")]
     pub rig_file: Option<PathBuf>,
-    /// Rigs that requests may use, separated by commas, beside the one of --rig; `nodes` are those
-    /// of this axis
-    #[arg(long, value_name = "RIGS", value_delimiter = ',', default_value = "simulated,nodes")]
+    /// The rigs that are allowed.
+    #[arg(long, value_name = "RIGS", value_delimiter = ',',
+        default_value = USUAL.allow_rigs.as_str(), help = meaning("allow_rigs"))]
     pub allow_rigs: Vec<RigChoice>,
-    /// One more folder whose files requests may name: protocols, parameters, recordings. Those in
-    /// the folder of runs they may name always
-    #[arg(long, value_name = "DIR")]
-    pub inputs: Option<PathBuf>,
+    /// One more folder.
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath,
+        default_value = USUAL.inputs.as_str(), hide_default_value = true, help = meaning("inputs"))]
+    pub inputs: String,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
+}
+
+/// The parameters of the node, from which the options come.
+pub(super) static USUAL: LazyLock<RunnerParameters> = LazyLock::new(RunnerParameters::default);
+
+/// What a parameter of the node is.
+pub(super) fn meaning(name: &str) -> String {
+    let declared = USUAL.declarations();
+    let found = declared.iter().find(|one| one.name() == name);
+    found.map(|one| one.description().to_owned()).unwrap_or_default()
+}
+
+impl ServeArgs {
+    /// The parameters of a node that does the same on `rig`.
+    fn parameters(&self, rig: &RigChoice) -> RunnerParameters {
+        let rigs: Vec<String> = self.allow_rigs.iter().map(ToString::to_string).collect();
+        RunnerParameters {
+            runs: self.runs.clone(),
+            inputs: self.inputs.clone(),
+            allow_rigs: rigs.join(","),
+            rig: rig.to_string(),
+            ..RunnerParameters::default()
+        }
+    }
 }
 
 /// Runs it until ctrl-C.
@@ -64,7 +91,7 @@ pub fn execute(args: &ServeArgs) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("cannot watch for ctrl-C")?;
     let discovery = Discovery::from_environment()?;
     if !args.quiet {
-        super::offer_recovery(&args.runs);
+        super::offer_recovery(Path::new(&args.runs));
     }
     let chosen = choose(args.rig.as_ref(), args.rig_file.as_deref())?;
     if let Some(note) = chosen.note.as_ref().filter(|_| !args.quiet) {
@@ -89,9 +116,8 @@ fn serve(
     Parameters::usual(&node)?;
     let usual = UsualRig::default();
     usual.set(chosen.rig.clone());
-    let rigs = args.allow_rigs.iter().chain([&chosen.rig]).cloned().collect();
     let axis = &node.identity().namespace;
-    let permissions = Permissions::new(axis, rigs, args.runs.clone(), args.inputs.clone());
+    let permissions = args.parameters(&chosen.rig).permissions(axis)?;
     let profile = chosen.profile.as_ref().filter(|_| chosen.of_real().is_some());
     let permissions =
         permissions.with_profile(profile.map(|(file, _)| (chosen.rig.clone(), file.clone())));
@@ -100,9 +126,7 @@ fn serve(
     if !args.quiet {
         work::saying::print(&format!(
             "experiment_runner is ready on domain {}; experiments run on the rig `{}` unless their request names another; runs go to {}; ctrl-C ends it\n",
-            discovery.domain,
-            chosen.rig,
-            args.runs.display()
+            discovery.domain, chosen.rig, args.runs
         ))?;
     }
     while !middleware.stop().wait(Duration::from_secs(1)) {}
@@ -113,4 +137,28 @@ fn serve(
     drop(node);
     drop(participant);
     Ok(lost)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, Command};
+
+    use super::*;
+
+    #[test]
+    fn the_options_are_the_parameters_of_the_node() {
+        let command = ServeArgs::augment_args(Command::new("serve"));
+        for one in USUAL.declarations() {
+            let said = command.get_arguments().find(|arg| {
+                arg.get_long().is_some_and(|long| long.replace('-', "_") == one.name())
+            });
+            match said {
+                Some(arg) => {
+                    let help = arg.get_help().unwrap().to_string();
+                    assert!(help.contains(one.description()), "{help}");
+                }
+                None => assert_eq!(one.name(), "autostart"),
+            }
+        }
+    }
 }

@@ -4,16 +4,18 @@
 use std::collections::BTreeMap;
 
 use controller::{ControlMode, ControllerOptions, ControllerParameters};
+use experiment_runner::server::parameters::RunnerParameters;
 use friction_model::ModelName;
 use friction_observer::EstimatorOptions;
 use friction_observer::parameters::{ObserverParameters, Regulated};
-use rig_driver::safety::Travel;
-use rig_driver::{Sign, SimulationOptions};
+use rig_driver::parameters::RigParameters;
+use rig_driver::{RigSetup, SimulationOptions};
 use ros_node::parameter_file::NodeParameters;
+use ros_node::parameters::Declared;
 use ros_node::{Arguments, ParameterValue};
 
 use super::{LiveError, LiveOptions, Serving};
-use rig_setup::{RigChoice, RigLimits};
+use rig_setup::RigChoice;
 
 type Given = BTreeMap<String, ParameterValue>;
 
@@ -35,20 +37,8 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
         ("friction_observer", observer(options, &estimator, period)?),
         ("controller", control(&controller)?),
     ];
-    if let Some(Serving { runs, allow_rigs }) = &options.serve {
-        let text = |text: String| ParameterValue::String(text);
-        // On a real rig its experiments run too. A simulated one of their own needs no real time.
-        let rig = if options.rig == RigChoice::Simulated { "simulated" } else { "nodes" };
-        let allowed: Vec<String> = allow_rigs.iter().map(ToString::to_string).collect();
-        let given = [
-            ("runs", text(runs.display().to_string())),
-            ("rig", text(rig.to_owned())),
-            ("allow_rigs", text(allowed.join(","))),
-        ];
-        nodes.push((
-            "experiment_runner",
-            given.map(|(name, value)| (name.to_owned(), value)).into(),
-        ));
+    if let Some(serving) = &options.serve {
+        nodes.push(("experiment_runner", runner(options, serving)));
     }
     let own = nodes
         .into_iter()
@@ -58,50 +48,29 @@ pub(super) fn arguments(options: &LiveOptions, period: f64) -> Result<Arguments,
 }
 
 fn rig(options: &LiveOptions) -> Given {
-    let SimulationOptions { drive, voltage_limit, period, substeps, .. } =
-        options.test_bed.simulation;
-    let mut given = Given::new();
-    let mut give = |name: &str, value| _ = given.insert(name.to_owned(), value);
-    give("rig", ParameterValue::String(options.rig.to_string()));
-    give("autostart", ParameterValue::Boolean(true));
-    give("voltage_limit", ParameterValue::Double(voltage_limit));
-    let RigLimits { velocity, travel, .. } = options.limits;
-    if let Some(velocity) = velocity {
-        give("safety.velocity", ParameterValue::Double(velocity));
+    let setup = RigSetup {
+        calibration: options.calibration,
+        limits: options.limits,
+        simulation: SimulationOptions { seed: options.seed, ..options.test_bed.simulation },
+        friction: options.test_bed.friction,
+        wiring: None,
+    };
+    // A real rig activates itself here too: who runs this is at the rig.
+    RigParameters { autostart: true, ..RigParameters::of(&options.rig, &setup) }.values().into()
+}
+
+fn runner(options: &LiveOptions, serving: &Serving) -> Given {
+    // On a real rig its experiments run too. A simulated one of their own needs no real time.
+    let rig = if options.rig == RigChoice::Simulated { "simulated" } else { "nodes" };
+    let allowed: Vec<String> = serving.allow_rigs.iter().map(ToString::to_string).collect();
+    RunnerParameters {
+        runs: serving.runs.display().to_string(),
+        rig: rig.to_owned(),
+        allow_rigs: allowed.join(","),
+        ..RunnerParameters::default()
     }
-    if let Some(Travel { min, max, margin }) = travel {
-        give("safety.travel", ParameterValue::Boolean(true));
-        give("safety.travel_min", ParameterValue::Double(min));
-        give("safety.travel_max", ParameterValue::Double(max));
-        give("safety.travel_margin", ParameterValue::Double(margin));
-    }
-    if options.rig == RigChoice::Simulated {
-        let model = options.test_bed.friction.name().to_string();
-        give("simulated.model", ParameterValue::String(model));
-        // The command refuses seeds that do not fit.
-        let seed = i64::try_from(options.seed).unwrap_or(i64::MAX);
-        give("simulated.seed", ParameterValue::Integer(seed));
-        give("simulated.substeps", ParameterValue::Integer(i64::from(substeps)));
-        give("period", ParameterValue::Double(period));
-    }
-    give("drive.motor_constant", ParameterValue::Double(drive.motor_constant));
-    give("drive.gear_ratio", ParameterValue::Double(drive.gear_ratio));
-    give("drive.armature_resistance", ParameterValue::Double(drive.armature_resistance));
-    give("drive.inertia", ParameterValue::Double(drive.inertia));
-    if let Some(calibration) = &options.calibration {
-        let sign = |sign: Sign| ParameterValue::Integer(i64::from(i8::from(sign)));
-        give("calibration.encoder_sign", sign(calibration.encoder_sign));
-        give("calibration.tachometer_gain", ParameterValue::Double(calibration.tachometer_gain));
-        give("calibration.tachometer_zero", ParameterValue::Double(calibration.tachometer_zero));
-        give("calibration.torque_sign", sign(calibration.torque_sign));
-        give("calibration.torque_zero", ParameterValue::Double(calibration.torque_zero));
-        give("calibration.deadband_forward", ParameterValue::Double(calibration.deadband_forward));
-        give(
-            "calibration.deadband_backward",
-            ParameterValue::Double(calibration.deadband_backward),
-        );
-    }
-    given
+    .values()
+    .into()
 }
 
 /// All models with their parameters, so that the model can be changed while the loop runs.

@@ -5,10 +5,6 @@ use friction_model::{Motor, TorqueSource};
 
 use crate::Measurement;
 
-/// The sources that a rig has.
-pub(super) const SOURCES: [TorqueSource; 3] =
-    [TorqueSource::Sensor, TorqueSource::Voltage, TorqueSource::Current];
-
 /// The friction torque, cycle by cycle. Reconstructed, it goes through a low-pass filter, since it
 /// differentiates the velocity.
 #[derive(Debug, Clone)]

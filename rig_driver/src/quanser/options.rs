@@ -102,7 +102,9 @@ impl QuanserOptions {
     /// # Errors
     /// [`RigError::OutOfRange`] names the field.
     pub fn check(&self) -> Result<(), RigError> {
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        let error = |name, value, expected: &'static str| {
+            Err(RigError::OutOfRange { name, value, expected: expected.into() })
+        };
         let scale = |value: f64| value != 0.0 && value.is_finite();
         for (names, input) in [
             (["tachometer.scale", "tachometer.offset", "tachometer.range"], &self.tachometer),

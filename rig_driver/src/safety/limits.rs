@@ -195,7 +195,7 @@ impl SafetyLimits {
         let usual = Self::default().voltage;
         let limit = asked.unwrap_or(usual);
         if !(limit > 0.0 && limit.is_finite()) {
-            let expected = "a finite number above zero";
+            let expected = "a finite number above zero".into();
             return Err(RigError::OutOfRange { name: "voltage_limit", value: limit, expected });
         }
         if limit > range && limit > usual {
@@ -298,7 +298,10 @@ fn hold(
     value: f64,
     expected: &'static str,
 ) -> Result<(), RigError> {
-    if holds { Ok(()) } else { Err(RigError::OutOfRange { name, value, expected }) }
+    if holds {
+        return Ok(());
+    }
+    Err(RigError::OutOfRange { name, value, expected: expected.into() })
 }
 
 fn above_zero(name: &'static str, value: f64) -> Result<(), RigError> {

@@ -73,7 +73,9 @@ impl SimulationOptions {
         self.drive.check()?;
         self.sensors.check()?;
         self.friction_drift.map_or(Ok(()), |drift| drift.check())?;
-        let error = |name, value, expected| Err(RigError::OutOfRange { name, value, expected });
+        let error = |name, value, expected: &'static str| {
+            Err(RigError::OutOfRange { name, value, expected: expected.into() })
+        };
         if !(self.voltage_range > 0.0 && self.voltage_range <= HIGHEST_VOLTAGE) {
             return error("voltage_range", self.voltage_range, "above 0 and at most 60 V");
         }

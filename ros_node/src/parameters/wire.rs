@@ -57,12 +57,17 @@ pub(super) fn descriptor(declared: &Declaration) -> raw::ParameterDescriptor {
         read_only: declared.is_read_only(),
         dynamic_typing: false,
         range: match declared.value_range() {
-            ValueRange::Any => NumericRange::NotSpecified,
+            ValueRange::Any | ValueRange::NotZero => NumericRange::NotSpecified,
             ValueRange::Double(from_value, to_value) => {
                 NumericRange::FloatingPointRange { from_value, to_value, step: 0.0 }
             }
             ValueRange::Integer(from_value, to_value) => {
                 NumericRange::IntegerRange { from_value, to_value, step: 1 }
+            }
+            // From one to the other in a single step.
+            ValueRange::Either(from_value, to_value) => {
+                let step = to_value.saturating_sub(from_value);
+                NumericRange::IntegerRange { from_value, to_value, step }
             }
         },
     }
