@@ -13,7 +13,8 @@ use identification::drive::linear::KnownDrive;
 use identification::drive::parameters::read_motor;
 use parameters::file::Parameters;
 use parameters::{Declaration, Declared, Values};
-use rig_setup::read_calibration;
+use rig_driver::parameters::RigParameters;
+use rig_setup::{RigProfile, read_calibration};
 
 fn frictionlab(arguments: &[&str], folder: &Path) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_frictionlab"));
@@ -24,39 +25,73 @@ fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch_configs/config")
 }
 
+/// A recording of an axis of 3 kg with 5 N of Coulomb friction and 2 N s/m.
+fn axis() -> String {
+    let mut text = String::from("t_s,position_m,force_N\n");
+    for k in 0..4000 {
+        let t = f64::from(k) * 1e-3;
+        let velocity = 0.4 * (2.0 * t).cos() + 0.27 * (9.0 * t).cos();
+        let acceleration = -0.8 * (2.0 * t).sin() - 2.43 * (9.0 * t).sin();
+        let position = 0.2 * (2.0 * t).sin() + 0.03 * (9.0 * t).sin();
+        let force = 3.0 * acceleration + 5.0 * velocity.signum() + 2.0 * velocity;
+        text += &format!("{t},{position},{force}\n");
+    }
+    text
+}
+
+/// Every command that writes parameters, a profile or a calibration. (`identify-servo`, `features`
+/// and `monte-carlo` write JSON, CSV and pages only.)
+const WRITERS: [&str; 10] = [
+    "run drive-excitation --quick --quiet --out run",
+    "run characterise --quick --repetitions 1 --quiet --out characterise",
+    "run position-tracking --quick --repetitions 1 --quiet --out tracking",
+    "identify characterise/steady_points.csv characterise/presliding.csv --model stribeck --out models",
+    "identify axis.csv --out axis",
+    "rig check --rig simulated --rig-file rig.yaml --quiet",
+    "rig calibrate --rig simulated --quiet --out calibration",
+    "identify-drive run/bag --gear-ratio 70 --out drive --rig-file rig.yaml",
+    "design velocity --gains 1.5,16 --out velocity",
+    "design position --gains 6,11,0.1 --out position",
+];
+
 /// Shipped files, and those that commands write, by name.
 fn files(folder: &Path) -> Vec<(String, String)> {
     let succeeds = |arguments: &[&str]| {
         let done = frictionlab(arguments, folder);
         assert!(done.status.success(), "{arguments:?}: {done:?}");
+        done.stdout
     };
-    succeeds(&["run", "drive-excitation", "--quick", "--quiet", "--out", "run"]);
-    succeeds(&["identify-drive", "run/bag", "--gear-ratio", "70", "--out", "drive"]);
-    succeeds(&["design", "velocity", "--gains", "1.5,16", "--out", "velocity"]);
-    succeeds(&["design", "position", "--gains", "6,11,0.1", "--out", "position"]);
-    let mut found = Vec::new();
-    for name in [
-        "run/parameters.yaml",
-        "drive/drive.yaml",
-        "velocity/controller.yaml",
-        "position/controller.yaml",
-    ] {
-        found.push((name.to_owned(), fs::read_to_string(folder.join(name)).expect(name)));
+    fs::write(folder.join("axis.csv"), axis()).expect("a folder of the test");
+    for line in WRITERS {
+        succeeds(&line.split(' ').collect::<Vec<_>>());
     }
+    succeeds(&["rig", "calibrate", "--rig-file", "rig.yaml", "--quiet"]);
+    let mut found = Vec::new();
+    yaml_below(folder, &mut found);
+    let written = found.len();
+    assert!(written > WRITERS.len() - 2, "{written} files");
+    let model = String::from_utf8(succeeds(&["models", "gms", "--yaml"])).expect("text");
+    found.push(("models gms --yaml".to_owned(), model));
     for entry in fs::read_dir(shipped()).expect("the shipped files").flatten() {
         let name = entry.file_name().into_string().expect("a name");
         let text = fs::read_to_string(entry.path()).expect("a shipped file");
-        // Settings of a launch file, which are no parameters of a node.
-        if name != "live.yaml" {
-            found.push((name, text));
+        found.push((name, text));
+    }
+    found
+}
+
+/// Every YAML file below, but for the descriptions of bags, which are rosbag2's.
+fn yaml_below(folder: &Path, found: &mut Vec<(String, String)>) {
+    for entry in fs::read_dir(folder).expect("a folder of the test").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            yaml_below(&path, found);
+        } else if path.extension().is_some_and(|end| end == "yaml")
+            && !path.ends_with("metadata.yaml")
+        {
+            found.push((path.display().to_string(), fs::read_to_string(&path).expect("text")));
         }
     }
-    found.push((
-        "calibration.yaml".to_owned(),
-        "/**/rig_driver:\n  ros__parameters:\n    calibration: {encoder_sign: 1, tachometer_gain: 1.0, tachometer_zero: 0.0, torque_sign: 1, torque_zero: 0.0, deadband_forward: 0.0, deadband_backward: 0.0}\n"
-            .to_owned(),
-    ));
-    found
 }
 
 /// What a node of that name does with the file.
@@ -69,28 +104,74 @@ fn node(file: &Parameters, name: &str, declared: &[Declaration]) -> Result<Value
     Values::given(declared, &given).map_err(|error| error.to_string())
 }
 
+/// Nodes read every parameter file: what is not theirs is none of their business.
+fn nodes_read(name: &str, file: &Parameters) {
+    let of = |node: &str| file.of_node(&format!("/{node}"));
+    let given: Vec<String> = of("friction_observer").into_keys().collect();
+    let declared = friction_observer::parameters::declarations(&given);
+    let values = node(file, "friction_observer", &declared).unwrap();
+    ObserverSettings::read(&values).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let given: Vec<String> = of("controller").into_keys().collect();
+    let declared = controller::node::declarations(&given);
+    let values = node(file, "controller", &declared).unwrap();
+    controller::ControllerParameters::default().with(&values).options().unwrap();
+    let values = node(file, "rig_driver", &RigParameters::default().declarations()).unwrap();
+    RigParameters::default().with(&values).setup().unwrap();
+    node(file, "experiment_runner", &RunnerParameters::default().declarations()).unwrap();
+}
+
+/// What a file says: of the rig and its drive, of friction, of the controller.
+#[derive(Default)]
+struct Says {
+    profile: bool,
+    motor: bool,
+    drive: bool,
+    calibration: bool,
+    model: bool,
+    controller: bool,
+}
+
+impl Says {
+    fn of(name: &str, text: &str) -> Self {
+        if name == "live.yaml" {
+            // Settings of a launch file, which are no parameters of a node.
+            return Self::default();
+        }
+        if RigProfile::is_one(text) {
+            let profile = RigProfile::read(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let drive = profile.drive;
+            return Self {
+                profile: true,
+                motor: drive.is_some_and(|drive| drive.motor().is_some()),
+                drive: drive.is_some(),
+                calibration: profile.calibration.is_some(),
+                ..Self::default()
+            };
+        }
+        if !text.contains("ros__parameters") {
+            return Self { model: true, ..Self::default() };
+        }
+        let file = Parameters::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        nodes_read(name, &file);
+        let rig = file.of_node("/rig_driver");
+        let has = |section: &str| rig.keys().any(|name| name.starts_with(section));
+        let linear = file.nodes().iter().any(|node| node.values.contains_key("time_constant"));
+        Self {
+            profile: false,
+            motor: has("drive."),
+            drive: has("drive.") || linear,
+            calibration: has("calibration."),
+            model: !file.of_node("/friction_observer").is_empty(),
+            controller: !file.of_node("/controller").is_empty(),
+        }
+    }
+}
+
 #[test]
 fn every_file_is_read_by_everybody_who_takes_such_a_file() {
     let root = tempfile::tempdir().unwrap();
     for (name, text) in files(root.path()) {
-        let file = Parameters::parse(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let of = |node: &str| file.of_node(&format!("/{node}"));
-        let (observer, rig) = (of("friction_observer"), of("rig_driver"));
-        let has = |section: &str| rig.keys().any(|name| name.starts_with(section));
-        let linear = file.nodes().iter().any(|node| node.values.contains_key("time_constant"));
-
-        // Nodes read every file: what is not theirs is none of their business.
-        let given: Vec<String> = observer.keys().cloned().collect();
-        let declared = friction_observer::parameters::declarations(&given);
-        let values = node(&file, "friction_observer", &declared).unwrap();
-        ObserverSettings::read(&values).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let given: Vec<String> = of("controller").into_keys().collect();
-        let declared = controller::node::declarations(&given);
-        let values = node(&file, "controller", &declared).unwrap();
-        controller::ControllerParameters::default().with(&values).options().unwrap();
-        node(&file, "rig_driver", &rig_driver::node::declarations("simulated")).unwrap();
-        node(&file, "experiment_runner", &RunnerParameters::default().declarations()).unwrap();
-
+        let says = Says::of(&name, &text);
         // Commands refuse what says nothing to them, with a sentence.
         let reads = |taken: bool, what: &str, read: Result<(), String>| match read {
             Ok(()) => assert!(taken, "{what} reads {name}, which says nothing to it"),
@@ -100,22 +181,25 @@ fn every_file_is_read_by_everybody_who_takes_such_a_file() {
                 assert!(words.iter().any(|word| said.contains(word)), "{what}: {said}");
             }
         };
+        let ros = text.contains("ros__parameters");
         let run = Given::default().take(&name, &text).map_err(|error| error.to_string());
-        reads(!observer.is_empty() || !of("controller").is_empty(), "run", run);
+        reads(ros && (says.model || says.controller), "--parameters", run);
         reads(
-            has("drive."),
+            says.motor,
             "run --drive",
             read_motor(&text).map(drop).map_err(|error| error.to_string()),
         );
         reads(
-            has("drive.") || linear,
+            says.drive,
             "design --drive",
             KnownDrive::read(&text).map(drop).map_err(|error| error.to_string()),
         );
         let calibration = read_calibration(&text).map(drop).map_err(|error| error.to_string());
-        reads(has("calibration."), "run --calibration", calibration);
+        reads(says.calibration, "--calibration", calibration);
+        let profile = RigProfile::read(&text).map(drop).map_err(|error| error.to_string());
+        reads(says.profile, "--rig-file", profile);
         let model = models::file::read(&text, None).map(drop).map_err(|error| error.to_string());
-        reads(!observer.is_empty(), "simulate --params", model);
+        reads(says.model, "simulate --params", model);
     }
 }
 

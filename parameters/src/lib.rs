@@ -53,7 +53,7 @@ pub use declared::joined;
 pub use declared::{Declared, OutOfRange};
 pub use error::ParameterError;
 pub use named::Named;
-pub use nearest::nearest;
+pub use nearest::{nearest, with_nearest};
 pub use range::ValueRange;
 pub use spec::Spec;
 #[doc(hidden)]

@@ -24,3 +24,17 @@ pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         .max_by(|(a, _), (b, _)| a.total_cmp(b))
         .map(|(_, name)| name)
 }
+
+/// What serde says of a key that it does not know, with the known key that is meant.
+///
+/// ```
+/// let said = "unknown field `limit`, expected one of `rig`, `limits`, `drive`";
+/// assert!(parameters::with_nearest(said).ends_with("; is `limits` meant?"));
+/// ```
+#[must_use]
+pub fn with_nearest(said: &str) -> String {
+    let unknown = said.split_once("unknown field `").and_then(|(_, rest)| rest.split_once('`'));
+    let nearest =
+        unknown.and_then(|(name, rest)| nearest(name, rest.split('`').skip(1).step_by(2)));
+    nearest.map_or_else(|| said.to_owned(), |nearest| format!("{said}; is `{nearest}` meant?"))
+}

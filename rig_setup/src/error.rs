@@ -1,6 +1,7 @@
 //! What can end the setting up of a rig.
 
-use files::ros_parameters::SectionError;
+use parameters::ParameterError;
+use parameters::file::FileError;
 use rig_driver::RigError;
 
 /// A rig that cannot be opened, driven or understood.
@@ -82,8 +83,45 @@ impl RigSetupError {
     }
 }
 
+/// A section that cannot be had of a parameter file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SectionError {
+    /// No ROS 2 parameter file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// It says nothing of the node.
+    #[error("there is no node `rig_driver` in it")]
+    NoNode,
+    /// It says nothing of the section.
+    #[error("`rig_driver` has no `{section}` in it")]
+    NoSection {
+        /// The section.
+        section: &'static str,
+    },
+    /// It leaves out a value of the section.
+    #[error("in `{section}`: `{name}` is missing")]
+    Missing {
+        /// The section.
+        section: &'static str,
+        /// The parameter.
+        name: String,
+    },
+    /// A value is not what it should be, or a name is not known.
+    #[error("in `rig_driver`: {0}")]
+    Value(#[from] ParameterError),
+}
+
+impl SectionError {
+    /// Whether there is nothing of the kind in the file.
+    #[must_use]
+    pub const fn is_missing(&self) -> bool {
+        matches!(self, Self::NoNode | Self::NoSection { .. })
+    }
+}
+
 /// A text that is no rig profile, or no calibration.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigFileError {
     /// It cannot be read as such a file.
@@ -92,6 +130,9 @@ pub enum RigFileError {
     /// A section of a parameter file is missing, or cannot be read.
     #[error(transparent)]
     Parameters(#[from] SectionError),
+    /// A rig profile without a calibration.
+    #[error("it is a rig profile that has no calibration")]
+    NoCalibration,
     /// A section of it cannot be.
     #[error("in `{section}`: {why}")]
     Section {

@@ -143,6 +143,13 @@ impl RigProfile {
         Ok(profile)
     }
 
+    /// Whether the text is a rig profile, and not a parameter file: it has an address.
+    #[must_use]
+    pub fn is_one(text: &str) -> bool {
+        serde_saphyr::from_str::<BTreeMap<String, serde_json::Value>>(text)
+            .is_ok_and(|keys| keys.contains_key("rig"))
+    }
+
     /// What of it counts, in a few words: `calibration, drive, at most 8 V`.
     #[must_use]
     pub fn parts(&self) -> String {

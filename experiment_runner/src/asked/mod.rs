@@ -402,7 +402,11 @@ pub fn calibration(chosen: &Chosen, file: Option<&Path>) -> Result<Option<Calibr
 /// The command that writes what a file given with `--calibration` lacks.
 #[must_use]
 pub const fn calibration_advice(error: &RigFileError) -> &'static str {
-    if error.is_missing() { "; `frictionlab rig calibrate` writes one" } else { "" }
+    match error {
+        RigFileError::NoCalibration => "; `frictionlab rig calibrate --rig-file FILE` adds it",
+        error if error.is_missing() => "; `frictionlab rig calibrate` writes one",
+        _ => "",
+    }
 }
 
 /// A protocol that was given, and the experiment that it is of.

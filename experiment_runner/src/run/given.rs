@@ -7,7 +7,7 @@ use files::ros_parameters::tree;
 use friction_model::{AnyModel, ModelName};
 use friction_observer::parameters::declarations as observer_declarations;
 use parameters::file::Parameters;
-use parameters::{Declaration, Declared, ParameterError, ParameterValue, Values, nearest};
+use parameters::{Declaration, Declared, ParameterError, ParameterValue, Values};
 use serde_json::{Value, json};
 
 use super::Compensators;
@@ -265,32 +265,14 @@ impl GivenError {
     }
 }
 
-/// What the file gives the node of that name, each value held to its declaration. Of what is meant
-/// for all nodes (`/**`), what this one does not have is left out.
+/// What the file gives the node of that name, each value held to its declaration.
 pub(crate) fn of_node(
     file: &Parameters,
     node: &str,
     declared: &[Declaration],
 ) -> Result<ByName, GivenError> {
-    let absolute = format!("/{node}");
-    let mut taken = ByName::new();
-    for given in file.nodes().iter().filter(|given| given.is_for(&absolute)) {
-        for (name, value) in &given.values {
-            let wrong = |error: ParameterError| GivenError(format!("in `{node}`: {error}"));
-            match declared.iter().find(|one| one.name() == name) {
-                Some(one) => {
-                    taken.insert(name.clone(), one.accept(value).map_err(wrong)?);
-                }
-                None if given.pattern == "/**" || name == "use_sim_time" => {}
-                None => {
-                    let known = declared.iter().map(Declaration::name);
-                    let nearest = nearest(name, known).map(str::to_owned);
-                    return Err(wrong(ParameterError::Unknown { name: name.clone(), nearest }));
-                }
-            }
-        }
-    }
-    Ok(taken)
+    let taken = file.taken_by(&format!("/{node}"), declared);
+    taken.map_err(|error| GivenError(format!("in `{node}`: {error}")))
 }
 
 fn described(model: &AnyModel) -> Value {

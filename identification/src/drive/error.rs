@@ -1,9 +1,8 @@
 //! What can be wrong with a file that is to tell a drive.
 
-use files::ros_parameters::SectionError;
 use friction_model::MotorError;
 use parameters::file::FileError;
-use rig_setup::RigFileError;
+use rig_setup::{RigFileError, SectionError};
 
 /// A text that does not tell the drive.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,14 +1,11 @@
 //! `drive.yaml`: the drive as a ROS 2 parameter file, and the motor read back from it.
 
-use std::collections::BTreeMap;
-
 use friction_ident::drive::Calibration;
 use friction_model::Motor;
 
-use files::ros_parameters::of_rig_driver;
 use parameters::ParameterValue;
 use parameters::file::Writer;
-use rig_setup::{DriveSheet, RigProfile};
+use rig_setup::{DriveSheet, RigProfile, of_rig_driver};
 
 use super::{DriveFileError, Identified};
 
@@ -45,11 +42,11 @@ pub fn motor_of(found: &Identified) -> Option<Motor> {
 /// # Errors
 /// [`DriveFileError`] says what is wrong in the text.
 pub fn read_motor(text: &str) -> Result<Motor, DriveFileError> {
-    if is_profile(text) {
+    if RigProfile::is_one(text) {
         let drive = RigProfile::read(text)?.drive.ok_or(DriveFileError::NoDrive)?;
         return drive.motor().ok_or(DriveFileError::NoMotor);
     }
-    let motor: Motor = of_rig_driver(text, "drive")?;
+    let motor = Motor::from(of_rig_driver(text, "drive")?.drive);
     motor.check()?;
     Ok(motor)
 }
@@ -68,12 +65,6 @@ pub fn sheet(found: &Identified) -> Option<DriveSheet> {
         armature_resistance: motor.map(|p| p.armature_resistance),
         inertia: motor.map(|p| p.inertia),
     })
-}
-
-/// Whether the text is a rig profile: it has an address.
-fn is_profile(text: &str) -> bool {
-    serde_saphyr::from_str::<BTreeMap<String, serde_json::Value>>(text)
-        .is_ok_and(|keys| keys.contains_key("rig"))
 }
 
 /// The file as text.

@@ -20,9 +20,9 @@ mod writer;
 use std::collections::BTreeMap;
 
 pub use reader::parse_value;
-pub use writer::{Writer, number, word};
+pub use writer::{Writer, number, scalar, word};
 
-use crate::ParameterValue;
+use crate::{Declaration, ParameterError, ParameterValue, nearest};
 
 const PARAMETERS: &str = "ros__parameters";
 
@@ -111,6 +111,35 @@ impl Parameters {
     pub fn of_node(&self, node: &str) -> BTreeMap<String, ParameterValue> {
         let of = self.0.iter().filter(|given| given.is_for(node));
         of.flat_map(|given| given.values.clone()).collect()
+    }
+
+    /// What is given for the node of that absolute name, each value as its declaration takes it. Of
+    /// what is meant for all nodes (`/**`), what this one does not have is left out, and so is the
+    /// parameter `use_sim_time` that every node has.
+    ///
+    /// # Errors
+    /// [`ParameterError`] for a value that is not taken, and for a name that the node does not have,
+    /// with the nearest that it has.
+    pub fn taken_by(
+        &self,
+        node: &str,
+        declared: &[Declaration],
+    ) -> Result<BTreeMap<String, ParameterValue>, ParameterError> {
+        let mut taken = BTreeMap::new();
+        for given in self.0.iter().filter(|given| given.is_for(node)) {
+            for (name, value) in &given.values {
+                match declared.iter().find(|one| one.name() == name) {
+                    Some(one) => _ = taken.insert(name.clone(), one.accept(value)?),
+                    None if given.pattern == "/**" || name == "use_sim_time" => {}
+                    None => {
+                        let known = declared.iter().map(Declaration::name);
+                        let nearest = nearest(name, known).map(str::to_owned);
+                        return Err(ParameterError::Unknown { name: name.clone(), nearest });
+                    }
+                }
+            }
+        }
+        Ok(taken)
     }
 }
 

@@ -115,7 +115,8 @@ fn block(text: &mut String, entries: &[Entry], indent: usize) {
 }
 
 /// A value as text; lists stand on one line, so that a comment can stand behind them.
-fn scalar(value: &ParameterValue) -> String {
+#[must_use]
+pub fn scalar(value: &ParameterValue) -> String {
     fn list<T>(all: &[T], one: impl Fn(&T) -> String) -> String {
         format!("[{}]", all.iter().map(one).collect::<Vec<_>>().join(", "))
     }
