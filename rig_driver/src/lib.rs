@@ -8,6 +8,7 @@
 //! them stands under the safety layer ([`safety`]), which trusts neither the controller nor the
 //! sensors. Which rigs there are, how they are named and opened, says [`registry`].
 
+pub mod back_end;
 mod calibration;
 mod drift;
 pub mod emulated;
@@ -32,6 +33,7 @@ mod simulated;
 #[cfg(any(test, feature = "ros"))]
 mod station;
 
+pub use back_end::{RigFactory, RigSetup};
 pub use calibration::{Calibrated, Calibration, Sign, SignError};
 pub use drift::FrictionDrift;
 pub use error::RigError;
@@ -39,7 +41,7 @@ pub use friction_coupling::FrictionCoupling;
 pub use measurement::Measurement;
 pub use miswired::{Miswired, Miswiring, MiswiringError};
 pub use plant::{Plant, Truth};
-pub use registry::{RigAddress, RigFactory, RigRegistry, RigSetup};
+pub use registry::{RigAddress, RigRegistry};
 pub use rig::{HIGHEST_VOLTAGE, Rig, VOLTAGE_RANGE};
 pub use sensors::{Channel, SensorError, Sensors};
 pub use simulated::{SimulatedFactory, SimulatedRig, SimulationOptions};

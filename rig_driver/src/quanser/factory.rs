@@ -2,7 +2,7 @@
 
 use super::{QuanserOptions, QuanserRig, find_library};
 use crate::RigError;
-use crate::registry::{
+use crate::back_end::{
     BackEnd, Listed, Place, RigDescription, RigFactory, RigSetup, SensorsPresent,
 };
 use crate::safety::SafetyLimits;

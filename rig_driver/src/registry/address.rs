@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-use super::{BackEnd, Opened, Pace, RigFactory, RigRegistry, RigSetup};
+use super::{Opened, Pace, RigRegistry};
+use crate::back_end::{BackEnd, RigFactory, RigSetup};
 use crate::simulated::SimulatedFactory;
 use crate::{Calibrated, Rig, RigError};
 

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{AddressError, Listed, Place, RigAddress, RigFactory};
+use super::{AddressError, RigAddress};
+use crate::back_end::{Listed, Place, RigFactory};
 use crate::quanser::QuanserFactory;
 #[cfg(feature = "serial")]
 use crate::serial::SerialFactory;

@@ -21,13 +21,14 @@
 //! it, put together in one place ([`RigLimits`](crate::safety::RigLimits)).
 
 mod address;
-mod description;
-mod factory;
 mod list;
 mod opened;
 
 pub use address::{AddressError, RigAddress};
-pub use description::{RigDescription, Scales};
-pub use factory::{BackEnd, Listed, Place, PlaceError, RigFactory, Standing};
 pub use list::{AlreadyInstalled, RigRegistry};
-pub use opened::{Opened, Pace, RigSetup, SensorsPresent};
+pub use opened::{Opened, Pace};
+
+pub use crate::back_end::{
+    BackEnd, Listed, Place, PlaceError, RigDescription, RigFactory, RigSetup, Scales,
+    SensorsPresent, Standing,
+};

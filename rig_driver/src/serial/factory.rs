@@ -6,7 +6,7 @@ use rig_protocol::Hello;
 
 use super::ports::{SerialPort, serial_ports};
 use super::{SerialOptions, SerialRig, limits};
-use crate::registry::{
+use crate::back_end::{
     BackEnd, Listed, Place, PlaceError, RigDescription, RigFactory, RigSetup, Scales,
     SensorsPresent, Standing,
 };

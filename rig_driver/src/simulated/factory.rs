@@ -1,7 +1,7 @@
 //! How the simulated test bed is opened.
 
 use super::SimulationOptions;
-use crate::registry::{BackEnd, Listed, Place, RigFactory, RigSetup, SensorsPresent};
+use crate::back_end::{BackEnd, Listed, Place, RigFactory, RigSetup, SensorsPresent};
 use crate::safety::SafetyLimits;
 use crate::{Miswired, Rig, RigError};
 
