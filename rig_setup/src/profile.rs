@@ -8,6 +8,7 @@ use rig_driver::Calibration;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{RigChoice, RigDescription, RigFileError, RigLimits, SensorsPresent};
+use parameters::with_nearest;
 
 /// Name of the profile that is found by default, in the current folder.
 pub const PROFILE: &str = "rig.yaml";
@@ -111,7 +112,7 @@ impl RigProfile {
     /// [`RigFileError`] says what is wrong in the text; a key that there is not is named.
     pub fn read(text: &str) -> Result<Self, RigFileError> {
         let profile: Self = serde_saphyr::from_str(text)
-            .map_err(|error| RigFileError::Unreadable(error.to_string()))?;
+            .map_err(|error| RigFileError::Unreadable(with_nearest(&error.to_string())))?;
         let wrong = |why: String| Err(RigFileError::section("limits", why));
         profile.calibration.map_or(Ok(()), |calibration| {
             calibration.check().map_err(|error| RigFileError::section("calibration", error))
@@ -306,7 +307,7 @@ mod tests {
     fn what_is_wrong_is_named_and_nothing_of_the_file_is_taken() {
         let good = full().text();
         for (from, to, said) in [
-            ("limits:", "limit:", "limit"),
+            ("limits:", "limit:", "is `limits` meant?"),
             ("  voltage: 12.0", "  volts: 12.0", "volts"),
             ("  voltage: 12.0", "  voltage: 36.0", "voltage range is 24"),
             ("  voltage: 12.0", "  voltage: -1.0", "voltage"),

@@ -13,7 +13,7 @@ use crate::run::{GivenError, of_node};
 use files::ros_parameters::file;
 use friction_observer::parameters::{ObserverSettings, declarations};
 use parameters::file::{FileError, Parameters, number};
-use parameters::{ParameterError, ParameterValue, Values};
+use parameters::{ParameterError, ParameterValue, Values, with_nearest};
 
 /// A parameter file in YAML with every parameter of the model and what it means.
 #[must_use]
@@ -206,8 +206,10 @@ pub fn read(text: &str, wanted: Option<ModelName>) -> Result<AnyModel, ModelFile
 }
 
 fn model(name: ModelName, tree: Value) -> Result<AnyModel, ModelFileError> {
-    serde_json::from_value(tree)
-        .map_err(|error| ModelFileError::Parameters { name, detail: error.to_string() })
+    serde_json::from_value(tree).map_err(|error| ModelFileError::Parameters {
+        name,
+        detail: with_nearest(&error.to_string()),
+    })
 }
 
 /// The model that the node `friction_observer` would have with this file: what is left out is the

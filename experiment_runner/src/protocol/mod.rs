@@ -15,6 +15,7 @@ mod sequence;
 mod tracking;
 mod varying_velocity;
 
+use parameters::with_nearest;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
@@ -72,7 +73,7 @@ fn sheet<T: DeserializeOwned>(text: &str, name: &'static str) -> Result<T, Proto
     serde_saphyr::from_str(text).map_err(|error| {
         let said = error.to_string();
         let detail =
-            said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
+            with_nearest(said.lines().next().unwrap_or_default().trim_start_matches("error: "));
         ProtocolError::Form { detail, name }
     })
 }

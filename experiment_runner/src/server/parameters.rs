@@ -22,7 +22,7 @@ parameters! {
             "Rigs that requests may use, separated by commas, beside the one that `rig` names at the start",
             more("`nodes` are those of this axis"), read_only();
         rig: String = "simulated".to_owned(),
-            "Rig of experiments whose request names none: `nodes` for the one that this axis's nodes drive, `simulated` for one of their own, or what `frictionlab run --rig` takes";
+            "Rig of experiments whose request names none", among(RigChoice::grammar);
         autostart: bool = true, "Configure and activate when the program starts", read_only();
     }
 }

@@ -5,8 +5,11 @@ use std::{path::PathBuf, sync::atomic::Ordering};
 use controller::{ControlMode, ControllerOptions};
 use friction_model::{AnyModel, ModelName};
 use friction_observer::EstimatorOptions;
+use friction_observer::parameters::ObserverParameters;
+use rig_driver::parameters::RigParameters;
 use rig_driver::{RigRegistry, SimulationOptions};
 
+use super::serve::{USUAL, meaning, meaning_of};
 use crate::interruption;
 use crate::live::{self, LiveOptions, Serving};
 use experiment_runner::asked::rig::{Chosen, RigParser, choose};
@@ -58,7 +61,8 @@ pub struct LiveArgs {
     #[arg(long, value_enum, default_value_t)]
     pub mode: ModeArg,
     /// The observer's friction model
-    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
+    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name,
+        help = meaning_of(&ObserverParameters::default(), "model"))]
     pub model: ModelName,
     /// Parameters of the observer's model and of the controller: a parameters.yaml of `run` or
     /// `identify`, a controller.yaml of `design`. May be given several times; of a value that
@@ -66,7 +70,8 @@ pub struct LiveArgs {
     #[arg(long, value_name = "FILE")]
     pub parameters: Vec<PathBuf>,
     /// The simulated plant's own friction model
-    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name)]
+    #[arg(long, value_name = "NAME", default_value = "proposed", value_parser = model_name,
+        help = meaning_of(&RigParameters::default(), "simulated.model"))]
     pub plant: ModelName,
     /// Shape of the reference
     #[arg(long, value_enum, default_value_t)]
@@ -100,11 +105,13 @@ pub struct LiveArgs {
         value_name = "RIGS",
         value_delimiter = ',',
         requires = "serve",
-        default_value = super::serve::USUAL.allow_rigs.as_str()
+        default_value = USUAL.allow_rigs.as_str(),
+        help = format!("With --serve: {}", meaning("allow_rigs"))
     )]
     pub allow_rigs: Vec<RigChoice>,
     /// Seed of the sensors' noise
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64),
+        help = meaning_of(&RigParameters::default(), "simulated.seed"))]
     pub seed: u64,
     /// Write the exact percentiles of the periods' errors to FILE, as JSON; - is standard output,
     /// and nothing else is printed there

@@ -59,9 +59,14 @@ pub struct ServeArgs {
 /// The parameters of the node, from which the options come.
 pub(super) static USUAL: LazyLock<RunnerParameters> = LazyLock::new(RunnerParameters::default);
 
-/// What a parameter of the node is.
+/// What a parameter of the runner is.
 pub(super) fn meaning(name: &str) -> String {
-    let declared = USUAL.declarations();
+    meaning_of(&*USUAL, name)
+}
+
+/// What a parameter of a node is, as the help of an option says it.
+pub(super) fn meaning_of(parameters: &impl Declared, name: &str) -> String {
+    let declared = parameters.declarations();
     let found = declared.iter().find(|one| one.name() == name);
     found.map(|one| one.description().to_owned()).unwrap_or_default()
 }
