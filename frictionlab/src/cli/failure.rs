@@ -7,7 +7,7 @@ use recording::RecordingError;
 use recording::bag::BagError;
 use rig_driver::RigError;
 use rig_setup::RigSetupError;
-use studies::monte_carlo::study::StudyError;
+use studies::monte_carlo::StudyError;
 use work::{BadInput, Interrupted};
 
 use super::advice::advice;
