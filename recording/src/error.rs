@@ -50,7 +50,7 @@ pub enum RecordingError {
         detail: String,
     },
     /// A column that was asked for is not there.
-    #[error("{} has no column `{name}`; its columns are: {present}. choose one of them", path.display())]
+    #[error("{} has no column `{name}`; its columns are: {present}; choose one of them", path.display())]
     NoColumn {
         /// The file.
         path: PathBuf,

@@ -7,7 +7,7 @@ use std::{
 
 use ros2_client::{Message, ServiceMapping, service::Client};
 
-use crate::{RosNodeError, hearing, participant::Shared};
+use crate::{RosNodeError, hearing, shared::Shared};
 
 /// How long one request waits before it is sent once more, where that does no harm: a server that
 /// was not discovered yet never heard the first.

@@ -2,7 +2,7 @@
 
 use std::{env, net::IpAddr};
 
-use crate::RosNodeError;
+use crate::{EnvironmentError, RosNodeError};
 
 /// Highest domain whose ports exist.
 const LAST_DOMAIN: u16 = 232;
@@ -65,22 +65,22 @@ impl Discovery {
         let domain = match domain.map(str::trim) {
             None | Some("") => 0,
             Some(text) => text.parse().ok().filter(|id| *id <= LAST_DOMAIN).ok_or_else(|| {
-                RosNodeError::Environment {
+                RosNodeError::Environment(EnvironmentError {
                     name: "ROS_DOMAIN_ID",
                     expected: "a whole number from 0 to 232",
                     value: text.to_owned(),
-                }
+                })
             })?,
         };
         let range = match range.map(str::trim) {
             None | Some("" | "LOCALHOST") => Range::Localhost,
             Some("SUBNET" | "SYSTEM_DEFAULT") => Range::Subnet,
             Some(text) => {
-                return Err(RosNodeError::Environment {
+                return Err(RosNodeError::Environment(EnvironmentError {
                     name: "ROS_AUTOMATIC_DISCOVERY_RANGE",
                     expected: "LOCALHOST, SUBNET or SYSTEM_DEFAULT (OFF cannot be had: use a domain of your own)",
                     value: text.to_owned(),
-                });
+                }));
             }
         };
         Ok(Self { domain, range })

@@ -1,5 +1,6 @@
 //! What can go wrong between a node and the network.
 
+use crate::environment::EnvironmentError;
 use crate::security::SecurityError;
 
 /// A node that cannot join, or a message that cannot be sent.
@@ -7,17 +8,8 @@ use crate::security::SecurityError;
 #[non_exhaustive]
 pub enum RosNodeError {
     /// An environment variable of ROS has a value that is none of its own.
-    #[error(
-        "the environment variable {name} must be {expected}, but is `{value}`; set it right or unset it"
-    )]
-    Environment {
-        /// The variable.
-        name: &'static str,
-        /// What it may be.
-        expected: &'static str,
-        /// What it is.
-        value: String,
-    },
+    #[error(transparent)]
+    Environment(#[from] EnvironmentError),
     /// A name that is none.
     #[error("`{name}` is no name of {what}; expected {expected}")]
     Name {
@@ -127,7 +119,7 @@ impl RosNodeError {
     #[must_use]
     pub const fn is_bad_input(&self) -> bool {
         match self {
-            Self::Environment { .. }
+            Self::Environment(_)
             | Self::Name { .. }
             | Self::Parameter { .. }
             | Self::Parameters { .. }

@@ -1,18 +1,11 @@
 //! The process on the network.
 
-use std::{
-    collections::BTreeMap,
-    ops::Deref,
-    sync::{
-        Arc, Mutex,
-        atomic::{AtomicBool, AtomicU8},
-    },
-    time::Duration,
-};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use ros2_client::Context;
 use rustdds::DomainParticipantBuilder;
-use tokio::runtime::{Builder, Runtime};
+use tokio::runtime::Builder;
 
 use crate::{
     Arguments, Discovery, Graph, RosNode, RosNodeError,
@@ -21,80 +14,16 @@ use crate::{
     lagging::Lagging,
     middleware::{self, Leave},
     scope::Scope,
-    security::{self, Enclave, Others, Prefix, Protection},
+    security::{self, Enclave, Others, Prefix, Protection, Wish},
+    shared::{LastPhases, Shared, Workers},
     terminal,
     turn::Turn,
 };
-
-/// Longest wait for what follows the participant's events to end.
-const LEAVING: Duration = Duration::from_secs(1);
 
 /// One process's place on the network, shared by its nodes. It leaves when the last of them and
 /// this are dropped.
 pub struct Participant {
     shared: Arc<Shared>,
-}
-
-/// States in which the managed nodes of a process were last, by their absolute names.
-pub(crate) type LastPhases = Mutex<BTreeMap<String, Arc<AtomicU8>>>;
-
-/// What participant and nodes hold together. The fields are dropped in this order: the runtime
-/// last, so that nothing runs on a participant that is gone.
-pub(crate) struct Shared {
-    pub(crate) context: Context,
-    pub(crate) runtime: Workers,
-    pub(crate) arguments: Arguments,
-    /// Who can hear the answers of the nodes' services.
-    pub(crate) hearers: Arc<Hearers>,
-    /// Hears of others, apart: answers wait for it. `None` only while this is being dropped.
-    following: Option<Apart>,
-    /// Subscribers that do not keep up.
-    pub(crate) lagging: Arc<Lagging>,
-    /// Who else is there; it is filled once somebody wants to know.
-    pub(crate) graph: Graph,
-    pub(crate) graph_is_watched: AtomicBool,
-    /// Of the life before; empty in the first.
-    pub(crate) last_phases: Arc<LastPhases>,
-    protection: Protection,
-    others: Arc<Others>,
-    /// Anybody on the network can command the nodes, and nobody has been told.
-    pub(crate) open: AtomicBool,
-    /// A node has said what it makes of `RMW_IMPLEMENTATION`.
-    pub(crate) rmw_is_told: AtomicBool,
-    /// Ends when all else is gone.
-    leave: Leave,
-}
-
-/// The threads of the nodes' background work. Dropped, they end, but one that is stuck is not
-/// waited for.
-pub(crate) struct Workers(Option<Runtime>);
-
-impl Deref for Workers {
-    type Target = Runtime;
-
-    fn deref(&self) -> &Runtime {
-        self.0.as_ref().expect("there until it is dropped")
-    }
-}
-
-impl Drop for Workers {
-    fn drop(&mut self) {
-        if let Some(runtime) = self.0.take() {
-            runtime.shutdown_timeout(LEAVING);
-        }
-    }
-}
-
-impl Drop for Shared {
-    fn drop(&mut self) {
-        self.leave.begin();
-        // It holds a part of the participant, which leaves when nobody holds it any more.
-        if let Some(following) = self.following.take() {
-            following.join(LEAVING);
-        }
-        // What the nodes said last.
-        terminal::flush();
-    }
 }
 
 impl Participant {
@@ -136,7 +65,12 @@ impl Participant {
         if let Some(networks) = networks {
             builder = builder.with_only_networks(networks);
         }
-        let (builder, protection) = security::protect(builder, discovery.domain, &arguments)?;
+        let protection = if arguments.in_the_clear {
+            Protection::Off(None)
+        } else {
+            Wish::from_environment()?.protection(arguments.enclave.as_deref())?
+        };
+        let builder = security::protect(builder, discovery.domain, &protection)?;
         // As ROS tells it, also in the clear.
         let enclave = protection.enclave().map_or("/", |enclave| &enclave.name);
         #[cfg(feature = "mended")]

@@ -4,7 +4,7 @@ use work::sequencer::Completion;
 
 use crate::protocol::{CompensationProtocol, ProtocolError, ProtocolFile};
 use crate::run::experiment::{Experiment, Progressed, Put, Running};
-use crate::run::tracked::TrackedTask;
+use crate::run::sorted::TrackedTask;
 use crate::run::{RunError, RunOptions};
 
 /// The experiment.

@@ -7,8 +7,8 @@ use work::sequencer::Completion;
 
 use crate::constant_velocity::{SteadyJob, SteadyRun};
 use crate::protocol::{ConstantVelocityProtocol, ProtocolError, ProtocolFile};
-use crate::run::bench::Made;
 use crate::run::experiment::{Experiment, Progressed, Put, Running};
+use crate::run::made::Made;
 use crate::run::options::stream_seed;
 use crate::run::results::{Identification, Parameter, static_truth};
 use crate::run::{RunError, RunOptions};

@@ -4,7 +4,7 @@ use controller::ControlMode;
 
 use crate::protocol::TrackingProtocol;
 use crate::run::experiment::{Experiment, Progressed, Running};
-use crate::run::tracked::TrackedTask;
+use crate::run::sorted::TrackedTask;
 use crate::run::{RunError, RunOptions};
 
 /// The experiment, of the quantity that is regulated.

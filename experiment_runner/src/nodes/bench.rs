@@ -10,8 +10,9 @@ use friction_model::AnyModel;
 use friction_observer::EstimatorOptions;
 use friction_observer::parameters::{ObserverParameters, Regulated};
 use rig_driver::RigError;
+use ros_node::RemoteParameters;
 use ros_node::lifecycle::Phase;
-use ros_node::parameters::{ParameterError, RemoteParameters};
+use ros_node::parameters::ParameterError;
 use ros_node::{Arguments, Discovery, ParameterValue, Participant, RosNodeError};
 
 use super::link::{Event, FINDING, Led, Link, PATIENCE, STOPPING};

@@ -12,8 +12,9 @@ use msgs::lifecycle_msgs::{State, TransitionEvent};
 use msgs::std_msgs::Header;
 use msgs::std_srvs::{Trigger, TriggerRequest, TriggerResponse};
 use msgs::topics::{self, Qos};
+use ros_node::RemoteParameters;
 use ros_node::lifecycle::RemoteLifecycle;
-use ros_node::parameters::{Parameters, RemoteParameters};
+use ros_node::parameters::Parameters;
 use ros_node::{Participant, Publisher, RosNode, RosNodeError, ServiceClient};
 
 use super::{Assembler, Heard, Source, Whole};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::excited::MeanRecord;
+use super::mean_record::MeanRecord;
 use crate::characterise::Measured;
 
 /// What experiments 2 to 4 found; none of those that were not run.

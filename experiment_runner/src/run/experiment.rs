@@ -13,7 +13,7 @@ use work::sequencer::Completion;
 use super::bench::Bench;
 use super::recorder::{Recorder, Timeline};
 use super::results::Identification;
-use super::tracked::Sorted;
+use super::sorted::Sorted;
 use super::{Characterisation, Compensators, RunError, RunOptions};
 use crate::constant_velocity::SteadyRun;
 use crate::protocol::ProtocolError;

@@ -1,7 +1,7 @@
 //! A sequence of one's own in the report: it has no figures, only what was recorded.
 
 use super::characterisation::Characterisation;
-use super::excited::MeanRecord;
+use super::mean_record::MeanRecord;
 use report::figure::{Block, Figure, LineStyle, Panel, Trace};
 use report::numbers;
 

@@ -1,62 +1,18 @@
 //! The tasks that compensations are compared in: which there are, and how each is driven.
 
-use controller::ControlMode;
 use friction_model::ModelName;
 
 use super::RunError;
-use super::bench::Made;
 use super::experiment::{Progressed, Running};
+use super::made::Made;
 use super::options::stream_seed;
-use super::results::{Comparison, TaskComparison};
+use super::results::Comparison;
+use super::sorted::TrackedTask;
 use super::trace::Trace;
 use crate::compensation::Arm;
 use crate::protocol::TrackingProtocol;
 use crate::tracking::{TrackingJob, TrackingRun};
 use work::sequencer::Completion;
-
-/// One task of a run.
-#[derive(Debug, Clone)]
-pub(crate) struct TrackedTask {
-    /// Name in tables.
-    pub name: String,
-    /// What is driven.
-    pub protocol: TrackingProtocol,
-    /// Stream of its sensor noise.
-    pub stream: u64,
-    /// Whether it is one of the compensation experiments.
-    pub compared: bool,
-}
-
-/// What the tasks found, where the results have a place for it.
-#[derive(Debug, Default)]
-pub(crate) struct Sorted {
-    /// Velocity tracking.
-    pub velocity: Option<Comparison>,
-    /// Position tracking.
-    pub position: Option<Comparison>,
-    /// The compensation experiments.
-    pub tasks: Vec<TaskComparison>,
-    /// What the report draws, by the name of the task.
-    pub traces: Vec<(String, Vec<(Arm, Trace)>)>,
-}
-
-impl Sorted {
-    /// Takes in what one task found; nothing if not one run of it was made.
-    pub fn take(
-        &mut self,
-        task: TrackedTask,
-        comparison: Option<Comparison>,
-        traces: Vec<(Arm, Trace)>,
-    ) {
-        let Some(comparison) = comparison else { return };
-        self.traces.push((task.name.clone(), traces));
-        match (task.compared, task.protocol.mode) {
-            (true, _) => self.tasks.push(TaskComparison { name: task.name, comparison }),
-            (false, ControlMode::Velocity) => self.velocity = Some(comparison),
-            (false, ControlMode::Position) => self.position = Some(comparison),
-        }
-    }
-}
 
 /// Runs of one task.
 pub(super) struct Tracked {

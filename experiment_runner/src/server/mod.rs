@@ -7,6 +7,7 @@
 //! identifies models from a bag. [`node`] ties all of it to ROS 2.
 
 pub mod desk;
+pub mod ended;
 pub mod identification;
 pub mod listing;
 #[cfg(feature = "ros")]

@@ -19,7 +19,8 @@ use ros_node::{
     ActionHandler, ActionServer, Goal, GoalEnd, GoalId, Participant, RosNode, RosNodeError, Stop,
 };
 
-use super::desk::{Desk, Ended, UsualRig, Watcher};
+use super::desk::{Desk, UsualRig, Watcher};
+use super::ended::Ended;
 use super::parameters::RunnerParameters;
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;

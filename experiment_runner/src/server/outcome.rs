@@ -4,7 +4,7 @@ use controller::ControlMode;
 use msgs::friction_msgs::{EstimatedParameter, Figure, RunExperimentResult};
 
 use super::Refusal;
-use super::desk::{Ended, Started};
+use super::ended::{Ended, Started};
 use crate::characterise::Measured;
 use crate::run::{BreakawayFigures, Characterisation, Comparison, RunResults, Status};
 

@@ -30,7 +30,7 @@ pub(super) fn environment() -> (Vec<Finding>, Option<Discovery>) {
         }
         Err(error) => {
             let subject = match &error {
-                RosNodeError::Environment { name, .. } => *name,
+                RosNodeError::Environment(error) => error.name,
                 _ => "environment",
             };
             let mend = match subject {

@@ -1,7 +1,7 @@
 //! Whether this process and the others on the domain are secured.
 
 use ros_node::{
-    Discovery, RosNodeError,
+    Discovery, EnvironmentError,
     security::{BUILT, Protection, Standing, Strategy, Wish},
 };
 
@@ -15,14 +15,13 @@ pub(super) fn environment(discovery: Option<&Discovery>) -> Finding {
     const NAME: &str = "ROS_SECURITY_ENABLE";
     let wish = match Wish::from_environment() {
         Ok(wish) => wish,
-        Err(RosNodeError::Environment { name, expected, value }) => {
+        Err(EnvironmentError { name, expected, value }) => {
             return Finding::broken(
                 name,
                 format!("it is `{value}`: no program starts"),
                 format!("set it to {expected}, or unset it"),
             );
         }
-        Err(error) => return Finding::broken(NAME, error.to_string(), "set it right, or unset it"),
     };
     if !wish.enabled {
         return Finding::fine(

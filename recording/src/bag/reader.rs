@@ -18,12 +18,9 @@ use msgs::{RosMessage, cdr};
 use super::{
     BagError,
     guard::guarded,
-    salvage::{Found, Losses, Salvage},
+    salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
 };
-
-/// No record or chunk of a sane bag is larger; a file that claims one is damaged.
-pub(super) const LARGEST_RECORD: usize = 1 << 28;
 
 /// One topic of a bag.
 #[derive(Debug, Clone, PartialEq, Eq)]

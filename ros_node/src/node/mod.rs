@@ -17,7 +17,7 @@ use tokio::task::JoinHandle;
 
 pub use self::topics::Sent;
 use crate::apart::Apart;
-use crate::participant::Shared;
+use crate::shared::Shared;
 use crate::{Logger, Named, NodeClock, NodeIdentity, RosNodeError, logger, rmw};
 
 /// How long a leaving node waits for its background work.

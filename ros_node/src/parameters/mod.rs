@@ -3,14 +3,12 @@
 //! The rules are rclcpp's: a parameter keeps its type, undeclared ones cannot be set, and a set is
 //! checked as a whole before anything changes. What a parameter is stands in the crate
 //! [`parameters`](::parameters), which has no ROS; here are the six services and
-//! `/parameter_events` ([`Parameters`]). [`RemoteParameters`] asks another node.
+//! `/parameter_events` ([`Parameters`]). [`RemoteParameters`](crate::RemoteParameters) asks another node.
 
-mod remote;
 mod services;
 mod store;
-mod wire;
+pub(crate) mod wire;
 
 pub use ::parameters::{Declaration, Declared, ParameterError, ValueRange, Values, markdown_table};
-pub use remote::RemoteParameters;
 pub use services::Parameters;
 pub use store::{Change, Judge, ParameterStore, StoreError};

@@ -22,12 +22,12 @@ fn wire(value: ParameterValue) -> Wire {
 }
 
 /// A value as it travels.
-pub(super) fn to_raw(value: ParameterValue) -> raw::ParameterValue {
+pub(crate) fn to_raw(value: ParameterValue) -> raw::ParameterValue {
     wire(value).into()
 }
 
 /// A value that came.
-pub(super) fn from_raw(value: raw::ParameterValue) -> ParameterValue {
+pub(crate) fn from_raw(value: raw::ParameterValue) -> ParameterValue {
     match Wire::from(value) {
         Wire::NotSet => ParameterValue::NotSet,
         Wire::Boolean(value) => ParameterValue::Boolean(value),

@@ -36,27 +36,19 @@ pub use wish::{Protection, Strategy, Wish};
 
 use rustdds::DomainParticipantBuilder;
 
-use crate::{Arguments, RosNodeError};
-
 /// Whether this program was built with DDS Security.
 pub const BUILT: bool = cfg!(feature = "security");
 
-/// The participant as the environment and the command line's enclave ask for it, and what is to be
-/// said of it.
+/// The participant under that protection.
 pub(crate) fn protect(
     builder: DomainParticipantBuilder,
     domain: u16,
-    arguments: &Arguments,
-) -> Result<(DomainParticipantBuilder, Protection), RosNodeError> {
-    if arguments.in_the_clear {
-        return Ok((builder, Protection::Off(None)));
+    protection: &Protection,
+) -> Result<DomainParticipantBuilder, SecurityError> {
+    match protection {
+        Protection::Off(_) => Ok(builder),
+        Protection::On(enclave) => secured(builder, domain, enclave),
     }
-    let protection = Wish::from_environment()?.protection(arguments.enclave.as_deref())?;
-    let builder = match &protection {
-        Protection::Off(_) => builder,
-        Protection::On(enclave) => secured(builder, domain, enclave)?,
-    };
-    Ok((builder, protection))
 }
 
 #[cfg(feature = "security")]
@@ -64,7 +56,7 @@ fn secured(
     builder: DomainParticipantBuilder,
     domain: u16,
     enclave: &Enclave,
-) -> Result<DomainParticipantBuilder, RosNodeError> {
+) -> Result<DomainParticipantBuilder, SecurityError> {
     credentials::examine(&enclave.folder, std::time::SystemTime::now())
         .and_then(|credentials| credentials.for_domain(domain))
         .map_err(|source| SecurityError::Unusable {
@@ -85,6 +77,6 @@ fn secured(
     _: DomainParticipantBuilder,
     _: u16,
     _: &Enclave,
-) -> Result<DomainParticipantBuilder, RosNodeError> {
-    Err(SecurityError::NotBuilt.into())
+) -> Result<DomainParticipantBuilder, SecurityError> {
+    Err(SecurityError::NotBuilt)
 }

@@ -4,7 +4,7 @@
 use std::{env, path::PathBuf};
 
 use super::{BUILT, Enclave, SecurityError, enclave::REVOKED};
-use crate::RosNodeError;
+use crate::environment::EnvironmentError;
 
 /// What happens where a keystore or an enclave is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -63,9 +63,9 @@ impl Wish {
     /// `ROS_SECURITY_ENCLAVE_OVERRIDE`.
     ///
     /// # Errors
-    /// [`RosNodeError::Environment`]: a value that ROS would take for "no", though somebody meant
+    /// [`EnvironmentError`]: a value that ROS would take for "no", though somebody meant
     /// "yes", is refused here.
-    pub fn from_environment() -> Result<Self, RosNodeError> {
+    pub fn from_environment() -> Result<Self, EnvironmentError> {
         let read = |name| env::var_os(name).map(|value| value.to_string_lossy().into_owned());
         Self::from_values(
             read("ROS_SECURITY_ENABLE").as_deref(),
@@ -79,15 +79,15 @@ impl Wish {
     /// variables in their order.
     ///
     /// # Errors
-    /// [`RosNodeError::Environment`].
+    /// [`EnvironmentError`].
     pub fn from_values(
         enable: Option<&str>,
         strategy: Option<&str>,
         keystore: Option<&str>,
         enclave: Option<&str>,
-    ) -> Result<Self, RosNodeError> {
+    ) -> Result<Self, EnvironmentError> {
         let wrong = |name, expected, value: &str| {
-            Err(RosNodeError::Environment { name, expected, value: value.to_owned() })
+            Err(EnvironmentError { name, expected, value: value.to_owned() })
         };
         let enabled = match enable {
             None | Some("" | "false") => false,
@@ -116,10 +116,10 @@ impl Wish {
     /// How a program with that enclave on its command line is to be on the network.
     ///
     /// # Errors
-    /// [`RosNodeError::Security`] where security is asked for and cannot be had: the program lacks
+    /// [`SecurityError`] where security is asked for and cannot be had: the program lacks
     /// it; keystore or enclave are missing and the strategy is to enforce; the enclave's name is
     /// none; it has a list of revoked certificates, which nobody would read.
-    pub fn protection(&self, enclave: Option<&str>) -> Result<Protection, RosNodeError> {
+    pub fn protection(&self, enclave: Option<&str>) -> Result<Protection, SecurityError> {
         self.protection_if(BUILT, enclave)
     }
 
@@ -127,32 +127,32 @@ impl Wish {
         &self,
         built: bool,
         enclave: Option<&str>,
-    ) -> Result<Protection, RosNodeError> {
+    ) -> Result<Protection, SecurityError> {
         if !self.enabled {
             return Ok(Protection::Off(None));
         }
         if !built {
-            return Err(SecurityError::NotBuilt.into());
+            return Err(SecurityError::NotBuilt);
         }
         let Some(keystore) = &self.keystore else {
             return self.without(SecurityError::NoKeystore);
         };
         let name = self.enclave.as_deref().or(enclave).unwrap_or("/");
-        let enclave = Enclave::of(keystore, name).map_err(SecurityError::from)?;
+        let enclave = Enclave::of(keystore, name)?;
         if let Some(lacking) = enclave.lacks() {
             let (enclave, keystore) = (enclave.name, keystore.clone());
             return self.without(SecurityError::Lacks { enclave, keystore, lacking });
         }
         if enclave.folder.join(REVOKED).exists() {
-            return Err(SecurityError::Revoked { list: enclave.folder.join(REVOKED) }.into());
+            return Err(SecurityError::Revoked { list: enclave.folder.join(REVOKED) });
         }
         Ok(Protection::On(enclave))
     }
 
     /// What is missing ends the program or is said, as the strategy is.
-    fn without(&self, lacking: SecurityError) -> Result<Protection, RosNodeError> {
+    fn without(&self, lacking: SecurityError) -> Result<Protection, SecurityError> {
         match self.strategy {
-            Strategy::Enforce => Err(lacking.into()),
+            Strategy::Enforce => Err(lacking),
             Strategy::Permissive => Ok(Protection::Off(Some(format!(
                 "runs WITHOUT security, in the clear, though ROS_SECURITY_ENABLE is true: {lacking}; ROS_SECURITY_STRATEGY=Enforce \
                  would not have started it"
@@ -177,10 +177,7 @@ mod tests {
         }
         for unclear in ["True", "TRUE", "1", "yes", " true"] {
             let error = Wish::from_values(Some(unclear), None, None, None).unwrap_err();
-            assert!(
-                error.is_bad_input() && error.to_string().contains("ROS_SECURITY_ENABLE"),
-                "{error}"
-            );
+            assert!(error.to_string().contains("ROS_SECURITY_ENABLE"), "{error}");
         }
         let error =
             Wish::from_values(Some("true"), Some("enforce"), None, None).unwrap_err().to_string();
@@ -193,7 +190,6 @@ mod tests {
         for strategy in ["Enforce", "Permissive"] {
             let error = wish(strategy, Some("/keys")).protection_if(false, None).unwrap_err();
             assert!(error.to_string().contains("--features security"), "{error}");
-            assert!(error.is_bad_input());
         }
     }
 

@@ -9,10 +9,11 @@ use serde::de::DeserializeOwned;
 
 #[cfg(test)]
 use super::stop_after;
-use super::{Axis, Bench, Made};
+use super::{Axis, Bench};
 use crate::control_loop::EPOCH_NS;
 use crate::run::RunError;
 use crate::run::journal::Journal;
+use crate::run::made::Made;
 use crate::run::recorder::Kept;
 use crate::run::results::Reconnection;
 use rig_setup::PATIENCE;

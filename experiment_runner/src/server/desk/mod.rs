@@ -11,10 +11,11 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use msgs::friction_msgs::{ExperimentStatus, RunExperimentFeedback};
 use msgs::std_msgs::Header;
 
+use super::ended::{Ended, Started};
 use super::permissions::Permissions;
 use super::request::ExperimentRequest;
 use super::{Refusal, outcome};
-use crate::run::{self, RunError, RunOptions, RunResults};
+use crate::run::{self, RunError, RunOptions};
 use files::{Folder, OutputError};
 use rig_setup::RigChoice;
 use work::progress::Progress;
@@ -40,26 +41,6 @@ pub trait Watcher: Send + Sync + 'static {
 impl Watcher for () {
     fn progress(&self, _feedback: RunExperimentFeedback) {}
     fn ended(self: Box<Self>, _ended: &Ended) {}
-}
-
-/// An experiment that was started.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Started {
-    /// Name of the run: the last part of its folder.
-    pub run_id: String,
-    /// Name of the experiment.
-    pub experiment: &'static str,
-    /// Where the results go, absolute.
-    pub folder: PathBuf,
-}
-
-/// How an experiment ended.
-#[derive(Debug)]
-pub struct Ended {
-    /// Which.
-    pub started: Started,
-    /// What was found, also if it was stopped; or why it failed.
-    pub results: Result<RunResults, Arc<RunError>>,
 }
 
 /// Hears of every change: a status for whoever is interested.

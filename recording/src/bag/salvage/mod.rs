@@ -13,6 +13,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::records::{Channel, MessageHeader, Record, SchemaHeader, op};
 
+pub(super) use self::record::LARGEST_RECORD;
 use self::record::{HEAD, length, parse, unpack};
 
 /// Bytes looked at in one go while searching.

@@ -3,7 +3,8 @@
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use crate::bag::reader::LARGEST_RECORD;
+/// No record or chunk of a sane bag is larger; a file that claims one is damaged.
+pub(in crate::bag) const LARGEST_RECORD: usize = 1 << 28;
 
 /// Opcode and length.
 pub(super) const HEAD: usize = 9;

@@ -12,7 +12,7 @@ use ros2_client::{
 
 use ::parameters::ParameterValue;
 
-use super::wire;
+use crate::parameters::wire;
 use crate::{RosNode, RosNodeError, ServiceClient};
 
 /// Reads and sets the parameters of a node that may run anywhere.
