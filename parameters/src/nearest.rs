@@ -25,16 +25,25 @@ pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, name)| name)
 }
 
-/// What serde says of a key that it does not know, with the known key that is meant.
+/// What serde says of a key that it does not know, with the known key that is meant behind the
+/// first line.
 ///
 /// ```
-/// let said = "unknown field `limit`, expected one of `rig`, `limits`, `drive`";
-/// assert!(parameters::with_nearest(said).ends_with("; is `limits` meant?"));
+/// let said = "unknown field `limit`, expected one of rig, limits, drive\n  --> 24:1";
+/// let first = parameters::with_nearest(said).lines().next().map(str::to_owned);
+/// assert!(first.unwrap().ends_with("drive; is `limits` meant?"));
+/// let said = "unknown field `gian`, expected `gain` or `time`";
+/// assert!(parameters::with_nearest(said).ends_with("; is `gain` meant?"));
 /// ```
 #[must_use]
 pub fn with_nearest(said: &str) -> String {
-    let unknown = said.split_once("unknown field `").and_then(|(_, rest)| rest.split_once('`'));
-    let nearest =
-        unknown.and_then(|(name, rest)| nearest(name, rest.split('`').skip(1).step_by(2)));
-    nearest.map_or_else(|| said.to_owned(), |nearest| format!("{said}; is `{nearest}` meant?"))
+    let (first, rest) = said.split_at(said.find('\n').unwrap_or(said.len()));
+    let named = first.split_once("unknown field `").and_then(|(_, rest)| rest.split_once('`'));
+    let known = named.map(|(_, known)| {
+        let parts = known.split([',', ' ']).map(|part| part.trim_matches('`'));
+        parts.filter(|part| !["", "expected", "one", "of", "or"].contains(part))
+    });
+    let nearest = named.zip(known).and_then(|((name, _), known)| nearest(name, known));
+    nearest
+        .map_or_else(|| said.to_owned(), |nearest| format!("{first}; is `{nearest}` meant?{rest}"))
 }
