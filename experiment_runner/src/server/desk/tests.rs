@@ -1,7 +1,10 @@
 //! One experiment at a time, and what everybody is told of it.
 
+use std::sync::mpsc;
+
 use super::*;
 use crate::run::Status;
+use crate::server::outcome;
 use recording::bag::BagReader;
 
 /// Sends the end on.
