@@ -13,7 +13,9 @@ mod calibration;
 mod drift;
 pub mod emulated;
 mod error;
+mod fault;
 mod friction_coupling;
+mod lifecycle;
 mod measurement;
 #[cfg(feature = "msgs")]
 pub mod messages;
@@ -30,6 +32,7 @@ mod sensors;
 #[cfg(feature = "serial")]
 pub mod serial;
 mod simulated;
+mod simulation_options;
 #[cfg(any(test, feature = "ros"))]
 mod station;
 
@@ -44,7 +47,8 @@ pub use plant::{Plant, Truth};
 pub use registry::{RigAddress, RigRegistry};
 pub use rig::{HIGHEST_VOLTAGE, Rig, VOLTAGE_RANGE};
 pub use sensors::{Channel, SensorError, Sensors};
-pub use simulated::{SimulatedFactory, SimulatedRig, SimulationOptions};
+pub use simulated::{SimulatedFactory, SimulatedRig};
+pub use simulation_options::SimulationOptions;
 
 /// The example of the README runs.
 #[cfg(doctest)]

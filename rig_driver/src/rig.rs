@@ -1,6 +1,7 @@
 //! The one trait every rig is driven through.
 
-use crate::safety::{Event, FaultReport, Refused, Request, State};
+use crate::fault::FaultReport;
+use crate::lifecycle::{Event, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
 /// Voltage range of a rig whose description does not tell it [V]: that of the converters of the

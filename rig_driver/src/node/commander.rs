@@ -18,7 +18,7 @@ use msgs::{
 };
 use ros_node::{Gate, Logger, ParticipantId, Passes, RosNode, RosNodeError, Sent};
 
-use super::{axis::locked, control::Counters};
+use super::{control::Counters, locked::locked};
 
 /// Age from which a command without a stamp no longer counts as made when it comes.
 const WAITED: Duration = Duration::from_millis(100);

@@ -19,12 +19,13 @@ use ros_node::{
 };
 
 use super::{
-    axis::{Axis, UnconfiguredRig, locked},
+    axis::{Axis, UnconfiguredRig},
     commander::Commander,
     control::VoltageCommand,
     declarations,
     in_cycle::InCycle,
     limits_guard::LimitsGuard,
+    locked::locked,
     parameters::RigSettings,
     warmth::Warmth,
 };

@@ -13,6 +13,7 @@ mod control;
 mod driver;
 mod in_cycle;
 mod limits_guard;
+mod locked;
 mod memory;
 mod parameters;
 mod program;

@@ -13,7 +13,7 @@ use std::{
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 
-use super::axis::locked;
+use super::locked::locked;
 use crate::safety::SafetyLimits;
 
 const HEADER: &str = "winding temperature, version 1";

@@ -8,15 +8,14 @@
 //! card with its own watchdog in a process of its own. **It has not been run on a real card.**
 
 mod counter;
-mod error;
 mod factory;
 mod hil;
 mod library;
 mod options;
 mod rig;
 
+pub use crate::error::QuanserError;
 pub use counter::UnwrappedCounter;
-pub use error::QuanserError;
 pub use factory::QuanserFactory;
 pub use library::find_library;
 pub use options::{AnalogInput, QuanserOptions};

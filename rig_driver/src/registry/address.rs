@@ -1,12 +1,11 @@
 //! The address of a rig: `simulated`, `quanser:0`, `serial:/dev/ttyACM0`.
 
 use std::fmt;
-use std::str::FromStr;
 use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-use super::{Opened, Pace, RigRegistry};
+use super::{Opened, Pace};
 use crate::back_end::{BackEnd, RigFactory, RigSetup};
 use crate::simulated::SimulatedFactory;
 use crate::{Calibrated, Rig, RigError};
@@ -84,15 +83,6 @@ impl RigAddress {
             None => rig,
         };
         Ok(Opened { rig, limits, pace, sensors, about, description })
-    }
-}
-
-impl FromStr for RigAddress {
-    type Err = AddressError;
-
-    /// One of the rigs of this program ([`RigRegistry::installed`]).
-    fn from_str(text: &str) -> Result<Self, AddressError> {
-        RigRegistry::installed().address(text)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The list of all kinds of rigs.
 
+use std::str::FromStr;
 use std::sync::{Arc, OnceLock};
 
 use super::{AddressError, RigAddress};
@@ -125,6 +126,15 @@ fn form(factory: &dyn RigFactory) -> String {
         Place::None => name.to_owned(),
         Place::Optional { what, .. } => format!("{name}[:{what}]"),
         Place::Required { what, example } => format!("{name}:{what} as in {name}:{example}"),
+    }
+}
+
+impl FromStr for RigAddress {
+    type Err = AddressError;
+
+    /// One of the rigs of this program ([`RigRegistry::installed`]).
+    fn from_str(text: &str) -> Result<Self, AddressError> {
+        RigRegistry::installed().address(text)
     }
 }
 

@@ -3,7 +3,7 @@
 use friction_model::Motor;
 use serde::{Deserialize, Serialize};
 
-use crate::{RigError, SimulationOptions};
+use crate::RigError;
 
 /// Limits of a rig. SI units, load side of the gear.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -150,40 +150,6 @@ impl SafetyLimits {
     /// has to be activated again, whatever is set.
     pub const LONGEST_LOSS: f64 = 1.0;
 
-    /// Limits for a simulated rig: its own voltage limit, a speed its drive cannot reach by itself,
-    /// its motor's constants, and checks of only those sensors that have ranges and noise.
-    #[must_use]
-    pub fn for_simulation(options: &SimulationOptions) -> Self {
-        let Self { motor, sensors, standstill, .. } = Self::default();
-        let drive = &options.drive;
-        Self {
-            voltage: options.voltage_limit,
-            velocity: 1.2 * drive.gain() * options.voltage_limit,
-            motor: motor.map(|motor| MotorThermal {
-                armature_resistance: drive.armature_resistance,
-                back_emf: drive.back_emf(),
-                ..motor
-            }),
-            // Four time constants bring the fastest shaft below a fiftieth of its speed.
-            standstill: standstill.map(|limits| Standstill {
-                after: limits.after.max(4.0 * drive.time_constant()).min(10.0),
-                ..limits
-            }),
-            sensors: SensorChecks {
-                torque_range: Some(options.sensors.torque.range)
-                    .filter(|range| range.is_finite())
-                    .map(|range| range - 0.5 * options.sensors.torque.resolution),
-                frozen_cycles: sensors.frozen_cycles.filter(|_| {
-                    let dithered =
-                        |channel: &crate::Channel| channel.noise > 0.3 * channel.resolution;
-                    dithered(&options.sensors.tachometer) && dithered(&options.sensors.torque)
-                }),
-                ..sensors
-            },
-            ..Self::default()
-        }
-    }
-
     /// The voltage limit [V] of a rig with a voltage range of `range` [V]: what was `asked` for,
     /// else the usual 6 V. The usual limit and what lies below it are cut to a range that is
     /// smaller.
@@ -316,7 +282,6 @@ mod tests {
     fn defaults_are_valid_and_limits_out_of_range_are_refused_by_name() {
         let limits = SafetyLimits::default();
         limits.check(1e-3).unwrap();
-        SafetyLimits::for_simulation(&SimulationOptions::default()).check(1e-3).unwrap();
         let motor = |change: fn(&mut MotorThermal)| {
             let mut motor = limits.motor.unwrap();
             change(&mut motor);

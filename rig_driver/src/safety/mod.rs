@@ -8,9 +8,6 @@
 //! States and transitions are one table ([`TRANSITIONS`]), and so is what each fault does
 //! ([`FAULTS`]). The book shows both; a test holds its pages to the tables.
 
-mod fault;
-mod fault_report;
-mod lifecycle;
 mod limits;
 mod pages;
 mod rig_limits;
@@ -21,9 +18,8 @@ mod supervised;
 mod supervisor;
 mod temperature;
 
-pub use fault::{FAULTS, Fault, FaultRule, Reaction};
-pub use fault_report::FaultReport;
-pub use lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
+pub use crate::fault::{FAULTS, Fault, FaultReport, FaultRule, Reaction};
+pub use crate::lifecycle::{Event, Refused, Request, State, TRANSITIONS, Transition, next};
 pub use limits::{Agreement, MotorThermal, SafetyLimits, SensorChecks, Standstill, Travel};
 pub use pages::{fault_table, transition_list, transition_table};
 pub use rig_limits::RigLimits;

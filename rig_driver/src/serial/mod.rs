@@ -15,7 +15,6 @@
 //! measurement shows it ([`stopping`]).
 
 mod clock;
-mod error;
 mod factory;
 mod handshake;
 mod latency;
@@ -33,7 +32,7 @@ mod supervision;
 #[cfg(test)]
 mod test_messages;
 
-pub use error::SerialError;
+pub use crate::error::SerialError;
 pub use factory::SerialFactory;
 pub use latency::Latency;
 pub use options::SerialOptions;

@@ -1,9 +1,8 @@
 //! How the simulated test bed is opened.
 
-use super::SimulationOptions;
 use crate::back_end::{BackEnd, Listed, Place, RigFactory, RigSetup, SensorsPresent};
 use crate::safety::SafetyLimits;
-use crate::{Miswired, Rig, RigError};
+use crate::{Miswired, Rig, RigError, SimulationOptions};
 
 /// The simulated test bed, as [`RigSetup`] describes it.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,10 +1,10 @@
-//! The simulated test bed, lock-step and reproducible from a seed: what it is made of
-//! ([`SimulationOptions`]), the rig ([`SimulatedRig`]), and how it is opened ([`SimulatedFactory`]).
+//! The simulated test bed, lock-step and reproducible from a seed: how it is built from what it is
+//! made of ([`SimulationOptions`](crate::SimulationOptions)), its limits, the rig ([`SimulatedRig`]), and how it is opened ([`SimulatedFactory`]).
 
+mod building;
 mod factory;
-mod options;
+mod limits;
 mod rig;
 
 pub use factory::SimulatedFactory;
-pub use options::SimulationOptions;
 pub use rig::SimulatedRig;

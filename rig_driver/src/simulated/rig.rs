@@ -4,9 +4,8 @@ use friction_model::FrictionModel;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::SimulationOptions;
 use crate::sensors::quantise;
-use crate::{Measurement, Plant, Rig, RigError, Truth};
+use crate::{Measurement, Plant, Rig, RigError, SimulationOptions, Truth};
 
 /// The simulated test bed under the friction of model `M`.
 #[derive(Debug, Clone)]

@@ -65,6 +65,8 @@ impl Crate {
                         }
                     }
                 }
+                // Another crate's, whatever this one has of that name.
+                Item::Use(line) if line.leading_colon.is_some() => {}
                 Item::Use(line) => module.bring(&line.tree, &Way::new()),
                 other => {
                     module.items.extend(name(&other));

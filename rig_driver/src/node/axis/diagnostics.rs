@@ -8,7 +8,8 @@ use msgs::{
 };
 use ros_node::{NodeClock, SUBSCRIBERS_THAT_LAG, lifecycle::Phase};
 
-use super::{super::parameters::RigSettings, Axis, locked};
+use super::{super::parameters::RigSettings, Axis};
+use crate::node::locked::locked;
 use crate::station::Presence;
 
 impl Axis {

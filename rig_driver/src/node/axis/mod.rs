@@ -6,7 +6,7 @@ mod stopping;
 
 use std::{
     sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
+        Arc, Mutex,
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
@@ -26,6 +26,7 @@ use super::{
     RigNode,
     control::{self, Asked, Counters, Cycle, RunningRig, VoltageCommand, Work},
     in_cycle::InCycle,
+    locked::locked,
     memory,
     parameters::RigSettings,
     torque_estimate::TorqueEstimate,
@@ -50,10 +51,6 @@ const LOOK: Duration = Duration::from_micros(200);
 
 /// A rig under its safety layer, unconfigured.
 pub type UnconfiguredRig = Supervised<Box<dyn Rig + Send>>;
-
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// What the control thread said last, and what is added up from it.
 struct Seen {

@@ -7,7 +7,8 @@ use std::{
 
 use ros_node::lifecycle::{Lifecycle, Phase, Requested};
 
-use super::{super::control::Asked, Axis, LOOK, locked};
+use super::{super::control::Asked, Axis, LOOK};
+use crate::node::locked::locked;
 use crate::{
     safety::Request,
     station::{ClearStep, Clearing, NodePhase, NotCleared, Stopped},

@@ -122,7 +122,7 @@ impl fmt::Display for FaultReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::safety::{FAULTS, Reaction};
+    use crate::fault::{FAULTS, Reaction};
 
     #[test]
     fn a_latched_fault_says_what_was_seen_what_is_allowed_and_how_to_go_on() {

@@ -1,13 +1,21 @@
 //! What can be wrong with a rig.
 
+mod quanser;
+#[cfg(feature = "serial")]
+mod serial;
+
 use std::borrow::Cow;
 
 use friction_model::MotorError;
 use parameters::OutOfRange;
 
 use crate::SensorError;
-use crate::quanser::QuanserError;
-use crate::safety::{Fault, FaultReport, Refused, State};
+use crate::fault::{Fault, FaultReport};
+use crate::lifecycle::{Refused, State};
+
+pub use quanser::QuanserError;
+#[cfg(feature = "serial")]
+pub use serial::SerialError;
 
 /// A rig that cannot be built, or a command it refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -48,7 +56,7 @@ pub enum RigError {
     /// The serial line or the device on it.
     #[cfg(feature = "serial")]
     #[error(transparent)]
-    Serial(#[from] crate::serial::SerialError),
+    Serial(#[from] SerialError),
     /// The Quanser card or its library.
     #[error(transparent)]
     Quanser(#[from] QuanserError),

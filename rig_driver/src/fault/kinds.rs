@@ -80,7 +80,7 @@ pub struct FaultRule {
     pub fault: Fault,
     /// Its name, as in documents and messages.
     pub name: &'static str,
-    /// When it is one, in words; limits by the names of [`SafetyLimits`](super::SafetyLimits).
+    /// When it is one, in words; limits by the names of [`SafetyLimits`](crate::safety::SafetyLimits).
     pub when: &'static str,
     /// What is done.
     pub reaction: Reaction,
