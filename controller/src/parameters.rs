@@ -15,7 +15,8 @@ use crate::{
 
 choices!(ControlMode, VelocityLawName, DerivativeOn, PlantInverseName, DitherShape);
 
-/// Highest voltage limit of any rig [V]: the end of extra-low direct voltage, as the driver has it.
+/// Highest voltage limit of any rig \[V\]: the end of extra-low direct voltage, as the driver has
+/// it.
 const HIGHEST_VOLTAGE: f64 = 60.0;
 
 parameters! {

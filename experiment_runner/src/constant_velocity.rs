@@ -35,10 +35,10 @@ pub struct SteadyRun {
     /// sensor.
     #[serde(default)]
     pub torque_systematic: f64,
-    /// Mean voltage [V].
+    /// Mean voltage \[V\].
     #[serde(default)]
     pub voltage: f64,
-    /// Mean current [A], where the rig measures it.
+    /// Mean current \[A\], where the rig measures it.
     #[serde(default)]
     pub current: Option<f64>,
     /// Samples that counted.

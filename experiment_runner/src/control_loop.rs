@@ -18,7 +18,7 @@ pub const EPOCH_NS: u64 = 1_509_494_400_000_000_000;
 
 /// A loop that runs: here, or elsewhere and followed from here.
 pub trait RunningLoop: Send {
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     fn period(&self) -> f64;
 
     /// Stamp of cycle 0 [ns since the Unix epoch].
@@ -108,7 +108,7 @@ impl ControlLoop {
         Self { rig: wrap(self.rig), ..self }
     }
 
-    /// Tells the time on the caller's clock at the beginning of a cycle [s], so that late cycles
+    /// Tells the time on the caller's clock at the beginning of a cycle \[s\], so that late cycles
     /// are seen.
     pub fn tell_time(&mut self, now: f64) {
         self.rig.tell_time(now);
@@ -125,7 +125,7 @@ impl ControlLoop {
         self.start_ns
     }
 
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
         self.rig.period()

@@ -3,7 +3,7 @@
 use controller::{ControlMode, Reference};
 use serde::{Deserialize, Serialize};
 
-/// Rest before the torque rises [s]: it gives the displacement's zero.
+/// Rest before the torque rises \[s\]: it gives the displacement's zero.
 pub const REST: f64 = 0.2;
 
 /// What a profile is a profile of.
@@ -12,9 +12,9 @@ pub const REST: f64 = 0.2;
 pub enum DrivenQuantity {
     /// Velocity [rad/s], followed by the velocity controller.
     Velocity,
-    /// Position [rad], followed by the position controller.
+    /// Position \[rad\], followed by the position controller.
     Position,
-    /// Motor voltage [V], without a controller.
+    /// Motor voltage \[V\], without a controller.
     Voltage,
     /// Motor torque at standstill [N m], without a controller: as much voltage as overcomes it.
     Torque,
@@ -30,7 +30,7 @@ pub enum Segment {
         from: f64,
         /// Value at the end.
         to: f64,
-        /// Length [s].
+        /// Length \[s\].
         duration: f64,
     },
     /// `level + amplitude sin(phase + from t + (to - from) t^2 / (2 duration))`: a sine, or a
@@ -40,13 +40,13 @@ pub enum Segment {
         level: f64,
         /// Amplitude.
         amplitude: f64,
-        /// Phase at the beginning [rad].
+        /// Phase at the beginning \[rad\].
         phase: f64,
         /// Angular frequency at the beginning [rad/s].
         from: f64,
         /// Angular frequency at the end [rad/s].
         to: f64,
-        /// Length [s].
+        /// Length \[s\].
         duration: f64,
     },
 }
@@ -55,7 +55,7 @@ impl Segment {
     /// Zero for a moment.
     pub const REST: Self = Self::Line { from: 0.0, to: 0.0, duration: REST };
 
-    /// Straight lines from `start` over all `turns` at one rate, `duration` [s] in all.
+    /// Straight lines from `start` over all `turns` at one rate, `duration` \[s\] in all.
     #[must_use]
     pub fn path(start: f64, turns: &[f64], duration: f64) -> Vec<Self> {
         let starts = || std::iter::once(start).chain(turns.iter().copied());
@@ -68,7 +68,7 @@ impl Segment {
         if length > 0.0 { starts().zip(turns).map(line).collect() } else { Vec::new() }
     }
 
-    /// Length [s].
+    /// Length \[s\].
     #[must_use]
     pub const fn duration(&self) -> f64 {
         match *self {
@@ -76,7 +76,7 @@ impl Segment {
         }
     }
 
-    /// Value and rate at time `t` [s].
+    /// Value and rate at time `t` \[s\].
     #[must_use]
     pub fn at(&self, t: f64) -> (f64, f64) {
         match *self {
@@ -108,13 +108,13 @@ impl Profile {
         Self { segments }
     }
 
-    /// Length [s].
+    /// Length \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.segments.iter().map(Segment::duration).sum()
     }
 
-    /// Times at which the segments end [s].
+    /// Times at which the segments end \[s\].
     #[must_use]
     pub fn ends(&self) -> Vec<f64> {
         let mut time = 0.0;
@@ -125,7 +125,7 @@ impl Profile {
         self.segments.iter().map(&mut end).collect()
     }
 
-    /// Value and rate at time `t` [s]; beyond the end the last value, at rest.
+    /// Value and rate at time `t` \[s\]; beyond the end the last value, at rest.
     #[must_use]
     pub fn at(&self, t: f64) -> (f64, f64) {
         let mut begin = 0.0;
@@ -158,8 +158,8 @@ impl Excitation {
         }
     }
 
-    /// The reference at time `t` [s]; without a controller it is zero. The position that belongs to
-    /// a velocity is not worked out: the velocity controller does not use it.
+    /// The reference at time `t` \[s\]; without a controller it is zero. The position that belongs
+    /// to a velocity is not worked out: the velocity controller does not use it.
     #[must_use]
     pub fn reference(&self, t: f64) -> Reference {
         let (value, rate) = self.profile.at(t);
@@ -174,7 +174,7 @@ impl Excitation {
         }
     }
 
-    /// The voltage at time `t` [s] where there is no controller.
+    /// The voltage at time `t` \[s\] where there is no controller.
     #[must_use]
     pub fn open_loop(&self, t: f64, volts_per_newton_metre: f64) -> Option<f64> {
         match self.quantity {

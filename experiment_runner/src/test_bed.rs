@@ -123,7 +123,7 @@ impl TestBed {
         ))
     }
 
-    /// What controller and estimator are set to for one run at `period` [s].
+    /// What controller and estimator are set to for one run at `period` \[s\].
     #[must_use]
     pub fn settings(
         &self,

@@ -33,7 +33,7 @@ pub struct TrackingRun {
     pub mse_measured: f64,
     /// Largest magnitude of the error as measured.
     pub max_error_measured: f64,
-    /// Root mean square of the voltage [V].
+    /// Root mean square of the voltage \[V\].
     pub effort: f64,
     /// Root mean square of the measured minus the estimated friction [N m].
     #[serde(deserialize_with = "crate::exact::or_nan")]
@@ -47,7 +47,7 @@ pub struct TrackingRun {
 impl TrackingJob {
     /// Cycles between the samples that a limit cycle is looked for in.
     const CYCLE_EVERY: u64 = 10;
-    /// Smallest amplitude that counts as a limit cycle [rad]: two counts of the encoder.
+    /// Smallest amplitude that counts as a limit cycle \[rad\]: two counts of the encoder.
     const LEAST_AMPLITUDE: f64 = 2.0 * std::f64::consts::TAU / 4096.0;
 
     /// All runs of the protocol: each arm, each repetition.

@@ -16,14 +16,14 @@ pub enum Waveform {
     StepVelocity {
         /// Velocity afterwards [rad/s].
         velocity: f64,
-        /// When it jumps [s].
+        /// When it jumps \[s\].
         at: f64,
     },
     /// A position that jumps from zero at a time.
     StepPosition {
-        /// Position afterwards [rad].
+        /// Position afterwards \[rad\].
         position: f64,
-        /// When it jumps [s].
+        /// When it jumps \[s\].
         at: f64,
     },
     /// Velocity `amplitude sin(w t)` [rad/s].
@@ -33,9 +33,9 @@ pub enum Waveform {
         /// Angular frequency w [rad/s].
         angular_frequency: f64,
     },
-    /// Position `amplitude sin(w t)` [rad].
+    /// Position `amplitude sin(w t)` \[rad\].
     SinePosition {
-        /// Amplitude [rad].
+        /// Amplitude \[rad\].
         amplitude: f64,
         /// Angular frequency w [rad/s].
         angular_frequency: f64,
@@ -43,7 +43,7 @@ pub enum Waveform {
 }
 
 impl Waveform {
-    /// The reference at time `t` [s].
+    /// The reference at time `t` \[s\].
     #[inline]
     #[must_use]
     pub fn at(&self, t: f64) -> Reference {

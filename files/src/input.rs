@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Largest protocol, calibration, drive or parameter file [bytes].
+/// Largest protocol, calibration, drive or parameter file \[bytes\].
 pub const LARGEST_TEXT: u64 = 1 << 20;
-/// Largest recording that is read whole, a CSV file [bytes].
+/// Largest recording that is read whole, a CSV file \[bytes\].
 pub const LARGEST_TABLE: u64 = 1 << 30;
 
 /// A protocol, calibration, drive or parameter file.

@@ -4,9 +4,9 @@
 //!   one line; [`Declared`] is what they can do;
 //! - [`Declaration`]: one parameter, as a node tells it and as it holds values to it;
 //! - [`Values`]: the values of a node;
-//! - [`file`]: parameter files, read and written as rcl reads them;
+//! - [`mod@file`]: parameter files, read and written as rcl reads them;
 //! - [`markdown_table`]: declarations for the documentation;
-//! - [`nearest`]: the name that is meant by a misspelt one.
+//! - [`nearest()`]: the name that is meant by a misspelt one.
 //!
 //! ```
 //! use parameters::{Declared, ValueRange, Values, file, parameters};

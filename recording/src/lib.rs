@@ -5,7 +5,7 @@
 //! worked out of what drives the axis; [`drive_error`] is what the drive's constants then leave
 //! uncertain. [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion
 //! from either, [`trajectory`] reads motions at any spacing, [`servo_log`] the JSON logs of a
-//! position-controlled servo; [`column`] is how a person names a column, [`csv_table`] writes
+//! position-controlled servo; [`mod@column`] is how a person names a column, [`csv_table`] writes
 //! tables, [`timing`] makes evenly
 //! sampled stretches of what was recorded, and [`irregularities`] says what was uneven. The cycles
 //! of a bag stand at the times of the rig's own clock. Whatever is returned has finite values, one

@@ -33,7 +33,7 @@ pub struct RecordOptions {
     pub dir: PathBuf,
     /// Namespace of the axis, with its slash; none for the root.
     pub namespace: Option<String>,
-    /// Length [s]; none until it is stopped.
+    /// Length \[s\]; none until it is stopped.
     pub duration: Option<f64>,
 }
 
@@ -138,8 +138,8 @@ struct Ear<'a> {
 }
 
 impl Ear<'_> {
-    /// Listens to one topic. `stamp` gives a message's own time [ns]; zero means that it counts as
-    /// made when it comes.
+    /// Listens to one topic. `stamp` gives a message's own time \[ns\]; zero means that it counts
+    /// as made when it comes.
     fn listen<M>(
         &self,
         bag: &mut BagWriter,
@@ -168,7 +168,7 @@ impl Ear<'_> {
     }
 }
 
-/// Time since the Unix epoch [ns].
+/// Time since the Unix epoch \[ns\].
 fn now_ns() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }

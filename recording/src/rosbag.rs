@@ -62,7 +62,7 @@ pub fn read(
 pub(super) enum BagChannel {
     /// Friction torque [N m].
     Friction,
-    /// Voltage at the motor, the mean over the period before [V].
+    /// Voltage at the motor, the mean over the period before \[V\].
     Voltage,
     /// The torque that drives the axis, worked out from the voltage [N m].
     Driving(Motor),
@@ -71,7 +71,7 @@ pub(super) enum BagChannel {
 /// What was recorded, at whatever times.
 pub(super) struct Track {
     pub topic: &'static str,
-    /// Times [s], by the rig's own clock where the bag has it.
+    /// Times \[s\], by the rig's own clock where the bag has it.
     pub time: Vec<f64>,
     /// From the tachometer [rad/s].
     pub velocity: Vec<f64>,
@@ -156,7 +156,7 @@ fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError>
     messages.into_iter().enumerate().map(sample).collect()
 }
 
-/// Samples of the rig's measurement, with what `value` makes of voltage [V] and velocity [rad/s].
+/// Samples of the rig's measurement, with what `value` makes of voltage \[V\] and velocity [rad/s].
 fn driven(
     path: &Path,
     bag: &BagReader,

@@ -11,14 +11,14 @@ use crate::RigError;
 pub struct FrictionDrift {
     /// Relative change at the end, from -0.9 to 9: 0.3 for 30 % more friction.
     pub change: f64,
-    /// When it begins [s], zero or more.
+    /// When it begins \[s\], zero or more.
     pub start: f64,
-    /// How long it takes [s], above zero.
+    /// How long it takes \[s\], above zero.
     pub duration: f64,
 }
 
 impl FrictionDrift {
-    /// The factor at `time` [s].
+    /// The factor at `time` \[s\].
     #[inline]
     #[must_use]
     pub fn factor(&self, time: f64) -> f64 {

@@ -7,7 +7,7 @@ use crate::Measurement;
 /// Name of the one joint: the load side of the gear.
 pub const JOINT: &str = "load_shaft";
 
-/// The measurement as the joint `load_shaft`: position of the encoder [rad], velocity of the
+/// The measurement as the joint `load_shaft`: position of the encoder \[rad\], velocity of the
 /// tachometer [rad/s], effort = friction torque [N m]. `stamp_ns` is its time in nanoseconds since
 /// the epoch.
 #[must_use]

@@ -12,7 +12,7 @@ use crate::{Calibration, HIGHEST_VOLTAGE, RigError, SimulationOptions, VOLTAGE_R
 
 const CONFIGURED: &str = "taken when the node is configured";
 const ACTIVATED: &str = "taken when the node is activated";
-/// Times of a cycle [s].
+/// Times of a cycle \[s\].
 const LOSS: ValueRange = ValueRange::Double(1e-4, SafetyLimits::LONGEST_LOSS);
 
 parameters! {

@@ -7,7 +7,7 @@ use crate::FrictionCoupling;
 /// What a simulation knows and no sensor shows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Truth {
-    /// Position [rad].
+    /// Position \[rad\].
     pub position: f64,
     /// Velocity [rad/s].
     pub velocity: f64,
@@ -66,7 +66,7 @@ impl<M: FrictionModel> Plant<M> {
         Truth { position, velocity, friction: self.friction_factor * friction }
     }
 
-    /// Advances by `h` [s] with `volts` held.
+    /// Advances by `h` \[s\] with `volts` held.
     #[inline]
     pub fn advance(&mut self, volts: f64, h: f64) {
         let (torque_per_volt, back_emf) =

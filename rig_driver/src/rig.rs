@@ -4,11 +4,11 @@ use crate::fault::FaultReport;
 use crate::lifecycle::{Event, Refused, Request, State};
 use crate::{Measurement, RigError, Truth};
 
-/// Voltage range of a rig whose description does not tell it [V]: that of the converters of the
+/// Voltage range of a rig whose description does not tell it \[V\]: that of the converters of the
 /// thesis's card.
 pub const VOLTAGE_RANGE: f64 = 10.0;
 
-/// Highest voltage that any rig is driven with, whatever it says of itself [V]: the end of
+/// Highest voltage that any rig is driven with, whatever it says of itself \[V\]: the end of
 /// extra-low direct voltage, which may be touched.
 pub const HIGHEST_VOLTAGE: f64 = 60.0;
 
@@ -29,11 +29,11 @@ pub trait Rig {
         None
     }
 
-    /// Period of the control cycle [s].
+    /// Period of the control cycle \[s\].
     fn period(&self) -> f64;
 
-    /// Largest magnitude of the motor voltage that the rig can put out, by its own description [V].
-    /// The safety layer takes no limit beyond it.
+    /// Largest magnitude of the motor voltage that the rig can put out, by its own description
+    /// \[V\]. The safety layer takes no limit beyond it.
     fn voltage_range(&self) -> f64 {
         self.beneath().map_or(VOLTAGE_RANGE, Rig::voltage_range)
     }
@@ -53,8 +53,8 @@ pub trait Rig {
         self.beneath_mut().map_or(Ok(()), Rig::wait)
     }
 
-    /// Tells the time on the caller's clock at the beginning of a cycle [s]. Rigs in lock-step need
-    /// not know it.
+    /// Tells the time on the caller's clock at the beginning of a cycle \[s\]. Rigs in lock-step
+    /// need not know it.
     fn tell_time(&mut self, now: f64) {
         if let Some(rig) = self.beneath_mut() {
             rig.tell_time(now);
@@ -64,7 +64,7 @@ pub trait Rig {
     /// Readings of the present cycle.
     fn measure(&mut self) -> Measurement;
 
-    /// Sets the motor voltage [V] for the coming period. A voltage beyond the limits is cut, and
+    /// Sets the motor voltage \[V\] for the coming period. A voltage beyond the limits is cut, and
     /// the next measurement says so.
     ///
     /// # Errors

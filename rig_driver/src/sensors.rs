@@ -76,13 +76,13 @@ pub struct Sensors {
     pub encoder_counts_per_turn: u32,
     /// Velocity [rad/s].
     pub tachometer: Channel,
-    /// Position [rad].
+    /// Position \[rad\].
     pub potentiometer: Channel,
     /// Torque [N m].
     pub torque: Channel,
-    /// Motor current [A], the mean over a cycle.
+    /// Motor current \[A\], the mean over a cycle.
     pub current: Channel,
-    /// Step of the voltage output [V]; zero for none.
+    /// Step of the voltage output \[V\]; zero for none.
     pub voltage_resolution: f64,
 }
 
@@ -124,8 +124,8 @@ impl Sensors {
         }
     }
 
-    /// Count and position [rad] that the encoder shows at `position`. An ideal encoder counts whole
-    /// microradians.
+    /// Count and position \[rad\] that the encoder shows at `position`. An ideal encoder counts
+    /// whole microradians.
     #[inline]
     #[must_use]
     pub fn encoder(&self, position: f64) -> (i64, f64) {

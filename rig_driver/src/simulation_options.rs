@@ -16,13 +16,13 @@ pub struct SimulationOptions {
     pub friction_coupling: FrictionCoupling,
     /// Sensors and converters.
     pub sensors: Sensors,
-    /// Largest magnitude of the motor voltage [V], above zero and at most `voltage_range`.
+    /// Largest magnitude of the motor voltage \[V\], above zero and at most `voltage_range`.
     pub voltage_limit: f64,
-    /// Largest magnitude that the rig's amplifier can put out [V], above zero and at most
+    /// Largest magnitude that the rig's amplifier can put out \[V\], above zero and at most
     /// [`HIGHEST_VOLTAGE`].
     #[serde(default = "usual_range")]
     pub voltage_range: f64,
-    /// Period of the control cycle [s], above zero and at most 10 ms.
+    /// Period of the control cycle \[s\], above zero and at most 10 ms.
     pub period: f64,
     /// Integration steps a period.
     pub substeps: u32,

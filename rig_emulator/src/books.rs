@@ -113,13 +113,13 @@ impl Books {
 /// Everything there is to tell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Summary {
-    /// The device's limit of a command's validity [cycle].
+    /// The device's limit of a command's validity \[cycle\].
     pub(crate) validity_limit_cycles: u32,
     /// The motor's story.
     pub(crate) books: Books,
     /// The device's state now.
     pub(crate) state: &'static str,
-    /// The voltage on the motor now [count].
+    /// The voltage on the motor now \[count\].
     pub(crate) voltage: i16,
     /// Frames from the host.
     pub(crate) from_host: Fates,

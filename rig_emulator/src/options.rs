@@ -1,5 +1,10 @@
 //! The command line.
 
+#![expect(
+    rustdoc::broken_intra_doc_links,
+    reason = "options are read in a terminal, where units are not escaped"
+)]
+
 use std::path::PathBuf;
 
 use friction_model::ModelName;

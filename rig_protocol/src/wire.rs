@@ -1,6 +1,6 @@
 //! Little-endian numbers in a payload.
 
-/// Length of the longest payload [byte]: that of the device's hello.
+/// Length of the longest payload \[byte\]: that of the device's hello.
 pub(crate) const MAX_PAYLOAD: usize = 66;
 /// Version and kind in front of a payload \[byte\].
 pub(crate) const HEADER: usize = 2;

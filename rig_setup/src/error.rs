@@ -25,7 +25,7 @@ pub enum RigSetupError {
     DoesNotMove {
         /// At a positive or at a negative voltage.
         direction: &'static str,
-        /// The highest magnitude that was tried [V].
+        /// The highest magnitude that was tried \[V\].
         volts: f64,
         /// Travel by the encoder.
         travelled: i64,

@@ -6,7 +6,7 @@ use rig_driver::{Calibration, Sign};
 /// One steady voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
-    /// Voltage [V].
+    /// Voltage \[V\].
     pub volts: f64,
     /// Velocity by the encoder, with its sign put right [rad/s].
     pub velocity: f64,
@@ -31,9 +31,9 @@ pub struct Findings {
     pub torque_sign: Option<Sign>,
     /// Torque sensor at rest [N m].
     pub torque_zero: Uncertain,
-    /// Lowest voltage that moves the shaft forwards [V].
+    /// Lowest voltage that moves the shaft forwards \[V\].
     pub deadband_forward: Uncertain,
-    /// Lowest magnitude that moves it backwards [V].
+    /// Lowest magnitude that moves it backwards \[V\].
     pub deadband_backward: Uncertain,
     /// The steady voltages.
     pub levels: Vec<Level>,

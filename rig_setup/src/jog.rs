@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use rig_driver::Measurement;
 
-/// Time over which the encoder's speed is taken [s]: one count of 4096 a turn is 0.03 rad/s over
+/// Time over which the encoder's speed is taken \[s\]: one count of 4096 a turn is 0.03 rad/s over
 /// it.
 const WINDOW: f64 = 0.05;
 /// Counts by which a shaft gives that friction holds, elastically; `rig check` takes half of its

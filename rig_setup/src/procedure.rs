@@ -16,19 +16,19 @@ use super::{RigSetupError, Session};
 /// Lengths and sizes of the steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Procedure {
-    /// Time at rest [s].
+    /// Time at rest \[s\].
     pub rest: f64,
     /// Rate of the ramps [V/s].
     pub ramp: f64,
     /// Ramps in each direction.
     pub ramps: u32,
-    /// Travel that counts as motion [counts].
+    /// Travel that counts as motion \[counts\].
     pub moved: i64,
     /// Voltages in each direction.
     pub levels: u32,
-    /// Time for a level to settle, and to be read [s].
+    /// Time for a level to settle, and to be read \[s\].
     pub settle: f64,
-    /// Time over which a level is read [s].
+    /// Time over which a level is read \[s\].
     pub read: f64,
 }
 
@@ -113,7 +113,7 @@ pub fn run(
     })
 }
 
-/// Voltages between which a shaft broke away [V], and its travel.
+/// Voltages between which a shaft broke away \[V\], and its travel.
 struct Breakaway {
     /// The whole travel was reached: it slides.
     above: f64,

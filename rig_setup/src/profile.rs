@@ -43,7 +43,7 @@ pub struct RigProfile {
 pub struct DriveSheet {
     /// Gain K [rad/(V s)].
     pub gain: f64,
-    /// Time constant T [s].
+    /// Time constant T \[s\].
     pub time_constant: f64,
     /// Torque constant K_m [N m/A]; that of the load, A K_m, where the gear ratio is 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -51,7 +51,7 @@ pub struct DriveSheet {
     /// Gear ratio A.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gear_ratio: Option<f64>,
-    /// Armature resistance R_a [ohm].
+    /// Armature resistance R_a \[ohm\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub armature_resistance: Option<f64>,
     /// Inertia at the load [kg m^2].

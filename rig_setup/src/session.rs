@@ -21,7 +21,7 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// Activates the rig. No voltage of the session will be above `max_volts` [V]; once `stop` is
+    /// Activates the rig. No voltage of the session will be above `max_volts` \[V\]; once `stop` is
     /// set every step refuses.
     ///
     /// Encoder and tachometer are not held against each other: their signs may still be wrong.
@@ -64,13 +64,13 @@ impl<'a> Session<'a> {
         Self { on_cycle: Box::new(on_cycle), pace, ..self }
     }
 
-    /// Highest voltage of the session [V].
+    /// Highest voltage of the session \[V\].
     #[must_use]
     pub const fn max_volts(&self) -> f64 {
         self.max_volts
     }
 
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
         self.rig.period()
@@ -104,7 +104,7 @@ impl<'a> Session<'a> {
         Ok(seen)
     }
 
-    /// Holds `volts` [V] for `seconds`. Returns the readings.
+    /// Holds `volts` \[V\] for `seconds`. Returns the readings.
     ///
     /// # Errors
     /// As for [`step`](Self::step).

@@ -77,7 +77,7 @@ pub enum Follows {
     Future,
 }
 
-/// A moment and the stamp that belongs to it [ns]: of the messages so far, that of the one which
+/// A moment and the stamp that belongs to it \[ns\]: of the messages so far, that of the one which
 /// took the shortest way.
 #[derive(Debug, Clone, Copy)]
 struct Anchor {

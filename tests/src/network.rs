@@ -93,9 +93,9 @@ pub fn peer(script: &str, cases: &Value) -> Value {
         .unwrap_or_else(|error| panic!("{script}: {error}\n{told}"))
 }
 
-/// MTU of an ordinary network card [bytes].
+/// MTU of an ordinary network card \[bytes\].
 pub const ORDINARY_MTU: u16 = 1500;
-/// MTU of a network with jumbo frames [bytes].
+/// MTU of a network with jumbo frames \[bytes\].
 pub const JUMBO_MTU: u16 = 9000;
 
 /// Two machines on one network, as PCs have it: this one is 192.0.2.1, and 192.0.2.2 is the network

@@ -11,7 +11,7 @@ use crate::python;
 pub struct LoopAndReaders<'a> {
     /// `launch`, `live` or `processes`.
     pub way: &'a str,
-    /// How long the readers are as they are, after a while without them [s].
+    /// How long the readers are as they are, after a while without them \[s\].
     pub seconds: u32,
     /// Each `stopped`, `killed`, `slow`, `best_effort` or `gone`.
     pub readers: &'a [&'a str],

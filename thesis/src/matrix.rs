@@ -54,7 +54,7 @@ impl MatrixRow {
     }
 }
 
-/// Time that the matrix of `tasks` would take on a rig [s].
+/// Time that the matrix of `tasks` would take on a rig \[s\].
 #[must_use]
 pub fn rig_seconds(tasks: &[ThesisTask]) -> f64 {
     let each = tasks.iter().map(|task| task.protocol().duration).sum::<f64>();

@@ -16,7 +16,7 @@ pub struct Margins {
     pub gain_margin: Option<f64>,
     /// Factor, below 1, down to which the gain may fall.
     pub gain_reduction: Option<f64>,
-    /// Delay that may be added [s]: phase margin over crossover.
+    /// Delay that may be added \[s\]: phase margin over crossover.
     pub delay_margin: Option<f64>,
     /// Largest sensitivity `|1 / (1 + L)|`; one over the distance of the Nyquist curve from -1.
     pub sensitivity_peak: f64,

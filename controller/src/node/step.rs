@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{Command, Compensation, ControlFault, ControlMode, Controller, Feedback, Reference};
 
-/// Time without joint states after which the loop begins anew [s]: the rig driver takes that of
+/// Time without joint states after which the loop begins anew \[s\]: the rig driver takes that of
 /// commands for a fault.
 const SILENCE: f64 = 0.5;
 /// A joint state that is older than the one before by that much is of a driver that was started

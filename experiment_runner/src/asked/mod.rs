@@ -1,6 +1,11 @@
 //! What is asked of a run: the options of `frictionlab run`, which a request to the node may give
 //! too, and what they stand for.
 
+#![expect(
+    rustdoc::broken_intra_doc_links,
+    reason = "options are read in a terminal, where units are not escaped"
+)]
+
 pub mod rig;
 
 use std::path::{Path, PathBuf};

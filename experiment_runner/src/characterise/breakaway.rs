@@ -19,13 +19,13 @@ use super::Channels;
 use crate::profile::REST;
 use crate::protocol::{Displacement, OnsetRule};
 
-/// Low-pass of speed, displacement and peak torque: cutoff [Hz], second order in each direction.
+/// Low-pass of speed, displacement and peak torque: cutoff \[Hz\], second order in each direction.
 const CUTOFF: f64 = 20.0;
 
 /// Breakaway of one run. Magnitudes, whatever the direction.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Breakaway {
-    /// Time from the beginning of the rise to the onset [s].
+    /// Time from the beginning of the rise to the onset \[s\].
     pub time: f64,
     /// Friction torque at the onset [N m].
     pub torque: f64,
@@ -33,7 +33,7 @@ pub struct Breakaway {
     pub torque_systematic: f64,
     /// Highest smoothed friction torque before gross motion [N m]; noise raises it.
     pub peak: f64,
-    /// Displacement at the onset [rad].
+    /// Displacement at the onset \[rad\].
     pub displacement: f64,
 }
 
@@ -46,9 +46,9 @@ pub enum NoBreakaway {
         "the shaft moved {moved:.4} rad at most, less than the gross motion of {gross_motion} rad: raise `up_to` or the amplitude in the protocol"
     )]
     Stuck {
-        /// Largest displacement [rad].
+        /// Largest displacement \[rad\].
         moved: f64,
-        /// What would have been gross motion [rad].
+        /// What would have been gross motion \[rad\].
         gross_motion: f64,
     },
     /// The motion never differed from what pre-sliding explains.

@@ -74,26 +74,26 @@ impl TorqueReading {
 /// The channels of one run, one value a cycle.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Channels {
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     pub period: f64,
-    /// Time [s].
+    /// Time \[s\].
     pub time: Vec<f64>,
-    /// Position from the encoder [rad].
+    /// Position from the encoder \[rad\].
     pub encoder: Vec<f64>,
-    /// Position from the potentiometer [rad].
+    /// Position from the potentiometer \[rad\].
     pub potentiometer: Vec<f64>,
     /// Velocity from the tachometer [rad/s].
     pub velocity: Vec<f64>,
-    /// Voltage applied in the cycle before [V].
+    /// Voltage applied in the cycle before \[V\].
     pub voltage: Vec<f64>,
-    /// Mean current of the cycle before [A]; empty on a rig that does not measure it.
+    /// Mean current of the cycle before \[A\]; empty on a rig that does not measure it.
     pub current: Vec<f64>,
     /// Torque sensor [N m].
     pub torque: Vec<f64>,
 }
 
 impl Channels {
-    /// Empty channels of a loop with this period [s].
+    /// Empty channels of a loop with this period \[s\].
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self { period, ..Self::default() }

@@ -11,7 +11,7 @@ use super::channels::block_means;
 use crate::profile::REST;
 use crate::protocol::{Displacement, PreSlidingProtocol};
 
-/// Half width of the window that is averaged at a turn [s].
+/// Half width of the window that is averaged at a turn \[s\].
 const WINDOW: f64 = 0.025;
 
 /// One closed loop of the path.
@@ -23,11 +23,11 @@ pub struct Closure {
     pub end: usize,
     /// Torque level of both [N m].
     pub level: f64,
-    /// Displacement at the end minus at the beginning [rad]: zero for a loop that closes.
+    /// Displacement at the end minus at the beginning \[rad\]: zero for a loop that closes.
     pub gap: f64,
-    /// Work that the loop takes, closed integral of F dx [J].
+    /// Work that the loop takes, closed integral of F dx \[J\].
     pub work: f64,
-    /// Its standard deviation by the drive's constants [J].
+    /// Its standard deviation by the drive's constants \[J\].
     pub work_systematic: f64,
 }
 
@@ -36,7 +36,7 @@ pub struct Closure {
 pub struct NestedPath {
     /// Its closed loops, in the order in which they close.
     pub closures: Vec<Closure>,
-    /// Displacement, means of blocks [rad].
+    /// Displacement, means of blocks \[rad\].
     pub displacement: Vec<f64>,
     /// Friction torque, means of blocks [N m].
     pub torque: Vec<f64>,

@@ -13,7 +13,7 @@ use controller::{
     PiGains, PidGains, VelocityLaw,
 };
 
-/// Retuned PI: crossover [rad/s] and phase margin [degrees]. More crossover lets the tachometer's
+/// Retuned PI: crossover [rad/s] and phase margin \[degrees\]. More crossover lets the tachometer's
 /// noise grow faster than friction's share falls.
 pub const RETUNED_VELOCITY: PiSpecification =
     PiSpecification { crossover: 150.0, phase_margin: 70.0 };
@@ -26,7 +26,7 @@ pub const RETUNED_POSITION: PositionPoles =
 /// Factor of the apparent inertia, and of the gains, under acceleration feedback.
 const INERTIA: f64 = 3.0;
 
-/// Time constant of the acceleration's filter [s].
+/// Time constant of the acceleration's filter \[s\].
 const FILTER: f64 = 0.01;
 
 /// The dither of a loop.

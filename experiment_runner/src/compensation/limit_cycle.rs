@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// A sustained oscillation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LimitCycle {
-    /// Half the distance of the extremes [rad].
+    /// Half the distance of the extremes \[rad\].
     pub amplitude: f64,
-    /// Mean time between two crossings of the middle in the same direction [s].
+    /// Mean time between two crossings of the middle in the same direction \[s\].
     pub period: f64,
     /// Whole periods that were seen.
     pub periods: u32,
@@ -17,9 +17,9 @@ impl LimitCycle {
     /// Part of a record that belongs to the transient.
     const TRANSIENT: f64 = 0.4;
 
-    /// The limit cycle in samples `dt` [s] apart: of the last three fifths of the record, if it
+    /// The limit cycle in samples `dt` \[s\] apart: of the last three fifths of the record, if it
     /// crosses its middle three times in the same direction or more, with an amplitude of at least
-    /// `least` [rad] that the second half of them keeps to three fifths.
+    /// `least` \[rad\] that the second half of them keeps to three fifths.
     ///
     /// A crossing counts once the signal has gone by three tenths of the amplitude beyond the
     /// middle on the other side, so that noise and steps of a sensor do not make periods.

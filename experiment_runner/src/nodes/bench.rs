@@ -126,13 +126,13 @@ impl NodesBench {
         })
     }
 
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     #[must_use]
     pub const fn period(&self) -> f64 {
         self.period
     }
 
-    /// What the rig's driver allows [V].
+    /// What the rig's driver allows \[V\].
     #[must_use]
     pub const fn voltage_limit(&self) -> f64 {
         self.voltage_limit
@@ -225,7 +225,7 @@ fn set(of: &RemoteParameters, values: &Values, own: &mut Values) -> Result<(), R
     of.set(values, FINDING).map_err(said)
 }
 
-/// The rig's period by its own clock [s].
+/// The rig's period by its own clock \[s\].
 fn measured_period(link: &Link) -> Result<f64, RigSetupError> {
     link.begin(false);
     let until = Instant::now() + PATIENCE;

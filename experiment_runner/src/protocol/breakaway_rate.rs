@@ -55,7 +55,7 @@ impl BreakawayRateProtocol {
         Self { repetitions: self.repetitions.min(3), ..self }
     }
 
-    /// Time that the experiment takes on a rig [s].
+    /// Time that the experiment takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let ramps: f64 = self.rates.iter().map(|&rate| self.ramp(rate).duration()).sum();

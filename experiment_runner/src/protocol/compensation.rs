@@ -33,7 +33,7 @@ impl CompensationProtocol {
         self
     }
 
-    /// Time that `arms` compensations take on a rig [s].
+    /// Time that `arms` compensations take on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self, arms: usize) -> f64 {
         self.tasks.iter().map(|task| task.protocol.rig_seconds(arms)).sum()

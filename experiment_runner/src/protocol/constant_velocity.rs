@@ -12,11 +12,11 @@ use super::{ProtocolError, count, within};
 pub struct ConstantVelocityProtocol {
     /// Velocities [rad/s], ascending.
     pub velocities: Vec<f64>,
-    /// Length of each point [s].
+    /// Length of each point \[s\].
     pub duration: f64,
-    /// Dropped at the beginning of each point, until the velocity is steady [s].
+    /// Dropped at the beginning of each point, until the velocity is steady \[s\].
     pub drop_first: f64,
-    /// Dropped at the end of each point [s].
+    /// Dropped at the end of each point \[s\].
     pub drop_last: f64,
     /// Repetitions of the whole grid in a set.
     pub repetitions: u32,
@@ -50,7 +50,7 @@ impl ConstantVelocityProtocol {
         Self { velocities, duration: 6.0, drop_first: 2.0, drop_last: 0.5, repetitions: 2, sets: 2 }
     }
 
-    /// Time that the whole experiment takes on a rig [s].
+    /// Time that the whole experiment takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         self.duration

@@ -13,16 +13,16 @@ use crate::profile::{DrivenQuantity, Excitation, Profile, Segment};
 pub struct DriveExcitationProtocol {
     /// What is driven.
     pub excitation: Excitation,
-    /// Largest magnitude of the voltage [V].
+    /// Largest magnitude of the voltage \[V\].
     pub highest: f64,
-    /// How far the shaft may turn from where it began [rad].
+    /// How far the shaft may turn from where it began \[rad\].
     pub travel: f64,
     /// Repetitions.
     pub repetitions: u32,
 }
 
 impl DriveExcitationProtocol {
-    /// Time that the experiment takes on a rig [s].
+    /// Time that the experiment takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         f64::from(self.repetitions) * self.excitation.profile.duration()

@@ -28,7 +28,7 @@ pub struct OnsetRule {
     /// Multiple of the mean speed since the torque began to rise: more than this, pre-sliding does
     /// not explain.
     pub ratio: f64,
-    /// Displacement that no pre-sliding reaches [rad]: gross motion.
+    /// Displacement that no pre-sliding reaches \[rad\]: gross motion.
     pub gross_motion: f64,
 }
 
@@ -43,7 +43,7 @@ pub struct PreSlidingProtocol {
     pub onset: OnsetRule,
     /// Turning points of the nested path [N m].
     pub turns: Vec<f64>,
-    /// Length of the path [s].
+    /// Length of the path \[s\].
     pub duration: f64,
     /// Samples that are kept of the path, each a mean.
     pub samples: u32,
@@ -74,7 +74,7 @@ impl PreSlidingProtocol {
         Self { duration: self.duration.min(20.0), repetitions: self.repetitions.min(3), ..self }
     }
 
-    /// Time that the experiment takes on a rig [s].
+    /// Time that the experiment takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let ramps = 2.0 * self.ramp(1.0).duration();

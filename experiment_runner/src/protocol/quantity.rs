@@ -7,13 +7,13 @@ use serde::Deserialize;
 /// What a quantity measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
-    /// Time [s].
+    /// Time \[s\].
     Time,
-    /// Angle [rad].
+    /// Angle \[rad\].
     Angle,
     /// Angular velocity, or angular frequency [rad/s].
     AngularVelocity,
-    /// Voltage [V].
+    /// Voltage \[V\].
     Voltage,
     /// Torque [N m].
     Torque,

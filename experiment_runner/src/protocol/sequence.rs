@@ -23,7 +23,7 @@ pub struct SequenceProtocol {
 }
 
 impl SequenceProtocol {
-    /// Time that the sequence takes on a rig [s].
+    /// Time that the sequence takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         f64::from(self.repetitions) * self.excitation.profile.duration()

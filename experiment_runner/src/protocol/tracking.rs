@@ -30,7 +30,7 @@ pub struct TrackingProtocol {
     /// How much of the reference goes through the inverse of the drive.
     #[serde(default)]
     pub inverse: InverseUse,
-    /// Length of a run [s].
+    /// Length of a run \[s\].
     pub duration: f64,
     /// Runs of each compensation, with different sensor noise.
     pub repetitions: u32,
@@ -63,7 +63,7 @@ impl TrackingProtocol {
         }
     }
 
-    /// Time that `arms` compensations take on a rig [s].
+    /// Time that `arms` compensations take on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self, arms: usize) -> f64 {
         self.duration * f64::from(self.repetitions) * arms as f64

@@ -17,15 +17,15 @@ pub struct VaryingVelocityProtocol {
     pub amplitude: f64,
     /// Constant angular frequencies w [rad/s].
     pub frequencies: Vec<f64>,
-    /// Time at the lowest velocity before the variation begins [s].
+    /// Time at the lowest velocity before the variation begins \[s\].
     pub run_in: f64,
-    /// Length of the variation at each frequency [s].
+    /// Length of the variation at each frequency \[s\].
     pub duration: f64,
-    /// Dropped of it at the beginning [s].
+    /// Dropped of it at the beginning \[s\].
     pub drop_first: f64,
     /// Frequency that the chirp reaches [rad/s].
     pub chirp_up_to: f64,
-    /// Length of the chirp [s].
+    /// Length of the chirp \[s\].
     pub chirp_duration: f64,
     /// Whether the reference also goes through the inverse of the drive.
     pub feed_forward: bool,
@@ -67,7 +67,7 @@ impl VaryingVelocityProtocol {
         Self { duration: self.duration.min(12.0), repetitions: self.repetitions.min(3), ..self }
     }
 
-    /// Time that the experiment takes on a rig [s].
+    /// Time that the experiment takes on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let each = self.frequencies.len() as f64 * (self.run_in + self.duration);

@@ -19,7 +19,7 @@ pub type Compute = fn(u64, usize, &Progress, &AtomicBool) -> Result<Appended, Ru
 /// An appendix that a run can have.
 #[derive(Clone, Copy)]
 pub struct Appendix {
-    /// Time that it would take on a rig [s].
+    /// Time that it would take on a rig \[s\].
     pub rig_seconds: fn() -> f64,
     /// Computes it.
     pub compute: Compute,

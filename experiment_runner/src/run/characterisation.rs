@@ -21,7 +21,7 @@ pub struct Characterisation {
     /// Recordings, means over the repetitions, for the files beside the bag.
     #[serde(skip)]
     pub(crate) records: Vec<(String, MeanRecord)>,
-    /// The nested path, means over the repetitions: displacement [rad] and torque [N m].
+    /// The nested path, means over the repetitions: displacement \[rad\] and torque [N m].
     #[serde(skip)]
     pub(crate) path: (Vec<f64>, Vec<f64>),
 }
@@ -62,7 +62,7 @@ pub struct BreakawayFigures {
     pub torque: Measured,
     /// Highest friction torque before gross motion [N m].
     pub peak: Measured,
-    /// Displacement at the onset [rad].
+    /// Displacement at the onset \[rad\].
     pub displacement: Measured,
 }
 
@@ -73,8 +73,8 @@ pub struct ClosureFigures {
     pub turns: (usize, usize),
     /// Torque level of both [N m].
     pub level: f64,
-    /// Displacement at the end minus at the beginning [rad].
+    /// Displacement at the end minus at the beginning \[rad\].
     pub gap: Measured,
-    /// Work that the loop takes [J].
+    /// Work that the loop takes \[J\].
     pub work: Measured,
 }

@@ -119,7 +119,7 @@ impl Shown {
     }
 }
 
-/// Until when a task is worth a picture [s]: of a step, while the slowest response is more than a
+/// Until when a task is worth a picture \[s\]: of a step, while the slowest response is more than a
 /// twentieth of it away, and as long again; of any other motion to its end.
 fn worth_showing(traces: &[(Arm, Trace)]) -> f64 {
     const SETTLED: f64 = 0.05;

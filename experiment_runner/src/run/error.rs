@@ -51,9 +51,9 @@ pub enum RunError {
         "the protocol drive-excitation asks for {asked} V, but the voltage limit is {limit} V: lower it in a protocol of your own (`frictionlab protocols drive-excitation > mine.yaml`, run --protocol mine.yaml), or raise --voltage-limit if the rig stands it"
     )]
     ExcitedTooFar {
-        /// The highest voltage of the protocol [V].
+        /// The highest voltage of the protocol \[V\].
         asked: f64,
-        /// The limit [V].
+        /// The limit \[V\].
         limit: f64,
     },
     /// The bag could not be written.

@@ -31,7 +31,7 @@ pub struct ExcitedJob {
     pub excitation: Excitation,
     /// Whether the reference goes through the inverse of the drive too.
     pub feed_forward: bool,
-    /// Ends the run once the encoder has moved so far [rad].
+    /// Ends the run once the encoder has moved so far \[rad\].
     pub until: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ pub struct Driven<R> {
     pub results: Vec<(usize, R)>,
     /// The means of each group.
     pub means: Vec<MeanRecord>,
-    /// Time on the rig [s].
+    /// Time on the rig \[s\].
     pub rig_seconds: f64,
     /// Whether all were driven.
     pub completion: Completion,

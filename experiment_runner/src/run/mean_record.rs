@@ -11,19 +11,19 @@ use crate::protocol::Displacement;
 /// The means over the repetitions of a group, one value a cycle, as long as the shortest run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct MeanRecord {
-    /// Time [s].
+    /// Time \[s\].
     #[serde(with = "crate::exact::column")]
     pub time: Vec<f64>,
-    /// Position [rad].
+    /// Position \[rad\].
     #[serde(with = "crate::exact::column")]
     pub position: Vec<f64>,
     /// Velocity [rad/s].
     #[serde(with = "crate::exact::column")]
     pub velocity: Vec<f64>,
-    /// Voltage [V].
+    /// Voltage \[V\].
     #[serde(with = "crate::exact::column")]
     pub voltage: Vec<f64>,
-    /// Current [A]; empty on a rig that does not measure it.
+    /// Current \[A\]; empty on a rig that does not measure it.
     #[serde(with = "crate::exact::column")]
     pub current: Vec<f64>,
     /// Friction torque by the chosen source [N m].

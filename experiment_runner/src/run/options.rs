@@ -153,7 +153,7 @@ impl RunOptions {
         Arm::all(&self.means, &self.models).len()
     }
 
-    /// Time that the run would take on a rig [s].
+    /// Time that the run would take on a rig \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let of_parts = self.experiment.parts().map(|part| part.rig_seconds(self));

@@ -18,7 +18,7 @@ use crate::messages::{CycleTopics, EncodedCycle};
 use recording::bag::{BagError, BagOptions, BagSummary, BagWriter};
 use rig_setup::RigChoice;
 
-/// Pause between two runs on the bag's time axis [ns]. The shaft is at rest then.
+/// Pause between two runs on the bag's time axis \[ns\]. The shaft is at rest then.
 const PAUSE_NS: u64 = 1_000_000_000;
 
 /// Cycles that wait for the disk while a run goes on in real time: eight seconds at 1 kHz.

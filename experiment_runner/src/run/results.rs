@@ -156,7 +156,7 @@ pub struct Session {
 pub struct Reconnection {
     /// When it was back [s since the Unix epoch].
     pub at: f64,
-    /// How long the rig was away [s].
+    /// How long the rig was away \[s\].
     pub seconds: f64,
     /// How it failed.
     pub said: String,
@@ -226,9 +226,9 @@ pub struct ArmFigures {
     pub max_error_improvement: f64,
     /// Mean square error as measured, with the sensors' noise.
     pub mse_measured: f64,
-    /// Root mean square voltage [V].
+    /// Root mean square voltage \[V\].
     pub effort: f64,
-    /// Standard deviation of `effort` over the repetitions [V].
+    /// Standard deviation of `effort` over the repetitions \[V\].
     pub effort_deviation: f64,
     /// Root mean square of measured minus estimated friction [N m].
     pub torque_residual: f64,
@@ -243,13 +243,13 @@ pub struct ArmFigures {
 pub struct LimitCycleFigures {
     /// Repetitions that end in one.
     pub repetitions: usize,
-    /// Mean amplitude [rad].
+    /// Mean amplitude \[rad\].
     pub amplitude: f64,
-    /// Standard deviation of the amplitude [rad].
+    /// Standard deviation of the amplitude \[rad\].
     pub amplitude_deviation: f64,
-    /// Mean period [s].
+    /// Mean period \[s\].
     pub period: f64,
-    /// Standard deviation of the period [s].
+    /// Standard deviation of the period \[s\].
     pub period_deviation: f64,
 }
 
@@ -335,7 +335,7 @@ pub struct BagFigures {
     pub folder: &'static str,
     /// Messages of all topics.
     pub messages: u64,
-    /// Size of the MCAP file [B].
+    /// Size of the MCAP file \[B\].
     pub bytes: u64,
     /// What was left out.
     pub recorded: &'static str,
@@ -344,9 +344,9 @@ pub struct BagFigures {
 /// How long it took.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Timing {
-    /// Time on the clock [s].
+    /// Time on the clock \[s\].
     pub wall_seconds: f64,
-    /// Time the same would have taken on a rig [s].
+    /// Time the same would have taken on a rig \[s\].
     pub rig_seconds: f64,
     /// Rig time over clock time.
     pub times_real_time: f64,

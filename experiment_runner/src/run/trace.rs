@@ -7,7 +7,7 @@ use crate::cycle::CycleSample;
 /// Signals over time, kept at a tenth of the loop's rate.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Trace {
-    /// Time [s].
+    /// Time \[s\].
     #[serde(with = "crate::exact::column")]
     pub t: Vec<f64>,
     /// Reference [rad/s or rad].
@@ -28,7 +28,7 @@ pub(crate) struct Trace {
     /// Friction as the observer estimates it [N m].
     #[serde(with = "crate::exact::column")]
     pub friction_estimated: Vec<f64>,
-    /// Voltage of the motor [V].
+    /// Voltage of the motor \[V\].
     #[serde(with = "crate::exact::column")]
     pub voltage: Vec<f64>,
 }

@@ -27,7 +27,7 @@ pub fn descriptions() -> Vec<ExperimentDescription> {
         .collect()
 }
 
-/// Time the experiment takes in real time [s]; not a number where it needs a file that says so.
+/// Time the experiment takes in real time \[s\]; not a number where it needs a file that says so.
 fn duration(experiment: &Selection, quick: bool) -> f64 {
     let quick =
         quick.then(|| msgs::friction_msgs::Setting { name: "quick".into(), value: String::new() });

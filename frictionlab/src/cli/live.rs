@@ -1,5 +1,10 @@
 //! `frictionlab live`: the loop in real time on ROS 2.
 
+#![expect(
+    rustdoc::broken_intra_doc_links,
+    reason = "options are read in a terminal, where units are not escaped"
+)]
+
 use std::{path::PathBuf, sync::atomic::Ordering};
 
 use controller::{ControlMode, ControllerOptions};

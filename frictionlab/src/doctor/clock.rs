@@ -16,13 +16,13 @@ use super::Finding;
 
 /// Time between two comparisons of the clocks.
 const SAMPLING: Duration = Duration::from_millis(20);
-/// Readings further apart than this are taken again [ns]: something came between.
+/// Readings further apart than this are taken again \[ns\]: something came between.
 const BRACKET: i128 = 50_000;
-/// Jump of the system clock that stamps suffer from [ns].
+/// Jump of the system clock that stamps suffer from \[ns\].
 const JUMP: i128 = 1_000_000;
 /// Rate at which the system clock is being corrected that is worth a look [us/s].
 const DRIFT: f64 = 500.0;
-/// Resolution of the monotonic clock that a loop of 1 kHz needs [ns].
+/// Resolution of the monotonic clock that a loop of 1 kHz needs \[ns\].
 const RESOLUTION: i128 = 100_000;
 
 /// Compares the clocks until it is asked what it saw.
@@ -34,11 +34,11 @@ pub(super) struct ClockWatch {
 /// What was seen of the system clock against the monotonic one.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
-    /// Time on the monotonic clock from the first to the last comparison [ns].
+    /// Time on the monotonic clock from the first to the last comparison \[ns\].
     length: i128,
-    /// What the system clock went ahead in that time [ns].
+    /// What the system clock went ahead in that time \[ns\].
     ahead: i128,
-    /// The largest step between two comparisons [ns].
+    /// The largest step between two comparisons \[ns\].
     step: i128,
     comparisons: u32,
 }
@@ -75,8 +75,8 @@ fn nanoseconds(time: Timespec) -> i128 {
     i128::from(time.tv_sec) * 1_000_000_000 + i128::from(time.tv_nsec)
 }
 
-/// The monotonic clock and how far the system clock is ahead of it [ns], read within [`BRACKET`] if
-/// that can be had.
+/// The monotonic clock and how far the system clock is ahead of it \[ns\], read within [`BRACKET`]
+/// if that can be had.
 fn compare() -> (i128, i128) {
     let mut best = (i128::MAX, 0, 0);
     for _ in 0..10 {

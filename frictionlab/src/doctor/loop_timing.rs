@@ -10,10 +10,10 @@ use super::{
     participants::value,
 };
 
-/// Age of a command at the 99th percentile that is worth a look [us]: a quarter of what counts by
+/// Age of a command at the 99th percentile that is worth a look \[us\]: a quarter of what counts by
 /// default.
 const OLD: f64 = 5000.0;
-/// Error of the period at the 99th percentile that is worth a look [us], for a period of 1 ms.
+/// Error of the period at the 99th percentile that is worth a look \[us\], for a period of 1 ms.
 const IRREGULAR: f64 = 500.0;
 
 /// Findings about every control loop that reports.

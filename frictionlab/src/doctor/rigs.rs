@@ -9,7 +9,7 @@ use rustix::fs::{Access, access, statvfs};
 
 use super::Finding;
 
-/// What an hour of `frictionlab live` at 1 kHz takes in its bag [GB], measured: 246 kB a second.
+/// What an hour of `frictionlab live` at 1 kHz takes in its bag \[GB\], measured: 246 kB a second.
 const GIGABYTES_AN_HOUR: f64 = 0.9;
 
 /// Rigs.

@@ -10,14 +10,14 @@ use rustix::process::{Resource, getrlimit};
 
 use super::Finding;
 
-/// Period of the bare loop [ns].
+/// Period of the bare loop \[ns\].
 const PERIOD: u64 = 1_000_000;
 /// Its cycles: two seconds.
 const CYCLES: u64 = 2000;
-/// Lateness of the 99th percentile beyond which the loop suffers [us]: half a period.
+/// Lateness of the 99th percentile beyond which the loop suffers \[us\]: half a period.
 const LATE: f64 = 500.0;
 /// Lateness beyond which voltages no longer count, by the driver's default of `safety.command_age`
-/// [us].
+/// \[us\].
 const HOPELESS: f64 = 20_000.0;
 
 /// All of it. Takes two seconds.

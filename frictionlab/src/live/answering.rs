@@ -39,9 +39,9 @@ pub(super) struct LiveCycle {
     pub(super) effort: f64,
     /// Who said something in it.
     pub(super) spoken: Spoken,
-    /// Time since the start of the cycle before [ns]; zero for the first.
+    /// Time since the start of the cycle before \[ns\]; zero for the first.
     pub(super) period_ns: u64,
-    /// Time the step took [ns].
+    /// Time the step took \[ns\].
     pub(super) execution_ns: u64,
 }
 
@@ -86,7 +86,7 @@ pub(super) struct Memory {
     estimate: Option<Estimate>,
     /// The motor might move in the cycle before.
     moved: bool,
-    /// Time of the rig at which the motor might move first [s].
+    /// Time of the rig at which the motor might move first \[s\].
     origin: Option<f64>,
     done: u64,
     /// What ended the loop, while the flags of the fault still go out.

@@ -34,9 +34,9 @@ pub enum LiveError {
     /// `--rate` names another rate than the device's own.
     #[error("the device's cycle is {period} s, which is {} Hz, and --rate asks for {asked} Hz; leave --rate out", 1.0 / period)]
     Rate {
-        /// Period of the device's cycle [s].
+        /// Period of the device's cycle \[s\].
         period: f64,
-        /// Rate asked for [Hz].
+        /// Rate asked for \[Hz\].
         asked: f64,
     },
     /// No parameters of the nodes say these options.

@@ -102,7 +102,7 @@ pub struct LiveOptions {
     pub rate_given: bool,
     /// Seed of the sensors' noise.
     pub seed: u64,
-    /// Length of the run [s]; `None` until it is stopped.
+    /// Length of the run \[s\]; `None` until it is stopped.
     pub duration: Option<f64>,
     /// What others may ask for meanwhile; none for taking no requests.
     pub serve: Option<Serving>,

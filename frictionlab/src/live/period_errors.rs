@@ -10,8 +10,8 @@ pub(super) struct PeriodErrors {
     errors_ns: Vec<u64>,
 }
 
-/// Percentiles of |period - nominal| [us], each the error of one cycle: at least that share of the
-/// cycles has no larger one.
+/// Percentiles of |period - nominal| \[us\], each the error of one cycle: at least that share of
+/// the cycles has no larger one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct PeriodErrorSummary {
     pub(super) cycles: usize,
@@ -30,7 +30,7 @@ impl PeriodErrors {
         Self { nominal_ns: (period * 1e9).round() as u64, errors_ns: Vec::new() }
     }
 
-    /// Notes a period [ns]; zero is none.
+    /// Notes a period \[ns\]; zero is none.
     pub(super) fn note(&mut self, period_ns: u64) {
         if period_ns > 0 {
             self.errors_ns.push(period_ns.abs_diff(self.nominal_ns));

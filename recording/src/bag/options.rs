@@ -47,7 +47,7 @@ pub struct BagSummary {
     pub bytes: u64,
     /// Messages of all topics.
     pub messages: u64,
-    /// Time between the first and the last message [s].
+    /// Time between the first and the last message \[s\].
     pub duration: f64,
     /// Name, type and number of messages of each topic, in order of their opening.
     pub topics: Vec<(String, String, u64)>,

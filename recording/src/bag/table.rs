@@ -37,7 +37,7 @@ pub struct Table {
 }
 
 /// The messages of each control cycle side by side, one line a time stamp. Time is that since the
-/// first [s]; `voltage_V` is the voltage that was on the motor in the period before, `torque_Nm`
+/// first \[s\]; `voltage_V` is the voltage that was on the motor in the period before, `torque_Nm`
 /// the friction torque.
 ///
 /// # Errors

@@ -98,7 +98,7 @@ impl Default for Preparation {
 pub struct Outlier {
     /// Channel.
     pub channel: &'static str,
-    /// When [s].
+    /// When \[s\].
     pub time: f64,
     /// What was read.
     pub measured: f64,

@@ -11,9 +11,9 @@ pub struct RigDescription {
     /// Version of its firmware.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub firmware: Option<String>,
-    /// Period of its cycle [s].
+    /// Period of its cycle \[s\].
     pub period: f64,
-    /// Largest magnitude of the motor voltage [V].
+    /// Largest magnitude of the motor voltage \[V\].
     pub voltage_range: f64,
     /// Encoder counts a turn of the load.
     pub counts_per_turn: f64,
@@ -26,15 +26,15 @@ pub struct RigDescription {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scales {
-    /// Voltage output [V].
+    /// Voltage output \[V\].
     pub volts_per_count: f64,
     /// Tachometer [rad/s].
     pub tachometer_per_count: f64,
-    /// Potentiometer [rad].
+    /// Potentiometer \[rad\].
     pub potentiometer_per_count: f64,
     /// Torque sensor [N m].
     pub torque_per_count: f64,
-    /// Motor current [A].
+    /// Motor current \[A\].
     pub current_per_count: f64,
 }
 

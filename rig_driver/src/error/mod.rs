@@ -36,9 +36,9 @@ pub enum RigError {
         "voltage_limit must be at most {range} V, the voltage range of this rig by its own description, but is {limit} V"
     )]
     BeyondRange {
-        /// The limit that was asked for [V].
+        /// The limit that was asked for \[V\].
         limit: f64,
-        /// The rig's range [V].
+        /// The rig's range \[V\].
         range: f64,
     },
     /// A constant of the motor cannot be.

@@ -39,7 +39,7 @@ pub enum QuanserError {
          priority or a longer `watchdog_timeout`, then clear and activate"
     )]
     WatchdogExpired {
-        /// Its time [s], in words.
+        /// Its time \[s\], in words.
         timeout: String,
     },
     /// A text for the library holds a zero byte.

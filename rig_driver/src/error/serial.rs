@@ -89,7 +89,7 @@ pub enum SerialError {
     StopNotAcknowledged {
         /// The port.
         path: PathBuf,
-        /// How long [ms].
+        /// How long \[ms\].
         milliseconds: u64,
     },
     /// The line is gone: unplugged, or the device lost power.
@@ -105,7 +105,7 @@ pub enum SerialError {
     Silent {
         /// The port.
         path: PathBuf,
-        /// How long [ms].
+        /// How long \[ms\].
         milliseconds: u64,
     },
     /// The device started anew.

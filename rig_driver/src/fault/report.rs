@@ -11,7 +11,7 @@ use super::Fault;
 pub struct FaultReport {
     /// Which.
     pub fault: Fault,
-    /// When, on the supervisor's clock [s].
+    /// When, on the supervisor's clock \[s\].
     pub time: f64,
     /// What was seen, in the unit of the limit.
     pub value: f64,

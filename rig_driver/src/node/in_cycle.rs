@@ -28,9 +28,9 @@ pub struct EndedCycle {
     pub state: State,
     /// The fault that holds the motor.
     pub fault: Option<FaultReport>,
-    /// Time since the start of the cycle before [ns]; zero for the first.
+    /// Time since the start of the cycle before \[ns\]; zero for the first.
     pub period_ns: u64,
-    /// Time from the start of the cycle until the voltage was on the motor [ns].
+    /// Time from the start of the cycle until the voltage was on the motor \[ns\].
     pub execution_ns: u64,
     /// What the rig said to being waited for, or to the voltage.
     pub refused: Option<RigError>,
@@ -39,7 +39,7 @@ pub struct EndedCycle {
 /// Observer and controller on the control thread itself. They are called between two deadlines: no
 /// locks, no allocation, no messages.
 pub trait InCycle: Send {
-    /// The voltage for this cycle [V]; none to leave the motor to the commands that come over the
+    /// The voltage for this cycle \[V\]; none to leave the motor to the commands that come over the
     /// network.
     fn answer(&mut self, begun: &BegunCycle) -> Option<f64>;
 

@@ -19,7 +19,7 @@ pub(super) struct TorqueEstimate {
 }
 
 impl TorqueEstimate {
-    /// `filter` is the time constant of the filter [s].
+    /// `filter` is the time constant of the filter \[s\].
     pub(super) fn new(source: TorqueSource, drive: Motor, period: f64, filter: f64) -> Self {
         Self {
             source,

@@ -20,7 +20,7 @@ const HEADER: &str = "winding temperature, version 1";
 /// A clock that says less was never set: 2020-01-01 [s since the epoch].
 const PLAUSIBLE: f64 = 1_577_836_800.0;
 /// Time in which the motor may have been heated after the last note of a process that did not end
-/// orderly [s].
+/// orderly \[s\].
 const UNKNOWN_TIME: f64 = 3.0;
 /// Longest file that is read.
 const LONGEST: u64 = 4096;
@@ -28,7 +28,7 @@ const LONGEST: u64 = 4096;
 /// What is known of a motor.
 #[derive(Debug, Clone, Copy)]
 struct Known {
-    /// Above ambient [K].
+    /// Above ambient \[K\].
     rise: f64,
     at: Instant,
 }
@@ -54,8 +54,8 @@ impl Record {
         Some(Self { path: folder.join(format!("{name}.temperature")), rig: rig.to_owned() })
     }
 
-    /// Writes the rise above ambient [K]; `at_rest` says that nothing drives the motor any more. It
-    /// appears whole or not at all; after a power cut it may be gone, which counts as unknown.
+    /// Writes the rise above ambient \[K\]; `at_rest` says that nothing drives the motor any more.
+    /// It appears whole or not at all; after a power cut it may be gone, which counts as unknown.
     pub(super) fn write(&self, rise: f64, at_rest: bool) -> io::Result<()> {
         let text = format!(
             "{HEADER}\nrig: {}\nrise_k: {rise}\nat_rest: {at_rest}\nunix_s: {}\n",
@@ -70,7 +70,7 @@ impl Record {
         fs::rename(&new, &self.path).inspect_err(|_| _ = fs::remove_file(&new))
     }
 
-    /// The rise [K] now, by what the file says.
+    /// The rise \[K\] now, by what the file says.
     fn read(&self, limits: &SafetyLimits) -> Result<f64, String> {
         let length = fs::metadata(&self.path).map_err(|e| e.to_string())?;
         if !length.is_file() || length.len() > LONGEST {
@@ -85,7 +85,7 @@ impl Record {
     }
 }
 
-/// The rise [K] at `now` [s since the epoch] by the text of a file.
+/// The rise \[K\] at `now` [s since the epoch] by the text of a file.
 fn judge(text: &str, rig: &str, now: f64, limits: &SafetyLimits) -> Result<f64, String> {
     let mut lines = text.lines();
     if lines.next() != Some(HEADER) {
@@ -113,8 +113,8 @@ fn judge(text: &str, rig: &str, now: f64, limits: &SafetyLimits) -> Result<f64, 
 }
 
 impl Warmth {
-    /// How far the rig's motor is above ambient [K], and a sentence where that is assumed. Nothing
-    /// is known of a simulated one before its first configuration: it is new.
+    /// How far the rig's motor is above ambient \[K\], and a sentence where that is assumed.
+    /// Nothing is known of a simulated one before its first configuration: it is new.
     pub(super) fn rise(
         &self,
         rig: &str,
@@ -151,7 +151,7 @@ impl Warmth {
         }
     }
 
-    /// Notes how far the rig's motor is above ambient [K].
+    /// Notes how far the rig's motor is above ambient \[K\].
     pub(super) fn note(&self, rig: &str, rise: f64) {
         locked(&self.0).insert(rig.to_owned(), Known { rise, at: Instant::now() });
     }

@@ -209,7 +209,7 @@ impl Card {
         self.hil.checked(call, code)
     }
 
-    /// Sets the ranges of analogue inputs, +- `limits` [V].
+    /// Sets the ranges of analogue inputs, +- `limits` \[V\].
     pub(super) fn set_input_ranges(&mut self, inputs: &[(u32, f64)]) -> Result<(), QuanserError> {
         if inputs.is_empty() {
             return Ok(());
@@ -230,7 +230,7 @@ impl Card {
         self.checked("hil_set_analog_input_ranges", code).map(drop)
     }
 
-    /// Sets the range of the output, +- `limit` [V].
+    /// Sets the range of the output, +- `limit` \[V\].
     pub(super) fn set_output_range(
         &mut self,
         channel: u32,
@@ -281,7 +281,7 @@ impl Card {
         Ok(())
     }
 
-    /// Puts `volts` out at once [V].
+    /// Puts `volts` out at once \[V\].
     pub(super) fn write(&mut self, channel: u32, volts: f64) -> Result<(), QuanserError> {
         let write = self.hil.functions.hil_write_analog;
         // SAFETY: the card is open; one channel and one voltage, which live through the call.
@@ -289,7 +289,7 @@ impl Card {
         self.checked("hil_write_analog", code).map(drop)
     }
 
-    /// Reads every channel and puts `volts` out [V].
+    /// Reads every channel and puts `volts` out \[V\].
     pub(super) fn read_write(
         &mut self,
         exchange: &mut Exchange,
@@ -337,7 +337,7 @@ impl Card {
         self.checked("hil_read_write", code).map(drop)
     }
 
-    /// Starts the card's own watchdog [s].
+    /// Starts the card's own watchdog \[s\].
     pub(super) fn start_watchdog(&mut self, timeout: f64) -> Result<(), QuanserError> {
         // SAFETY: the card is open.
         let code = unsafe { (self.hil.functions.hil_watchdog_start)(self.raw, timeout) };

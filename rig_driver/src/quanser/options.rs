@@ -14,9 +14,9 @@ pub struct AnalogInput {
     pub channel: u32,
     /// Value a volt, in the quantity's unit; not zero.
     pub scale: f64,
-    /// Volts at which the value is zero [V].
+    /// Volts at which the value is zero \[V\].
     pub offset: f64,
-    /// Range of the channel, +- this many volts [V], above zero and at most 10.
+    /// Range of the channel, +- this many volts \[V\], above zero and at most 10.
     pub range: f64,
 }
 
@@ -56,12 +56,12 @@ pub struct QuanserOptions {
     /// Motor volts a volt of the card, not zero: gain of the amplifier, below zero if it or the
     /// motor's wiring turns the sign.
     pub amplifier_gain: f64,
-    /// Largest magnitude of the motor voltage [V], above zero, and at the card at most 10.
+    /// Largest magnitude of the motor voltage \[V\], above zero, and at the card at most 10.
     pub voltage_limit: f64,
-    /// Period of the control cycle [s], above zero and at most 10 ms.
+    /// Period of the control cycle \[s\], above zero and at most 10 ms.
     pub period: f64,
-    /// Time after which the card's watchdog puts the motor at zero volts [s], from two periods to 8
-    /// s.
+    /// Time after which the card's watchdog puts the motor at zero volts \[s\], from two periods to
+    /// 8 s.
     pub watchdog_timeout: f64,
 }
 
@@ -90,7 +90,7 @@ impl Default for QuanserOptions {
 }
 
 impl QuanserOptions {
-    /// Largest magnitude of the motor voltage that card and amplifier put out [V].
+    /// Largest magnitude of the motor voltage that card and amplifier put out \[V\].
     #[must_use]
     pub const fn voltage_range(&self) -> f64 {
         let range = VOLTAGE_RANGE * self.amplifier_gain.abs();
@@ -154,13 +154,13 @@ impl QuanserOptions {
         Ok(())
     }
 
-    /// Voltage at the card for `volts` at the motor, both [V].
+    /// Voltage at the card for `volts` at the motor, both \[V\].
     #[must_use]
     pub fn card_volts(&self, volts: f64) -> f64 {
         volts / self.amplifier_gain
     }
 
-    /// Position at an encoder count [rad].
+    /// Position at an encoder count \[rad\].
     #[must_use]
     pub fn position(&self, counts: i64) -> f64 {
         counts as f64 * (std::f64::consts::TAU / self.encoder_counts_per_turn)

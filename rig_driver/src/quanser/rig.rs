@@ -22,15 +22,15 @@ pub struct QuanserRig {
     options: QuanserOptions,
     exchange: Exchange,
     counter: UnwrappedCounter,
-    /// Time of the first cycle on the caller's clock, and of the present one [s].
+    /// Time of the first cycle on the caller's clock, and of the present one \[s\].
     first: Option<f64>,
     told: Option<f64>,
     last: Measurement,
     cycle: u64,
     watched: bool,
-    /// Voltage that the next exchange puts out [V], and whether it was cut.
+    /// Voltage that the next exchange puts out \[V\], and whether it was cut.
     pending: f64,
-    /// Voltage that is at the motor [V].
+    /// Voltage that is at the motor \[V\].
     output: f64,
     asked: f64,
     saturated: bool,

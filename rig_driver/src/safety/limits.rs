@@ -9,7 +9,7 @@ use crate::RigError;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SafetyLimits {
-    /// Largest magnitude of the motor voltage [V], above zero.
+    /// Largest magnitude of the motor voltage \[V\], above zero.
     pub voltage: f64,
     /// Fastest growth of its magnitude [V/s], above zero. Falling to zero is never slowed.
     pub slew: f64,
@@ -17,15 +17,16 @@ pub struct SafetyLimits {
     pub velocity: f64,
     /// Where the shaft may be; none for a shaft that may turn for ever.
     pub travel: Option<Travel>,
-    /// Oldest command that still counts [s], above zero and at most
+    /// Oldest command that still counts \[s\], above zero and at most
     /// [`OLDEST_COMMAND`](Self::OLDEST_COMMAND).
     pub command_age: f64,
-    /// Time without a command after which the motor has to be activated again [s], not below
+    /// Time without a command after which the motor has to be activated again \[s\], not below
     /// `command_age` and at most [`LONGEST_LOSS`](Self::LONGEST_LOSS).
     pub command_lost: f64,
-    /// Longest cycle after which the motor goes on at once [s], above the period.
+    /// Longest cycle after which the motor goes on at once \[s\], above the period.
     pub cycle_late: f64,
-    /// Longest cycle after which the motor need not be activated again [s], not below `cycle_late`.
+    /// Longest cycle after which the motor need not be activated again \[s\], not below
+    /// `cycle_late`.
     pub cycle_lost: f64,
     /// Temperature model of the winding; none to go without.
     pub motor: Option<MotorThermal>,
@@ -40,11 +41,11 @@ pub struct SafetyLimits {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Travel {
-    /// Lower end [rad].
+    /// Lower end \[rad\].
     pub min: f64,
-    /// Upper end [rad], above the lower one.
+    /// Upper end \[rad\], above the lower one.
     pub max: f64,
-    /// How far beyond an end the shaft may coast [rad], zero or more.
+    /// How far beyond an end the shaft may coast \[rad\], zero or more.
     pub margin: f64,
 }
 
@@ -53,7 +54,7 @@ pub struct Travel {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Standstill {
-    /// Time at zero volts in which the shaft may coast [s], above zero and at most 10 s.
+    /// Time at zero volts in which the shaft may coast \[s\], above zero and at most 10 s.
     pub after: f64,
     /// Speed above which it turns [rad/s], above zero.
     pub velocity: f64,
@@ -67,13 +68,13 @@ pub struct Standstill {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorThermal {
-    /// Armature resistance R_a [ohm], above zero.
+    /// Armature resistance R_a \[ohm\], above zero.
     pub armature_resistance: f64,
     /// Back-EMF constant at the load, A K_m [V s/rad], above zero.
     pub back_emf: f64,
     /// Thermal resistance from winding to ambient R_th [K/W], above zero.
     pub thermal_resistance: f64,
-    /// Time constant of the winding [s], above zero.
+    /// Time constant of the winding \[s\], above zero.
     pub time_constant: f64,
     /// Ambient temperature [degrees C].
     pub ambient: f64,
@@ -86,7 +87,7 @@ pub struct MotorThermal {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Agreement {
-    /// Length of the window over which both are averaged [s], above zero.
+    /// Length of the window over which both are averaged \[s\], above zero.
     pub window: f64,
     /// Part of the tolerance that does not depend on speed [rad/s], above zero.
     pub absolute: f64,
@@ -143,15 +144,15 @@ impl Default for SafetyLimits {
 }
 
 impl SafetyLimits {
-    /// Largest `command_age` [s]: so long after the last command the motor is at zero volts,
+    /// Largest `command_age` \[s\]: so long after the last command the motor is at zero volts,
     /// whatever is set.
     pub const OLDEST_COMMAND: f64 = 0.1;
-    /// Largest `command_lost`, `cycle_late` and `cycle_lost` of a real rig [s]: after so long it
+    /// Largest `command_lost`, `cycle_late` and `cycle_lost` of a real rig \[s\]: after so long it
     /// has to be activated again, whatever is set.
     pub const LONGEST_LOSS: f64 = 1.0;
 
-    /// The voltage limit [V] of a rig with a voltage range of `range` [V]: what was `asked` for,
-    /// else the usual 6 V. The usual limit and what lies below it are cut to a range that is
+    /// The voltage limit \[V\] of a rig with a voltage range of `range` \[V\]: what was `asked`
+    /// for, else the usual 6 V. The usual limit and what lies below it are cut to a range that is
     /// smaller.
     ///
     /// # Errors
@@ -178,7 +179,7 @@ impl SafetyLimits {
         self
     }
 
-    /// Checks every field for a rig with cycles of `period` [s].
+    /// Checks every field for a rig with cycles of `period` \[s\].
     ///
     /// # Errors
     /// [`RigError::OutOfRange`] names the field.

@@ -10,7 +10,7 @@ use crate::RigError;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RigLimits {
-    /// Largest magnitude of the motor voltage [V], at most the range that the rig tells of itself
+    /// Largest magnitude of the motor voltage \[V\], at most the range that the rig tells of itself
     /// [usual: 6 V].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub voltage: Option<f64>,
@@ -23,24 +23,24 @@ pub struct RigLimits {
     /// Where the shaft may be.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub travel: Option<Travel>,
-    /// Oldest command that still counts [s].
+    /// Oldest command that still counts \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command_age: Option<f64>,
-    /// Time without a command that is a fault [s].
+    /// Time without a command that is a fault \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command_lost: Option<f64>,
-    /// Longest cycle after which the motor goes on at once [s].
+    /// Longest cycle after which the motor goes on at once \[s\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle_late: Option<f64>,
-    /// Longest cycle that is no fault [s]; a simulated rig does not mind.
+    /// Longest cycle that is no fault \[s\]; a simulated rig does not mind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle_lost: Option<f64>,
 }
 
 impl RigLimits {
-    /// These limits on a rig whose `usual` limits are known and whose voltage range is `range` [V].
-    /// A simulated shaft stands still while its loop waits: there a late cycle never asks for a new
-    /// activation.
+    /// These limits on a rig whose `usual` limits are known and whose voltage range is `range`
+    /// \[V\]. A simulated shaft stands still while its loop waits: there a late cycle never asks
+    /// for a new activation.
     ///
     /// # Errors
     /// [`RigError`] names the voltage that cannot be.

@@ -7,7 +7,7 @@ use crate::Measurement;
 const SATURATED_CYCLES: u32 = 10;
 /// Cycles in a row in which the rig's time stands still.
 const STOPPED_CYCLES: u32 = 20;
-/// Window of the encoder's velocity where it is held against no tachometer [s].
+/// Window of the encoder's velocity where it is held against no tachometer \[s\].
 const WINDOW: f64 = 0.05;
 
 /// What was found: the fault, the value seen and its limit.

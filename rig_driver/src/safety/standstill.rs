@@ -3,9 +3,9 @@
 use super::{Fault, Standstill, sensors::Finding};
 use crate::Measurement;
 
-/// Voltage that counts as zero [V]: no motor of this kind turns its gear with it.
+/// Voltage that counts as zero \[V\]: no motor of this kind turns its gear with it.
 const ZERO: f64 = 0.02;
-/// Windows over which the speed is averaged [s].
+/// Windows over which the speed is averaged \[s\].
 const WINDOW: f64 = 0.1;
 /// What coasts loses more than this part of its speed from one window to the next.
 const LOST: f64 = 0.1;
@@ -18,10 +18,10 @@ const LOST: f64 = 0.1;
 pub(super) struct StandstillMonitor {
     limits: Option<Standstill>,
     armed: bool,
-    /// How long the motor has had zero volts [s].
+    /// How long the motor has had zero volts \[s\].
     zero_for: f64,
-    /// Length of the present window [s], integral of the tachometer over it [rad], encoder at its
-    /// beginning [rad].
+    /// Length of the present window \[s\], integral of the tachometer over it \[rad\], encoder at
+    /// its beginning \[rad\].
     window: Option<(f64, f64, f64)>,
     /// Speed in the window before, where it was too fast [rad/s].
     before: Option<f64>,
@@ -32,7 +32,7 @@ impl StandstillMonitor {
         Self { limits, armed: false, zero_for: 0.0, window: None, before: None }
     }
 
-    /// Takes a cycle that began `gap` [s] after the one before, with `volts` on the motor since
+    /// Takes a cycle that began `gap` \[s\] after the one before, with `volts` on the motor since
     /// then; `moves` says whether the motor may move, `late` that the gap was too long to say
     /// anything.
     pub(super) fn check(

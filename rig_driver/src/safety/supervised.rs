@@ -51,7 +51,7 @@ impl<R: Rig> Supervised<R> {
         &self.supervisor
     }
 
-    /// Says how far the winding is above ambient [K], where that is known from before.
+    /// Says how far the winding is above ambient \[K\], where that is known from before.
     pub fn warm(&mut self, rise: f64) {
         if let Some(motor) = self.supervisor.limits().motor {
             self.supervisor.warm(motor.ambient + rise);
@@ -111,8 +111,8 @@ impl<R: Rig> Supervised<R> {
         self.settle();
     }
 
-    /// Takes a command of `volts` [V] that was made at `stamp` [s on the supervisor's clock], as it
-    /// comes over a network: its age counts.
+    /// Takes a command of `volts` \[V\] that was made at `stamp` [s on the supervisor's clock], as
+    /// it comes over a network: its age counts.
     pub fn command(&mut self, stamp: f64, volts: f64) {
         self.asked = if volts.is_finite() { volts } else { 0.0 };
         self.supervisor.command(stamp, volts);

@@ -9,7 +9,7 @@ use crate::{Measurement, RigError};
 /// Cycles in a row above the speed limit that count: one reading may be a spark of the brushes.
 const OVERSPEED_CYCLES: u32 = 3;
 
-/// Stands between a controller and a motor. Pure: time comes in as numbers [s] on one clock that
+/// Stands between a controller and a motor. Pure: time comes in as numbers \[s\] on one clock that
 /// does not run backwards.
 ///
 /// Once a cycle: [`cycle`](Self::cycle) with the readings, [`command`](Self::command) if there is a
@@ -26,7 +26,7 @@ pub struct SafetySupervisor {
     winding: Option<Winding>,
     standstill: StandstillMonitor,
     overspeed_cycles: u32,
-    /// Time of the cycle before and of this one [s].
+    /// Time of the cycle before and of this one \[s\].
     now: Option<f64>,
     cycle_late: Option<f64>,
     position: f64,
@@ -43,7 +43,7 @@ struct Command {
 }
 
 impl SafetySupervisor {
-    /// A supervisor in state unconfigured for a rig with cycles of `period` [s].
+    /// A supervisor in state unconfigured for a rig with cycles of `period` \[s\].
     ///
     /// # Errors
     /// [`RigError::OutOfRange`] names the limit that cannot be.
@@ -91,7 +91,7 @@ impl SafetySupervisor {
         self.held_back.as_ref()
     }
 
-    /// The last output [V].
+    /// The last output \[V\].
     #[must_use]
     pub const fn applied(&self) -> f64 {
         self.applied
@@ -103,7 +103,7 @@ impl SafetySupervisor {
         self.winding.map(|winding| winding.temperature())
     }
 
-    /// The winding above ambient by its model [K].
+    /// The winding above ambient by its model \[K\].
     #[must_use]
     pub fn rise(&self) -> Option<f64> {
         Some(self.temperature()? - self.limits.motor?.ambient)
@@ -162,7 +162,7 @@ impl SafetySupervisor {
         }
     }
 
-    /// Begins the cycle at `now` [s] with the readings.
+    /// Begins the cycle at `now` \[s\] with the readings.
     pub fn cycle(&mut self, now: f64, seen: &Measurement) {
         let gap = self.now.map_or(0.0, |before| now - before);
         if !now.is_finite() || gap < 0.0 || gap > self.limits.cycle_lost {
@@ -227,7 +227,7 @@ impl SafetySupervisor {
         }
     }
 
-    /// Time of the present cycle [s].
+    /// Time of the present cycle \[s\].
     pub(super) fn now(&self) -> f64 {
         self.now.unwrap_or(0.0)
     }
@@ -238,8 +238,8 @@ impl SafetySupervisor {
         self.applied = 0.0;
     }
 
-    /// Takes a command of `volts` [V] that was made at `stamp` [s]. One from the future counts as
-    /// made now.
+    /// Takes a command of `volts` \[V\] that was made at `stamp` \[s\]. One from the future counts
+    /// as made now.
     pub fn command(&mut self, stamp: f64, volts: f64) {
         if !(volts.is_finite() && stamp.is_finite()) {
             self.fault(Fault::CommandNotFinite, if volts.is_finite() { stamp } else { volts }, 0.0);
@@ -256,7 +256,7 @@ impl SafetySupervisor {
         }
     }
 
-    /// The voltage for the coming period [V]: within the limits, and zero in every state but
+    /// The voltage for the coming period \[V\]: within the limits, and zero in every state but
     /// active.
     pub fn output(&mut self) -> f64 {
         let (before, now) = (self.applied, self.now.unwrap_or(0.0));

@@ -2,7 +2,7 @@
 
 use super::{MotorThermal, SafetyLimits};
 
-/// Hottest rise that is told apart [K]: copper has long melted.
+/// Hottest rise that is told apart \[K\]: copper has long melted.
 const HOTTEST: f64 = 2000.0;
 
 /// The winding's temperature over time. Whatever comes in, it is a finite number and never below
@@ -10,19 +10,19 @@ const HOTTEST: f64 = 2000.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Winding {
     motor: MotorThermal,
-    /// Largest voltage of the amplifier, and of the motor as a generator [V].
+    /// Largest voltage of the amplifier, and of the motor as a generator \[V\].
     voltage: f64,
-    /// Above ambient [K].
+    /// Above ambient \[K\].
     rise: f64,
 }
 
 impl Winding {
-    /// A motor at ambient temperature behind an amplifier of `voltage` [V].
+    /// A motor at ambient temperature behind an amplifier of `voltage` \[V\].
     pub(super) const fn new(motor: MotorThermal, voltage: f64) -> Self {
         Self { motor, voltage, rise: 0.0 }
     }
 
-    /// Advances by `dt` [s] with `volts` on a shaft at `velocity` [rad/s]. The larger one of the
+    /// Advances by `dt` \[s\] with `volts` on a shaft at `velocity` [rad/s]. The larger one of the
     /// current that was measured and the one that follows from the voltage heats.
     ///
     /// A shaft that is driven by no more than the limit cannot generate more than the limit, so no
@@ -75,14 +75,14 @@ impl Winding {
 }
 
 impl SafetyLimits {
-    /// The winding's rise above ambient that is assumed where nobody knows it [K]: the hottest from
-    /// which a motor that was too hot may go on.
+    /// The winding's rise above ambient that is assumed where nobody knows it \[K\]: the hottest
+    /// from which a motor that was too hot may go on.
     #[must_use]
     pub fn assumed_rise(&self) -> f64 {
         self.motor.map_or(0.0, |motor| (motor.limit - 10.0 - motor.ambient).max(0.0))
     }
 
-    /// The rise that is left of `rise` [K] after `seconds` without a current. A time that is no
+    /// The rise that is left of `rise` \[K\] after `seconds` without a current. A time that is no
     /// number or negative cools nothing.
     #[must_use]
     pub fn cooled_rise(&self, rise: f64, seconds: f64) -> f64 {
@@ -90,7 +90,7 @@ impl SafetyLimits {
         self.motor.map_or(0.0, |motor| rise * (-seconds / motor.time_constant).exp())
     }
 
-    /// The rise [K] that `seconds` at the largest voltage and at rest make of `rise`.
+    /// The rise \[K\] that `seconds` at the largest voltage and at rest make of `rise`.
     #[must_use]
     pub fn heated_rise(&self, rise: f64, seconds: f64) -> f64 {
         self.motor.map_or(0.0, |motor| {

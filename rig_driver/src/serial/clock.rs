@@ -22,9 +22,9 @@ pub(super) struct DeviceClock {
 /// Cycles and clock contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Jump {
-    /// By how much [us].
+    /// By how much \[us\].
     pub(super) by_us: u64,
-    /// How much is allowed [us].
+    /// How much is allowed \[us\].
     pub(super) allowed_us: u64,
 }
 

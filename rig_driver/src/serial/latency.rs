@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Longest latency that a cycle of 1 kHz can bear [ms].
+/// Longest latency that a cycle of 1 kHz can bear \[ms\].
 const WANTED: u32 = 1;
 
 /// What is known of a port's latency.
@@ -19,12 +19,12 @@ pub enum Latency {
     Low,
     /// The timer was set to 1 ms.
     Lowered {
-        /// What it was [ms].
+        /// What it was \[ms\].
         from: u32,
     },
     /// The timer is too long and cannot be set.
     High {
-        /// What it is [ms]; none if it cannot be read.
+        /// What it is \[ms\]; none if it cannot be read.
         milliseconds: Option<u32>,
         /// The timer's file.
         timer: PathBuf,

@@ -13,9 +13,9 @@ const SENT: usize = 1024;
 const FOREIGN: u16 = 2;
 /// Cycles in a row in which the motor has another voltage than asked for.
 const DIFFERING: u32 = 3;
-/// By how much the device may run ahead of the time here at once [s].
+/// By how much the device may run ahead of the time here at once \[s\].
 const AHEAD: f64 = 0.25;
-/// Time of a session in which it is learned how late measurements are [s]: the first may have
+/// Time of a session in which it is learned how late measurements are \[s\]: the first may have
 /// waited for this side.
 const LEARNING: f64 = 1.0;
 /// By which part its clock may be slower than the one here, and a jump still be seen at once.
@@ -29,7 +29,7 @@ pub(super) type Finding = (Fault, f64, f64);
 pub(super) struct LineMonitor {
     period: f64,
     volts_per_count: f64,
-    /// How far the voltage on the motor may be from the one asked for [count].
+    /// How far the voltage on the motor may be from the one asked for \[count\].
     band: i32,
     /// Numbers and voltages sent, by number.
     sent: Box<[Option<(u32, i16)>; SENT]>,
@@ -37,9 +37,9 @@ pub(super) struct LineMonitor {
     before: Option<Measurement>,
     differing: u32,
     window: Option<Window>,
-    /// How late the device is against the time here, at the least [s].
+    /// How late the device is against the time here, at the least \[s\].
     least_late: Option<f64>,
-    /// Time since the session's first measurement by the device's cycles [s].
+    /// Time since the session's first measurement by the device's cycles \[s\].
     device_time: f64,
 }
 
@@ -80,7 +80,7 @@ impl LineMonitor {
         (self.window, self.differing) = (None, 0);
     }
 
-    /// A measurement came at `now` [s]; `jump` is what its clock has against its cycles.
+    /// A measurement came at `now` \[s\]; `jump` is what its clock has against its cycles.
     pub(super) fn heard(
         &mut self,
         device: &Measurement,

@@ -7,12 +7,12 @@ use super::SerialError;
 pub struct SerialOptions {
     /// Baud rate; without meaning for a device that is a USB device itself.
     pub baud: u32,
-    /// How long after the measurement a command may be applied [s], from 1 ms to 1 s. The device
+    /// How long after the measurement a command may be applied \[s\], from 1 ms to 1 s. The device
     /// has a limit of its own.
     pub validity: f64,
-    /// Longest wait for an answer to hello [s], from 0.05 to 60 s.
+    /// Longest wait for an answer to hello \[s\], from 0.05 to 60 s.
     pub answer: f64,
-    /// Longest wait for a measurement [s], from 5 ms to 10 s.
+    /// Longest wait for a measurement \[s\], from 5 ms to 10 s.
     pub silence: f64,
 }
 

@@ -16,7 +16,7 @@ pub(super) struct Scaling {
     /// The encoder's count of the measurement before, of the same session.
     before: Option<i32>,
     encoder: i64,
-    /// Time [us] and encoder count of the last measurements, the present one at
+    /// Time \[us\] and encoder count of the last measurements, the present one at
     /// `cycle % DIFFERENCE` of this session.
     earlier: [Option<(u64, i64)>; DIFFERENCE],
     place: usize,
@@ -38,7 +38,7 @@ impl Scaling {
         &self.hello
     }
 
-    /// Period of the device's cycle [s].
+    /// Period of the device's cycle \[s\].
     pub(super) fn period(&self) -> f64 {
         // Divided, so that 100 us are the same number as 1e-4 s in a limit: 100 * 1e-6 is below it
         // by a bit.
@@ -68,7 +68,7 @@ impl Scaling {
     }
 
     /// The device's measurement in SI units, and whether its clock contradicts its cycles; `asked`
-    /// is the voltage that the controller asked for [V].
+    /// is the voltage that the controller asked for \[V\].
     pub(super) fn scaled(
         &mut self,
         now: &Counts,

@@ -33,6 +33,6 @@ pub struct LinkStatistics {
     pub reconnects: u64,
     /// Restarts of the device that were seen.
     pub restarts: u64,
-    /// Longest time between a measurement's arrival and its use [us].
+    /// Longest time between a measurement's arrival and its use \[us\].
     pub longest_age_us: u64,
 }

@@ -5,7 +5,7 @@ use rig_protocol::Hello;
 use crate::HIGHEST_VOLTAGE;
 use crate::safety::{SafetyLimits, SensorChecks};
 
-/// Largest magnitude of the motor voltage by the device's description [V], and never above
+/// Largest magnitude of the motor voltage by the device's description \[V\], and never above
 /// [`HIGHEST_VOLTAGE`].
 pub(super) fn voltage_range(hello: &Hello) -> f64 {
     let volts = f64::from(hello.voltage_limit) * f64::from(hello.volts_per_count).abs();

@@ -20,10 +20,10 @@ use self::paced::Paced;
 use self::turn::Turn;
 use super::{Opened, RigDescription, RigSetupError, SensorsPresent};
 
-/// Time for the shaft to come to rest before each turn [s].
+/// Time for the shaft to come to rest before each turn \[s\].
 pub const REST: f64 = 1.0;
 
-/// Longest time in which a line that failed may come back [s].
+/// Longest time in which a line that failed may come back \[s\].
 pub const PATIENCE: f64 = 30.0;
 
 /// Opens the rig once more, as it was opened.
@@ -102,19 +102,19 @@ impl BenchRig {
         })
     }
 
-    /// Period of the cycle [s].
+    /// Period of the cycle \[s\].
     #[must_use]
     pub const fn period(&self) -> f64 {
         self.period
     }
 
-    /// What the rig can put out [V].
+    /// What the rig can put out \[V\].
     #[must_use]
     pub const fn voltage_range(&self) -> f64 {
         self.voltage_range
     }
 
-    /// What the safety layer allows [V].
+    /// What the safety layer allows \[V\].
     #[must_use]
     pub const fn voltage_limit(&self) -> f64 {
         self.voltage_limit

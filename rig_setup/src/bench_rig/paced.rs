@@ -28,7 +28,7 @@ impl std::fmt::Debug for Paced {
 }
 
 impl Paced {
-    /// The rig under its limits, inactive; its winding `rise` above ambient [K], where that is
+    /// The rig under its limits, inactive; its winding `rise` above ambient \[K\], where that is
     /// known.
     pub(super) fn configured(
         rig: Box<dyn Rig + Send>,
@@ -68,7 +68,7 @@ impl Paced {
         Ok(self.rig.measure())
     }
 
-    /// Time since the rig was heard [s]; 0 where the clock was set back.
+    /// Time since the rig was heard \[s\]; 0 where the clock was set back.
     pub(super) fn silence(heard: SystemTime) -> f64 {
         heard.elapsed().map_or(0.0, |since| since.as_secs_f64())
     }

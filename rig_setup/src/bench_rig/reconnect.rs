@@ -17,7 +17,7 @@ const RETRY: Duration = Duration::from_millis(100);
 impl BenchRig {
     /// Opens the rig anew after its line failed, up to [`PATIENCE`] after it was heard last:
     /// inactive, at zero volts, its motor as warm as it was. Nothing of the old session stays; a
-    /// fault that is latched in the device is not cleared. The time that it took [s].
+    /// fault that is latched in the device is not cleared. The time that it took \[s\].
     ///
     /// # Errors
     /// [`NotReopened`] says why: it did not come back, another device came back, the travel is limited, or

@@ -28,7 +28,7 @@ pub use worth::{Tracked, Worth};
 pub struct DesignOptions {
     /// Drive and law.
     pub linear: LinearLoop,
-    /// Control period [s].
+    /// Control period \[s\].
     pub period: f64,
     /// Voltage that overcomes 1 N m of friction [V/(N m)].
     pub volts_per_newton_metre: f64,
@@ -67,9 +67,9 @@ pub struct Assessment {
 pub struct Bode {
     /// Frequency [rad/s].
     pub frequency: Vec<f64>,
-    /// Gain [dB] and phase [degrees], continuous in time.
+    /// Gain \[dB\] and phase \[degrees\], continuous in time.
     pub continuous: (Vec<f64>, Vec<f64>),
-    /// Gain [dB] and phase [degrees] as it runs; ends at the Nyquist frequency.
+    /// Gain \[dB\] and phase \[degrees\] as it runs; ends at the Nyquist frequency.
     pub sampled: (Vec<f64>, Vec<f64>),
 }
 
@@ -148,7 +148,7 @@ fn bode(linear: &LinearLoop, period: f64, nyquist: f64) -> Bode {
     bode
 }
 
-/// Takes full turns out of a phase [degrees], so that it has no jumps.
+/// Takes full turns out of a phase \[degrees\], so that it has no jumps.
 fn unwrap(phase: &mut [f64]) {
     let mut turns = 0.0;
     let mut before = f64::NAN;

@@ -76,8 +76,8 @@ fn line(name: &str, x: &[f64], y: &[f64], style: LineStyle) -> Trace {
     Trace::Line { name: name.to_owned(), x: x.to_vec(), y: y.to_vec(), style }
 }
 
-/// How much of the response is worth a picture [s]: what moves. The slow end, in which a lag or an
-/// integral creeps into the last two per cent, is in the table.
+/// How much of the response is worth a picture \[s\]: what moves. The slow end, in which a lag or
+/// an integral creeps into the last two per cent, is in the table.
 fn shown(found: &Assessment) -> f64 {
     const RISES: f64 = 8.0;
     let first = found.figures.first().map(|(_, figures)| figures);

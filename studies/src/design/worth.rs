@@ -17,7 +17,7 @@ use experiment_runner::tracking::TrackingJob;
 /// noise of its sensors, without compensation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Worth {
-    /// Largest magnitude of the voltage that the rig gives [V].
+    /// Largest magnitude of the voltage that the rig gives \[V\].
     pub voltage_limit: f64,
     /// What the design does.
     pub designed: Tracked,
@@ -31,10 +31,10 @@ pub struct Worth {
 pub struct Tracked {
     /// Mean square of the error [(rad/s)^2 or rad^2].
     pub mse: f64,
-    /// Largest magnitude of the voltage [V].
+    /// Largest magnitude of the voltage \[V\].
     pub peak_voltage: f64,
-    /// Noise of the voltage [V]: standard deviation of its change from one period to the next, over
-    /// the root of two.
+    /// Noise of the voltage \[V\]: standard deviation of its change from one period to the next,
+    /// over the root of two.
     pub voltage_noise: f64,
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct Describing {
     /// Angular frequency [rad/s].
     pub angular_frequency: f64,
-    /// Amplitudes of the displacement [m].
+    /// Amplitudes of the displacement \[m\].
     pub amplitude: Vec<f64>,
     /// Real part of N [N/m].
     pub re: Vec<f64>,

@@ -10,7 +10,7 @@ use report::figure::Table;
 const DRIFT: f64 = 1e-4;
 /// Below this share of its height a loop is closed.
 const CLOSED: f64 = 1e-6;
-/// Below this area [W] there is no lag.
+/// Below this area \[W\] there is no lag.
 const LAG: f64 = 1e-9;
 
 fn number(value: Option<f64>, digits: usize) -> String {
@@ -31,7 +31,7 @@ fn scientific(value: Option<f64>) -> String {
 
 /// Beyond this change at the last halving a figure scatters: the bristles are drawn at random.
 const SETTLED: f64 = 1e-2;
-/// A contact that moves on by more than this a cycle slides [m].
+/// A contact that moves on by more than this a cycle slides \[m\].
 const SLIDES: f64 = 1e-3;
 
 impl ModelFeatures {
@@ -50,7 +50,7 @@ impl ModelFeatures {
         self.features.non_local_memory.as_ref().map(|memory| memory.closure_gap.abs() < CLOSED)
     }
 
-    /// The area of its loop of lag at the highest frequency [W]; `None` if it has no lag, or one
+    /// The area of its loop of lag at the highest frequency \[W\]; `None` if it has no lag, or one
     /// that scatters.
     pub(super) fn lag(&self) -> Option<f64> {
         let lags = &self.features.test_bed_lag;

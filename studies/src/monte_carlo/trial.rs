@@ -17,7 +17,7 @@ pub struct Trial {
     pub mse: f64,
     /// Largest magnitude of the error [rad/s or rad].
     pub max_error: f64,
-    /// Root mean square of the voltage [V].
+    /// Root mean square of the voltage \[V\].
     pub effort: f64,
 }
 
@@ -53,8 +53,8 @@ impl StudyOptions {
         self.run(task, none, Arm::None, draw)
     }
 
-    /// Time that the study takes on this machine [s], by one run of each task; nothing where it is
-    /// no matter.
+    /// Time that the study takes on this machine \[s\], by one run of each task; nothing where it
+    /// is no matter.
     ///
     /// # Errors
     /// [`StudyError`] if a loop cannot be put together.

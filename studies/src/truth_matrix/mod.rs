@@ -98,7 +98,7 @@ fn tied(trials: &[Trial], model: ModelName) -> bool {
     Standing::of(own.held_out, best.held_out, own.behind.is_tie()) == Standing::Alike
 }
 
-/// How far the test bed's contact bends [rad], for truths without pre-sliding.
+/// How far the test bed's contact bends \[rad\], for truths without pre-sliding.
 const REACH: f64 = 0.006;
 
 /// Tries all; what was done before `cancel` was set is kept.

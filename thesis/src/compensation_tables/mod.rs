@@ -65,7 +65,7 @@ pub struct ThesisTables {
     pub complete: bool,
 }
 
-/// Time that the simulations would take on a rig [s].
+/// Time that the simulations would take on a rig \[s\].
 #[must_use]
 pub fn rig_seconds() -> f64 {
     matrix::rig_seconds(ThesisTask::ALL) + rig_rows::rig_seconds() + example(1).rig_seconds()

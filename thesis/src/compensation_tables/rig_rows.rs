@@ -54,7 +54,7 @@ fn protocol(task: ThesisTask) -> TrackingProtocol {
     TrackingProtocol { inverse: InverseUse::Off, repetitions: REPETITIONS, ..task.protocol() }
 }
 
-/// Time that the rows would take on a rig [s].
+/// Time that the rows would take on a rig \[s\].
 pub(super) fn rig_seconds() -> f64 {
     TABLES.iter().map(|&(_, task)| protocol(task).rig_seconds(1 + MODELS.len())).sum()
 }

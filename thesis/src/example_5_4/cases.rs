@@ -75,7 +75,7 @@ pub struct PositionCase {
     pub observer: Option<ExampleModel>,
     /// Error injection gain k of the observer.
     pub injection: f64,
-    /// Length of the run [s].
+    /// Length of the run \[s\].
     pub duration: f64,
 }
 
@@ -124,7 +124,7 @@ pub struct ExampleOptions {
 }
 
 impl ExampleOptions {
-    /// Time that the runs simulate [s].
+    /// Time that the runs simulate \[s\].
     #[must_use]
     pub fn rig_seconds(&self) -> f64 {
         let velocity = VelocityCase::all().len() as f64 * f64::from(self.seeds);

@@ -86,7 +86,7 @@ where
         self.linear.error(&self.x)
     }
 
-    /// Advances by `h` [s].
+    /// Advances by `h` \[s\].
     pub fn advance(&mut self, h: f64) {
         let Self { linear, x, plant, observer, injection } = self;
         let rates = |x: &[f64; A], p: &P::Continuous, o: &O::Continuous| {

@@ -23,9 +23,9 @@ pub struct PositionExample {
     pub i: f64,
     /// Derivative gain D [N m s/rad].
     pub d: f64,
-    /// Length of a run [s].
+    /// Length of a run \[s\].
     pub duration: f64,
-    /// Integration step [s]; beyond 2.78 J / sigma = 0.1 ms RK4 is unstable while the bristles
+    /// Integration step \[s\]; beyond 2.78 J / sigma = 0.1 ms RK4 is unstable while the bristles
     /// stick.
     pub step: f64,
 }

@@ -23,11 +23,11 @@ pub struct VelocityExample {
     pub p: f64,
     /// Integral gain I [N m/rad].
     pub i: f64,
-    /// How long a noise sample is held [s].
+    /// How long a noise sample is held \[s\].
     pub hold: f64,
-    /// Length of a run [s].
+    /// Length of a run \[s\].
     pub duration: f64,
-    /// Integration step [s].
+    /// Integration step \[s\].
     pub step: f64,
 }
 

@@ -29,7 +29,7 @@ impl Quartiles {
 pub struct Comparison {
     pub model: ModelName,
     pub scheme: Scheme,
-    /// [ns]
+    /// \[ns\]
     pub rust: Quartiles,
     /// None where C has no peer.
     pub beside: Option<Beside>,
@@ -37,7 +37,7 @@ pub struct Comparison {
 
 #[derive(Debug, PartialEq)]
 pub struct Beside {
-    /// [ns]
+    /// \[ns\]
     pub c: Quartiles,
     /// Rust's time over C's.
     pub ratio: Quartiles,
@@ -53,7 +53,7 @@ impl Comparison {
     }
 }
 
-/// A model known at compile time, and chosen while the program runs [ns].
+/// A model known at compile time, and chosen while the program runs \[ns\].
 #[derive(Debug, PartialEq)]
 pub struct Choice {
     pub model: ModelName,

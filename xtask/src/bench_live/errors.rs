@@ -2,7 +2,7 @@
 
 use friction_ident::statistics::nearest_rank;
 
-/// Percentiles of |period - nominal| [us].
+/// Percentiles of |period - nominal| \[us\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PeriodErrors {
     pub(super) p50_us: f64,

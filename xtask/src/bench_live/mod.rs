@@ -6,6 +6,11 @@
 //! counts is the 99th percentile of |period - 1 ms| of each block, and of the blocks the median of
 //! the ratios of neighbours: what else the machine does strikes both.
 
+#![expect(
+    rustdoc::broken_intra_doc_links,
+    reason = "options are read in a terminal, where units are not escaped"
+)]
+
 mod bare;
 mod errors;
 

@@ -2,6 +2,11 @@
 //! `frictionlab live`, from `frictionlab launch` and from a publisher of rclpy, measured in one run
 //! by subscribers and clients of rclpy.
 
+#![expect(
+    rustdoc::broken_intra_doc_links,
+    reason = "options are read in a terminal, where units are not escaped"
+)]
+
 mod table;
 
 use std::io::Write;

@@ -53,7 +53,7 @@ impl Crate {
                 Item::Mod(room) => {
                     let name = room.ident.to_string();
                     let (beneath, within) =
-                        ([&way[..], &[name.clone()]].concat(), inside.join(&name));
+                        ([&way[..], std::slice::from_ref(&name)].concat(), inside.join(&name));
                     match room.content {
                         Some((_, items)) => self.take(beneath, items, file, &within),
                         None => {

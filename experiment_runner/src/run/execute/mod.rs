@@ -152,7 +152,7 @@ fn begin(
 /// What all experiments of a run gave.
 struct Measured {
     status: Status,
-    /// Time on the rig [s].
+    /// Time on the rig \[s\].
     rig_seconds: f64,
     models: Compensators,
     found: Found,

@@ -12,11 +12,11 @@ use rig_setup::RigChoice;
 
 use crate::run::Beside;
 
-/// Largest bag of a request, all its files together [bytes].
+/// Largest bag of a request, all its files together \[bytes\].
 pub const LARGEST_BAG: u64 = 4 << 30;
 /// Most folders below one another in the name of an output folder.
 const DEEPEST: usize = 8;
-/// Longest name of a file or folder in a request [bytes].
+/// Longest name of a file or folder in a request \[bytes\].
 const LONGEST_NAME: usize = 1024;
 
 /// What requests may use. It is given when the runner starts, and nobody changes it over the

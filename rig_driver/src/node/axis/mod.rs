@@ -56,7 +56,7 @@ pub type UnconfiguredRig = Supervised<Box<dyn Rig + Send>>;
 struct Seen {
     state: State,
     fault: Option<FaultReport>,
-    /// The winding above ambient [K].
+    /// The winding above ambient \[K\].
     rise: Option<f64>,
     stopwatch: Stopwatch,
     ages: Stopwatch,

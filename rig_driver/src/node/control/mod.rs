@@ -70,9 +70,9 @@ pub(super) struct Cycle {
     pub(super) zero: Zero,
     pub(super) state: State,
     pub(super) fault: Option<FaultReport>,
-    /// The winding above ambient by its model [K].
+    /// The winding above ambient by its model \[K\].
     pub(super) rise: Option<f64>,
-    /// Age of the measurement behind the voltage of this cycle [ns]; zero without a command.
+    /// Age of the measurement behind the voltage of this cycle \[ns\]; zero without a command.
     pub(super) age_ns: u64,
     pub(super) period_ns: u64,
     pub(super) execution_ns: u64,
@@ -344,7 +344,8 @@ impl Task {
         }
     }
 
-    /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns` [s].
+    /// Commands that came over the network, in a cycle of that stamp and time since `epoch_ns`
+    /// \[s\].
     fn take_commands(
         &mut self,
         newest: &mut VoltageCommand,
@@ -407,8 +408,8 @@ pub(super) enum Fate {
     Outside,
 }
 
-/// What becomes of a command, given the stamps of the measurements; those before `oldest` [ns] are
-/// too old. A stamp of zero means now.
+/// What becomes of a command, given the stamps of the measurements; those before `oldest` \[ns\]
+/// are too old. A stamp of zero means now.
 pub(super) fn fate(command: &VoltageCommand, given: &Given, oldest: u64) -> Fate {
     if !command.volts.is_finite() {
         return Fate::NoNumber;

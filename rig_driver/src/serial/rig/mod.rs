@@ -154,7 +154,7 @@ impl SerialRig {
         self.last_fault.as_ref()
     }
 
-    /// Time since the newest measurement came [s]; none before the first.
+    /// Time since the newest measurement came \[s\]; none before the first.
     #[must_use]
     pub fn age(&self) -> Option<f64> {
         self.newest.map(|(_, _, came)| came.elapsed().as_secs_f64())
