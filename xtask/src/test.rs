@@ -89,7 +89,8 @@ impl Test {
             environment.push(("FRICTION_COVERAGE", "2000"));
         }
         let mut tally = Tally::default();
-        counted(root, &["test", "--workspace", "--locked"], &environment, &mut tally)?;
+        let all = ["test", "--workspace", "--locked", "--no-fail-fast"];
+        counted(root, &all, &environment, &mut tally)?;
         if self.full {
             let seeds = [
                 "run",
