@@ -2,6 +2,8 @@
 
 /// Likeness from which a known name is taken for the one that is meant, from 0 to 1.
 const ALIKE: f64 = 0.7;
+/// Letters from which a name says enough to be likened to another.
+const TELLING: usize = 3;
 
 /// The name among `known` that looks most like `given`; none if none looks much like it. Where the
 /// last part of a dotted name fits a known one whole, as `k_p` does `pid.k_p`, that counts too.
@@ -10,10 +12,12 @@ const ALIKE: f64 = 0.7;
 /// assert_eq!(parameters::nearest("compensaton", ["mode", "compensation"]), Some("compensation"));
 /// assert_eq!(parameters::nearest("k_p", ["mode", "pid.k_p"]), Some("pid.k_p"));
 /// assert_eq!(parameters::nearest("colour", ["mode", "pid.k_p"]), None);
+/// assert_eq!(parameters::nearest("a", ["autostart"]), None);
 /// ```
 pub fn nearest<'a>(given: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likeness = |name: &str| {
-        let whole = strsim::jaro_winkler(given, name);
+        let telling = given.chars().count() >= TELLING;
+        let whole = if telling { strsim::jaro_winkler(given, name) } else { 0.0 };
         let last = |name: &str| name.rsplit('.').next() == given.rsplit('.').next();
         if last(name) { whole.max(ALIKE) } else { whole }
     };

@@ -141,7 +141,8 @@ fn a_calibration_file_with_a_mistake_says_where() {
     for (text, said) in [
         ("a: 1", "ros__parameters"),
         ("/controller:\n  ros__parameters:\n    a: 1\n", "rig_driver"),
-        ("/rig_driver:\n  ros__parameters:\n    a: 1\n", "calibration"),
+        ("/rig_driver:\n  ros__parameters:\n    a: 1\n", "there is no parameter `a`"),
+        ("/rig_driver:\n  ros__parameters:\n    rig: simulated\n", "calibration"),
         (
             "/rig_driver:\n  ros__parameters:\n    calibration: {encoder_sign: 2, tachometer_gain: 1.0, tachometer_zero: 0.0, torque_sign: 1, torque_zero: 0.0, \
              deadband_forward: 0.0, deadband_backward: 0.0}\n",

@@ -138,7 +138,7 @@ impl Ran {
         if script.contains("rig_emulator") {
             bash.env("RIG_EMULATOR", rig_emulator().get_program());
         }
-        if script.contains("$PYTHON") {
+        if machine::Need::BagTools.is_met(&crate::target_folder()) {
             bash.env("PYTHON", python::interpreter("bag_tools"));
         }
         let output = bash.output().expect("bash starts");
