@@ -108,7 +108,7 @@ impl Controller {
         }
         let before = &self.options;
         let mut next = Self::new(options)?;
-        let cycles = (options.fade / options.period).round().clamp(1.0, f64::from(u32::MAX)) as u32;
+        let cycles = options.fade_cycles();
         next.weight = Ramp::new(self.weight.value(), options.compensation.weight(), cycles);
         next.faults = self.faults.clone();
         next.faults.tolerate(options.tolerated_cycles);
@@ -129,6 +129,21 @@ impl Controller {
         }
         *self = next;
         Ok(())
+    }
+
+    /// The friction estimate is lost, or comes back: from the next cycle on it is `friction`
+    /// \[N m\], zero for none.
+    ///
+    /// The voltage does not jump. The linear law starts with the state that gives the last cycle's
+    /// voltage once more, as in [`change`](Self::change): it takes up what the compensation no
+    /// longer gives, and sheds what the compensation gives again.
+    pub fn replace_estimate(&mut self, friction: f64) {
+        let Some(mut last) = self.last.filter(|_| self.weight.value() != 0.0) else { return };
+        last.feedback.friction = friction;
+        let (before, pid) = (self.options, self.pid.clone());
+        let cycles = before.fade_cycles();
+        self.bump = Ramp::at(0.0);
+        self.start_from(last, &pid, &before, cycles);
     }
 
     /// Sets the state of the linear law so that the last cycle's voltage comes out once more.

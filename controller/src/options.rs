@@ -63,3 +63,10 @@ pub struct ControllerOptions {
     /// Largest magnitude of the command \[V\].
     pub voltage_limit: f64,
 }
+
+impl ControllerOptions {
+    /// Cycles in which a change is faded in, at least one.
+    pub(crate) fn fade_cycles(&self) -> u32 {
+        (self.fade / self.period).round().clamp(1.0, f64::from(u32::MAX)) as u32
+    }
+}

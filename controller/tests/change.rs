@@ -18,12 +18,17 @@ struct Shaft {
 
 impl Shaft {
     fn step(&mut self, controller: &mut Controller, reference: &Reference) -> f64 {
-        let feedback = Feedback {
-            position: self.position,
-            velocity: self.velocity,
-            friction: 0.08,
-            cycle: None,
-        };
+        self.step_with(controller, reference, 0.08)
+    }
+
+    fn step_with(
+        &mut self,
+        controller: &mut Controller,
+        reference: &Reference,
+        friction: f64,
+    ) -> f64 {
+        let feedback =
+            Feedback { position: self.position, velocity: self.velocity, friction, cycle: None };
         let u = controller.step(reference, &feedback).total;
         // The compensated 0.08 N m are really there.
         let drive = u - 0.08 * 4.8426;
@@ -211,4 +216,58 @@ fn a_refused_change_leaves_the_controller_as_it_was() {
         controller.step(&reference, &Feedback::default()),
         untouched.step(&reference, &Feedback::default())
     );
+}
+
+/// A drive with 0.08 N m of friction, whose estimate goes away for a second and comes back.
+#[test]
+fn an_estimate_that_is_lost_and_comes_back_makes_no_jump() {
+    let velocity = ControllerOptions { velocity: pi(1.0, 20.0), ..Default::default() };
+    let position = ControllerOptions { mode: ControlMode::Position, ..Default::default() };
+    let without_integral = PidGains { k_i: 0.0, ..PidGains::THESIS };
+    for options in [
+        velocity,
+        ControllerOptions::default(),
+        position,
+        ControllerOptions { pid: without_integral, ..position },
+    ] {
+        let mut controller = Controller::new(options).unwrap();
+        let mut shaft = Shaft::default();
+        let (mut last, mut fastest, mut jump) = (0.0, 0.0f64, 0.0f64);
+        for k in 0..5000u32 {
+            let friction = if (2000..3000).contains(&k) { 0.0 } else { 0.08 };
+            if k == 2000 || k == 3000 {
+                controller.replace_estimate(friction);
+            }
+            let reference =
+                Reference { position: 0.5 * DT * f64::from(k), velocity: 0.5, acceleration: 0.0 };
+            let u = shaft.step_with(&mut controller, &reference, friction);
+            if k > 1500 {
+                jump = jump.max((u - last).abs());
+                fastest = fastest.max(shaft.velocity);
+            }
+            last = u;
+        }
+        // The compensation itself is 0.39 V.
+        assert!(jump < 0.02, "{options:?}: {jump} V");
+        let allowed = if options.pid.k_i == 0.0 { 1.0 } else { 0.51 };
+        assert!(fastest < allowed, "{options:?}: {fastest} rad/s");
+        // The lag compensator holds to a hundredth.
+        assert!((shaft.velocity - 0.5).abs() < 0.01, "{options:?}: {} rad/s", shaft.velocity);
+    }
+}
+
+/// Where nothing is compensated, an estimate is of no importance.
+#[test]
+fn an_estimate_that_is_not_used_changes_nothing_when_it_is_lost() {
+    let mut off = ControllerOptions { velocity: pi(1.0, 20.0), ..Default::default() };
+    off.compensation.enabled = false;
+    let mut controller = Controller::new(off).unwrap();
+    let mut told = controller.clone();
+    for k in 0..100u32 {
+        let feedback =
+            Feedback { position: 0.0, velocity: 0.01 * f64::from(k), friction: 0.08, cycle: None };
+        let reference = Reference { velocity: 0.5, ..Reference::default() };
+        told.replace_estimate(0.0);
+        assert_eq!(controller.step(&reference, &feedback), told.step(&reference, &feedback));
+    }
 }

@@ -84,6 +84,8 @@ pub struct Control {
     keeper: Option<ReferenceKeeper>,
     runs: bool,
     faulted: bool,
+    /// Whether the last cycle had an estimate that counts; `None` before the first.
+    estimated: Option<bool>,
 }
 
 impl Control {
@@ -102,6 +104,7 @@ impl Control {
             keeper: None,
             runs: false,
             faulted: false,
+            estimated: None,
         }
     }
 
@@ -205,10 +208,15 @@ impl Control {
         let volts = friction.torque.abs() * volts_per_newton_metre;
         let counts =
             age <= self.settings.estimate_timeout && volts <= self.settings.options.voltage_limit;
+        let friction_torque = if counts { friction.torque } else { 0.0 };
+        // An observer that went away or came back is no reason to kick the shaft.
+        if self.estimated.replace(counts).is_some_and(|before| before != counts) {
+            self.controller.replace_estimate(friction_torque);
+        }
         let feedback = Feedback {
             position: joint.position,
             velocity: joint.velocity,
-            friction: if counts { friction.torque } else { 0.0 },
+            friction: friction_torque,
             cycle: joint.cycle,
         };
         let command = self.controller.step(reference, &feedback);
