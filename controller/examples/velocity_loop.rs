@@ -21,3 +21,8 @@ fn main() -> Result<(), ControllerError> {
     assert!((velocity - 1.0).abs() < 0.02);
     Ok(())
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

@@ -24,3 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     assert!((torque - model.steady_state(2.0)).abs() < 0.01);
     Ok(())
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

@@ -17,3 +17,8 @@ fn main() -> Result<(), CdrError> {
     assert!(cdr::decode::<MotorVoltage>(&bytes[..10]).is_err());
     Ok(())
 }
+
+#[test]
+fn it_runs() {
+    main().unwrap();
+}

@@ -36,6 +36,12 @@ fn resumed(options: &RunOptions, folder: &Path, after: Option<usize>) -> Outcome
     run(options, folder, Beginning::Resumed(Box::new(journal)), after)
 }
 
+/// The data of a report's figures.
+fn drawn(report: &str) -> impl Iterator<Item = &str> {
+    let data = report.split("<script type=\"application/json\"").skip(1);
+    data.filter_map(|rest| rest.split("</script>").next())
+}
+
 /// Everything that was found: run.json without what tells of the sittings, and the other files but
 /// the report.
 fn found(folder: &Path) -> (Value, Vec<(String, String)>) {
@@ -56,8 +62,7 @@ fn found(folder: &Path) -> (Value, Vec<(String, String)>) {
         .collect();
     // Of the report what is drawn.
     let report = fs::read_to_string(folder.join("report.html")).unwrap();
-    let drawn = report.split("<svg").skip(1).filter_map(|rest| rest.split("</svg>").next());
-    files.extend(drawn.map(|figure| ("figure".to_owned(), figure.to_owned())));
+    files.extend(drawn(&report).map(|figure| ("figure".to_owned(), figure.to_owned())));
     files.sort();
     (json, files)
 }
@@ -131,6 +136,8 @@ fn a_run_goes_on_as_often_as_it_is_stopped_and_what_was_measured_is_not_measured
     let root = tempfile::tempdir().unwrap();
     let options = RunOptions { workers: 1, ..short(experiments::whole_job()) };
     run(&options, &root.path().join("whole"), begun(), None);
+    let figures = fs::read_to_string(root.path().join("whole/report.html")).unwrap();
+    assert!(drawn(&figures).count() > 3, "the whole job draws");
     let folder = root.path().join("run");
     run(&options, &folder, begun(), Some(3));
     resumed(&options, &folder, Some(4));
