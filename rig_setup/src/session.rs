@@ -36,7 +36,7 @@ impl<'a> Session<'a> {
         let Opened { rig, limits, pace, .. } = opened;
         if !(max_volts > 0.0 && max_volts <= limits.voltage) {
             return Err(RigSetupError::Rig(RigError::OutOfRange {
-                name: "--max-volts",
+                name: "max_volts",
                 value: max_volts,
                 expected: "above 0 and at most the rig's voltage limit".into(),
             }));

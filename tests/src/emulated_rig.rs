@@ -93,6 +93,20 @@ impl EmulatedRig {
         }
     }
 
+    /// Waits until the motor had volts in `least` cycles; false if `driver` has ended before.
+    ///
+    /// # Panics
+    /// If the emulator does not answer.
+    pub fn driven_by(&mut self, driver: &mut Child, least: u64) -> bool {
+        while self.book("driven") < least {
+            if driver.try_wait().expect("its end").is_some() {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        true
+    }
+
     /// Everything that the device tells of itself.
     ///
     /// # Panics

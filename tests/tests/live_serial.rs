@@ -54,7 +54,7 @@ fn a_cable_pulled_during_a_live_run_ends_it_with_a_sentence_and_a_whole_bag() {
             .expect("it starts");
     let mut lines = BufReader::new(run.stdout.take().expect("its output")).lines();
     while !lines.next().expect("it says that it is live").expect("text").contains("live at") {}
-    rig.wait_for("driven", 300);
+    assert!(rig.driven_by(&mut run, 300), "{}", said(&run.wait_with_output().expect("it ends")));
     rig.order("unplug 100000");
     let output = run.wait_with_output().expect("it ends");
     let text = said(&output);

@@ -75,13 +75,17 @@ fn an_experiment_on_the_device_measures_what_it_measures_offline() {
 fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_measured() {
     let mut rig = EmulatedRig::start(&[]);
     let out = rig.folder().join("real");
-    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
     // In the third point.
-    rig.wait_for("driven", 2 * 1700 + 500);
+    assert!(
+        rig.driven_by(&mut child, 2 * 1700 + 500),
+        "{}",
+        said(&child.wait_with_output().unwrap())
+    );
     rig.order("unplug 100000");
     let output = child.wait_with_output().expect("it ends");
     let text = said(&output);
@@ -98,12 +102,16 @@ fn a_cable_pulled_in_the_middle_ends_the_run_with_a_sentence_and_keeps_what_was_
 fn disturbed(order: &str) -> (String, Option<i32>, Value, Value) {
     let mut rig = EmulatedRig::start(&[]);
     let out = rig.folder().join("real");
-    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
-    rig.wait_for("driven", 2 * 1700 + 500);
+    assert!(
+        rig.driven_by(&mut child, 2 * 1700 + 500),
+        "{}",
+        said(&child.wait_with_output().unwrap())
+    );
     rig.order(order);
     let output = child.wait_with_output().expect("it ends");
     let text = std::fs::read_to_string(out.join("run.json")).expect("run.json");
@@ -144,13 +152,13 @@ fn what_the_device_stopped_the_motor_for_is_never_repeated() {
 fn ctrl_c_puts_the_motor_at_zero_volts_in_the_middle_of_a_run() {
     let mut rig = EmulatedRig::start(&[]);
     let out = rig.folder().join("real");
-    let child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
+    let mut child = run(&rig.choice(), rig.folder(), &[&format!("--out={}", out.display())])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
     // In the second point.
-    rig.wait_for("driven", 1700 + 500);
+    assert!(rig.driven_by(&mut child, 1700 + 500), "{}", said(&child.wait_with_output().unwrap()));
     let killed =
         Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());

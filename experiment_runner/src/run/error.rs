@@ -36,9 +36,7 @@ pub enum RunError {
     #[error("{0}")]
     Setup(#[from] RigSetupError),
     /// Experiments were to read a sensor that the rig does not have.
-    #[error(
-        "this rig has no {sensor}; --torque-source {instead} works the friction torque out of what it has"
-    )]
+    #[error("this rig has no {sensor}; from its {instead} the friction torque can be worked out")]
     NoSensor {
         /// What is missing.
         sensor: &'static str,
@@ -48,7 +46,7 @@ pub enum RunError {
     /// A protocol asks for more voltage than there is: a cut excitation would not be the one that
     /// was asked for.
     #[error(
-        "the protocol drive-excitation asks for {asked} V, but the voltage limit is {limit} V: lower it in a protocol of your own (`frictionlab protocols drive-excitation > mine.yaml`, run --protocol mine.yaml), or raise --voltage-limit if the rig stands it"
+        "the protocol drive-excitation asks for {asked} V, but the voltage limit is {limit} V: lower it in a protocol of your own, or raise the limit if the rig stands it"
     )]
     ExcitedTooFar {
         /// The highest voltage of the protocol \[V\].

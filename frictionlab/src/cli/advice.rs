@@ -6,6 +6,7 @@ use files::{OutputError, is_of_the_path};
 use recording::RecordingError;
 use recording::bag::BagError;
 use recording::column::Channel;
+use rig_driver::RigError;
 use rig_setup::RigSetupError;
 
 /// What to add to the error; nothing where it says all there is to say.
@@ -79,7 +80,9 @@ const fn option(channel: Channel) -> &'static str {
 
 fn of_setup(error: &RigSetupError) -> String {
     match error {
-        RigSetupError::DoesNotMove { .. } | RigSetupError::Undetermined { .. } => " (--max-volts)",
+        RigSetupError::Rig(RigError::OutOfRange { name: "max_volts", .. })
+        | RigSetupError::DoesNotMove { .. }
+        | RigSetupError::Undetermined { .. } => " (--max-volts)",
         RigSetupError::NotDriven(_) => " (--rig)",
         RigSetupError::OtherDevice { .. } => {
             ": `frictionlab rig calibrate --rig-file FILE` does both"
@@ -95,6 +98,11 @@ fn of_run(error: &RunError) -> String {
         RunError::Bag(error) => of_bag(error),
         RunError::Setup(error) => of_setup(error),
         RunError::Underway(error) => of_run(error),
+        RunError::NoSensor { instead, .. } => format!(" (--torque-source {instead})"),
+        RunError::ExcitedTooFar { .. } => {
+            " (`frictionlab protocols drive-excitation > mine.yaml`, then --protocol mine.yaml; or --voltage-limit)"
+                .to_owned()
+        }
         _ => String::new(),
     }
 }
