@@ -2,7 +2,7 @@
 //!
 //! Its sources are the Markdown pages in `docs/`. Pages that are made from the code are written
 //! first; tests hold those on disk to the code. Other tests check the links and the commands on all
-//! pages: `cargo test -p tests --test book_pages --test book_commands`.
+//! pages: `cargo test -p tests --test book`.
 
 mod mdbook;
 mod models;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use tests::browser::Browser;
 
-const LAYOUT: &str = include_str!("../browser/layout.js");
+const LAYOUT: &str = include_str!("../../browser/layout.js");
 
 /// Pixels of the window: half of a usual screen.
 const WINDOW: u32 = 1040;

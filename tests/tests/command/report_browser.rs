@@ -7,7 +7,7 @@ use report::figure::Block;
 use report::render_page;
 use tests::browser::{Browser, Seen};
 
-#[path = "../../report/examples/report_demo/page.rs"]
+#[path = "../../../report/examples/report_demo/page.rs"]
 mod demonstration;
 
 /// Where a person may look at what the test saw.
@@ -104,7 +104,7 @@ fn the_report_of_a_run_draws_everything() {
 fn figures_answer_the_mouse() {
     let browser = Browser::installed();
     let seen = browser
-        .load(&render_page(&demonstration::demonstration()), include_str!("../browser/hands.js"));
+        .load(&render_page(&demonstration::demonstration()), include_str!("../../browser/hands.js"));
     assert_sound(&seen);
     let number =
         |key: &str| seen.probe[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", seen.probe));
@@ -130,7 +130,7 @@ fn figures_answer_the_mouse() {
 fn figures_and_tables_are_saved_as_csv() {
     let browser = Browser::installed();
     let page = demonstration::demonstration();
-    let seen = browser.load(&render_page(&page), include_str!("../browser/csv.js"));
+    let seen = browser.load(&render_page(&page), include_str!("../../browser/csv.js"));
     assert_sound(&seen);
     let files = seen.probe.as_object().expect("a file for each button");
     let counted =
