@@ -30,6 +30,7 @@
 //! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
 //! * [`ParameterId`]: which number of a model is meant.
 //! * [`stretch`]: pieces of a recording of friction, and what each shows.
+//! * [`model_choice`]: which of several models to use.
 //! * [`output_error`]: any model fitted to any motion.
 //! * [`staged`]: a model with all its parameters, stage by stage.
 //! * [`starting_model`]: where the searches begin.
@@ -65,6 +66,7 @@ pub mod frictional_lag;
 pub mod information;
 mod least_squares;
 pub mod micro_damping;
+pub mod model_choice;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;

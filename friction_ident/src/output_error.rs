@@ -63,6 +63,9 @@ pub struct OutputErrorFit {
     pub rms: f64,
     /// Why the search ended.
     pub ending: Ending,
+    /// Whether it ended where nothing is to be gained any more: not where it was stopped, nor where
+    /// the last round of a search without patience still went down.
+    pub settled: bool,
     /// Simulations of the whole data.
     pub evaluations: usize,
 }
@@ -87,6 +90,9 @@ impl Default for OutputErrorOptions {
         }
     }
 }
+
+/// Relative fall of the sum of squares over a whole round of a search below which it has arrived.
+const SETTLED: f64 = 1e-4;
 
 /// Fits the free parameters, from each of `starts` (coordinates of `free`; its own values are tried
 /// first) and keeps the best.
@@ -116,7 +122,7 @@ pub fn fit_output_error(
     let bounds = free.bounds();
     let mut problem = OutputError { free, data };
     let own = free.start();
-    let mut best: Option<Minimum> = None;
+    let mut best: Option<(Minimum, bool)> = None;
     let mut evaluations = 0;
     let rounding = data.square() * f64::EPSILON.powi(2) * 16.0;
     for start in std::iter::once(&own).chain(starts) {
@@ -125,6 +131,7 @@ pub fn fit_output_error(
             continue;
         };
         evaluations += found.evaluations;
+        let mut settled = found.ending == Ending::Converged;
         // Friction has kinks, at which a search may stall: from where it ended it starts again,
         // with long steps.
         for _ in 0..options.restarts {
@@ -137,14 +144,16 @@ pub fn fit_output_error(
             };
             evaluations += next.evaluations;
             let fall = 1.0 - next.sum / found.sum;
+            settled = next.ending == Ending::Converged || fall < SETTLED;
             found = next;
             if fall.is_nan() || fall < 1e-6 {
                 break;
             }
         }
         let stopped = found.ending == Ending::Stopped;
-        if best.as_ref().is_none_or(|best| found.sum < best.sum) {
-            best = Some(found);
+        settled &= !stopped;
+        if best.as_ref().is_none_or(|(best, _)| found.sum < best.sum) {
+            best = Some((found, settled));
         }
         if stopped {
             break;
@@ -153,14 +162,14 @@ pub fn fit_output_error(
     let refused = || {
         IdentError::NoConvergence("the model does not accept any of the start values".to_owned())
     };
-    let minimum = best.ok_or_else(refused)?;
+    let (minimum, settled) = best.ok_or_else(refused)?;
     let ending = minimum.ending;
     let model = free.model(&minimum.x).ok_or_else(refused)?;
     let share = effective_share(minimum.residuals.as_slice());
     let minimum = free.in_parameters(minimum).ok_or_else(refused)?;
     let estimates = Estimates::linearised(&minimum, &free.unknowns(options.rotary), share);
     let rms = prediction_rms(&model, data);
-    Ok(OutputErrorFit { model, estimates, rms, ending, evaluations })
+    Ok(OutputErrorFit { model, estimates, rms, ending, settled, evaluations })
 }
 
 /// Friction that `model` predicts along a stretch, one value a sample.

@@ -39,11 +39,13 @@ fn attempt(
             .map_err(|error| Refusal::BadRequest(told(&error)))?;
     let chosen =
         found.chosen().map(|result| result.found.name.as_str().to_owned()).unwrap_or_default();
+    let use_which =
+        if chosen.is_empty() { "none can be used".to_owned() } else { format!("use {chosen}") };
     let stopped = if found.interrupted { "stopped before the end; " } else { "" };
     let notes = found.notes.iter().map(|note| format!(" {note}")).collect::<String>();
     Ok(IdentifyResponse {
         success: true,
-        message: format!("{stopped}{} models identified, use {chosen}.{notes}", found.models.len()),
+        message: format!("{stopped}{} models identified, {use_which}.{notes}", found.models.len()),
         model: chosen,
         parameters: found.models.iter().flat_map(parameters).collect(),
         fits: found.models.iter().map(fit).collect(),

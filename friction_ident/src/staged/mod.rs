@@ -44,8 +44,12 @@ pub struct Identified {
     pub estimates: Estimates,
     /// Fit over all points and samples, with information criteria.
     pub information: Information,
-    /// Whether it came to its end.
+    /// Whether it was stopped before its end.
     pub stopped: bool,
+    /// Whether the fits that have the last word arrived where nothing is to be gained any more.
+    pub converged: bool,
+    /// Parameters that were free in the fits, whether or not the data determined them.
+    pub free_parameters: usize,
     /// What must be known to read the numbers right.
     pub notes: Vec<String>,
 }

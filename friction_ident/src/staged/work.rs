@@ -11,6 +11,7 @@ use super::{FrictionData, Identified, Stage, StageResult, StagedOptions, residua
 use crate::IdentError;
 use crate::bounded::{Ending, Step};
 use crate::damped_model::with_computed_damping;
+use crate::estimate::Estimates;
 use crate::free_parameters::FreeParameters;
 use crate::information::Information;
 use crate::output_error::{Measured, OutputErrorFit, fit_output_error};
@@ -28,13 +29,22 @@ pub(super) struct Work<'a> {
     stages: Vec<StageResult>,
     notes: Vec<String>,
     stopped: bool,
+    converged: bool,
 }
 
 type Watch<'w> = &'w mut dyn FnMut(Stage, &Step) -> ControlFlow<()>;
 
 impl<'a> Work<'a> {
     pub fn new(name: ModelName, data: &'a FrictionData, options: &'a StagedOptions) -> Self {
-        Self { name, data, options, stages: Vec::new(), notes: Vec::new(), stopped: false }
+        Self {
+            name,
+            data,
+            options,
+            stages: Vec::new(),
+            notes: Vec::new(),
+            stopped: false,
+            converged: true,
+        }
     }
 
     /// The last stage's result, unless it was stopped.
@@ -176,6 +186,8 @@ impl<'a> Work<'a> {
         let mut see = |step: &Step| watch(stage, step);
         let fit = fit_output_error(free, measured, &[], &self.options.output_error, &mut see)?;
         self.stopped |= fit.ending == Ending::Stopped;
+        // The joint stage moves everything that the others found.
+        self.converged = fit.settled && (self.converged || stage == Stage::Joint);
         Ok(fit)
     }
 
@@ -184,19 +196,35 @@ impl<'a> Work<'a> {
         fit.model
     }
 
+    /// How many of the model's numbers any fit was free to move. One that a bound held in the end,
+    /// or whose error came out infinite, was free all the same.
+    fn free_parameters(&self, estimates: &Estimates) -> usize {
+        let fitted = |id| {
+            let fits = self.stages.iter().filter(|stage| stage.stage != Stage::MicroDamping);
+            fits.into_iter().any(|stage| stage.estimates.get(id).is_some())
+        };
+        estimates.parameters.iter().filter(|estimate| fitted(estimate.id)).count()
+    }
+
     pub fn finish(self, model: AnyModel) -> Identified {
         let residuals = residuals(&model, self.data);
         let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
         let estimates = last_word(&model, &self.stages, self.options.output_error.rotary);
-        let estimated = estimates
-            .parameters
-            .iter()
-            .filter(|estimate| estimate.standard_error.is_some())
-            .count();
+        let free_parameters = self.free_parameters(&estimates);
         let information =
-            Information::new(mse, residuals.len(), effective_share(&residuals), estimated);
-        let Self { name, stages, notes, stopped, .. } = self;
-        Identified { name, model, stages, estimates, information, stopped, notes }
+            Information::new(mse, residuals.len(), effective_share(&residuals), free_parameters);
+        let Self { name, stages, notes, stopped, converged, .. } = self;
+        Identified {
+            name,
+            model,
+            stages,
+            estimates,
+            information,
+            stopped,
+            converged,
+            free_parameters,
+            notes,
+        }
     }
 }
 

@@ -9,7 +9,8 @@
 //! recordings              of each kind: points or samples fitted to, and held out
 //! settings                models, asymmetric, elements, joint, inertia, damping_ratio, torque_source, drive_constants
 //!                         (each value and standard_error; null with a sensor), smoothing, decimate, reach
-//! ranking                 by ("held_out" or "bic"), chosen, and in order: model, tie, standing ("alike", "worse", "undecided"), difference_of_mean_square and ln_ratio_of_mean_square (mean,
+//! ranking                 by ("held_out" or "bic"), chosen (null where no fit can be trusted), and in order: model, free_parameters, cannot_be_chosen (why, or null), tie,
+//!                         standing ("alike", "worse", "undecided"), difference_of_mean_square and ln_ratio_of_mean_square (mean,
 //!                         standard_error), each to the first and paired over blocks
 //! models                  name ->
 //!   parameters            name -> value, unit, standard_error, interval_95 ([low, high]; null is open), identified, explanation,
@@ -40,6 +41,8 @@ pub fn render(found: &FrictionIdentification) -> String {
         .map(|result| {
             json!({
                 "model": result.found.name,
+                "free_parameters": result.found.free_parameters,
+                "cannot_be_chosen": result.cannot_be_chosen,
                 "tie": result.tie(),
                 "standing": result.standing,
                 "difference_of_mean_square": result.difference,

@@ -11,6 +11,7 @@ pub mod from_drive;
 pub mod page;
 pub mod parameters;
 pub mod pictures;
+mod ranking;
 pub mod run;
 pub mod terminal;
 pub mod wording;
@@ -82,6 +83,8 @@ pub struct ModelResult {
     pub ratio: Difference,
     /// Whether it can be told from the first.
     pub standing: Standing,
+    /// Why it cannot be chosen, if it cannot.
+    pub cannot_be_chosen: Option<String>,
     /// What the errors of the drive's constants add to the parameters; none with a torque sensor.
     pub from_drive: Option<from_drive::FromDrive>,
 }
@@ -95,7 +98,7 @@ impl ModelResult {
 
     /// Whether it cannot be told from the first.
     pub fn tie(&self) -> bool {
-        self.standing == Standing::Alike
+        self.cannot_be_chosen.is_none() && self.standing == Standing::Alike
     }
 }
 
@@ -155,8 +158,10 @@ pub struct FrictionIdentification {
     pub data: FrictionData,
     /// What was held out.
     pub held_out: Option<FrictionData>,
-    /// The models, best first; one at least.
+    /// The models, best first; one at least. Those that cannot be chosen come last.
     pub models: Vec<ModelResult>,
+    /// Place of the model to use among them; none where none can be chosen.
+    pub chosen: Option<usize>,
     /// By what they stand in order.
     pub criterion: Criterion,
     /// What the reader must know.
@@ -166,12 +171,10 @@ pub struct FrictionIdentification {
 }
 
 impl FrictionIdentification {
-    /// The model to use: of the first and those that cannot be told from it the one with the fewest
-    /// parameters, the better one of two alike.
+    /// The model to use, as [`model_choice`](friction_ident::model_choice) chooses it; none where
+    /// no fit can be trusted.
     pub fn chosen(&self) -> Option<&ModelResult> {
-        let first = self.models.first()?;
-        let tied = self.models.iter().skip(1).filter(|result| result.tie());
-        std::iter::once(first).chain(tied).min_by_key(|result| result.found.information.parameters)
+        self.models.get(self.chosen?)
     }
 
     /// The result of a model.

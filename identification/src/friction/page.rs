@@ -59,14 +59,15 @@ pub fn page(found: &FrictionIdentification, beside: Vec<Block>) -> Page {
 
 fn comparison(found: &FrictionIdentification) -> Table {
     let unit = found.settings.axis.force_unit();
-    let mut columns = vec!["model".to_owned(), "parameters".to_owned(), format!("fit [{unit}]")];
+    let mut columns =
+        vec!["model".to_owned(), "free parameters".to_owned(), format!("fit [{unit}]")];
     columns.extend(found.held_out.as_ref().map(|_| format!("held out [{unit}]")));
     columns.extend(["AIC", "BIC", "place"].map(str::to_owned));
     let row = |(place, result): (usize, &ModelResult)| {
         let information = result.found.information;
         let mut row = vec![
             result.found.name.to_string(),
-            information.parameters.to_string(),
+            result.found.free_parameters.to_string(),
             wording::significant(result.fit.all),
         ];
         row.extend(result.held_out.map(|errors| wording::significant(errors.all)));
@@ -83,7 +84,7 @@ fn comparison(found: &FrictionIdentification) -> Table {
         ),
         columns,
         rows: found.models.iter().enumerate().map(row).collect(),
-        highlight: Some(0),
+        highlight: found.chosen,
     }
 }
 
@@ -117,7 +118,7 @@ fn by_kind(found: &FrictionIdentification) -> Table {
         columns: std::iter::once("model".to_owned())
             .chain(columns.iter().map(|(name, ..)| name.clone()))
             .collect(),
-        highlight: Some(0),
+        highlight: found.chosen,
     }
 }
 

@@ -79,7 +79,10 @@ fn header(found: &FrictionIdentification, file: &mut Writer) {
         found.files.iter().map(|file| format!(" {}", file.path.display())).collect();
     let version = env!("CARGO_PKG_VERSION");
     file.comment(&format!("Friction models fitted by frictionlab {version} to{paths}."));
-    let Some(first) = found.chosen() else { return };
+    let Some(first) = found.chosen() else {
+        file.comment(wording::NONE_CHOSEN);
+        return;
+    };
     for estimate in &first.found.estimates.parameters {
         let (value, error) = wording::value(estimate);
         let plus = if error.is_empty() { String::new() } else { format!(" +- {error}") };

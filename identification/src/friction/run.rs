@@ -4,10 +4,6 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use friction_ident::information::{
-    Difference, Information, Standing, paired_difference, paired_ratio,
-};
-use friction_ident::staged::residuals;
 use friction_ident::statistics::root_mean_square;
 use friction_ident::{
     DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch,
@@ -16,18 +12,11 @@ use friction_ident::{
 use friction_model::ModelName;
 
 use super::from_drive::{FromDrive, by_name};
-use super::{
-    Criterion, Errors, FrictionError, FrictionIdentification, ModelResult, Settings, Source,
-    wording,
-};
+use super::ranking::{on_common_ground, ranked};
+use super::{Criterion, FrictionError, FrictionIdentification, Settings, Source, wording};
 use recording::stretches::FrictionRecording;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
-
-/// Blocks over which two models are compared.
-const BLOCKS: usize = 20;
-/// A difference of BIC that is worth mentioning (Kass and Raftery 1995).
-const BIC_NOTICEABLE: f64 = 2.0;
 
 /// Identifies every model of `settings` from `files` and tries it on `validation`. Once `cancel` is
 /// set every search stops where it is, and what there is by then is the result.
@@ -75,9 +64,12 @@ pub fn identify(
             settings.models.iter().skip(delivered).map(|name| name.as_str().to_owned()).collect();
         notes.push(format!("Stopped before {} was begun.", missing.join(", ")));
     }
-    on_common_ground(&mut models);
+    on_common_ground(&mut models, &data);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
-    let models = ranked(models, &data, held_out.as_ref(), criterion);
+    let (models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
+    if chosen.is_none() {
+        notes.insert(0, wording::NONE_CHOSEN.to_owned());
+    }
     if held_out.is_none() {
         notes.push(
             "All errors are those of the fit: no recording was held out. --validate FILE says how the models do on data they have not seen."
@@ -93,6 +85,7 @@ pub fn identify(
         data,
         held_out,
         models,
+        chosen,
         criterion,
         notes,
         interrupted,
@@ -228,80 +221,6 @@ fn turns(stretch: &Stretch) -> bool {
         if step > 0.0 { forward += step } else { backward -= step }
     }
     f64::min(forward, backward) > 0.2 * f64::max(forward, backward)
-}
-
-/// Information criteria over one and the same number of independent samples: that of the model that
-/// leaves least. Its own for each would compare models by how much of a pattern they leave.
-fn on_common_ground(models: &mut [(Identified, Option<FromDrive>)]) {
-    let least =
-        models.iter().map(|(model, _)| model.information).min_by(|a, b| a.mse.total_cmp(&b.mse));
-    let Some(least) = least else { return };
-    let share = least.effective_samples / least.samples.max(1) as f64;
-    for (model, _) in models {
-        let own = model.information;
-        model.information = Information::new(own.mse, own.samples, share, own.parameters);
-    }
-}
-
-fn ranked(
-    models: Vec<(Identified, Option<FromDrive>)>,
-    data: &FrictionData,
-    held_out: Option<&FrictionData>,
-    criterion: Criterion,
-) -> Vec<ModelResult> {
-    let mut scored: Vec<(f64, Vec<f64>, ModelResult)> = models
-        .into_iter()
-        .map(|(found, from_drive)| {
-            let here = residuals(&found.model, data);
-            let there = held_out.map(|data| residuals(&found.model, data));
-            let fit = Errors::of(&found.model, data, &here);
-            let tried = held_out
-                .zip(there.as_ref())
-                .map(|(data, there)| Errors::of(&found.model, data, there));
-            let score = match tried {
-                Some(tried) => tried.all,
-                None => found.information.bic,
-            };
-            // What is not a number is worse than all.
-            let score = if score.is_nan() { f64::INFINITY } else { score };
-            let none = Difference { mean: 0.0, standard_error: 0.0 };
-            let result = ModelResult {
-                found,
-                fit,
-                held_out: tried,
-                difference: none,
-                ratio: none,
-                standing: Standing::Alike,
-                from_drive,
-            };
-            (score, there.unwrap_or(here), result)
-        })
-        .collect();
-    // The sort is stable: equals keep the order in which they were asked for.
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first = scored
-        .first()
-        .map(|(score, residuals, result)| (*score, residuals.clone(), result.error()));
-    let Some((best_score, best, best_error)) = first else { return Vec::new() };
-    scored
-        .into_iter()
-        .enumerate()
-        .map(|(place, (score, residuals, mut result))| {
-            if place > 0 {
-                result.difference = paired_difference(&residuals, &best, BLOCKS);
-                result.ratio = paired_ratio(&residuals, &best, BLOCKS);
-                let within = match criterion {
-                    Criterion::HeldOut => {
-                        result.difference.is_tie()
-                            && (result.ratio.is_tie() || result.ratio.mean < 0.0)
-                    }
-                    Criterion::Bic => score - best_score < BIC_NOTICEABLE,
-                };
-                result.standing = Standing::of(result.error(), best_error, within);
-            }
-            result
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub fn render(found: &FrictionIdentification) -> String {
             text,
             "{:<18} {:>12} {:>12} {last}  {}",
             result.found.name.as_str(),
-            information.parameters,
+            result.found.free_parameters,
             wording::significant(result.fit.all),
             wording::place(found, place, result),
         );

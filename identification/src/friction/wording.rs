@@ -70,6 +70,9 @@ pub fn significant(value: f64) -> String {
 
 /// What a model's place is worth.
 pub(super) fn place(found: &FrictionIdentification, place: usize, result: &ModelResult) -> String {
+    if let Some(why) = &result.cannot_be_chosen {
+        return format!("cannot be chosen: {why}");
+    }
     if place == 0 {
         return "first".to_owned();
     }
@@ -122,23 +125,34 @@ pub(super) fn criterion(found: &FrictionIdentification) -> &'static str {
         Criterion::HeldOut => {
             "In order of the error on the recordings held out. Models are compared over 20 blocks of the same samples: one is told from the first where \
              the mean of the blocks' mean squares, or of their logarithms, is worse by more than two of its standard errors. One that is not, and whose error is at most a fifth \
-             larger, cannot be told from the first; with a larger error the recordings do not decide."
+             larger, cannot be told from the first; with a larger error the recordings do not decide. Chosen is the model with the fewest free parameters of those \
+             whose mean square is within one standard error of the best one's own, and whose error is at most a fifth larger. A fit that did not converge, ran \
+             away or ended at a bound cannot be chosen."
         }
         Criterion::Bic => {
             "In order of Schwarz's criterion (BIC), which charges for every parameter; the samples are counted by how many of them are independent, as the \
              residuals of the best fit tell. A \
-             difference below 2 is no difference where the error is at most a fifth larger. The errors are those of the fit."
+             difference below 2 is no difference where the error is at most a fifth larger. A fit that did not converge, ran away or ended at a bound cannot be \
+             chosen. The errors are those of the fit."
         }
     }
 }
+
+/// What is said where no fit can be trusted.
+pub(super) const NONE_CHOSEN: &str = "No model can be chosen: no fit converged within its bounds. The reason stands beside each model; its numbers are not to be \
+    used.";
 
 /// Which model is chosen, where it is not the first.
 pub(super) fn simpler(found: &FrictionIdentification) -> Option<String> {
     let (first, chosen) = (found.models.first()?, found.chosen()?);
     (chosen.found.name != first.found.name).then(|| {
         format!(
-            "Chosen: {}, which has the fewest parameters of those that cannot be told from the first.",
-            chosen.found.name
+            "Chosen: {}, which has the fewest free parameters of those {}.",
+            chosen.found.name,
+            match found.criterion {
+                Criterion::HeldOut => "within one standard error of the first",
+                Criterion::Bic => "that cannot be told from the first",
+            }
         )
     })
 }
