@@ -98,7 +98,10 @@ pub struct Choice {
 
 /// Chooses by the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984): of the
 /// structures whose excess over the best is within one standard error, the one with the fewest
-/// parameters; of equals the better one. The standard error is that of the paired difference.
+/// parameters; of equals the better one. The standard error is that of the paired difference, and
+/// at most that of the best structure's own error: an excess that is uncertain because it is large
+/// gives no leave. A structure that predicts worse than one with no more parameters is never
+/// chosen.
 ///
 /// None for an empty list, or for structures with different numbers of blocks.
 pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
@@ -121,11 +124,16 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
         })
         .collect();
     ranking.sort_by(|a, b| a.excess.total_cmp(&b.excess));
-    let within = ranking.iter().filter(|ranked| ranked.excess <= ranked.excess_error);
-    let chosen = within.min_by(|a, b| {
-        let parameters = |ranked: &Ranked| scores[ranked.index].structure.parameters();
-        parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess))
-    })?;
+    let parameters = |ranked: &Ranked| scores[ranked.index].structure.parameters();
+    let leave = |ranked: &Ranked| ranked.excess_error.min(winner.standard_error);
+    let within = ranking.iter().filter(|ranked| ranked.excess <= leave(ranked));
+    let beaten = |ranked: &Ranked| {
+        let better = |other: &Ranked| other.excess < ranked.excess;
+        ranking.iter().any(|other| better(other) && parameters(other) <= parameters(ranked))
+    };
+    let chosen = within
+        .filter(|ranked| !beaten(ranked))
+        .min_by(|a, b| parameters(a).cmp(&parameters(b)).then(a.excess.total_cmp(&b.excess)))?;
     let chosen = chosen.index;
     Some(Choice { ranking, best, chosen })
 }
@@ -141,7 +149,7 @@ mod tests {
             blocks: blocks.to_vec(),
             force_power: 1.0,
             relative_error: 100.0 * sum.sqrt(),
-            standard_error: 0.0,
+            standard_error: 100.0 * sum_error(blocks) / (2.0 * sum.sqrt()),
         }
     }
 
@@ -175,5 +183,40 @@ mod tests {
         ];
         assert_eq!(choose(&scores).map(|choice| choice.chosen), Some(1));
         assert_eq!(choose(&[]), None);
+    }
+
+    /// 13 % beside 6.6 %, because of one block that the simple structure cannot predict at all: the
+    /// excess is as uncertain as it is large.
+    #[test]
+    fn a_structure_that_is_worse_is_not_chosen_because_its_excess_is_uncertain() {
+        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
+        let middle = AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC };
+        let best = score(rich, &[0.0006, 0.0005, 0.0006, 0.0005, 0.0006, 0.0005, 0.0006, 0.0005]);
+        let worst = score(
+            AxisStructure::SYMMETRIC,
+            &[0.0006, 0.0005, 0.0006, 0.0135, 0.0006, 0.0005, 0.0006, 0.0005],
+        );
+        let choice = choose(&[worst.clone(), best.clone()]).unwrap();
+        assert!(choice.ranking[1].excess <= choice.ranking[1].excess_error, "{choice:?}");
+        assert_eq!(choice.chosen, 1);
+        // One that is sure to be a little worse does not make room for one that may be much worse.
+        let blocks = best.blocks.iter().map(|block| block + 2e-6).collect::<Vec<_>>();
+        let choice = choose(&[worst, score(middle, &blocks), best]).unwrap();
+        assert_ne!(choice.chosen, 0, "{choice:?}");
+    }
+
+    /// Its excess is uncertain, that of a simpler structure is smaller and sure.
+    #[test]
+    fn a_structure_is_never_worse_than_a_simpler_one() {
+        let rich = AxisStructure { delay: true, stribeck: true, ..AxisStructure::ASYMMETRIC };
+        let middle = AxisStructure { delay: true, ..AxisStructure::ASYMMETRIC };
+        let best = score(rich, &[0.010, 0.020, 0.010, 0.050]);
+        let simple = score(AxisStructure::ASYMMETRIC, &[0.0101, 0.0201, 0.0101, 0.0501]);
+        let unsure = score(middle, &[0.010, 0.015, 0.013, 0.0535]);
+        let choice = choose(&[unsure, simple, best]).unwrap();
+        let place = |index| choice.ranking.iter().find(|ranked| ranked.index == index).unwrap();
+        assert!(place(0).excess <= place(0).excess_error && place(0).excess > place(1).excess);
+        assert!(place(1).excess > place(1).excess_error);
+        assert_eq!(choice.chosen, 2);
     }
 }

@@ -8,8 +8,11 @@ use crate::parameter_id::{ParameterId, Side};
 const CLEAR: f64 = 2.0;
 
 /// Parameters that may have either sign.
-const SIGNED: [&str; 6] =
+pub(super) const SIGNED: [&str; 6] =
     ["offset", "spring", "f_c_slope", "f_c_curvature", "harmonic_cos", "harmonic_sin"];
+
+/// Parameters of friction, which takes energy: below zero they describe something else.
+const FRICTION: [&str; 3] = ["f_v", "f_c", "f_s"];
 
 /// Adds the doubts that no single parameter's error shows: a Stribeck velocity without a Stribeck
 /// effect, a period without a force.
@@ -41,6 +44,15 @@ pub(super) fn judge(structure: &AxisStructure, estimates: &mut Estimates) {
         ) && estimate.standard_error.is_some();
         if about_zero && SIGNED.contains(&estimate.id.name) {
             estimate.verdict = Verdict::Identified;
+        }
+    }
+    for estimate in &mut estimates.parameters {
+        let friction = FRICTION.contains(&estimate.id.name);
+        if friction && estimate.value < 0.0 && estimate.is_identified() {
+            let doubt = Doubt::Negative { value: estimate.value };
+            let remedy =
+                "the axis over more of its speeds and its travel, or fit what acts beside friction";
+            estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
         }
     }
     if structure.harmonic {

@@ -8,10 +8,10 @@ use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
-use super::{AxisStructure, doubts};
+use super::{AxisStructure, doubts, stability};
 use crate::IdentError;
 use crate::conditioning::Conditioned;
-use crate::estimate::Estimates;
+use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::parameter_id::{ParameterId, Side};
 use crate::residual_whiteness::effective_share;
 use crate::rigid_axis::Prediction;
@@ -77,6 +77,20 @@ impl StructureFit {
                 ));
             }
         }
+        let unsteady = |estimate: &&Estimate| {
+            matches!(
+                estimate.verdict,
+                Verdict::NotIdentifiable { doubt: Doubt::Unsteady { .. }, .. }
+            )
+        };
+        let unsteady = self.estimates.parameters.iter().filter(unsteady);
+        let names: Vec<String> = unsteady.map(|estimate| estimate.id.to_string()).collect();
+        if !names.is_empty() {
+            notes.push(format!(
+                "Not the same in all parts of the recording, and so not identified: {}. The structure describes this recording there, not the axis.",
+                names.join(", ")
+            ));
+        }
         if self.structure.delay {
             notes.push(
                 "The delay is that of the force against the motion: an input that is held over a sample contributes half a sample, and a \
@@ -137,6 +151,7 @@ pub fn fit_structure(
     let mut estimates = Estimates::linearised(&minimum, &names, share);
     profile::intervals(&mut search, &best, &mut estimates);
     doubts::judge(&structure, &mut estimates);
+    stability::judge(&mut search, &best, &mut estimates);
     if let Some(inertia) = estimates.parameters.first().filter(|inertia| inertia.value <= 0.0) {
         return Err(IdentError::NegativeInertia {
             value: inertia.value,

@@ -32,6 +32,7 @@ mod profile;
 mod regressors;
 mod search;
 mod shape;
+mod stability;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};
 pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};

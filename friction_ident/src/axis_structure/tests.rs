@@ -171,3 +171,48 @@ fn what_cannot_be_fitted_is_refused() {
     let error = fit_structure(&forward, structure("asymmetric"), &AxisUnits::LINEAR).unwrap_err();
     assert!(error.to_string().contains("cannot tell"), "{error}");
 }
+
+/// A wave of one period in the first half of the time and of another in the second: whatever the
+/// fit of the whole makes of it, it is no property of the axis.
+#[test]
+fn a_period_that_both_halves_do_not_share_is_not_identified() {
+    let mut recording = axis(coulomb, 0.0, 0.2);
+    let place = recording.position.clone().unwrap();
+    let middle = place.len() / 2;
+    for (k, (force, x)) in recording.force.iter_mut().zip(place).enumerate() {
+        let period = if k < middle { 0.016 } else { 0.0231 };
+        *force += 0.8 * (std::f64::consts::TAU * x / period).sin();
+    }
+    let fit =
+        fit_structure(&recording, structure("symmetric+harmonic"), &AxisUnits::LINEAR).unwrap();
+    let period = fit.estimates.get("period").unwrap();
+    let unsteady =
+        matches!(period.verdict, Verdict::NotIdentifiable { doubt: Doubt::Unsteady { .. }, .. });
+    assert!(unsteady, "{period:?}");
+    assert!(fit.notes().iter().any(|note| note.contains("period")), "{:?}", fit.notes());
+}
+
+/// An inertia that is larger in the last eighth: the fit of the whole has a narrow interval about a
+/// value that holds nowhere.
+#[test]
+fn a_parameter_that_leaves_its_interval_between_parts_is_not_identified() {
+    let mut recording = axis(coulomb, 0.0, 0.05);
+    let last = recording.force.len() * 7 / 8;
+    for (force, a) in recording.force.iter_mut().zip(&recording.acceleration).skip(last) {
+        *force += 2.0 * a;
+    }
+    let fit = fit_structure(&recording, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
+    let inertia = fit.estimates.get("inertia").unwrap();
+    assert!(!inertia.is_identified(), "{inertia:?}");
+    assert!(fit.notes().iter().any(|note| note.contains("inertia")), "{:?}", fit.notes());
+}
+
+#[test]
+fn friction_below_zero_is_never_identified() {
+    let recording = axis(|v| 5.0 * v.signum() - 8.0 * v, 0.0, 0.2);
+    let fit = fit_structure(&recording, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
+    let viscous = fit.estimates.get("f_v").unwrap();
+    let negative =
+        matches!(viscous.verdict, Verdict::NotIdentifiable { doubt: Doubt::Negative { .. }, .. });
+    assert!(viscous.value < -7.0 && negative, "{viscous:?}");
+}

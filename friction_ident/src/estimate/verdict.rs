@@ -95,6 +95,22 @@ pub enum Doubt {
         /// Events needed.
         needed: usize,
     },
+    /// It does not stay within its interval when part of the recording is left out.
+    #[error(
+        "it is not the same in all parts of the recording: {low:.4e} to {high:.4e}, beyond its interval"
+    )]
+    Unsteady {
+        /// Least value without one of the parts.
+        low: f64,
+        /// Greatest.
+        high: f64,
+    },
+    /// Friction below zero would drive the axis.
+    #[error("it comes out negative, {value:.3e}, which friction cannot be")]
+    Negative {
+        /// The value.
+        value: f64,
+    },
     /// Only its ratio to something unknown is determined.
     #[error("only its ratio to the torque per volt is determined")]
     RatioOnly,

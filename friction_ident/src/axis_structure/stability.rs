@@ -1,0 +1,134 @@
+//! Whether the parameters stay where they are when part of the recording is left out.
+//!
+//! A parameter that moves out of its own interval when an eighth of the recording is taken away
+//! describes that eighth and not the axis: its interval counts noise, not what the model cannot do.
+//! The interval is taken as wide as what is left of the recording makes it.
+//! A period is searched anew in each half besides, because near a narrow minimum no search finds
+//! another one.
+
+use nalgebra::DMatrix;
+
+use super::doubts::SIGNED;
+use super::search::{Best, Search};
+use super::shape::{LONGEST_DELAY, ShapeTerm};
+use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
+use crate::finite::finite;
+
+/// Parts of the recording, each left out once.
+const PARTS: usize = 8;
+/// Rows that each parameter needs in what is left.
+const ROWS_EACH: usize = 4;
+/// Widths of the interval by which a value must be off: three standard errors in place of two,
+/// because eight parts times ten parameters are many comparisons.
+const MANY: f64 = 1.5;
+/// Samples by which a delay may differ: when a reversal happens is known to a sample, and a mean
+/// over a few reversals not to much less than a tenth of one.
+const RESOLVED: f64 = 0.1;
+/// Waves over the travel by which the periods of both halves may differ.
+const SLIP: f64 = 0.5;
+
+/// Takes the verdict `identified` from parameters that do not stay within their interval.
+pub(super) fn judge(search: &mut Search, best: &Best, estimates: &mut Estimates) {
+    let rows = search.regressors.rows();
+    if rows / PARTS * (PARTS - 1) < ROWS_EACH * estimates.parameters.len() {
+        return;
+    }
+    let terms = ShapeTerm::of(&search.structure);
+    let values = |found: &Best| -> Vec<f64> {
+        let shape = terms.iter().map(|term| term.value(&found.shape));
+        found.solution.x.iter().copied().chain(shape).collect()
+    };
+    let Ok(slopes) = search.linearise(best, &terms).map(|minimum| minimum.jacobian) else { return };
+    let whole = variances(&slopes);
+    let resolved = RESOLVED * search.limits.high.delay / LONGEST_DELAY as f64;
+    let mut parameters = vec![Moved::default(); estimates.parameters.len()];
+    for part in 0..PARTS {
+        let out = part * rows / PARTS..(part + 1) * rows / PARTS;
+        let kept: Vec<usize> = (0..rows).filter(|row| !out.contains(row)).collect();
+        // What is left may not show a term at all: then nothing is learnt from this part.
+        let Some(left) = variances(&slopes.select_rows(&kept)) else { continue };
+        search.rows = Some(kept);
+        let Ok(found) = search.from(best.shape, &[]) else { continue };
+        let values = values(&found);
+        for (j, (moved, estimate)) in parameters.iter_mut().zip(&estimates.parameters).enumerate() {
+            let of = |all: &[f64]| all.get(j).copied().unwrap_or(f64::NAN);
+            let wider = whole.as_deref().map_or(1.0, |whole| (of(&left) / of(whole)).sqrt());
+            if estimate.id.name != "delay" || (of(&values) - estimate.value).abs() > resolved {
+                moved.see(estimate, of(&values), wider);
+            }
+        }
+    }
+    for (estimate, moved) in estimates.parameters.iter_mut().zip(parameters) {
+        if moved.too_far {
+            doubt(estimate, Doubt::Unsteady { low: moved.low, high: moved.high });
+        }
+    }
+    if terms.contains(&ShapeTerm::Period)
+        && let Some((low, high)) = periods(search, rows)
+        && let Some(period) = estimates.get_mut("period")
+    {
+        doubt(period, Doubt::Unsteady { low, high });
+    }
+    search.rows = None;
+}
+
+/// Where a parameter goes as parts are left out.
+#[derive(Debug, Clone, Copy)]
+struct Moved {
+    low: f64,
+    high: f64,
+    too_far: bool,
+}
+
+impl Default for Moved {
+    fn default() -> Self {
+        Self { low: f64::INFINITY, high: f64::NEG_INFINITY, too_far: false }
+    }
+}
+
+impl Moved {
+    /// A value that is found without one of the parts, where errors are `wider` than those of the
+    /// whole by a factor of at least one: what the part alone showed is missed with it.
+    fn see(&mut self, estimate: &Estimate, value: f64, wider: f64) {
+        (self.low, self.high) = (self.low.min(value), self.high.max(value));
+        let signed = SIGNED.contains(&estimate.id.name);
+        let turns = !signed && value * estimate.value < 0.0;
+        let leaves = estimate.interval.is_some_and(|all| {
+            let reach = if value < estimate.value { all.low } else { all.high };
+            (value - estimate.value).abs() > MANY * wider.max(1.0) * (reach - estimate.value).abs()
+        });
+        self.too_far |= turns || leaves;
+    }
+}
+
+/// Diagonal of `(J^T J)^-1`; none where the columns depend on one another.
+fn variances(slopes: &DMatrix<f64>) -> Option<Vec<f64>> {
+    let scale: Vec<f64> = slopes.column_iter().map(|column| column.norm()).collect();
+    let mut normal = slopes.tr_mul(slopes);
+    for i in 0..scale.len() {
+        for j in 0..scale.len() {
+            normal[(i, j)] /= scale[i] * scale[j];
+        }
+    }
+    let inverse = finite(finite(normal)?.try_inverse()?)?;
+    Some(scale.iter().enumerate().map(|(j, s)| inverse[(j, j)] / (s * s)).collect())
+}
+
+/// The periods that both halves find by themselves, where they are not one and the same wave.
+fn periods(search: &mut Search, rows: usize) -> Option<(f64, f64)> {
+    let travel = 0.5 * search.limits.high.period;
+    let mut half = |from: usize, to: usize| {
+        search.rows = Some((from..to).collect());
+        Some(search.whole().ok()?.shape.period)
+    };
+    let (first, second) = (half(0, rows / 2)?, half(rows / 2, rows)?);
+    let differ = (travel / first - travel / second).abs() > SLIP;
+    differ.then(|| (first.min(second), first.max(second)))
+}
+
+fn doubt(estimate: &mut Estimate, doubt: Doubt) {
+    if estimate.verdict == Verdict::Identified {
+        let remedy = "a longer recording in which the effect shows throughout";
+        estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+    }
+}
