@@ -64,16 +64,18 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         page.blocks.extend(axis::structure_page::blocks(structured, settings.axis));
         document = with_structure(&document, structured)?;
     }
+    let name = recording.path.display().to_string();
+    let parameters = match &structured {
+        Some(structured) => axis::structure_parameters::render(structured, &name)?,
+        None => axis::parameters::render(&found, &name),
+    };
     let files = [
         ("identification.json", document),
         (
             "report.html",
             report::render_page(&report::linked(page, ["parameters.yaml", "identification.json"])),
         ),
-        (
-            "parameters.yaml",
-            axis::parameters::render(&found, &recording.path.display().to_string()),
-        ),
+        ("parameters.yaml", parameters),
     ];
     let folder = args.to.reserve("identify")?;
     folder.write(&files)?;

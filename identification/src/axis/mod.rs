@@ -10,6 +10,7 @@ pub mod page;
 pub mod parameters;
 pub mod structure;
 pub mod structure_page;
+pub mod structure_parameters;
 pub mod terminal;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,205 @@
+//! `parameters.yaml` of a chosen structure: its friction as a ROS 2 parameter file for the friction
+//! observer.
+//!
+//! Friction of each direction becomes a contact with two sets of parameters. A curve near rest is
+//! Stribeck's; with pre-sliding it is LuGre, whose stiffness bends as far as the structure's
+//! bristle. What is no friction (inertia, delay, offset, what depends on the position) stands in
+//! comments: it belongs to no model of the observer.
+
+use friction_ident::axis_structure::StructureFit;
+use friction_ident::{Estimate, ParameterId, Side, Verdict};
+use friction_model::{AnyModel, AnyParameters, ModelError, ModelName};
+use friction_observer::parameters::model_parameters;
+use parameters::ParameterValue;
+use parameters::file::{Writer, number};
+
+use super::structure::Structured;
+
+/// Stribeck velocity of a curve without a dip: any positive number does.
+const NO_DIP_V_S: f64 = 0.1;
+
+/// The structure's friction cannot be written as parameters.
+#[derive(Debug, thiserror::Error)]
+#[error("the friction of the chosen structure cannot be written as parameters: {0}")]
+pub struct StructureParametersError(String);
+
+/// The file as text; `name` is the recording's.
+///
+/// # Errors
+/// [`StructureParametersError`] for a fit that no model accepts, which no finite one is.
+pub fn render(found: &Structured, name: &str) -> Result<String, StructureParametersError> {
+    let fit = &found.fit;
+    let refused = |error: &dyn ToString| StructureParametersError(error.to_string());
+    let model = model(fit).map_err(|error| refused(&error))?;
+    let mut file = Writer::default();
+    let version = env!("CARGO_PKG_VERSION");
+    file.comment(&format!("An axis fitted by frictionlab {version} to {name}."));
+    file.comment(&format!(
+        "The structure chosen by cross-validation: {}. What is no friction belongs to no node and stands here alone.",
+        fit.structure
+    ));
+    for estimate in &fit.estimates.parameters {
+        let Estimate { id, unit, value, .. } = estimate;
+        file.comment(&format!("{id}: {} {unit}, {}", number(*value), said(estimate)));
+    }
+    for note in notes(fit) {
+        file.comment(&note);
+    }
+    file.node("/friction_observer");
+    let chosen = ParameterValue::String(model.name().to_string());
+    file.value("model", chosen, "the friction of the structure chosen");
+    for (path, value) in model_parameters(&model).map_err(|error| refused(&error))? {
+        file.value(&path, value, &origin(fit, &path));
+    }
+    Ok(file.text())
+}
+
+/// The model whose steady friction is that of the structure.
+fn model(fit: &StructureFit) -> Result<AnyModel, ModelError> {
+    let sides: Vec<[f64; 3]> = Side::of(fit.structure.asymmetric)
+        .iter()
+        .map(|&side| {
+            let value = |name| fit.estimates.value(ParameterId::new(name).side(side));
+            let f_c = value("f_c").unwrap_or(0.0);
+            [value("f_s").unwrap_or(f_c), f_c, value("f_v").unwrap_or(0.0).max(0.0)]
+        })
+        .collect();
+    // What has no Coulomb friction in one direction has no model with any in it.
+    let slides = sides.iter().all(|[_, f_c, _]| *f_c > 0.0);
+    let one = |[f_s, f_c, f_v]: &[f64; 3]| {
+        let name = match (slides, fit.structure.presliding) {
+            (false, _) => ModelName::Viscous,
+            (true, false) => ModelName::Stribeck,
+            (true, true) => ModelName::LuGre,
+        };
+        let v_s = if fit.structure.stribeck { fit.shape.v_s } else { NO_DIP_V_S };
+        let mut parameters = AnyParameters::test_bed(name);
+        let values = [
+            ("f_s", f_s.max(*f_c)),
+            ("f_c", *f_c),
+            ("v_s", v_s),
+            ("delta", 2.0),
+            ("sigma0", f_c / fit.shape.displacement),
+            ("sigma1", 0.0),
+            ("f_v", *f_v),
+        ];
+        for (name, value) in values {
+            // One that the model does not have is left out.
+            parameters.set(name, value);
+        }
+        AnyModel::try_from(parameters)
+    };
+    match &sides[..] {
+        [forward, backward] => AnyModel::asymmetric(&one(forward)?, &one(backward)?),
+        [both] => one(both),
+        _ => one(&[0.0; 3]),
+    }
+}
+
+/// What the model cannot say as the structure does.
+fn notes(fit: &StructureFit) -> Vec<String> {
+    let mut notes = Vec::new();
+    for &side in Side::of(fit.structure.asymmetric) {
+        let [f_s, f_c, f_v] = ["f_s", "f_c", "f_v"].map(|name| ParameterId::new(name).side(side));
+        let value = |id| fit.estimates.value(id);
+        if let (Some(low), Some(high)) = (value(f_s), value(f_c))
+            && low < high
+        {
+            notes.push(format!(
+                "{f_s} lies below {f_c}, which no model has: it is written as {f_c}."
+            ));
+        }
+        if value(f_c).is_some_and(|value| value <= 0.0) {
+            notes.push(format!("{f_c} is not above zero: only viscous friction is written."));
+        }
+        if value(f_v).is_some_and(|value| value < 0.0) {
+            notes.push(format!(
+                "{f_v} came out below zero, which friction cannot be: 0 is written."
+            ));
+        }
+    }
+    notes
+}
+
+/// Where a value comes from; `path` is its place in the file.
+fn origin(fit: &StructureFit, path: &str) -> String {
+    let mut parts = path.rsplit('.');
+    let (name, side) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    let estimate = |text: &str| {
+        fit.estimates.parameters.iter().find(|estimate| estimate.id.to_string() == text)
+    };
+    let found = estimate(&format!("{name}.{side}")).or_else(|| estimate(name));
+    match (name, found) {
+        (_, Some(estimate)) => said(estimate),
+        ("f_s" | "v_s", None) => "no Stribeck dip in this structure: without effect".to_owned(),
+        ("sigma0", None) => "the Coulomb level over the displacement of pre-sliding".to_owned(),
+        _ => "not identified".to_owned(),
+    }
+}
+
+fn said(estimate: &Estimate) -> String {
+    let error = estimate.standard_error.map(|error| format!(", +- {}", number(error)));
+    match &estimate.verdict {
+        Verdict::Identified => format!("identified{}", error.unwrap_or_default()),
+        Verdict::NotIdentifiable { doubt, .. } => format!("not identified: {doubt}"),
+        Verdict::Given { source } => format!("not estimated: {source}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use friction_ident::{Conditioned, Conditioning, Signals, condition};
+    use recording::AxisKind;
+    use work::progress::Progress;
+
+    use super::*;
+    use crate::axis::structure::{StructureChoice, structured};
+
+    /// 12 s at 1 kHz of 5 kg with friction that differs by direction.
+    fn axis() -> Conditioned {
+        let time = || (0..12_000).map(|k| f64::from(k) * 1e-3);
+        let place: Vec<f64> =
+            time().map(|t| 0.15 * (1.1 * t).sin() + 0.05 * (3.7 * t).sin()).collect();
+        let force = |t: f64| {
+            let v = 0.165 * (1.1 * t).cos() + 0.185 * (3.7 * t).cos();
+            let a = -0.1815 * (1.1 * t).sin() - 0.6845 * (3.7 * t).sin();
+            5.0 * a + if v > 0.0 { 6.0 + 9.0 * v } else { -8.0 + 12.0 * v }
+        };
+        let force: Vec<f64> = time().map(force).collect();
+        let signals =
+            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
+    }
+
+    fn file(names: &str) -> String {
+        let wanted: StructureChoice = names.parse().unwrap();
+        let (progress, cancel) =
+            (Progress::counting(1, "structures", true), AtomicBool::new(false));
+        let found = structured(&axis(), None, &wanted, AxisKind::Linear, &progress, &cancel);
+        render(&found.unwrap().unwrap(), "axis.csv").unwrap()
+    }
+
+    fn value(file: &str, name: &str) -> f64 {
+        let line = file.lines().find(|line| line.trim().starts_with(&format!("{name}:"))).unwrap();
+        let (_, rest) = line.split_once(':').unwrap();
+        rest.split('#').next().unwrap().trim().parse().unwrap()
+    }
+
+    /// The symmetric model was written, whatever was chosen.
+    #[test]
+    fn the_file_holds_the_structure_that_was_chosen() {
+        let text = file("symmetric,asymmetric");
+        assert!(text.contains("asymmetric") && text.contains("model: stribeck"), "{text}");
+        let (_, sides) = text.split_once("/friction_observer").unwrap();
+        let (_, forward) = sides.split_once("forward:").unwrap();
+        let (_, backward) = sides.split_once("backward:").unwrap();
+        // One of the two stands first; each has its own level.
+        let levels = [value(forward, "f_c"), value(backward, "f_c")];
+        assert!((levels[0] - 6.0).abs() < 0.2 && (levels[1] - 8.0).abs() < 0.2, "{text}");
+        let text = file("symmetric");
+        assert!(!text.contains("backward"), "{text}");
+        assert!((value(&text, "f_c") - 7.0).abs() < 0.3, "{text}");
+    }
+}
