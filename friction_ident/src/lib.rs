@@ -75,6 +75,7 @@ pub mod profile;
 pub mod quantiser;
 pub mod rbf_network;
 pub mod residual_whiteness;
+mod rest;
 pub mod rigid_axis;
 pub mod savitzky_golay;
 pub mod servo;

@@ -7,6 +7,9 @@
 //! sample, so that the lag of half a sample which a held velocity would have does not end up in the
 //! time constants. Steady points count through the steady state. All residuals are divided by their
 //! standard deviation where that is known.
+//!
+//! At rest a model without pre-sliding predicts a range, not a value: it is not fitted to samples
+//! that stand still.
 
 use std::ops::ControlFlow;
 
@@ -17,6 +20,7 @@ use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
 use crate::estimate::Estimates;
 use crate::free_parameters::FreeParameters;
 use crate::residual_whiteness::effective_share;
+use crate::rest::{at_rest, holds};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::{Before, Stretch};
 
@@ -111,17 +115,17 @@ pub fn fit_output_error(
         stretch.check()?;
     }
     let n = free.ids().len();
-    if data.len() <= n {
+    let own = free.start();
+    let mut problem = OutputError::new(free, &own, data);
+    if problem.len() <= n {
         return Err(IdentError::TooFewSamples {
             what: "an output-error fit",
             needed: n + 1,
-            found: data.len(),
+            found: problem.len(),
             lower: "the number of free parameters",
         });
     }
     let bounds = free.bounds();
-    let mut problem = OutputError { free, data };
-    let own = free.start();
     let mut best: Option<(Minimum, bool)> = None;
     let mut evaluations = 0;
     let rounding = data.square() * f64::EPSILON.powi(2) * 16.0;
@@ -175,7 +179,8 @@ pub fn fit_output_error(
 /// Friction that `model` predicts along a stretch, one value a sample.
 pub fn predict(model: &AnyModel, stretch: &Stretch) -> Vec<f64> {
     let mut predicted = vec![0.0; stretch.len()];
-    model.visit(Along { stretch, out: &mut predicted });
+    let rest = if holds(model) { at_rest(stretch) } else { Vec::new() };
+    model.visit(Along { stretch, rest: &rest, out: &mut predicted });
     predicted
 }
 
@@ -197,11 +202,28 @@ pub fn prediction_rms(model: &AnyModel, data: &Measured) -> f64 {
 struct OutputError<'a> {
     free: &'a FreeParameters,
     data: &'a Measured<'a>,
+    /// Of each stretch the samples at rest; none of a model that predicts those too.
+    rest: Vec<Vec<bool>>,
+    /// What the model predicts along a stretch that rests somewhere.
+    predicted: Vec<f64>,
+}
+
+impl<'a> OutputError<'a> {
+    fn new(free: &'a FreeParameters, start: &[f64], data: &'a Measured<'a>) -> Self {
+        let ranges = free.model(start).is_some_and(|model| holds(&model));
+        let rest = |stretch| {
+            let rest = if ranges { at_rest(stretch) } else { Vec::new() };
+            if rest.contains(&true) { rest } else { Vec::new() }
+        };
+        let rest = data.stretches.iter().map(rest).collect();
+        Self { free, data, rest, predicted: Vec::new() }
+    }
 }
 
 impl Residuals for OutputError<'_> {
     fn len(&self) -> usize {
-        self.data.len()
+        let resting = self.rest.iter().flatten().filter(|rest| **rest).count();
+        self.data.len() - resting
     }
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
@@ -211,14 +233,25 @@ impl Residuals for OutputError<'_> {
             *r = (model.steady_state(point.velocity) - point.torque)
                 / point.deviation.unwrap_or(1.0);
         }
-        for stretch in self.data.stretches {
-            let (here, others) = rest.split_at_mut(stretch.len());
-            model.visit(Along { stretch, out: here });
+        for (stretch, still) in self.data.stretches.iter().zip(&self.rest) {
             let weight = 1.0 / stretch.deviation.unwrap_or(1.0);
-            here.iter_mut()
-                .zip(&stretch.friction)
-                .for_each(|(r, measured)| *r = weight * (*r - measured));
+            let resting = still.iter().filter(|still| **still).count();
+            let (here, others) = rest.split_at_mut(stretch.len() - resting);
             rest = others;
+            if resting == 0 {
+                model.visit(Along { stretch, rest: still, out: here });
+                here.iter_mut()
+                    .zip(&stretch.friction)
+                    .for_each(|(r, measured)| *r = weight * (*r - measured));
+                continue;
+            }
+            self.predicted.resize(stretch.len(), 0.0);
+            model.visit(Along { stretch, rest: still, out: &mut self.predicted });
+            let all = self.predicted.iter().zip(&stretch.friction).zip(still);
+            let moving = all.filter(|(_, still)| !**still).map(|(pair, _)| pair);
+            for (r, (predicted, measured)) in here.iter_mut().zip(moving) {
+                *r = weight * (predicted - measured);
+            }
         }
         true
     }
@@ -227,6 +260,9 @@ impl Residuals for OutputError<'_> {
 /// Runs a model along a stretch.
 struct Along<'a> {
     stretch: &'a Stretch,
+    /// Samples at which the contact stands still, as far as they are known; a model that predicts
+    /// those too does not ask.
+    rest: &'a [bool],
     out: &'a mut [f64],
 }
 
@@ -239,7 +275,7 @@ impl ModelVisitor for Along<'_> {
     type Output = ();
 
     fn visit<M: FrictionModel>(self, model: M) {
-        let Self { stretch, out } = self;
+        let Self { stretch, rest, out } = self;
         let substeps = (stretch.time_step / LONGEST_STEP).ceil().max(1.0);
         let Ok(dt) = TimeStep::new(stretch.time_step / substeps) else {
             out.fill(f64::NAN);
@@ -253,7 +289,8 @@ impl ModelVisitor for Along<'_> {
         for (k, out) in out.iter_mut().enumerate() {
             let velocity = stretch.velocity[k];
             let state = stepper.state();
-            *out = if velocity == 0.0 && stepper.model().holding(0.0).is_some() {
+            let still = velocity == 0.0 || rest.get(k).copied().unwrap_or(false);
+            *out = if still && stepper.model().holding(0.0).is_some() {
                 // Models without pre-sliding say nothing about rest: they hold whatever is applied.
                 let holding = stepper.model().holding(0.0);
                 holding.map_or(0.0, |holding| holding.force(stretch.friction[k]))

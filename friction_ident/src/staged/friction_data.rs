@@ -3,6 +3,7 @@
 use friction_model::AnyModel;
 
 use crate::output_error::predict;
+use crate::rest::{at_rest, holds};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::{Stretch, StretchKind};
 
@@ -104,12 +105,14 @@ fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
     let travel = stretch.travel();
     let mut turned = travel.first().copied().unwrap_or(0.0);
     let mut before = 0.0;
-    for ((&v, &friction), &at) in stretch.velocity.iter().zip(&stretch.friction).zip(&travel) {
+    let rest = at_rest(stretch);
+    let samples = stretch.velocity.iter().zip(&stretch.friction).zip(&travel).zip(&rest);
+    for (((&v, &friction), &at), &still) in samples {
         if v * before <= 0.0 {
             turned = at;
         }
         before = v;
-        let slid = (at - turned).abs() > reach;
+        let slid = !still && (at - turned).abs() > reach;
         if slid && v.abs() > 0.01 * fastest {
             let bin = ((v.abs() / fastest * BINS as f64) as usize).min(BINS - 1)
                 + if v > 0.0 { BINS } else { 0 };
@@ -124,11 +127,18 @@ fn binned(stretch: &Stretch, reach: f64) -> Vec<SteadyPoint> {
 
 /// The stretch with the deviation that the model leaves on it.
 pub(super) fn weighted(stretch: &Stretch, model: &AnyModel) -> Stretch {
-    let squares: f64 =
-        predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| (p - f).powi(2)).sum();
+    let predicted = predict(model, stretch);
+    let mut squares: Vec<f64> =
+        predicted.iter().zip(&stretch.friction).map(|(p, f)| (p - f).powi(2)).collect();
+    if holds(model) {
+        // What it predicts a range for, and is not fitted to.
+        let mut rest = at_rest(stretch).into_iter();
+        squares.retain(|_| rest.next() != Some(true));
+    }
     let largest = stretch.friction.iter().fold(0.0f64, |largest, f| largest.max(f.abs()));
     // Exact data leave nothing: then all count alike.
-    let deviation = (squares / stretch.len() as f64).sqrt().max(1e-9 * largest);
+    let deviation =
+        (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt().max(1e-9 * largest);
     Stretch { deviation: Some(deviation), ..stretch.clone() }
 }
 

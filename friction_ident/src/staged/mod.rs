@@ -28,7 +28,7 @@ use work::Work;
 
 pub use friction_data::FrictionData;
 pub use options::StagedOptions;
-pub use prediction::{difference, residuals, residuals_of_kind, rms_of_kind};
+pub use prediction::{all_predict, difference, residuals, residuals_of_kind, rms_of_kind};
 pub use stage::{Stage, StageResult};
 
 /// A model identified from recordings.

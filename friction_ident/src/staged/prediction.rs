@@ -6,6 +6,7 @@ use super::FrictionData;
 use crate::information::{Difference, paired_difference, stratified};
 use crate::output_error::{Measured, predict, prediction_rms};
 use crate::residual_whiteness::effective_share;
+use crate::rest::{at_rest, holds};
 use crate::stretch::{Stretch, StretchKind};
 
 /// Predicted minus measured friction over all points and samples, kind by kind in the order of
@@ -27,6 +28,33 @@ pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKin
         predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
     };
     data.stretches(kind).iter().flat_map(off).collect()
+}
+
+/// Predicted minus measured friction over all points and samples that the model predicts a value
+/// for.
+pub(super) fn residuals_that_count(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
+    let of = |&kind: &StretchKind| {
+        let counts = all_predict(std::slice::from_ref(model), data, kind);
+        let residuals = residuals_of_kind(model, data, kind).into_iter().zip(counts);
+        residuals.filter(|(_, counts)| *counts).map(|(residual, _)| residual).collect::<Vec<_>>()
+    };
+    StretchKind::ALL.iter().flat_map(of).collect()
+}
+
+/// Which points and samples of one kind of recording all of `models` predict a value for: all of
+/// them, but without those at rest where one of the models predicts a range there.
+pub fn all_predict(models: &[AnyModel], data: &FrictionData, kind: StretchKind) -> Vec<bool> {
+    if kind == StretchKind::Steady {
+        return vec![true; data.points.len()];
+    }
+    let ranges = models.iter().any(holds);
+    let moving = |stretch: &Stretch| -> Vec<bool> {
+        if !ranges {
+            return vec![true; stretch.len()];
+        }
+        at_rest(stretch).into_iter().map(|rest| !rest).collect()
+    };
+    data.stretches(kind).iter().flat_map(moving).collect()
 }
 
 /// By how much `first` predicts worse than `second` in mean square, paired over blocks within each

@@ -212,3 +212,39 @@ fn at_the_noise_of_the_thesis_the_dip_is_not_identifiable() {
     }
     assert!(found.estimates.get("f_v").unwrap().is_identified());
 }
+
+/// Every other second the axis stands still while something below the break-away level is applied;
+/// the velocity is noisy throughout.
+fn with_standstill(truth: &AnyModel) -> Stretch {
+    let mut rng = Pcg64Mcg::seed_from_u64(17);
+    let (mut velocity, mut friction) = (Vec::new(), Vec::new());
+    for k in 0..24_000 {
+        let t = f64::from(k) * 1e-3;
+        let (second, phase) = (t as usize, t.fract());
+        let fastest = [0.0, 1.0, 0.0, -0.6, 0.0, 0.3][second % 6];
+        let v = fastest * (std::f64::consts::PI * phase).sin();
+        let applied = 0.08 * (0.9 * t).sin();
+        let f = if fastest == 0.0 { applied } else { truth.steady_state(v) };
+        velocity.push(v + 0.004 * rng.sample::<f64, _>(StandardNormal));
+        friction.push(f + 1e-3 * rng.sample::<f64, _>(StandardNormal));
+    }
+    Stretch::new(1e-3, velocity, None, friction).unwrap()
+}
+
+/// The sign of the noise at rest once counted as motion: Coulomb friction came out at a part of its
+/// value, and viscous friction made up for it.
+#[test]
+fn standstill_does_not_spoil_a_static_model() {
+    for name in [CoulombViscous, Stribeck] {
+        let truth = truth(name);
+        let data = FrictionData::sort(Vec::new(), vec![with_standstill(&truth)], None);
+        let found = identify(name, &data, &StagedOptions::default());
+        for parameter in ["f_c", "f_v"] {
+            let (value, expected) =
+                (found.estimates.value(parameter).unwrap(), truth.parameter(parameter).unwrap());
+            assert!((value / expected - 1.0).abs() < 0.05, "{name}.{parameter}: {value}");
+        }
+        let level = found.information.mse.sqrt();
+        assert!(level < 5e-3, "{name}: only what it predicts counts: {level}");
+    }
+}

@@ -6,8 +6,9 @@ use friction_model::{AnyModel, ModelName};
 
 use super::friction_data::{weighted, weighted_points};
 use super::last_word::{last_word, take_over};
+use super::prediction::residuals_that_count;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
-use super::{FrictionData, Identified, Stage, StageResult, StagedOptions, residuals};
+use super::{FrictionData, Identified, Stage, StageResult, StagedOptions};
 use crate::IdentError;
 use crate::bounded::{Ending, Step};
 use crate::damped_model::with_computed_damping;
@@ -207,7 +208,7 @@ impl<'a> Work<'a> {
     }
 
     pub fn finish(self, model: AnyModel) -> Identified {
-        let residuals = residuals(&model, self.data);
+        let residuals = residuals_that_count(&model, self.data);
         let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
         let estimates = last_word(&model, &self.stages, self.options.output_error.rotary);
         let free_parameters = self.free_parameters(&estimates);

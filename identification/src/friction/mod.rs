@@ -19,10 +19,9 @@ pub mod wording;
 use std::path::PathBuf;
 
 use friction_ident::information::{Difference, Standing};
-use friction_ident::staged::rms_of_kind;
 use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
-use friction_model::{AnyModel, ModelName};
+use friction_model::ModelName;
 
 use recording::drive_error::AddedUncertainty;
 use recording::stretches::{FrictionRecording, Preparation};
@@ -49,7 +48,8 @@ pub struct Settings {
 pub const KINDS: [StretchKind; 4] =
     [StretchKind::Steady, StretchKind::PreSliding, StretchKind::Lag, StretchKind::Mixed];
 
-/// Root mean squares of predicted minus measured friction [N or N m].
+/// Root mean squares of predicted minus measured friction [N or N m], over what all models that are
+/// compared predict: without the samples at rest where one of them predicts a range there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
     /// Over all points and samples.
@@ -59,12 +59,13 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Of `model` on `data`; `all` from the residuals that were worked out already.
-    fn of(model: &AnyModel, data: &FrictionData, residuals: &[f64]) -> Self {
-        Self {
-            all: root_mean_square(residuals),
-            kinds: KINDS.map(|kind| rms_of_kind(model, data, kind)),
-        }
+    /// From what a model leaves, of each of [`KINDS`].
+    fn of(residuals: &[Vec<f64>]) -> Self {
+        let of_kind = |kind: usize| {
+            let residuals = residuals.get(kind).filter(|residuals| !residuals.is_empty());
+            residuals.map(|residuals| root_mean_square(residuals))
+        };
+        Self { all: root_mean_square(&residuals.concat()), kinds: [0, 1, 2, 3].map(of_kind) }
     }
 }
 

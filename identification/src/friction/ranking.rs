@@ -6,11 +6,13 @@ use friction_ident::information::{
     Difference, Information, Standing, paired_difference, paired_ratio,
 };
 use friction_ident::model_choice::{self, Candidate, Unfit, unfit};
-use friction_ident::staged::residuals_of_kind;
+use friction_ident::residual_whiteness::effective_share;
+use friction_ident::staged::{all_predict, residuals_of_kind};
 use friction_ident::{FrictionData, Identified, Stretch};
 
 use super::from_drive::FromDrive;
 use super::{Criterion, Errors, KINDS, ModelResult};
+use friction_model::AnyModel;
 
 /// Blocks over which two models are compared.
 const BLOCKS: usize = 20;
@@ -19,21 +21,50 @@ const BIC_NOTICEABLE: f64 = 2.0;
 
 type Model = (Identified, Option<FromDrive>);
 
+/// What of recordings counts in the comparison of some models: the points and samples that all of
+/// them predict.
+struct Ground<'a> {
+    data: &'a FrictionData,
+    counts: Vec<Vec<bool>>,
+}
+
+impl<'a> Ground<'a> {
+    fn new(models: &[Model], data: &'a FrictionData) -> Self {
+        let models: Vec<AnyModel> = models.iter().map(|(found, _)| found.model).collect();
+        let counts = KINDS.map(|kind| all_predict(&models, data, kind)).to_vec();
+        Self { data, counts }
+    }
+
+    /// What the model leaves, of each kind.
+    fn residuals(&self, model: &AnyModel) -> Vec<Vec<f64>> {
+        let of = |(kind, counts): (_, &Vec<bool>)| {
+            let residuals = residuals_of_kind(model, self.data, kind).into_iter().zip(counts);
+            residuals.filter(|(_, counts)| **counts).map(|(residual, _)| residual).collect()
+        };
+        KINDS.into_iter().zip(&self.counts).map(of).collect()
+    }
+}
+
 /// Information criteria over one and the same number of independent samples: that of the model that
 /// leaves least. Its own for each would compare models by how much of a pattern they leave. Models
 /// that cannot be chosen do not set the measure.
 pub(super) fn on_common_ground(models: &mut [Model], data: &FrictionData) {
-    let largest = largest(data);
+    let (largest, ground) = (largest(data), Ground::new(models, data));
+    let mean_square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64;
+    let left: Vec<Vec<f64>> =
+        models.iter().map(|(found, _)| ground.residuals(&found.model).concat()).collect();
     let least = |with_unfit: bool| {
-        let counts = |(model, _): &&Model| with_unfit || unfit(model, largest).is_none();
-        let informed = models.iter().filter(counts).map(|(model, _)| model.information);
-        informed.min_by(|a, b| a.mse.total_cmp(&b.mse))
+        let all = models.iter().zip(&left);
+        let counted = all.filter(|((model, _), _)| with_unfit || unfit(model, largest).is_none());
+        counted.map(|(_, left)| left).min_by(|a, b| mean_square(a).total_cmp(&mean_square(b)))
     };
-    let Some(least) = least(false).or_else(|| least(true)) else { return };
-    let share = least.effective_samples / least.samples.max(1) as f64;
-    for (model, _) in models {
-        let own = model.information;
-        model.information = Information::new(own.mse, own.samples, share, own.parameters);
+    let Some(share) = least(false).or_else(|| least(true)).map(|least| effective_share(least))
+    else {
+        return;
+    };
+    for ((model, _), left) in models.iter_mut().zip(&left) {
+        let parameters = model.information.parameters;
+        model.information = Information::new(mean_square(left), left.len(), share, parameters);
     }
 }
 
@@ -55,21 +86,14 @@ struct Scored {
 }
 
 impl Scored {
-    fn new(
-        (found, from_drive): Model,
-        data: &FrictionData,
-        held_out: Option<&FrictionData>,
-    ) -> Self {
-        let of = |data| KINDS.map(|kind| residuals_of_kind(&found.model, data, kind)).to_vec();
-        let here: Vec<Vec<f64>> = of(data);
-        let there = held_out.map(of);
-        let fit = Errors::of(&found.model, data, &here.concat());
-        let tried = held_out
-            .zip(there.as_ref())
-            .map(|(data, there)| Errors::of(&found.model, data, &there.concat()));
+    fn new((found, from_drive): Model, fitted: &Ground, held_out: Option<&Ground>) -> Self {
+        let here = fitted.residuals(&found.model);
+        let there = held_out.map(|ground| ground.residuals(&found.model));
+        let fit = Errors::of(&here);
+        let tried = there.as_deref().map(Errors::of);
         let score = tried.map_or(found.information.bic, |tried| tried.all);
         let none = Difference { mean: 0.0, standard_error: 0.0 };
-        let unfit = unfit(&found, largest(data));
+        let unfit = unfit(&found, largest(fitted.data));
         let result = ModelResult {
             cannot_be_chosen: unfit.as_ref().map(ToString::to_string),
             found,
@@ -108,8 +132,10 @@ pub(super) fn ranked(
     held_out: Option<&FrictionData>,
     criterion: Criterion,
 ) -> (Vec<ModelResult>, Option<usize>) {
-    let mut scored: Vec<Scored> =
-        models.into_iter().map(|model| Scored::new(model, data, held_out)).collect();
+    let fitted = Ground::new(&models, data);
+    let tried = held_out.map(|data| Ground::new(&models, data));
+    let score = |model| Scored::new(model, &fitted, tried.as_ref());
+    let mut scored: Vec<Scored> = models.into_iter().map(score).collect();
     // The sort is stable: equals keep the order in which they were asked for.
     scored.sort_by(Scored::before);
     let chosen = match criterion {
