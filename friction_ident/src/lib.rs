@@ -8,6 +8,7 @@
 //!   squares.
 //! * [`axis_structure`]: the same axis with the structure of its friction chosen by
 //!   cross-validation.
+//! * [`adequacy`]: whether such a model explains the recording, or lacks something.
 //! * [`drive`]: gain, time constant, delay, deadband and inertia of a motor from its voltage and
 //!   motion.
 //! * [`static_curve`]: the Stribeck curve through steady points (velocity, torque) by nonlinear
@@ -50,6 +51,7 @@
 
 #![deny(rustdoc::broken_intra_doc_links)]
 
+pub mod adequacy;
 pub mod axis_structure;
 mod axis_term;
 pub mod bounded;

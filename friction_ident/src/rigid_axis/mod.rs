@@ -72,9 +72,15 @@ pub struct TermEstimate {
 }
 
 impl TermEstimate {
-    /// Whether the data say anything about the term: its standard error is below half its value.
+    /// Whether the data say anything about the term: its standard error is below half its value,
+    /// and what is friction is not below zero.
     pub fn is_identifiable(&self) -> bool {
-        self.standard_error < 0.5 * self.value.abs()
+        !self.is_negative_friction() && self.standard_error < 0.5 * self.value.abs()
+    }
+
+    /// Whether it is friction that would drive the axis.
+    pub fn is_negative_friction(&self) -> bool {
+        !matches!(self.term, AxisTerm::Inertia | AxisTerm::Offset) && self.value < 0.0
     }
 }
 

@@ -11,6 +11,7 @@
 //!   parameters             name -> value, standard_error, unit, identifiable
 //!   relative_error_percent, residual_rms, residual_unit, samples
 //!   cross_test             relative_error_percent, samples; or null
+//! warnings                 why a model is not to be trusted as a whole: it explains too little, or what it leaves goes with the motion
 //! notes                    what must be known to read the numbers right
 //! ```
 
@@ -43,6 +44,7 @@ pub fn render(
         },
         "symmetric": model(&found.symmetric, axis),
         "asymmetric": found.asymmetric.as_ref().map(|result| model(result, axis)),
+        "warnings": found.warnings,
         "notes": found.notes,
     });
     let mut text = format!("{document:#}");

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use friction_ident::{
     AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals,
-    condition_stretches, fit_axis,
+    adequacy, condition_stretches, fit_axis,
 };
 
 use recording::{AxisKind, RecordedStretch, Recording};
@@ -55,6 +55,8 @@ pub struct Identification {
     pub symmetric: ModelResult,
     /// A pair for each direction; none where the recording does not show both.
     pub asymmetric: Option<ModelResult>,
+    /// Why a model is not to be trusted as a whole: said before any table.
+    pub warnings: Vec<String>,
     /// What the reader must know to read the numbers right.
     pub notes: Vec<String>,
 }
@@ -126,10 +128,14 @@ pub fn identify(
             None
         }
     };
+    let mut warnings = Vec::new();
     for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
+        let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
+        let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
+        warnings.extend(whole.map(|doubt| format!("The {name} model {doubt}.")));
         notes.extend(doubts(&model.fit));
     }
-    Ok(Identification { settings: *settings, symmetric, asymmetric, notes })
+    Ok(Identification { settings: *settings, symmetric, asymmetric, warnings, notes })
 }
 
 /// Filters and differentiates a recording.
@@ -179,15 +185,15 @@ fn doubts(fit: &AxisFit) -> Vec<String> {
             // An offset of about zero is a finding, not a failure.
             continue;
         }
-        if !estimate.is_identifiable() {
+        if estimate.is_negative_friction() {
+            doubts.push(format!(
+                "In the {model} model {what} comes out negative, which friction cannot be, and is not identified; the model is too simple \
+                 for this axis, or the recording too poor."
+            ));
+        } else if !estimate.is_identifiable() {
             doubts.push(format!(
                 "In the {model} model {what} is not determined by this recording: its standard error is more than \
                  half its value."
-            ));
-        } else if estimate.value < 0.0 {
-            doubts.push(format!(
-                "In the {model} model {what} comes out negative, which friction cannot be; the model is too simple \
-                 for this axis, or the recording too poor."
             ));
         }
     }

@@ -22,6 +22,7 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
     };
     let how = found.settings.conditioning;
     let mut blocks = vec![Block::Heading("What was found".to_owned())];
+    blocks.extend(found.warnings.iter().map(|said| Block::Note(format!("WARNING: {said}"))));
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
     blocks.push(Block::Table(parameters(
         found,

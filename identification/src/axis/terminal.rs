@@ -22,6 +22,12 @@ pub fn render(
         recording.duration(),
         hertz(1.0 / recording.time_step)
     );
+    for warning in &found.warnings {
+        let _ = writeln!(text, "\nWARNING: {warning}");
+    }
+    if !found.warnings.is_empty() {
+        text.push('\n');
+    }
     let how = found.settings.conditioning;
     let _ = writeln!(
         text,

@@ -1,0 +1,201 @@
+//! Whether a fitted axis model explains a recording, or has taken up what it does not contain.
+//!
+//! A least-squares fit without gravity puts the weight into inertia and friction: its parameters are
+//! wrong and their errors small. What is left then says so: it is large, or it goes with the
+//! position, the velocity or the acceleration.
+
+use std::fmt;
+
+use crate::conditioning::Conditioned;
+use crate::rigid_axis::Prediction;
+
+/// Share of the force's mean square that a model must explain to be trusted.
+pub const LEAST_EXPLAINED: f64 = 0.9;
+/// Share of what a model leaves that may go with one quantity.
+pub const MOST_PATTERN: f64 = 0.2;
+/// Root mean square of such a pattern over that of the force, below which nobody would notice.
+const NOTICED: f64 = 0.02;
+/// Ranges of a quantity over which means of the residual are taken.
+const BINS: usize = 12;
+
+/// What a residual may go with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Position.
+    Position,
+    /// Velocity.
+    Velocity,
+    /// Acceleration.
+    Acceleration,
+}
+
+impl Quantity {
+    /// What is usually missing where a residual goes with it.
+    const fn missing(self) -> &'static str {
+        match self {
+            Self::Position => {
+                "gravity, a spring or a force that repeats along the axis (--structure auto)"
+            }
+            Self::Velocity => {
+                "friction of each direction, a Stribeck curve or a delay (--structure auto)"
+            }
+            Self::Acceleration => "a delay, elasticity or an inertia that changes",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+        })
+    }
+}
+
+/// Why a fit is not to be trusted as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FitDoubt {
+    /// It leaves too much.
+    #[error(
+        "explains only {:.0} % of the driving force's mean square (below {:.0} %): something acts \
+         that it does not have, or sign or scale of the force are wrong. Its parameters are not to \
+         be trusted, whatever their errors",
+        100.0 * explained, 100.0 * LEAST_EXPLAINED
+    )]
+    Unexplained {
+        /// Share of the mean square of the force that it explains.
+        explained: f64,
+    },
+    /// What it leaves is no noise.
+    #[error(
+        "leaves a residual of which {:.0} % goes with the {quantity}: it lacks {}, and its \
+         parameters have taken up part of that",
+        100.0 * share, quantity.missing()
+    )]
+    Pattern {
+        /// What it goes with.
+        quantity: Quantity,
+        /// Share of the residual's mean square.
+        share: f64,
+    },
+}
+
+/// What is wrong with a fit as a whole; nothing where it explains the recording.
+pub fn doubts(prediction: &Prediction, recording: &Conditioned) -> Vec<FitDoubt> {
+    let residual = prediction.residual();
+    let mean_square = |values: &[f64]| {
+        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
+    };
+    let power = mean_square(&prediction.measured);
+    let mut doubts = Vec::new();
+    let explained = 1.0 - mean_square(&residual) / power;
+    if explained.is_nan() || explained < LEAST_EXPLAINED {
+        doubts.push(FitDoubt::Unexplained { explained: explained.max(0.0) });
+    }
+    let columns = [
+        (Quantity::Position, recording.position.as_ref()),
+        (Quantity::Velocity, Some(&recording.velocity)),
+        (Quantity::Acceleration, Some(&recording.acceleration)),
+    ];
+    for (quantity, column) in columns {
+        let Some(column) = column else { continue };
+        let Some(values) = at_rows(column, prediction, recording) else { continue };
+        let share = pattern(&residual, &values);
+        let size = (share.max(0.0) * mean_square(&residual) / power).sqrt();
+        if share > MOST_PATTERN && size > NOTICED {
+            doubts.push(FitDoubt::Pattern { quantity, share });
+        }
+    }
+    doubts
+}
+
+/// A column of the recording at the times of the prediction.
+fn at_rows(column: &[f64], prediction: &Prediction, recording: &Conditioned) -> Option<Vec<f64>> {
+    let dt = recording.time_step;
+    let value = |&time: &f64| {
+        recording.pieces.iter().rev().find_map(|piece| {
+            let sample = ((time - piece.start) / dt).round() - recording.first as f64;
+            let inside = sample >= 0.0 && sample < piece.kept.len() as f64;
+            if inside { column.get(piece.kept.start + sample as usize).copied() } else { None }
+        })
+    };
+    prediction.time.iter().map(value).collect()
+}
+
+/// Share of a residual that means over ranges of `values` predict: those of one half of the time
+/// predict the other half, so that chance is no pattern. The smaller of both.
+fn pattern(residual: &[f64], values: &[f64]) -> f64 {
+    let n = residual.len().min(values.len());
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let mut bin = vec![0; n];
+    for (place, &row) in order.iter().enumerate() {
+        bin[row] = place * BINS / n;
+    }
+    let mean = residual.iter().sum::<f64>() / n.max(1) as f64;
+    let explained = |by: std::ops::Range<usize>, of: std::ops::Range<usize>| {
+        let mut sums = [(0.0, 0usize); BINS];
+        for row in by {
+            sums[bin[row]].0 += residual[row] - mean;
+            sums[bin[row]].1 += 1;
+        }
+        let (mut left, mut all) = (0.0, 0.0);
+        for row in of {
+            let (sum, count) = sums[bin[row]];
+            let off = residual[row] - mean;
+            left += (off - sum / count.max(1) as f64).powi(2);
+            all += off * off;
+        }
+        if all > 0.0 { 1.0 - left / all } else { 0.0 }
+    };
+    f64::min(explained(0..n / 2, n / 2..n), explained(n / 2..n, 0..n / 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    use super::*;
+    use crate::{AxisModel, Conditioning, Signals, condition, fit_axis};
+
+    /// A joint of 0.5 kg m^2 with friction, noise and `load`, which depends on its angle.
+    fn found(load: impl Fn(f64) -> f64) -> Vec<FitDoubt> {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(9);
+        let time = || (0..20_000).map(|k| f64::from(k) * 1e-3);
+        let place: Vec<f64> =
+            time().map(|t| 0.9 * (1.1 * t).sin() + 0.5 * (2.9 * t).sin()).collect();
+        let torque = |(t, q): (f64, &f64)| {
+            let v = 0.99 * (1.1 * t).cos() + 1.45 * (2.9 * t).cos();
+            let a = -1.089 * (1.1 * t).sin() - 4.205 * (2.9 * t).sin();
+            0.5 * a
+                + 0.4 * v
+                + 1.2 * v.signum()
+                + load(*q)
+                + 0.1 * rng.sample::<f64, _>(StandardNormal)
+        };
+        let force: Vec<f64> = time().zip(&place).map(torque).collect();
+        let signals =
+            Signals { time_step: 1e-3, position: Some(&place), velocity: None, force: &force };
+        let recording = condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap();
+        let fit = fit_axis(&recording, AxisModel::SYMMETRIC).unwrap();
+        doubts(&fit.predict(&recording).unwrap(), &recording)
+    }
+
+    #[test]
+    fn a_model_that_has_all_that_acts_is_not_doubted() {
+        assert_eq!(found(|_| 0.3), []);
+    }
+
+    #[test]
+    fn gravity_that_the_model_does_not_have_is_told() {
+        let doubts = found(|q| 6.0 * (q - 0.7).cos());
+        let of = |doubt: &FitDoubt| matches!(doubt, FitDoubt::Pattern { quantity, .. } if *quantity == Quantity::Position);
+        assert!(doubts.iter().any(of), "{doubts:?}");
+        assert!(matches!(doubts[0], FitDoubt::Unexplained { .. }), "{doubts:?}");
+        let said: String = doubts.iter().map(ToString::to_string).collect();
+        assert!(said.contains("gravity") && said.contains("not to be trusted"), "{said}");
+    }
+}
