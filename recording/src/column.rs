@@ -1,11 +1,11 @@
 //! How a person names a column, and how columns are recognised without being named.
 
-use std::f64::consts::PI;
 use std::str::FromStr;
 
-use super::AxisKind;
+use super::units::{self, Quantity, Unit};
 
-/// A column as named on the command line: `NAME` or `NAME:SCALE`.
+/// A column as named on the command line: `NAME` or `NAME:SCALE`. A number counts the columns from
+/// one, where no column has it as its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Name in the header.
@@ -60,6 +60,8 @@ pub enum Channel {
     Force,
     /// Motor voltage.
     Voltage,
+    /// Motor current.
+    Current,
     /// Friction torque from a sensor.
     Friction,
     /// Angle of a motor, in counts.
@@ -77,6 +79,7 @@ impl Channel {
             Self::Velocity => "velocity",
             Self::Force => "force or torque",
             Self::Voltage => "voltage",
+            Self::Current => "current",
             Self::Friction => "friction torque",
             Self::Angle => "angle of the motor",
             Self::Pendulum => "angle of the pendulum",
@@ -91,99 +94,162 @@ impl Channel {
             Self::Velocity => "m/s or rad/s",
             Self::Force | Self::Friction => "N or N m",
             Self::Voltage => "V",
+            Self::Current => "A",
             Self::Angle | Self::Pendulum => "counts",
         }
     }
 
-    /// Names that are recognised, in order of preference, compared without regard to case.
-    fn known(self) -> &'static [&'static str] {
+    /// Units that are known, for messages.
+    const fn usual_units(self) -> &'static str {
         match self {
-            Self::Time => {
-                &["t_s", "time_s", "timestamp_s", "t_ms", "time_ms", "t", "time", "timestamp"]
-            }
-            Self::Position => &[
-                "position_m",
-                "position_rad",
-                "position_mm",
-                "position_deg",
-                "q_m",
-                "q_rad",
-                "x_m",
-                "angle_rad",
-                "theta_rad",
-                "position",
+            Self::Time => "s, ms, us or ns",
+            Self::Position => "m, mm, um, rad, mrad, deg or rev",
+            Self::Velocity => "m/s, mm/s, rad/s, deg/s, rpm or rev/s",
+            Self::Force | Self::Friction => "N, kN, Nm, mNm or Ncm",
+            Self::Voltage => "V or mV",
+            Self::Current => "A or mA",
+            Self::Angle | Self::Pendulum => "rad, deg or counts",
+        }
+    }
+
+    /// Names that are recognised, in order of preference, compared without their units and without
+    /// regard to case. Those marked `true` are recognised with a unit of the channel only.
+    fn known(self) -> &'static [(&'static str, bool)] {
+        match self {
+            Self::Time => &[
+                ("t", false),
+                ("time", false),
+                ("timestamp", false),
+                ("time_stamp", false),
+                ("stamp", false),
+                ("sec", false),
+                ("seconds", false),
             ],
-            Self::Velocity => {
-                &["velocity_m_s", "velocity_rad_s", "speed_m_s", "speed_rad_s", "velocity"]
-            }
+            Self::Position => &[
+                ("position", false),
+                ("q", false),
+                ("x", true),
+                ("angle", false),
+                ("theta", false),
+                ("pos", false),
+                ("joint_position", false),
+                ("phi", true),
+            ],
+            Self::Velocity => &[
+                ("velocity", false),
+                ("speed", true),
+                ("vel", false),
+                ("dq", false),
+                ("qd", false),
+                ("qdot", false),
+                ("q_dot", false),
+                ("omega", false),
+                ("joint_velocity", false),
+                ("dtheta", true),
+                ("v", true),
+                ("w", true),
+            ],
             Self::Force => &[
-                "force_N",
-                "torque_Nm",
-                "torque_N_m",
-                "motor_force_N",
-                "motor_torque_Nm",
-                "effort_N",
-                "effort_Nm",
-                "force",
-                "torque",
+                ("force", false),
+                ("torque", false),
+                ("motor_force", false),
+                ("motor_torque", false),
+                ("effort", false),
+                ("tau", false),
+                ("joint_torque", false),
             ],
             Self::Voltage => &[
-                "voltage_V",
-                "voltage_applied_V",
-                "control_V",
-                "u_V",
-                "motor_voltage_V",
-                "voltage",
+                ("voltage", false),
+                ("voltage_applied", true),
+                ("control", true),
+                ("u", true),
+                ("motor_voltage", true),
             ],
+            Self::Current => {
+                &[("current", false), ("motor_current", false), ("i", false), ("iq", false)]
+            }
             Self::Friction => {
-                &["friction_Nm", "friction_torque_Nm", "friction_N", "friction_force_N"]
+                &[("friction", true), ("friction_torque", true), ("friction_force", true)]
             }
             // They are always named.
             Self::Angle | Self::Pendulum => &[],
         }
     }
 
-    /// The first known name that the header has, as the header spells it.
+    /// Whether values of the channel may be of that kind.
+    const fn accepts(self, quantity: Quantity) -> bool {
+        match self {
+            Self::Time => matches!(quantity, Quantity::Time),
+            Self::Position => matches!(quantity, Quantity::Length | Quantity::Angle),
+            Self::Velocity => matches!(quantity, Quantity::Speed | Quantity::AngularSpeed),
+            Self::Force | Self::Friction => matches!(quantity, Quantity::Force | Quantity::Torque),
+            Self::Voltage => matches!(quantity, Quantity::Voltage),
+            Self::Current => matches!(quantity, Quantity::Current),
+            Self::Angle | Self::Pendulum => matches!(quantity, Quantity::Angle | Quantity::Bare),
+        }
+    }
+
+    /// The unit that a column's name gives the channel; none where the name has no unit.
+    ///
+    /// # Errors
+    /// [`UnitError`] where it has one that is not known, or is none of this channel.
+    pub fn unit_in(self, name: &str) -> Result<Option<Unit>, UnitError> {
+        let found = units::parts(name);
+        let Some(text) = found.unit else { return Ok(None) };
+        match units::unit_of(text) {
+            Some(unit) if self.accepts(unit.quantity) => Ok(Some(unit)),
+            // `tau_m` is a motor's torque, and not one in metres.
+            Some(_) if !found.bracketed && text.len() == 1 => Ok(None),
+            _ => Err(UnitError { unit: text.to_owned(), channel: self }),
+        }
+    }
+
+    /// The column that the header has for the channel, as the header spells it: known names first
+    /// in their order, and of those with one name the first with a unit that can be used.
     pub fn recognise(self, header: &[String]) -> Option<&str> {
-        self.known()
-            .iter()
-            .find_map(|known| header.iter().find(|name| name.eq_ignore_ascii_case(known)))
-            .map(String::as_str)
+        self.known().iter().find_map(|&(known, with_unit)| {
+            let mut named = header.iter().filter(|name| self.stem_is(name, known, with_unit));
+            let first = named.next()?;
+            let usable = |name: &&String| self.unit_in(name).is_ok();
+            Some(std::iter::once(first).chain(named).find(usable).unwrap_or(first).as_str())
+        })
+    }
+
+    fn stem_is(self, name: &str, known: &str, with_unit: bool) -> bool {
+        let same = |stem: &str| stem.replace([' ', '.', '-'], "_").eq_ignore_ascii_case(known);
+        let found = units::parts(name);
+        let usable = self.unit_in(name);
+        // Of another quantity altogether, it is another channel.
+        let other = found
+            .unit
+            .and_then(units::unit_of)
+            .is_some_and(|unit| usable.is_err() && unit.quantity != Quantity::Bare);
+        match usable {
+            Ok(Some(_)) => same(found.stem),
+            Ok(None) => same(name.trim()) && !with_unit,
+            Err(_) => same(found.stem) && !with_unit && !other,
+        }
     }
 }
 
-/// Factor from the unit at the end of a column's name to SI; one where there is none or it is SI
-/// already.
-pub fn unit_factor(name: &str) -> f64 {
-    let name = name.to_ascii_lowercase();
-    let factors = [
-        ("_mm", 1e-3),
-        ("_mm_s", 1e-3),
-        ("_deg", PI / 180.0),
-        ("_deg_s", PI / 180.0),
-        ("_ms", 1e-3),
-        ("_us", 1e-6),
-    ];
-    factors.iter().find(|(suffix, _)| name.ends_with(suffix)).map_or(1.0, |(_, factor)| *factor)
-}
-
-/// Kind of axis that a column's name gives away by its unit.
-pub fn axis_of(name: &str) -> Option<AxisKind> {
-    let name = name.to_ascii_lowercase();
-    let ends = |suffixes: &[&str]| suffixes.iter().any(|suffix| name.ends_with(suffix));
-    // `_n_m` ends in `_m` too, so torque comes first.
-    if ends(&["_rad", "_rad_s", "_deg", "_deg_s", "_nm", "_n_m"]) {
-        Some(AxisKind::Rotary)
-    } else if ends(&["_m", "_m_s", "_mm", "_mm_s", "_n"]) {
-        Some(AxisKind::Linear)
-    } else {
-        None
-    }
+/// A unit that is not known, or is none of the channel that the column is to hold.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{unit}` is not known as a unit of {}; expected {}",
+    channel.describe(),
+    channel.usual_units()
+)]
+pub struct UnitError {
+    /// As it is written.
+    pub unit: String,
+    /// What the column is to hold.
+    pub channel: Channel,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::AxisKind;
 
     #[test]
     fn reads_names_and_scales() {
@@ -209,14 +275,67 @@ mod tests {
     }
 
     #[test]
+    fn the_usual_names_are_recognised_with_and_without_units() {
+        let is = |channel: Channel, name: &str| {
+            channel.recognise(&[name.to_owned()]).is_some_and(|found| found == name)
+        };
+        for name in ["t", "time", "t_ms", "Time [s]", "timestamp_ns", "stamp", "time (us)"] {
+            assert!(is(Channel::Time, name), "{name}");
+        }
+        for name in ["q", "pos", "position", "q [rad]", "pos_mm", "Angle (deg)", "theta_rad"] {
+            assert!(is(Channel::Position, name), "{name}");
+        }
+        for name in
+            ["dq", "vel", "velocity", "dq [rad/s]", "speed (rpm)", "vel_rad.s^-1", "w_rad_s"]
+        {
+            assert!(is(Channel::Velocity, name), "{name}");
+        }
+        for name in ["tau", "effort", "torque", "tau [Nm]", "Motor Torque (mNm)", "effort_N_m"] {
+            assert!(is(Channel::Force, name), "{name}");
+        }
+        for name in ["i", "i [A]", "current_mA", "iq"] {
+            assert!(is(Channel::Current, name), "{name}");
+        }
+        // Another quantity, another channel; and one letter may mean anything.
+        for (channel, name) in [
+            (Channel::Position, "x"),
+            (Channel::Velocity, "v [V]"),
+            (Channel::Velocity, "speed"),
+            (Channel::Position, "position_reference_m"),
+        ] {
+            assert!(!is(channel, name), "{name}");
+        }
+    }
+
+    #[test]
+    fn units_of_the_channel_count_and_others_are_refused() {
+        let factor = |channel: Channel, name: &str| {
+            channel.unit_in(name).map(|unit| unit.map(|unit| unit.factor))
+        };
+        assert_eq!(factor(Channel::Position, "position_mm"), Ok(Some(1e-3)));
+        assert_eq!(factor(Channel::Force, "tau_m"), Ok(None), "of the motor");
+        assert_eq!(factor(Channel::Force, "tau"), Ok(None));
+        for (channel, name, unit) in [
+            (Channel::Velocity, "velocity [furlong/fortnight]", "furlong/fortnight"),
+            (Channel::Velocity, "position_rad", "rad"),
+            (Channel::Position, "position_counts", "counts"),
+            (Channel::Force, "effort [%]", "%"),
+        ] {
+            let error = factor(channel, name).unwrap_err();
+            assert_eq!((error.unit.as_str(), error.channel), (unit, channel));
+            assert!(error.to_string().contains("expected"), "{error}");
+        }
+    }
+
+    #[test]
     fn units_tell_the_axis() {
-        assert_eq!(axis_of("position_m"), Some(AxisKind::Linear));
-        assert_eq!(axis_of("torque_N_m"), Some(AxisKind::Rotary));
-        assert_eq!(axis_of("force_N"), Some(AxisKind::Linear));
-        assert_eq!(axis_of("velocity_rad_s"), Some(AxisKind::Rotary));
-        assert_eq!(axis_of("control_V"), None);
-        assert_eq!(unit_factor("position_mm"), 1e-3);
-        assert_eq!(unit_factor("position_m"), 1.0);
-        assert!((unit_factor("angle_deg") * 180.0 - PI).abs() < 1e-15);
+        let axis = |channel: Channel, name: &str| {
+            channel.unit_in(name).unwrap().and_then(|unit| unit.quantity.axis())
+        };
+        assert_eq!(axis(Channel::Position, "position_m"), Some(AxisKind::Linear));
+        assert_eq!(axis(Channel::Force, "torque_N_m"), Some(AxisKind::Rotary));
+        assert_eq!(axis(Channel::Force, "force_N"), Some(AxisKind::Linear));
+        assert_eq!(axis(Channel::Velocity, "velocity_rad_s"), Some(AxisKind::Rotary));
+        assert_eq!(axis(Channel::Voltage, "control_V"), None);
     }
 }

@@ -3,13 +3,12 @@
 
 use std::path::{Path, PathBuf};
 
-use csv::StringRecord;
 use msgs::friction_msgs::RigMeasurement;
 
-use super::column::{Channel, axis_of};
+use super::column::Channel;
 use super::rig_clock::{self, RIG_MEASUREMENT};
-use super::table::{Found, Header, damaged, open};
-use super::timing::Timing;
+use super::sheet::{Cells, Found, Missing, Sheet};
+use super::timing::{Steps, Timing};
 use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
 use crate::bag::BagReader;
 
@@ -54,74 +53,60 @@ pub struct DrivenColumns {
     pub friction: Option<Column>,
 }
 
-/// Reads a CSV file, an MCAP file or a bag folder. Time steps may deviate by `tolerance`, a
-/// fraction, from the usual one.
+/// Reads a CSV file, an MCAP file or a bag folder. `steps` says which time steps
+/// are even.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line, column or message.
 pub fn read(
     path: &Path,
     columns: &DrivenColumns,
-    tolerance: f64,
+    steps: impl Into<Steps>,
 ) -> Result<DrivenRecording, RecordingError> {
     if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
-        return from_bag(path, tolerance);
+        return from_bag(path, steps);
     }
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    from_table(path, &bytes, columns, tolerance)
+    from_table(path, &bytes, columns, steps)
 }
 
 fn from_table(
     path: &Path,
     bytes: &[u8],
     columns: &DrivenColumns,
-    tolerance: f64,
+    steps: impl Into<Steps>,
 ) -> Result<DrivenRecording, RecordingError> {
-    let (mut reader, header) = open(path, bytes, "t_s,voltage_V,position_rad")?;
-    let table = Header { path, names: &header };
-    let time = table.require(Channel::Time, columns.time.as_ref())?;
-    let voltage = table.require(Channel::Voltage, columns.voltage.as_ref())?;
-    let mut position = table.optional(Channel::Position, columns.position.as_ref())?;
-    let mut velocity = table.optional(Channel::Velocity, columns.velocity.as_ref())?;
-    let friction = table.optional(Channel::Friction, columns.friction.as_ref())?;
+    let mut sheet = Sheet::open(path, bytes, "t_s,voltage_V,position_rad")?;
+    let time = sheet.require(Channel::Time, columns.time.as_ref())?;
+    let voltage = sheet.require(Channel::Voltage, columns.voltage.as_ref())?;
+    let mut position = sheet.optional(Channel::Position, columns.position.as_ref())?;
+    let mut velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let friction = sheet.optional(Channel::Friction, columns.friction.as_ref())?;
     match (&position, &velocity) {
-        (None, None) => return Err(table.unrecognised(Channel::Position)),
+        (None, None) => return Err(sheet.unrecognised(Channel::Position)),
         (Some(_), Some(_)) if columns.velocity.is_none() => velocity = None,
         (Some(_), Some(_)) => position = None,
         _ => {}
     }
-    let axis =
-        position.as_ref().or(velocity.as_ref()).and_then(|found| axis_of(&found.source.name));
-    let wanted = [Some(time), Some(voltage), position, velocity, friction];
-    let mut values: [Option<Vec<f64>>; 5] =
-        wanted.each_ref().map(|found| found.as_ref().map(|_| Vec::new()));
-    let mut lines = Vec::new();
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let pairs = wanted
-            .iter()
-            .zip(&mut values)
-            .filter_map(|(found, to)| Some((found.as_ref()?, to.as_mut()?)));
-        for (found, to) in pairs {
-            let found: &Found = found;
-            to.push(table.number(&record, line, found)?);
-        }
-        lines.push(line);
-    }
-    if lines.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
-    let [time, voltage, position, velocity, friction] = values;
-    let time = time.unwrap_or_default();
-    let timing =
-        Timing::of(path, &time, tolerance, |index| format!("line {}", lines[index]))?.of_one_rate();
+    let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| found.axis);
+    let wanted: Vec<&Found> =
+        [&time, &voltage].into_iter().chain(&position).chain(&velocity).chain(&friction).collect();
+    let Cells { values, lines, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+    let mut values = values.into_iter();
+    let mut next = || values.next().unwrap_or_default();
+    let (time, voltage) = (next(), next());
+    let position = position.map(|_| next());
+    let velocity = velocity.map(|_| next());
+    let friction = friction.map(|_| next());
+    let timing = Timing::of(path, &time, steps, |index| format!("line {}", lines[index]))?
+        .of_one_rate()
+        .as_written(blank, sheet.dialect);
     let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
     Ok(DrivenRecording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,
-        voltage: voltage.map(channel).unwrap_or_default(),
+        voltage: channel(voltage),
         position: position.map(|position| super::position_of(&timing, &position)),
         velocity: velocity.map(channel),
         friction: friction.map(channel),
@@ -134,7 +119,7 @@ fn from_table(
 
 /// The tachometer's velocity, the torque sensor, and the voltage moved to the beginning of the
 /// cycle over which it was applied: a message carries that of the cycle before.
-fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingError> {
+fn from_bag(path: &Path, steps: impl Into<Steps>) -> Result<DrivenRecording, RecordingError> {
     let bag = BagReader::open(path)?;
     let mut messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
     for (index, (_, rig)) in messages.iter().enumerate() {
@@ -159,7 +144,7 @@ fn from_bag(path: &Path, tolerance: f64) -> Result<DrivenRecording, RecordingErr
     let time = rig_clock::times(&cycles)
         .unwrap_or_else(|| messages.iter().map(|(_, rig)| since(rig)).collect());
     let place = |index: usize| format!("message {} of {RIG_MEASUREMENT}", index + 1);
-    let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
+    let timing = Timing::of(path, &time, steps, place)?.of_one_rate();
     // The voltage of a sample stands in the next one of its own stretch; the last one has none.
     let channel = |of: fn(&RigMeasurement) -> f64, later: usize| -> Vec<f64> {
         let recorded: Vec<f64> = messages.iter().map(|(_, rig)| of(rig)).collect();

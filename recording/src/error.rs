@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use files::is_of_the_path;
 
-use crate::column::Channel;
+use crate::column::{Channel, UnitError};
 
 /// Why a file cannot be used as a recording. Each message names the file, the line or column, and
 /// the way out.
@@ -32,12 +32,38 @@ pub enum RecordingError {
         path: PathBuf,
     },
     /// The first line holds numbers.
-    #[error("line 1 of {} holds numbers where column names were expected; add a header line such as {example}", path.display())]
+    #[error(
+        "line 1 of {} holds numbers where column names were expected; add a header line such as {example}, or give the \
+         numbers of its {columns} columns, counted from 1, to the options that name columns",
+        path.display()
+    )]
     NoHeader {
         /// The file.
         path: PathBuf,
         /// A header that would do.
         example: &'static str,
+        /// Columns that it has.
+        columns: usize,
+    },
+    /// A column's unit is not known, or none of what it is to hold.
+    #[error("column `{column}` of {}: {source}; or give the factor to SI units behind the name, as NAME:SCALE", path.display())]
+    Unit {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// What is wrong with its unit.
+        source: UnitError,
+    },
+    /// No row has all values.
+    #[error("{}: {} has no value in any of {rows} rows (empty or NaN); name another column", path.display(), named(column.as_deref()))]
+    NoValues {
+        /// The file.
+        path: PathBuf,
+        /// The column without any value; none where each has some.
+        column: Option<String>,
+        /// Rows.
+        rows: usize,
     },
     /// A line is not text, or not as long as the header.
     #[error("line {line} of {} is damaged: {detail}; repair or delete the line", path.display())]
@@ -141,6 +167,38 @@ pub enum RecordingError {
         /// Accepted deviation \[%\].
         percent: f64,
     },
+    /// There is no usual time step.
+    #[error(
+        "the samples of {} come at irregular times, mostly {shortest} to {longest} s apart, {usual} s in the middle; \
+         bring them to an even rate, as in {rate} Hz",
+        path.display()
+    )]
+    Irregular {
+        /// The file.
+        path: PathBuf,
+        /// One step in twenty is shorter \[s\].
+        shortest: f64,
+        /// The median step \[s\].
+        usual: f64,
+        /// One step in twenty is longer \[s\].
+        longest: f64,
+        /// A rate that would do \[Hz\].
+        rate: f64,
+    },
+    /// The rate to resample to is out of range.
+    #[error(
+        "{} has {mean_rate} samples a second, which cannot be brought to {rate} Hz; expected at most ten times as many and \
+         not fewer than a five hundredth",
+        path.display()
+    )]
+    ResampleRate {
+        /// The file.
+        path: PathBuf,
+        /// The rate asked for \[Hz\].
+        rate: f64,
+        /// Mean rate of the samples \[Hz\].
+        mean_rate: f64,
+    },
     /// Not a servo log.
     #[error("{} is no servo log that can be used: {detail}", path.display())]
     ServoLog {
@@ -181,7 +239,7 @@ pub enum RecordingError {
     },
     /// A bag's message of joint states without velocity or effort.
     #[error(
-        "message {index} of {topic} in {}: expected a velocity and an effort, but one of them is missing; a rig without a \
+        "message {index} of {topic} in {}: expected an effort, and a velocity or a position, but they are not all there; a rig without a \
          torque sensor needs its voltage and the constants of its motor instead",
         path.display()
     )]
@@ -193,9 +251,43 @@ pub enum RecordingError {
         /// The message, counted from 1.
         index: usize,
     },
+    /// A bag holds more joints than one, and none was named.
+    #[error("{} holds several joints: {present}; name one of them", path.display())]
+    SeveralJoints {
+        /// The bag.
+        path: PathBuf,
+        /// Their names.
+        present: String,
+    },
+    /// A bag does not hold the joint that was named.
+    #[error("{} holds no joint `{name}`; its joints are: {present}", path.display())]
+    NoJoint {
+        /// The bag.
+        path: PathBuf,
+        /// The joint asked for.
+        name: String,
+        /// The joints there are.
+        present: String,
+    },
+    /// A bag that is not of this laboratory does not say what its effort is.
+    #[error(
+        "{} does not say what the effort of joint {joint} is: the torque that drives the joint, as of most robots, or \
+         friction alone; say which",
+        path.display()
+    )]
+    EffortMeaning {
+        /// The bag.
+        path: PathBuf,
+        /// The joint.
+        joint: String,
+    },
     /// The bag itself cannot be read.
     #[error(transparent)]
     Bag(#[from] crate::bag::BagError),
+}
+
+fn named(column: Option<&str>) -> String {
+    column.map_or_else(|| "some column".to_owned(), |column| format!("column `{column}`"))
 }
 
 impl RecordingError {
@@ -209,6 +301,8 @@ impl RecordingError {
             Self::Empty { .. }
             | Self::HeaderOnly { .. }
             | Self::NoHeader { .. }
+            | Self::Unit { .. }
+            | Self::NoValues { .. }
             | Self::Line { .. }
             | Self::NoColumn { .. }
             | Self::Unrecognised { .. }
@@ -218,10 +312,15 @@ impl RecordingError {
             | Self::Cell { .. }
             | Self::TimeOrder { .. }
             | Self::Uneven { .. }
+            | Self::Irregular { .. }
+            | Self::ResampleRate { .. }
             | Self::ServoLog { .. }
             | Self::TooShort { .. }
             | Self::Unusable { .. }
             | Self::Message { .. }
+            | Self::SeveralJoints { .. }
+            | Self::NoJoint { .. }
+            | Self::EffortMeaning { .. }
             | Self::NoEffort { .. } => true,
         }
     }

@@ -4,9 +4,48 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use super::sheet::Dialect;
+
+/// What was done to uneven samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Resampled {
+    /// The new rate \[Hz\].
+    pub rate: f64,
+    /// Mean rate of the samples \[Hz\].
+    pub mean_rate: f64,
+    /// Where the anti-alias low-pass ends \[Hz\]; none where there is none.
+    pub low_pass: Option<f64>,
+    /// Standard deviation of noise afterwards, as a fraction of what it was, where it was white
+    /// from sample to sample.
+    pub noise: f64,
+}
+
+impl Resampled {
+    /// In words.
+    fn describe(&self) -> String {
+        let Self { rate, mean_rate, low_pass, noise } = self;
+        let filter = low_pass.map_or_else(
+            || "no low-pass".to_owned(),
+            |end| format!("a zero-phase anti-alias low-pass that ends at {end} Hz"),
+        );
+        format!(
+            "uneven samples, {mean_rate} Hz in the mean, were brought to {rate} Hz along straight lines, with {filter}: \
+             noise that was white becomes {noise:.2} times as large, and neighbours share it"
+        )
+    }
+}
+
 /// What was uneven about the times of a recording, and what was done about it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Irregularities {
+    /// Decimals are written with a comma.
+    pub decimal_comma: bool,
+    /// The column names were taken from a remark above the numbers.
+    pub names_in_remark: bool,
+    /// Rows of a table without a value where one is needed (empty or NaN), left out.
+    pub blank: usize,
+    /// Uneven samples were brought to a rate that was asked for.
+    pub resampled: Option<Resampled>,
     /// Samples dropped because they have the time of the one before.
     pub repeated: usize,
     /// Samples that came late or early, read between their neighbours instead.
@@ -36,6 +75,13 @@ pub struct Irregularities {
 }
 
 impl Irregularities {
+    /// With what is to be said of the table that it was read from.
+    #[must_use]
+    pub(super) const fn as_written(self, blank: usize, dialect: Dialect) -> Self {
+        let Dialect { decimal_comma, names_in_remark, .. } = dialect;
+        Self { blank, decimal_comma, names_in_remark, ..self }
+    }
+
     /// Counts a stretch that is too short.
     pub(super) fn leave_out(&mut self, samples: usize) {
         self.too_short += 1;
@@ -47,6 +93,21 @@ impl Irregularities {
     #[must_use]
     pub fn describe(&self) -> Option<String> {
         let mut parts: Vec<String> = Vec::new();
+        if self.decimal_comma {
+            parts.push("decimals are read with a comma".to_owned());
+        }
+        if self.names_in_remark {
+            parts
+                .push("the column names are those of the last remark above the numbers".to_owned());
+        }
+        if self.blank > 0 {
+            let verb = if self.blank == 1 { "was" } else { "were" };
+            let rows = count(self.blank, "row");
+            parts.push(format!("{rows} without a value (empty or NaN) {verb} left out"));
+        }
+        if let Some(resampled) = self.resampled {
+            parts.push(resampled.describe());
+        }
         if self.repeated > 0 {
             parts.push(format!("{} dropped", count(self.repeated, "repeated sample")));
         }

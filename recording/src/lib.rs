@@ -5,7 +5,8 @@
 //! worked out of what drives the axis; [`drive_error`] is what the drive's constants then leave
 //! uncertain. [`table`] reads CSV, [`rosbag`] reads MCAP bags, [`driven`] reads voltage and motion
 //! from either, [`trajectory`] reads motions at any spacing, [`servo_log`] the JSON logs of a
-//! position-controlled servo; [`mod@column`] is how a person names a column, [`csv_table`] writes
+//! position-controlled servo; [`sheet`] is how a table is written,
+//! [`mod@column`] how a person names a column, [`units`] which units its name may tell, [`csv_table`] writes
 //! tables, [`timing`] makes evenly
 //! sampled stretches of what was recorded, and [`irregularities`] says what was uneven. The cycles
 //! of a bag stand at the times of the rig's own clock. Whatever is returned has finite values, one
@@ -18,16 +19,19 @@ pub mod drive_error;
 pub mod driven;
 mod error;
 pub mod irregularities;
+pub mod joints;
 #[cfg(feature = "ros")]
 pub mod record;
 mod rig_clock;
 pub mod rosbag;
 pub mod servo_log;
+pub mod sheet;
 pub mod stiction_table;
 pub mod stretches;
 pub mod table;
 pub mod timing;
 pub mod trajectory;
+pub mod units;
 
 use std::ops::Range;
 use std::path::PathBuf;

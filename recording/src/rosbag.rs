@@ -1,67 +1,73 @@
-//! A recording from a bag of the laboratory's topics.
+//! A recording from a bag.
 //!
-//! The velocity is the tachometer's. The force is the friction torque of `/joint_states` (then
-//! there is no inertia in it to be found), or the driving torque worked out from the voltage of
-//! `/rig_measurement`: `(A Km / Ra) (u - A Km w)`, which drives inertia and friction together.
+//! From `/joint_states` come position, velocity and effort of one joint ([`joints`]);
+//! the effort is friction (then there is no inertia in it to be found) or the driving torque. From
+//! `/rig_measurement` of this laboratory comes the tachometer's velocity, with the driving torque
+//! worked out from the voltage: `(A Km / Ra) (u - A Km w)`.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use friction_model::Motor;
 use msgs::friction_msgs::RigMeasurement;
-use msgs::sensor_msgs::JointState;
 
+use super::joints::{self, Effort, JOINT_STATES, Joint, JointChoice};
 use super::rig_clock::{self, RIG_MEASUREMENT};
-use super::timing::Timing;
+use super::timing::{Steps, Timing};
 use super::{AxisKind, ChannelSource, RecordedStretch, Recording, RecordingError, Sources};
 use crate::bag::BagReader;
 
-const JOINT_STATES: &str = "/joint_states";
-
-/// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the
-/// measured friction. Time steps may deviate by `tolerance`, a fraction, from the usual one.
+/// Reads a bag. With a `motor` the torque is worked out from the voltage, without it is the effort
+/// of the joint that was chosen. `steps` says which time steps are even.
 ///
 /// # Errors
 /// [`RecordingError::Bag`] for what cannot be read, [`RecordingError::Message`] for messages
-/// without the fields needed, and those of [`Timing::of`].
+/// without the fields needed, [`RecordingError::SeveralJoints`], [`RecordingError::NoJoint`] and
+/// [`RecordingError::EffortMeaning`] for a choice that is missing, and those of [`Timing::of`].
 pub fn read(
     path: &Path,
     motor: Option<&Motor>,
-    tolerance: f64,
+    joint: &JointChoice,
+    steps: impl Into<Steps>,
 ) -> Result<Recording, RecordingError> {
-    let channel = motor.map_or(BagChannel::Friction, |motor| BagChannel::Driving(*motor));
-    let Track { topic, time, velocity, force } = track(path, channel)?;
+    let channel = motor
+        .map_or_else(|| BagChannel::Effort(joint.clone()), |motor| BagChannel::Driving(*motor));
+    let track = track(path, &channel)?;
+    let Track { topic, joint, .. } = &track;
     let place = |index: usize| format!("message {} of {topic}", index + 1);
-    let timing = Timing::of(path, &time, tolerance, place)?.of_one_rate();
+    let timing = Timing::of(path, &track.time, steps, place)?.of_one_rate();
+    let of = joint.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
     let source = |field: &str| ChannelSource { name: format!("{topic} {field}"), scale: 1.0 };
-    let names = match motor {
-        Some(_) => ("tachometer_velocity", "voltage_applied (as torque)"),
-        None => ("velocity", "effort"),
+    let (velocity, force) = match motor {
+        Some(_) => ("tachometer_velocity".to_owned(), "voltage_applied (as torque)".to_owned()),
+        None => (format!("velocity{of}"), format!("effort{of}")),
     };
+    let position = track.position.as_ref().map(|position| super::position_of(&timing, position));
+    let moved = track.velocity.as_ref();
     Ok(Recording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,
-        position: None,
-        velocity: Some(super::all_stretches(&timing, &velocity, None)),
-        force: super::all_stretches(&timing, &force, None),
+        velocity: moved.map(|values| super::all_stretches(&timing, values, None)),
+        force: super::all_stretches(&timing, &track.force, None),
         stretches: RecordedStretch::of(&timing, 0),
         irregularities: timing.irregularities,
         axis: Some(AxisKind::Rotary),
-        friction_only: motor.is_none(),
+        friction_only: track.friction_only,
         sources: Sources {
             time: source("header.stamp"),
-            position: None,
-            velocity: Some(source(names.0)),
-            force: source(names.1),
+            position: position.as_ref().map(|_| source(&format!("position{of}"))),
+            velocity: moved.map(|_| source(&velocity)),
+            force: source(&force),
         },
+        position,
     })
 }
 
-/// Which channel of a bag is read beside the velocity.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Which channel of a bag is read beside the motion.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum BagChannel {
-    /// Friction torque [N m].
-    Friction,
+    /// Effort of a joint [N m].
+    Effort(JointChoice),
     /// Voltage at the motor, the mean over the period before \[V\].
     Voltage,
     /// The torque that drives the axis, worked out from the voltage [N m].
@@ -71,111 +77,176 @@ pub(super) enum BagChannel {
 /// What was recorded, at whatever times.
 pub(super) struct Track {
     pub topic: &'static str,
+    /// The joint, where it has a name.
+    pub joint: Option<String>,
     /// Times \[s\], by the rig's own clock where the bag has it.
     pub time: Vec<f64>,
-    /// From the tachometer [rad/s].
-    pub velocity: Vec<f64>,
+    /// Position [rad], where the bag has it.
+    pub position: Option<Vec<f64>>,
+    /// Velocity [rad/s]; none only where there is a position.
+    pub velocity: Option<Vec<f64>>,
     /// The channel that was asked for [N m or V].
     pub force: Vec<f64>,
+    /// It is friction alone.
+    pub friction_only: bool,
 }
 
 /// Reads all messages.
-pub(super) fn track(path: &Path, channel: BagChannel) -> Result<Track, RecordingError> {
+pub(super) fn track(path: &Path, channel: &BagChannel) -> Result<Track, RecordingError> {
     let bag = BagReader::open(path)?;
-    let (topic, mut samples) = match channel {
-        BagChannel::Friction => (JOINT_STATES, measured(path, &bag)?),
-        BagChannel::Voltage => (RIG_MEASUREMENT, driven(path, &bag, |voltage, _| voltage)?),
-        BagChannel::Driving(motor) => (
-            RIG_MEASUREMENT,
-            driven(path, &bag, |voltage, velocity| motor.driving_torque(voltage, velocity))?,
-        ),
-    };
-    // A bag is in the order of its log; what counts is when the sample was taken.
-    samples.sort_by_key(|sample| sample.stamp);
-    let start = samples.first().map_or(0, |sample| sample.stamp);
-    let since = |sample: &Sample| sample.stamp.saturating_sub(start) as f64 * 1e-9;
-    let clock = rig_clock::of_bag(&bag)?;
-    let by_rig = |clock: HashMap<u64, f64>| -> Option<Vec<f64>> {
-        samples.iter().map(|sample| clock.get(&sample.stamp).copied()).collect()
-    };
-    let time = clock.and_then(by_rig).unwrap_or_else(|| samples.iter().map(since).collect());
-    Ok(Track {
-        topic,
-        time,
-        velocity: samples.iter().map(|sample| sample.velocity).collect(),
-        force: samples.iter().map(|sample| sample.torque).collect(),
-    })
-}
-
-struct Sample {
-    stamp: u64,
-    velocity: f64,
-    torque: f64,
-}
-
-impl Sample {
-    fn checked(
-        path: &Path,
-        topic: &'static str,
-        index: usize,
-        stamp: u64,
-        velocity: f64,
-        torque: f64,
-    ) -> Result<Self, RecordingError> {
-        if velocity.is_finite() && torque.is_finite() {
-            Ok(Self { stamp, velocity, torque })
-        } else {
-            let detail = format!(
-                "velocity {velocity} and torque {torque} are expected to be finite; cut the bag there"
-            );
-            Err(RecordingError::Message { path: path.into(), topic, index: index + 1, detail })
+    match channel {
+        BagChannel::Effort(choice) => of_joint(path, &bag, choice),
+        BagChannel::Voltage => of_rig(path, &bag, |voltage, _| voltage),
+        BagChannel::Driving(motor) => {
+            of_rig(path, &bag, |voltage, velocity| motor.driving_torque(voltage, velocity))
         }
     }
 }
 
-fn measured(path: &Path, bag: &BagReader) -> Result<Vec<Sample>, RecordingError> {
-    let messages = bag.messages::<JointState>(JOINT_STATES)?;
-    let sample = |(index, (_, state)): (usize, (u64, JointState))| match (
-        state.velocity.first(),
-        state.effort.first(),
-    ) {
-        (Some(&velocity), Some(&effort)) => Sample::checked(
-            path,
-            JOINT_STATES,
-            index,
-            state.header.stamp.to_nanos(),
-            velocity,
-            effort,
-        ),
-        _ => Err(RecordingError::NoEffort {
-            path: path.into(),
-            topic: JOINT_STATES,
-            index: index + 1,
-        }),
+/// Times \[s\] of stamps \[ns\] that are in order: the rig's own where the bag tells them, those
+/// of the stamps else.
+fn times(bag: &BagReader, stamps: &[u64]) -> Result<Vec<f64>, RecordingError> {
+    let clock = rig_clock::of_bag(bag)?;
+    let by_rig = |clock: HashMap<u64, f64>| -> Option<Vec<f64>> {
+        stamps.iter().map(|stamp| clock.get(stamp).copied()).collect()
     };
-    messages.into_iter().enumerate().map(sample).collect()
+    let start = stamps.first().copied().unwrap_or(0);
+    let since = |stamp: &u64| stamp.saturating_sub(start) as f64 * 1e-9;
+    Ok(clock.and_then(by_rig).unwrap_or_else(|| stamps.iter().map(since).collect()))
 }
 
-/// Samples of the rig's measurement, with what `value` makes of voltage \[V\] and velocity [rad/s].
-fn driven(
+fn of_joint(path: &Path, bag: &BagReader, choice: &JointChoice) -> Result<Track, RecordingError> {
+    let Joint { name, mut samples, effort } = joints::read(path, bag, choice)?;
+    // A bag is in the order of its log; what counts is when the sample was taken.
+    samples.sort_by_key(|sample| sample.stamp);
+    let stamps: Vec<u64> = samples.iter().map(|sample| sample.stamp).collect();
+    let all = |of: fn(&joints::JointSample) -> Option<f64>| -> (Vec<f64>, Option<usize>) {
+        let first = samples.iter().position(|sample| of(sample).is_none());
+        (samples.iter().map_while(of).collect(), first)
+    };
+    let (force, without) = all(|sample| sample.effort);
+    let (position, unplaced) = all(|sample| sample.position);
+    let (velocity, unmoved) = all(|sample| sample.velocity);
+    // A position that stands still beside a velocity was not measured.
+    let stands = position.windows(2).all(|pair| pair[0] == pair[1]);
+    let velocity = unmoved.is_none().then_some(velocity);
+    let position = (unplaced.is_none() && !(stands && velocity.is_some())).then_some(position);
+    let missing = match (&velocity, &position) {
+        (None, None) => without.into_iter().chain(unmoved).min(),
+        _ => without,
+    };
+    if let Some(index) = missing {
+        let (path, topic) = (path.into(), JOINT_STATES);
+        return Err(RecordingError::NoEffort { path, topic, index: index + 1 });
+    }
+    let friction_only = effort == Effort::Friction;
+    let time = times(bag, &stamps)?;
+    Ok(Track { topic: JOINT_STATES, joint: name, time, position, velocity, force, friction_only })
+}
+
+/// The rig's measurement, with what `value` makes of voltage \[V\] and velocity [rad/s].
+fn of_rig(
     path: &Path,
     bag: &BagReader,
     value: impl Fn(f64, f64) -> f64,
-) -> Result<Vec<Sample>, RecordingError> {
-    let messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
-    let sample = |(index, (_, rig)): (usize, (u64, RigMeasurement))| {
-        let velocity = rig.tachometer_velocity;
-        let torque = value(rig.voltage_applied, velocity);
-        Sample::checked(path, RIG_MEASUREMENT, index, rig.header.stamp.to_nanos(), velocity, torque)
-    };
-    messages.into_iter().enumerate().map(sample).collect()
+) -> Result<Track, RecordingError> {
+    let mut messages = bag.messages::<RigMeasurement>(RIG_MEASUREMENT)?;
+    for (index, (_, rig)) in messages.iter().enumerate() {
+        let (velocity, voltage) = (rig.tachometer_velocity, rig.voltage_applied);
+        if !(velocity.is_finite() && voltage.is_finite()) {
+            let detail = format!(
+                "velocity {velocity} and voltage {voltage} are expected to be finite; cut the bag there"
+            );
+            let (path, topic) = (path.into(), RIG_MEASUREMENT);
+            return Err(RecordingError::Message { path, topic, index: index + 1, detail });
+        }
+    }
+    messages.sort_by_key(|(_, rig)| rig.header.stamp.to_nanos());
+    let stamps: Vec<u64> = messages.iter().map(|(_, rig)| rig.header.stamp.to_nanos()).collect();
+    let velocity: Vec<f64> = messages.iter().map(|(_, rig)| rig.tachometer_velocity).collect();
+    let force = messages.iter().map(|(_, rig)| value(rig.voltage_applied, rig.tachometer_velocity));
+    Ok(Track {
+        topic: RIG_MEASUREMENT,
+        joint: None,
+        time: times(bag, &stamps)?,
+        position: None,
+        force: force.collect(),
+        velocity: Some(velocity),
+        friction_only: false,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bag::{BagOptions, BagWriter};
+    use msgs::sensor_msgs::JointState;
     use msgs::std_msgs::Header;
+
+    /// A bag of an arm: three joints, the second without a velocity, and messages of a gripper
+    /// between.
+    fn arm(dir: &Path) {
+        let mut bag = BagWriter::create(dir, BagOptions::default()).unwrap();
+        for i in 0..40u64 {
+            let stamp = 1_600_000_000_000_000_000 + i * 1_000_000;
+            let value = i as f64;
+            let state = JointState {
+                header: Header::at(stamp),
+                name: ["shoulder", "elbow", "wrist"].map(str::to_owned).to_vec(),
+                position: vec![0.1 * value, 0.2 * value, 0.3 * value],
+                velocity: vec![value, f64::NAN, 3.0 * value],
+                effort: vec![10.0, 20.0 + value, 30.0],
+            };
+            bag.write(JOINT_STATES, stamp, &state).unwrap();
+            let gripper = JointState {
+                header: Header::at(stamp + 500_000),
+                name: vec!["gripper".into()],
+                position: vec![7.0],
+                velocity: vec![],
+                effort: vec![],
+            };
+            bag.write(JOINT_STATES, stamp + 500_000, &gripper).unwrap();
+        }
+        bag.finish().unwrap();
+    }
+
+    #[test]
+    fn a_joint_is_read_by_its_name_with_all_its_fields() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        arm(&dir);
+        let joint =
+            |name: &str| JointChoice { name: Some(name.to_owned()), effort: Some(Effort::Driving) };
+        let wrist = read(&dir, None, &joint("wrist"), 0.05).unwrap();
+        assert_eq!((wrist.samples(), wrist.friction_only), (40, false));
+        assert_eq!(wrist.velocity.as_ref().unwrap()[2], 6.0);
+        assert!((wrist.position.as_ref().unwrap()[2] - 0.6).abs() < 1e-12);
+        assert_eq!(wrist.force, vec![30.0; 40]);
+        assert_eq!(wrist.sources.force.name, "/joint_states effort of wrist");
+        let elbow = read(&dir, None, &joint("elbow"), 0.05).unwrap();
+        assert_eq!((elbow.velocity, elbow.force[1]), (None, 21.0));
+        assert!((elbow.position.unwrap()[1] - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_choice_that_is_missing_is_asked_for_and_the_joints_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("bag");
+        arm(&dir);
+        let message = |name: Option<&str>, effort: Option<Effort>| {
+            let choice = JointChoice { name: name.map(str::to_owned), effort };
+            read(&dir, None, &choice, 0.05).unwrap_err().to_string()
+        };
+        for (name, effort, parts) in [
+            (None, None, &["shoulder, elbow, wrist, gripper", "several joints"][..]),
+            (Some("hand"), None, &["no joint `hand`", "shoulder, elbow"]),
+            (Some("wrist"), None, &["wrist", "drives", "friction"]),
+            (Some("gripper"), Some(Effort::Driving), &["effort"]),
+        ] {
+            let said = message(name, effort);
+            assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+        }
+    }
 
     #[test]
     fn reads_both_kinds_of_force() {
@@ -197,12 +268,12 @@ mod tests {
             bag.write(RIG_MEASUREMENT, stamp, &rig).unwrap();
         }
         bag.finish().unwrap();
-        let friction = read(&dir, None, 0.05).unwrap();
+        let friction = read(&dir, None, &JointChoice::default(), 0.05).unwrap();
         assert!((friction.time_step - 1e-3).abs() < 1e-9);
         assert_eq!(friction.force, vec![0.1; 10]);
         assert_eq!(friction.velocity.as_ref().unwrap()[9], 9.0);
         assert!(friction.friction_only);
-        let driven = read(&dir, Some(&Motor::SRV02), 0.05).unwrap();
+        let driven = read(&dir, Some(&Motor::SRV02), &JointChoice::default(), 0.05).unwrap();
         assert!((driven.force[0] - 0.2065).abs() < 1e-4 && !driven.friction_only);
     }
 }

@@ -3,12 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use csv::StringRecord;
-
-use super::column::{Channel, unit_factor};
-use super::table::{Found, Header, damaged, open};
+use super::column::Channel;
+use super::sheet::{Cells, Found, Missing, Sheet};
 use super::timing::even_step;
-use super::{ChannelSource, Column, RecordingError};
+use super::{Column, RecordingError};
 
 /// Which columns hold what.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,47 +54,20 @@ fn parse(
     bytes: &[u8],
     columns: &StictionColumns,
 ) -> Result<StictionTable, RecordingError> {
-    let (mut reader, names) = open(path, bytes, "t,theta,plant_input")?;
-    let find = |column: &Column, channel: Channel| {
-        let index = names.iter().position(|name| *name == column.name).ok_or_else(|| {
-            RecordingError::NoColumn {
-                path: path.into(),
-                name: column.name.clone(),
-                present: names.join(", "),
-                channel,
-            }
-        })?;
-        let scale = column.scale.unwrap_or_else(|| unit_factor(&column.name));
-        Ok::<_, RecordingError>(Found {
-            index,
-            source: ChannelSource { name: column.name.clone(), scale },
-        })
-    };
+    let mut sheet = Sheet::open(path, bytes, "t,theta,plant_input")?;
     let mut wanted = vec![
-        find(&columns.time, Channel::Time)?,
-        find(&columns.angle, Channel::Angle)?,
-        find(&columns.voltage, Channel::Voltage)?,
+        sheet.require(Channel::Time, Some(&columns.time))?,
+        sheet.require(Channel::Angle, Some(&columns.angle))?,
+        sheet.require(Channel::Voltage, Some(&columns.voltage))?,
     ];
     if let Some(column) = &columns.pendulum {
-        wanted.push(find(column, Channel::Pendulum)?);
+        wanted.push(sheet.require(Channel::Pendulum, Some(column))?);
     }
-    let table = Header { path, names: &names };
-    let mut values: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
-    let mut lines = Vec::new();
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        lines.push(line);
-        for (found, column) in wanted.iter().zip(&mut values) {
-            column.push(table.number(&record, line, found)?);
-        }
-    }
+    let wanted: Vec<&Found> = wanted.iter().collect();
+    let Cells { values, lines, .. } = sheet.columns(&wanted, Missing::Refused)?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let (time, angle, voltage) = (next(), next(), next());
-    if time.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
     let time_step = even_step(path, &time, TOLERANCE, |index| format!("line {}", lines[index]))?;
     let pendulum = columns.pendulum.is_some().then(next);
     Ok(StictionTable { path: path.into(), time_step, angle, voltage, pendulum })

@@ -1,16 +1,36 @@
 //! A recording from a CSV file: a header with column names, then one line a sample.
 //!
-//! Commas, semicolons and tabs separate, whichever the header has most of. Columns are named on the
-//! command line or recognised by their names; a unit at the end of a name (`_mm`, `_deg`, `_ms`) is
-//! converted.
+//! Columns are named on the command line, by name or by number, or recognised by their names; a
+//! unit in a name is converted. [`sheet`](super::sheet) says how the text is read.
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+use super::column::Channel;
+use super::sheet::{Cells, Dialect, Found, Missing, Sheet};
+use super::timing::{Steps, Timing};
+use super::{AxisKind, Column, RecordedStretch, Recording, RecordingError, Sources};
 
-use super::column::{Channel, axis_of, unit_factor};
-use super::timing::Timing;
-use super::{AxisKind, ChannelSource, Column, RecordedStretch, Recording, RecordingError, Sources};
+/// What the column of the force holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Measured {
+    /// Force or torque.
+    #[default]
+    Force,
+    /// Voltage of the motor.
+    Voltage,
+    /// Current of the motor.
+    Current,
+}
+
+impl Measured {
+    pub(super) const fn channel(self) -> Channel {
+        match self {
+            Self::Force => Channel::Force,
+            Self::Voltage => Channel::Voltage,
+            Self::Current => Channel::Current,
+        }
+    }
+}
 
 /// Which columns hold what; what is not named is recognised.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,55 +41,25 @@ pub struct Columns {
     pub position: Option<Column>,
     /// Velocity; used in place of the position only where named, or where there is no position.
     pub velocity: Option<Column>,
-    /// Force or torque.
+    /// Force or torque, or what is measured in its place.
     pub force: Option<Column>,
+    /// What that column holds.
+    pub measured: Measured,
 }
 
-/// Reads a CSV file. Time steps may deviate by `tolerance`, a fraction, from the usual one;
+/// Reads a CSV file. `steps` says which time steps are even;
 /// [`timing`](super::timing) says what becomes of others.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
-pub fn read(path: &Path, columns: &Columns, tolerance: f64) -> Result<Recording, RecordingError> {
+pub fn read(
+    path: &Path,
+    columns: &Columns,
+    steps: impl Into<Steps>,
+) -> Result<Recording, RecordingError> {
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    parse(path, &bytes, columns, tolerance)
-}
-
-/// Starts reading a table: the reader stands below the header, whose names are returned. `example`
-/// is a header that would do.
-pub(super) fn open<'a>(
-    path: &Path,
-    bytes: &'a [u8],
-    example: &'static str,
-) -> Result<(csv::Reader<&'a [u8]>, Vec<String>), RecordingError> {
-    // A byte order mark, as spreadsheets write it, is no part of the first name.
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(RecordingError::Empty { path: path.into() });
-    }
-    let mut reader = ReaderBuilder::new()
-        .delimiter(delimiter(bytes))
-        .trim(Trim::All)
-        .flexible(true)
-        .from_reader(bytes);
-    let header: Vec<String> = reader
-        .headers()
-        .map_err(|error| damaged(path, &error))?
-        .iter()
-        .map(str::to_owned)
-        .collect();
-    if header.iter().all(|name| name.parse::<f64>().is_ok()) {
-        return Err(RecordingError::NoHeader { path: path.into(), example });
-    }
-    Ok((reader, header))
-}
-
-/// A column that was found: where it stands and how it is scaled.
-#[derive(Debug, Clone)]
-pub(super) struct Found {
-    pub index: usize,
-    pub source: ChannelSource,
+    parse(path, &bytes, columns, steps)
 }
 
 /// The part of [`read`] that does not touch the disk.
@@ -77,10 +67,12 @@ fn parse(
     path: &Path,
     bytes: &[u8],
     columns: &Columns,
-    tolerance: f64,
+    steps: impl Into<Steps>,
 ) -> Result<Recording, RecordingError> {
     let rows = rows(path, bytes, columns, Motion::One)?;
-    let timing = Timing::of(path, &rows.time, tolerance, |index| rows.place(index))?.of_one_rate();
+    let timing = Timing::of(path, &rows.time, steps, |index| rows.place(index))?
+        .of_one_rate()
+        .as_written(rows.blank, rows.dialect);
     Ok(Recording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,
@@ -112,6 +104,10 @@ pub(super) struct Rows {
     pub force: Vec<f64>,
     pub axis: Option<AxisKind>,
     pub sources: Sources,
+    /// Rows without a value in one of the columns, left out.
+    pub blank: usize,
+    /// How the table is written.
+    pub dialect: Dialect,
     lines: Vec<u64>,
 }
 
@@ -129,46 +125,27 @@ pub(super) fn rows(
     columns: &Columns,
     motion: Motion,
 ) -> Result<Rows, RecordingError> {
-    let (mut reader, header) = open(path, bytes, "t_s,position_m,force_N")?;
-    let table = Header { path, names: &header };
-    let time = table.require(Channel::Time, columns.time.as_ref())?;
-    let velocity = table.optional(Channel::Velocity, columns.velocity.as_ref())?;
-    let position = table.optional(Channel::Position, columns.position.as_ref())?;
+    let mut sheet = Sheet::open(path, bytes, "t_s,position_m,force_N")?;
+    let time = sheet.require(Channel::Time, columns.time.as_ref())?;
+    let velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
+    let position = sheet.optional(Channel::Position, columns.position.as_ref())?;
     let (position, velocity) = match (position, velocity) {
-        (None, None) => return Err(table.unrecognised(Channel::Position)),
+        (None, None) => return Err(sheet.unrecognised(Channel::Position)),
         (Some(position), Some(_)) if motion == Motion::One && columns.velocity.is_none() => {
             (Some(position), None)
         }
         (position, velocity) => (position, velocity),
     };
-    let force = table.require(Channel::Force, columns.force.as_ref())?;
-
-    let mut times = Vec::new();
-    let mut lines = Vec::new();
-    let mut positions = position.as_ref().map(|_| Vec::new());
-    let mut velocities = velocity.as_ref().map(|_| Vec::new());
-    let mut forces = Vec::new();
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let number = |found: &Found| table.number(&record, line, found);
-        lines.push(line);
-        times.push(number(&time)?);
-        forces.push(number(&force)?);
-        if let (Some(found), Some(values)) = (&position, &mut positions) {
-            values.push(number(found)?);
-        }
-        if let (Some(found), Some(values)) = (&velocity, &mut velocities) {
-            values.push(number(found)?);
-        }
-    }
-    if times.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
-    let moving = velocity.as_ref().or(position.as_ref());
-    let axis = moving
-        .and_then(|found| axis_of(&found.source.name))
-        .or_else(|| axis_of(&force.source.name));
+    let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
+    let wanted: Vec<&Found> =
+        [&time, &force].into_iter().chain(&position).chain(&velocity).collect();
+    let Cells { values, lines, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+    let mut values = values.into_iter();
+    let mut next = || values.next().unwrap_or_default();
+    let (times, forces) = (next(), next());
+    let positions = position.as_ref().map(|_| next());
+    let velocities = velocity.as_ref().map(|_| next());
+    let axis = velocity.as_ref().or(position.as_ref()).and_then(|found| found.axis).or(force.axis);
     Ok(Rows {
         time: times,
         position: positions,
@@ -181,104 +158,10 @@ pub(super) fn rows(
             velocity: velocity.map(|found| found.source),
             force: force.source,
         },
+        blank,
+        dialect: sheet.dialect,
         lines,
     })
-}
-
-/// What separates the columns: the candidate that the first line has most of.
-fn delimiter(bytes: &[u8]) -> u8 {
-    let line = bytes.split(|&byte| byte == b'\n').next().unwrap_or(bytes);
-    let count = |candidate: u8| line.iter().filter(|&&byte| byte == candidate).count();
-    // Of equals the last wins, so the comma comes last.
-    [b'\t', b';', b','].into_iter().max_by_key(|&candidate| count(candidate)).unwrap_or(b',')
-}
-
-pub(super) fn damaged(path: &Path, error: &csv::Error) -> RecordingError {
-    let line = error.position().map_or(1, csv::Position::line);
-    let detail = match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "it is not UTF-8 text".to_owned(),
-        _ => error.to_string(),
-    };
-    RecordingError::Line { path: path.into(), line, detail }
-}
-
-/// The header of a file.
-pub(super) struct Header<'a> {
-    pub path: &'a Path,
-    pub names: &'a [String],
-}
-
-impl Header<'_> {
-    pub(super) fn require(
-        &self,
-        channel: Channel,
-        named: Option<&Column>,
-    ) -> Result<Found, RecordingError> {
-        self.optional(channel, named)?.ok_or_else(|| self.unrecognised(channel))
-    }
-
-    /// The column of a channel; none only where it was not named and is not recognised.
-    pub(super) fn optional(
-        &self,
-        channel: Channel,
-        named: Option<&Column>,
-    ) -> Result<Option<Found>, RecordingError> {
-        let (name, scale) = match named {
-            Some(column) => (column.name.as_str(), column.scale),
-            None => match channel.recognise(self.names) {
-                Some(name) => (name, None),
-                None => return Ok(None),
-            },
-        };
-        let count = self.names.iter().filter(|other| *other == name).count();
-        if count > 1 {
-            return Err(RecordingError::Ambiguous {
-                path: self.path.into(),
-                name: name.to_owned(),
-                count,
-            });
-        }
-        let index = self.names.iter().position(|other| other == name).ok_or_else(|| {
-            RecordingError::NoColumn {
-                path: self.path.into(),
-                name: name.to_owned(),
-                present: self.names.join(", "),
-                channel,
-            }
-        })?;
-        let scale = scale.unwrap_or_else(|| unit_factor(name));
-        Ok(Some(Found { index, source: ChannelSource { name: name.to_owned(), scale } }))
-    }
-
-    pub(super) fn unrecognised(&self, channel: Channel) -> RecordingError {
-        RecordingError::Unrecognised {
-            path: self.path.into(),
-            channel,
-            present: self.names.join(", "),
-        }
-    }
-
-    pub(super) fn number(
-        &self,
-        record: &StringRecord,
-        line: u64,
-        found: &Found,
-    ) -> Result<f64, RecordingError> {
-        let Some(cell) = record.get(found.index) else {
-            let detail =
-                format!("it has {} fields where the header has {}", record.len(), self.names.len());
-            return Err(RecordingError::Line { path: self.path.into(), line, detail });
-        };
-        match cell.parse::<f64>().map(|value| value * found.source.scale) {
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(RecordingError::Cell {
-                path: self.path.into(),
-                line,
-                column: found.source.name.clone(),
-                found: cell.to_owned(),
-            }),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -316,6 +199,58 @@ mod tests {
     }
 
     #[test]
+    fn decimal_commas_tabs_blanks_and_remarks_are_understood() {
+        let plain = parsed("t_s,position_m,force_N\n0,1,2\n0.5,1.5,-3\n1,2,4\n").unwrap();
+        for text in [
+            "t_s;position_m;force_N\n0;1;2\n0,5;1,5;-3e0\n1,0;2,0;4\n",
+            "t_s\tposition_m\tforce_N\n0\t1\t2\n0,5\t1,5\t-3\n1\t2\t4\n",
+            "# a rig\n% of ours\nt_s,position_m,force_N\n0,1,2\n# here it was hit\n0.5,1.5,-3\n1,2,4\n",
+            "# made by numpy\n# t_s position_m force_N\n0.0 1.0 2.0\n0.5  1.5 -3.0\n1.0 2.0 4.0\n",
+            "t_s position_m force_N\n  0,0 1,0  2,0\n  0,5 1,5 -3,0\n  1,0 2,0  4,0\n",
+            "t [s],position (mm),force [kN]\n0,1000,.002\n0.5,1500,-.003\n1,2000,.004\n",
+        ] {
+            let found = parsed(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+            assert_eq!(found.position, plain.position, "{text:?}");
+            assert_eq!((found.force, found.time_step), (plain.force.clone(), 0.5), "{text:?}");
+        }
+        let commas = parsed("t_s;q_m;force_N\n0;1;2\n0,5;1,5;3\n1,0;2,0;4\n").unwrap();
+        assert!(commas.irregularities.describe().unwrap().contains("comma"));
+        assert_eq!(plain.irregularities.describe(), None);
+    }
+
+    #[test]
+    fn columns_of_a_table_without_names_are_counted() {
+        let column = |text: &str| Some(text.parse::<Column>().unwrap());
+        let named = Columns {
+            time: column("1"),
+            velocity: column("3"),
+            force: column("2:0.5"),
+            ..Columns::default()
+        };
+        let text = b"0,2,5\n0.1,4,6\n0.2,6,7\n";
+        let found = parse(Path::new("x.csv"), text, &named, 0.05).unwrap();
+        assert_eq!(found.force, [1.0, 2.0, 3.0]);
+        assert_eq!(found.velocity, Some(vec![5.0, 6.0, 7.0]));
+        let beyond = Columns { velocity: column("4"), ..named };
+        let error = parse(Path::new("x.csv"), text, &beyond, 0.05).unwrap_err().to_string();
+        assert!(error.contains("no column `4`") && error.contains("1, 2, 3"), "{error}");
+    }
+
+    #[test]
+    fn rows_without_a_value_are_left_out_and_counted() {
+        let mut text = "t_s,position_m,other,force_N\n".to_owned();
+        for k in 0..30 {
+            let force = if k == 12 { "NaN".to_owned() } else { format!("{}", 2 * k) };
+            text += &format!("{},{k},,{force}\n", 0.1 * f64::from(k));
+        }
+        let found = parsed(&text).unwrap();
+        assert_eq!((found.samples(), found.irregularities.blank), (30, 1));
+        assert!((found.force[12] - 24.0).abs() < 1e-9, "read between the neighbours");
+        let said = found.irregularities.describe().unwrap();
+        assert!(said.contains("1 row without a value"), "{said}");
+    }
+
+    #[test]
     fn a_velocity_is_used_when_named_or_alone() {
         let both = "t_s,position_m,velocity_m_s,force_N\n0,1,5,2\n1,1,6,2\n2,1,7,2\n";
         assert_eq!(parsed(both).unwrap().velocity, None);
@@ -333,14 +268,19 @@ mod tests {
             ("", &["x.csv", "empty"][..]),
             ("  \n\n", &["empty"]),
             ("t_s,position_m,force_N\n", &["no samples"]),
-            ("0,1,2\n1,2,3\n", &["line 1", "header"]),
+            ("0,1,2\n1,2,3\n", &["line 1", "header", "3 columns", "number"]),
             ("t_s,position_m,u\n0,1,2\n", &["t_s, position_m, u", "force or torque", "N or N m"]),
-            ("t_s,q,force_N\n0,1,2\n", &["recognised as the position"]),
+            ("t_s,r,force_N\n0,1,2\n", &["recognised as the position"]),
             ("a,position_m,force_N\n0,1,2\n", &["recognised as the time"]),
             ("t_s,position_m,force_N\n0,1,2\n1,oops,2\n", &["line 3", "position_m", "oops"]),
-            ("t_s,position_m,force_N\n0,1,NaN\n", &["line 2", "force_N", "NaN"]),
+            ("t_s,position_m,force_N\n0,1,NaN\n", &["`force_N`", "no value", "1 rows"]),
             ("t_s,position_m,force_N\n0,1,inf\n", &["line 2", "inf"]),
-            ("t_s,position_m,force_N\n0,1,\n", &["line 2", "force_N"]),
+            ("t_s,position_m,force_N\n0,1,\n", &["`force_N`", "no value"]),
+            ("t_s,position_m,force_N\n0,0,1,5,2,0\n", &["line 2", "6 fields", "semicolons"]),
+            ("t_s,position_m,force_N\n0,1,2\n1,2,3,4\n", &["line 3", "4 fields", "header has 3"]),
+            ("t_s;position_m;force_N\n0;1,5;2\n1;1.5;2\n", &["line 3", "position_m", "1.5"]),
+            ("t_s,position [ells],force_N\n0,1,2\n", &["`position [ells]`", "`ells`", "mm"]),
+            ("t_s,position_m,force [%]\n0,1,2\n", &["`force [%]`", "Nm"]),
             ("t_s,position_m,force_N\n0,1,2\n1,2\n", &["line 3", "2 fields", "3"]),
             ("t_s,force_N,force_N,position_m\n0,1,2,3\n", &["2 columns", "force_N"]),
             ("t_s,position_m,force_N\n0,1,2\n2,1,2\n1,1,2\n", &["line 4", "does not increase"]),

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use csv::StringRecord;
-
-use super::column::{Channel, axis_of, unit_factor};
-use super::table::{Found, Header, damaged, open};
-use super::{AxisKind, ChannelSource, RecordingError};
+use super::column::Channel;
+use super::sheet::{Cells, Found, Missing, Sheet};
+use super::{AxisKind, RecordingError};
 
 /// Names of the velocity column. Each says whether the axis turns, which decides the units of the
 /// results.
@@ -57,43 +55,35 @@ pub fn read(path: &Path) -> Result<Trajectory, RecordingError> {
 }
 
 fn parse(path: &Path, bytes: &[u8]) -> Result<Trajectory, RecordingError> {
-    let (mut reader, names) = open(path, bytes, "t_s,velocity_rad_s")?;
-    let columns = Columns { path, names: &names };
-    let time = columns.require("time", Channel::Time.recognise(&names), "t_s")?;
+    let mut sheet = Sheet::open(path, bytes, "t_s,velocity_rad_s")?;
+    let columns = Columns { path, sheet: &sheet };
+    let time = columns.require(Channel::Time, Channel::Time.recognise(&sheet.names), "t_s")?;
     let velocity = columns.one_of("velocity", &VELOCITIES)?;
-    let velocity = columns.require("velocity", velocity, "velocity_rad_s or velocity_m_s")?;
-    let load = columns.one_of("load", &LOADS)?.map(|name| columns.find(name)).transpose()?;
-    let axis = axis_of(&velocity.source.name).unwrap_or(AxisKind::Rotary);
+    let velocity =
+        columns.require(Channel::Velocity, velocity, "velocity_rad_s or velocity_m_s")?;
+    let load = columns.one_of("load", &LOADS)?;
+    let load = load.map(|name| sheet.find(Channel::Force, name, None)).transpose()?;
+    let axis = velocity.axis.unwrap_or(AxisKind::Rotary);
 
-    let table = Header { path, names: &names };
-    let (mut times, mut velocities) = (Vec::new(), Vec::new());
-    let mut loads = load.as_ref().map(|_| Vec::new());
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let t = table.number(&record, line, &time)?;
-        if let Some(&before) = times.last()
-            && t <= before
-        {
-            let place = format!("line {line}");
-            return Err(RecordingError::TimeOrder { path: path.into(), place, before, time: t });
-        }
-        times.push(t);
-        velocities.push(table.number(&record, line, &velocity)?);
-        if let (Some(found), Some(values)) = (&load, &mut loads) {
-            values.push(table.number(&record, line, found)?);
+    let wanted: Vec<&Found> = [&time, &velocity].into_iter().chain(&load).collect();
+    let Cells { values, lines, .. } = sheet.columns(&wanted, Missing::Refused)?;
+    let mut values = values.into_iter();
+    let mut next = || values.next().unwrap_or_default();
+    let (time, velocity) = (next(), next());
+    for (pair, line) in time.windows(2).zip(lines.iter().skip(1)) {
+        if pair[1] <= pair[0] {
+            let (path, place) = (path.into(), format!("line {line}"));
+            let (before, time) = (pair[0], pair[1]);
+            return Err(RecordingError::TimeOrder { path, place, before, time });
         }
     }
-    if times.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
-    Ok(Trajectory { time: times, velocity: velocities, load: loads, axis })
+    Ok(Trajectory { time, velocity, load: load.map(|_| next()), axis })
 }
 
 /// The columns of a file by name.
 struct Columns<'a> {
     path: &'a Path,
-    names: &'a [String],
+    sheet: &'a Sheet<'a>,
 }
 
 impl<'a> Columns<'a> {
@@ -104,7 +94,8 @@ impl<'a> Columns<'a> {
         known: &[&str],
     ) -> Result<Option<&'a str>, RecordingError> {
         let is_known = |name: &&String| known.iter().any(|known| known.eq_ignore_ascii_case(name));
-        let found: Vec<&str> = self.names.iter().filter(is_known).map(String::as_str).collect();
+        let found: Vec<&str> =
+            self.sheet.names.iter().filter(is_known).map(String::as_str).collect();
         match found[..] {
             [] => Ok(None),
             [name] => Ok(Some(name)),
@@ -117,31 +108,18 @@ impl<'a> Columns<'a> {
 
     fn require(
         &self,
-        channel: &'static str,
+        channel: Channel,
         name: Option<&str>,
         expected: &'static str,
     ) -> Result<Found, RecordingError> {
-        let missing = || RecordingError::MissingColumn {
-            path: self.path.into(),
-            channel,
-            expected,
-            present: self.names.join(", "),
-        };
-        self.find(name.ok_or_else(missing)?)
-    }
-
-    fn find(&self, name: &str) -> Result<Found, RecordingError> {
-        let mut places = self.names.iter().enumerate().filter(|(_, other)| *other == name);
-        let index = places.next().map_or(0, |(index, _)| index);
-        match places.count() {
-            0 => Ok(Found {
-                index,
-                source: ChannelSource { name: name.to_owned(), scale: unit_factor(name) },
-            }),
-            others => Err(RecordingError::Ambiguous {
+        match name {
+            Some(name) => self.sheet.find(channel, name, None),
+            None if self.sheet.dialect.headerless => Err(self.sheet.no_header()),
+            None => Err(RecordingError::MissingColumn {
                 path: self.path.into(),
-                name: name.to_owned(),
-                count: others + 1,
+                channel: channel.describe(),
+                expected,
+                present: self.sheet.names.join(", "),
             }),
         }
     }

@@ -58,6 +58,17 @@ fn of_recording(error: &RecordingError) -> String {
                 ": {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}"
             )
         }
+        RecordingError::Unit { source, .. } => {
+            format!(" ({} NAME:SCALE)", option(source.channel))
+        }
+        RecordingError::Irregular { rate, .. } => format!(" (--resample {rate})"),
+        RecordingError::ResampleRate { .. } => " (--resample HZ)".to_owned(),
+        RecordingError::SeveralJoints { .. } | RecordingError::NoJoint { .. } => {
+            " (--joint NAME)".to_owned()
+        }
+        RecordingError::EffortMeaning { .. } => {
+            " (--effort driving or --effort friction)".to_owned()
+        }
         RecordingError::NoEffort { .. } => " (--torque-from-voltage)".to_owned(),
         RecordingError::Bag(error) => of_bag(error),
         _ => String::new(),
@@ -72,6 +83,7 @@ const fn option(channel: Channel) -> &'static str {
         Channel::Velocity => "--velocity",
         Channel::Force => "--force-column",
         Channel::Voltage => "--voltage",
+        Channel::Current => "--force-column",
         Channel::Friction => "--friction",
         Channel::Angle => "--angle",
         Channel::Pendulum => "--pendulum",

@@ -10,7 +10,7 @@ use files::OutputFile;
 use identification::drive::parameters::sheet;
 use identification::drive::{Identified, identify, page::page, parameters};
 use recording::driven::{self, DrivenColumns};
-use recording::timing::{TOLERANCE, tolerance};
+use recording::timing::{Steps, TOLERANCE, rate, tolerance};
 use recording::{AxisKind, Column};
 use report::{linked, render_page};
 use rig_setup::RigProfile;
@@ -81,6 +81,11 @@ pub struct IdentifyDriveArgs {
     /// split the recording.
     #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Columns of a CSV file")]
     time_tolerance: f64,
+
+    /// Bring samples at irregular times to this rate [Hz]: along straight lines between neighbours,
+    /// with an anti-alias low-pass, the same for every channel. What that does to noise is said.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, help_heading = "Columns of a CSV file", conflicts_with = "time_tolerance")]
+    resample: Option<f64>,
 
     /// Use voltage and motion alone, even where the friction torque was measured.
     #[arg(long, conflicts_with = "friction")]
@@ -160,9 +165,10 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
         velocity: args.velocity.clone(),
         friction: args.friction.clone(),
     };
+    let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
     let mut recordings = Vec::new();
     for file in &args.files {
-        let mut recording = driven::read(file, &columns, args.time_tolerance)?;
+        let mut recording = driven::read(file, &columns, steps)?;
         if args.without_torque || senseless {
             recording.friction = None;
         }

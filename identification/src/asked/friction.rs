@@ -9,9 +9,10 @@ use friction_ident::{DriveConstants, Hampel, IdentError, StagedOptions, TorqueSo
 use friction_model::ModelName;
 
 use files::Folder;
+use recording::joints::{Effort, JointChoice};
 use recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
-use recording::table::Columns;
-use recording::{AxisKind, Column, RecordingError};
+use recording::table::{Columns, Measured};
+use recording::{AxisKind, RecordingError};
 use report::figure::Block;
 use work::model_name::model_name;
 use work::progress::Progress;
@@ -179,7 +180,10 @@ impl IdentifyArgs {
     pub fn is_friction(&self) -> bool {
         let columns = self.columns();
         let alone = |file: &Path| {
-            is_bag(file) && !self.torque_from_voltage && file.exists()
+            is_bag(file)
+                && !self.torque_from_voltage
+                && self.effort != Some(Effort::Driving)
+                && file.exists()
                 || stretches::holds_points(file, &columns)
         };
         !self.friction.model.is_empty()
@@ -259,15 +263,12 @@ fn read(
     args: &IdentifyArgs,
     preparation: &Preparation,
 ) -> Result<Vec<FrictionRecording>, RecordingError> {
-    let mut columns = args.columns();
-    let usual = match args.friction.torque_source {
-        Some(SourceChoice::Voltage) => Some("voltage_V"),
-        Some(SourceChoice::Current) => Some("current_A"),
-        _ => None,
+    let measured = match args.friction.torque_source {
+        Some(SourceChoice::Voltage) => Measured::Voltage,
+        Some(SourceChoice::Current) => Measured::Current,
+        _ => Measured::Force,
     };
-    if columns.force.is_none() {
-        columns.force = usual.map(|name| Column { name: name.to_owned(), scale: None });
-    }
+    let columns = Columns { measured, ..args.columns() };
     files.iter().map(|file| stretches::read(file, &columns, preparation)).collect()
 }
 
@@ -275,6 +276,7 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
     let friction = &args.friction;
     let choice = match friction.torque_source {
         None if args.torque_from_voltage => Some(SourceChoice::Voltage),
+        None if args.effort == Some(Effort::Driving) => Some(SourceChoice::Driving),
         other => other,
     };
     let torque = match choice {
@@ -285,9 +287,14 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
     };
     let drive =
         if torque == TorqueSource::Sensor { None } else { Some(drive_constants(args, torque)?) };
-    if torque == TorqueSource::Driving && args.files.iter().any(|file| is_bag(file)) {
+    let effort = match torque {
+        TorqueSource::Sensor => Some(Effort::Friction),
+        TorqueSource::Driving => Some(Effort::Driving),
+        _ => None,
+    };
+    if friction.torque_source.is_some() && args.effort.is_some() && args.effort != effort {
         return Err(BadInput(
-            "a bag has the friction torque or the voltage; use --torque-source sensor or voltage"
+            "--effort says something else than --torque-source: driving goes with driving, friction with sensor"
                 .to_owned(),
         ));
     }
@@ -305,6 +312,8 @@ fn preparation(args: &IdentifyArgs) -> Result<Preparation, BadInput> {
         torque,
         drive,
         tolerance: args.time_tolerance,
+        resample: args.resample,
+        joint: args.joint_choice(),
     })
 }
 
@@ -404,6 +413,90 @@ fn settings(
 }
 
 impl IdentifyArgs {
+    /// The joint of a bag that was named, and what its effort is.
+    #[must_use]
+    pub fn joint_choice(&self) -> JointChoice {
+        let effort = self.effort.or(match self.friction.torque_source {
+            Some(SourceChoice::Driving) => Some(Effort::Driving),
+            Some(SourceChoice::Sensor) => Some(Effort::Friction),
+            _ => None,
+        });
+        JointChoice { name: self.joint.clone(), effort }
+    }
+
+    /// Options that were given and say something of a column of a table.
+    fn column_options(&self) -> Vec<&'static str> {
+        [
+            ("--time", &self.time),
+            ("--position", &self.position),
+            ("--velocity", &self.velocity),
+            ("--force-column", &self.force),
+        ]
+        .into_iter()
+        .filter_map(|(option, column)| column.as_ref().map(|_| option))
+        .collect()
+    }
+
+    /// Refuses options that would be without effect on these files.
+    ///
+    /// # Errors
+    /// [`BadInput`] names the option.
+    pub(super) fn check_options(&self) -> Result<(), BadInput> {
+        let bags = self.files.iter().filter(|file| is_bag(file)).count();
+        let refuse = |option: &str, why: &str| Err(BadInput(format!("{option} {why}")));
+        if bags == 0 {
+            for (option, given) in [
+                ("--joint", self.joint.is_some()),
+                ("--effort", self.effort.is_some()),
+                ("--torque-from-voltage", self.torque_from_voltage),
+            ] {
+                if given {
+                    return refuse(option, "speaks of a bag, but no file is one; leave it out");
+                }
+            }
+        } else if bags == self.files.len()
+            && let Some(option) = self.column_options().first()
+        {
+            return refuse(
+                option,
+                "names a column of a table, but every file is a bag; leave it out",
+            );
+        }
+        let friction = &self.friction;
+        if self.is_friction() {
+            for (option, given) in [
+                ("--structure", self.structure.is_some()),
+                ("--without-inertia", self.without_inertia),
+                ("--without-offset", self.without_offset),
+            ] {
+                if given {
+                    return refuse(
+                        option,
+                        "speaks of one recording of a driving force, but these are identified as friction models; leave it out",
+                    );
+                }
+            }
+            return Ok(());
+        }
+        for (option, given) in [
+            ("--asymmetric", friction.asymmetric),
+            ("--inertia", friction.inertia.is_some()),
+            ("--no-joint", friction.no_joint),
+            ("--reach", friction.reach.is_some()),
+            ("--outliers", friction.outliers),
+            ("--thesis-tables", friction.thesis_tables),
+            ("--jobs", friction.jobs.is_some()),
+        ] {
+            if given {
+                return refuse(
+                    option,
+                    "speaks of friction models; add --model NAMES or leave it out",
+                );
+            }
+        }
+        Ok(())
+    }
+
     /// The columns that were named.
     pub fn columns(&self) -> Columns {
         Columns {
@@ -411,6 +504,7 @@ impl IdentifyArgs {
             position: self.position.clone(),
             velocity: self.velocity.clone(),
             force: self.force.clone(),
+            measured: Measured::Force,
         }
     }
 }

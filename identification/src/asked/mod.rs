@@ -12,9 +12,10 @@ use std::path::{Path, PathBuf};
 
 use friction_ident::Conditioning;
 use friction_model::Motor;
+use recording::joints::Effort;
 use recording::rosbag;
 use recording::table;
-use recording::timing::{TOLERANCE, tolerance};
+use recording::timing::{Steps, TOLERANCE, rate, tolerance};
 use recording::{AxisKind, Column, Recording, RecordingError};
 use work::BadInput;
 use work::destination::ToFolder;
@@ -78,15 +79,30 @@ pub struct IdentifyArgs {
     pub friction: FrictionArgs,
 
     /// Column of the time [s].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(
+        long,
+        alias = "time-column",
+        value_name = "NAME[:SCALE]",
+        help_heading = "Columns of a CSV file"
+    )]
     pub time: Option<Column>,
 
     /// Column of the position [m or rad].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(
+        long,
+        alias = "position-column",
+        value_name = "NAME[:SCALE]",
+        help_heading = "Columns of a CSV file"
+    )]
     pub position: Option<Column>,
 
     /// Column of the velocity [m/s or rad/s], to be used in place of the position.
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(
+        long,
+        alias = "velocity-column",
+        value_name = "NAME[:SCALE]",
+        help_heading = "Columns of a CSV file"
+    )]
     pub velocity: Option<Column>,
 
     /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
@@ -126,6 +142,11 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Conditioning")]
     pub time_tolerance: f64,
 
+    /// Bring samples at irregular times to this rate [Hz]: along straight lines between neighbours,
+    /// with an anti-alias low-pass, the same for every channel. What that does to noise is said.
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, help_heading = "Conditioning", conflicts_with = "time_tolerance")]
+    pub resample: Option<f64>,
+
     /// The force is friction alone and drives no inertia; so for a bag's friction torque anyway.
     #[arg(long, help_heading = "Model")]
     pub without_inertia: bool,
@@ -148,6 +169,16 @@ pub struct IdentifyArgs {
     /// No constant force in the symmetric model.
     #[arg(long, help_heading = "Model")]
     pub without_offset: bool,
+
+    /// Bag: the joint of /joint_states; where there are several, it must be named.
+    #[arg(long, value_name = "NAME", help_heading = "Bag", conflicts_with = "torque_from_voltage")]
+    pub joint: Option<String>,
+
+    /// Bag: what the effort of /joint_states is. driving: the torque that drives the joint, as of
+    /// most robots. friction: friction alone, as in bags of this laboratory, where it need not be
+    /// said.
+    #[arg(long, value_enum, help_heading = "Bag", conflicts_with = "torque_from_voltage")]
+    pub effort: Option<Effort>,
 
     /// Bag: work the driving torque out from the motor voltage, (A Km / Ra) (u - A Km w).
     #[arg(long, help_heading = "Bag")]
@@ -211,6 +242,7 @@ pub fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
             "there is no file {column}; --force replaces results that are there, and the column of the force is named by --force-column {column}"
         )));
     }
+    args.check_options()?;
     for (option, value) in [
         ("--gear-ratio", args.gear_ratio),
         ("--motor-constant", args.motor_constant),
@@ -246,11 +278,13 @@ pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
 /// # Errors
 /// [`RecordingError`] with the file and what is wrong with it.
 pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
+    let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
     let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
     if is_bag {
-        rosbag::read(file, args.torque_from_voltage.then_some(motor), args.time_tolerance)
+        let motor = args.torque_from_voltage.then_some(motor);
+        rosbag::read(file, motor, &args.joint_choice(), steps)
     } else {
         let columns = args.columns();
-        table::read(file, &columns, args.time_tolerance)
+        table::read(file, &columns, steps)
     }
 }

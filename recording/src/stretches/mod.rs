@@ -21,9 +21,10 @@ use self::pieces::{cropped, steady_part};
 use self::points::{is_points, points};
 use self::prepare::prepare;
 use super::drive_error::DriveError;
+use super::joints::JointChoice;
 use super::rosbag::{self, BagChannel};
 use super::table::{self, Columns, Motion};
-use super::timing::{TOLERANCE, Timing};
+use super::timing::{Steps, TOLERANCE, Timing};
 use super::{AxisKind, Irregularities, RecordingError};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
@@ -61,6 +62,10 @@ pub struct Preparation {
     /// How far a time step may be from the usual one for its sample to be taken as it is, as a
     /// fraction.
     pub tolerance: f64,
+    /// Rate to which uneven samples are brought \[Hz\].
+    pub resample: Option<f64>,
+    /// Which joint of a bag is read.
+    pub joint: JointChoice,
 }
 
 impl Preparation {
@@ -89,6 +94,8 @@ impl Default for Preparation {
             torque: TorqueSource::default(),
             drive: None,
             tolerance: TOLERANCE,
+            resample: None,
+            joint: JointChoice::default(),
         }
     }
 }
@@ -151,18 +158,18 @@ pub fn read(
     if is_bag {
         let channel = match how.torque {
             TorqueSource::Voltage => BagChannel::Voltage,
-            _ => BagChannel::Friction,
+            _ => BagChannel::Effort(how.joint.clone()),
         };
-        let track = rosbag::track(path, channel)?;
+        let track = rosbag::track(path, &channel)?;
         let samples = Samples {
             time: track.time,
-            position: None,
-            step: None,
-            velocity: Some(track.velocity),
+            step: track.position.as_deref().and_then(step_of),
+            position: track.position,
+            velocity: track.velocity,
             force: track.force,
         };
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
-        return cut(path, &samples, Some(AxisKind::Rotary), how, place);
+        return cut(path, &samples, Some(AxisKind::Rotary), how, place, |timing| timing);
     }
     let bytes = files::input::table(path)
         .map_err(|source| RecordingError::Read { path: path.into(), source })?;
@@ -186,7 +193,8 @@ fn parse(
         velocity: rows.velocity.clone(),
         force: rows.force.clone(),
     };
-    cut(path, &samples, rows.axis, how, |index| rows.place(index))
+    let written = |timing: Timing| timing.as_written(rows.blank, rows.dialect);
+    cut(path, &samples, rows.axis, how, |index| rows.place(index), written)
 }
 
 /// Whether the file is a table of steady points: a velocity and a torque, and no time.
@@ -203,9 +211,11 @@ fn cut(
     axis: Option<AxisKind>,
     how: &Preparation,
     place: impl Fn(usize) -> String,
+    written: impl Fn(Timing) -> Timing,
 ) -> Result<FrictionRecording, RecordingError> {
-    let timing =
-        Timing::of(path, &samples.time, how.tolerance, place)?.longer_than(path, SHORTEST)?;
+    let steps = Steps { tolerance: how.tolerance, resample: how.resample };
+    let timing = Timing::of(path, &samples.time, steps, place)?.longer_than(path, SHORTEST)?;
+    let timing = written(timing);
     let mut found = FrictionRecording {
         path: path.into(),
         points: Vec::new(),

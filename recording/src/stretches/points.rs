@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use csv::StringRecord;
 use friction_ident::SteadyPoint;
 
 use super::{FrictionRecording, Preparation};
-use crate::column::{Channel, axis_of};
-use crate::table::{self, Columns, Header, damaged};
+use crate::column::Channel;
+use crate::sheet::{Cells, Found, Missing, Sheet};
+use crate::table::Columns;
 use crate::{ChannelSource, Irregularities, RecordingError};
 
 const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
@@ -17,8 +17,10 @@ const DEVIATIONS: [&str; 4] =
     ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
 
 pub(super) fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {
-    let Ok((_, names)) = table::open(path, bytes, EXAMPLE) else { return false };
-    let has = |channel: Channel, named: bool| named || channel.recognise(&names).is_some();
+    let Ok(sheet) = Sheet::open(path, bytes, EXAMPLE) else { return false };
+    let has = |channel: Channel, named: bool| {
+        named || !sheet.dialect.headerless && channel.recognise(&sheet.names).is_some()
+    };
     !has(Channel::Time, columns.time.is_some())
         && has(Channel::Velocity, columns.velocity.is_some())
         && has(Channel::Force, columns.force.is_some())
@@ -34,36 +36,32 @@ pub(super) fn points(
     let (drive, source) = (how.constants(), how.torque);
     drive.check(source).map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
     let mut drive_errors = how.drive_errors();
-    let (mut reader, names) = table::open(path, bytes, EXAMPLE)?;
-    let header = Header { path, names: &names };
-    let velocity = header.require(Channel::Velocity, columns.velocity.as_ref())?;
-    let force = header.require(Channel::Force, columns.force.as_ref())?;
-    let deviation = names
+    let mut sheet = Sheet::open(path, bytes, EXAMPLE)?;
+    let velocity = sheet.require(Channel::Velocity, columns.velocity.as_ref())?;
+    let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
+    let deviation = sheet
+        .names
         .iter()
         .position(|name| DEVIATIONS.iter().any(|known| known.eq_ignore_ascii_case(name)))
-        .map(|index| table::Found {
+        .map(|index| Found {
             index,
-            source: ChannelSource { name: names[index].clone(), scale: force.source.scale },
+            source: ChannelSource { name: sheet.names[index].clone(), scale: force.source.scale },
+            axis: None,
         });
+    let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
+    let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;
     let mut points = Vec::new();
-    let mut record = StringRecord::new();
-    while reader.read_record(&mut record).map_err(|error| damaged(path, &error))? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let number = |found| header.number(&record, line, found);
-        let (velocity, channel) = (number(&velocity)?, number(&force)?);
+    for (index, (&velocity, &channel)) in values[0].iter().zip(&values[1]).enumerate() {
         for error in &mut drive_errors {
             error.points.push(drive.friction_error(source, error.constant, channel, velocity, 0.0));
         }
         points.push(SteadyPoint {
             velocity,
             torque: drive.friction(source, channel, velocity, 0.0),
-            deviation: deviation.as_ref().map(number).transpose()?,
+            deviation: values.get(2).map(|deviations| deviations[index]),
         });
     }
-    if points.is_empty() {
-        return Err(RecordingError::HeaderOnly { path: path.into() });
-    }
-    let axis = axis_of(&velocity.source.name).or_else(|| axis_of(&force.source.name));
+    let axis = velocity.axis.or(force.axis);
     Ok(FrictionRecording {
         path: path.into(),
         samples: points.len(),
@@ -72,6 +70,6 @@ pub(super) fn points(
         axis,
         outliers: Vec::new(),
         drive_errors,
-        irregularities: Irregularities::default(),
+        irregularities: Irregularities::default().as_written(blank, sheet.dialect),
     })
 }

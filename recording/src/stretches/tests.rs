@@ -88,7 +88,8 @@ fn steady_points_need_no_time() {
     assert_eq!(parsed("velocity_m_s,force_N\n0.1,0.1\n").unwrap().points[0].deviation, None);
     for (text, said) in [
         ("velocity_rad_s,torque_Nm\n", "no samples"),
-        ("velocity_rad_s,torque_Nm\n0.1,nan\n", "line 2"),
+        ("velocity_rad_s,torque_Nm\n0.1,nan\n", "no value"),
+        ("velocity_rad_s,torque_Nm\n0.1,inf\n", "line 2"),
         ("position_rad,torque_Nm\n0.1,0.1\n", "recognised as the time"),
     ] {
         let message = parsed(text).unwrap_err().to_string();

@@ -8,13 +8,17 @@
 //! derivatives and initial states never reach across a cut. Everything is counted
 //! ([`Irregularities`]).
 
+mod resample;
+
 use std::ops::Range;
 use std::path::Path;
 
 use friction_ident::statistics::upper_median;
 
 use super::RecordingError;
-use super::irregularities::Irregularities;
+use super::irregularities::{Irregularities, Resampled};
+use super::sheet::Dialect;
+use resample::{DENSEST, LARGEST_FACTOR, Uneven};
 
 /// Steps up to so many usual ones are bridged: two samples are missing at most.
 const BRIDGED: f64 = 3.0;
@@ -26,10 +30,31 @@ const WINDOW: usize = 20;
 const LASTING: usize = 5;
 /// A median that differs by more is another rate, as a fraction.
 const OTHER_RATE: f64 = 0.2;
+/// Steps off by more, as a fraction, are uneven whatever the tolerance says.
+const UNEVEN: f64 = 0.1;
+/// Share of uneven steps from which a recording is irregular.
+const IRREGULAR: f64 = 0.25;
 /// Samples without which there is no sampling period.
 const NEEDED: usize = 3;
 /// How far a time step may be from the usual one where nothing else is said, as a fraction.
 pub const TOLERANCE: f64 = 0.05;
+
+/// How the times of a recording become even.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steps {
+    /// How far a time step may be from the usual one for its sample to be taken as it is, as a
+    /// fraction.
+    pub tolerance: f64,
+    /// Rate to which uneven samples are brought \[Hz\]; without it an irregular recording is
+    /// refused.
+    pub resample: Option<f64>,
+}
+
+impl From<f64> for Steps {
+    fn from(tolerance: f64) -> Self {
+        Self { tolerance, resample: None }
+    }
+}
 
 /// Where a sample on the even grid is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,26 +76,39 @@ pub struct EvenStretch {
     pub time_step: f64,
     /// The recording was going on before it, and broke off.
     pub after_gap: bool,
-    places: Vec<Place>,
+    places: Places,
+}
+
+/// Where the samples of a stretch are read.
+#[derive(Debug, Clone, PartialEq)]
+enum Places {
+    /// At samples, or between two of them.
+    Grid(Vec<Place>),
+    /// Everywhere between.
+    Resampled(Uneven),
 }
 
 impl EvenStretch {
     /// Samples.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.places.len()
+        match &self.places {
+            Places::Grid(places) => places.len(),
+            Places::Resampled(uneven) => uneven.len(),
+        }
     }
 
     /// The first two recorded samples of it.
     pub(super) fn first_two(&self) -> Option<(usize, usize)> {
-        let [first, next, ..] = &self.places[..] else { return None };
+        let Places::Grid(places) = &self.places else { return None };
+        let [first, next, ..] = &places[..] else { return None };
         (next.part == 0.0).then_some((first.index, next.index))
     }
 
     /// Whether there is no sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.len() == 0
     }
 
     /// A channel of the recording on the even grid. What was recorded on the grid comes out bit by
@@ -89,7 +127,10 @@ impl EvenStretch {
             let between = place.part * (value(place.next) - here);
             here + step.map_or(between, |step| (between / step).round() * step)
         };
-        self.places.iter().map(read).collect()
+        match &self.places {
+            Places::Grid(places) => places.iter().map(read).collect(),
+            Places::Resampled(uneven) => uneven.channel(recorded, step),
+        }
     }
 }
 
@@ -103,18 +144,19 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Tells the stretches of a recording apart. `time` is in the order of time; steps within
-    /// `tolerance` (a fraction) of the usual one are even. `place` says where sample `i` stands, as
-    /// in `line 17`.
+    /// Tells the stretches of a recording apart. `time` is in the order of time. `place` says where
+    /// sample `i` stands, as in `line 17`.
     ///
     /// # Errors
-    /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`].
+    /// [`RecordingError::TooShort`], [`RecordingError::TimeOrder`], [`RecordingError::Irregular`],
+    /// [`RecordingError::ResampleRate`].
     pub fn of(
         path: &Path,
         time: &[f64],
-        tolerance: f64,
+        steps: impl Into<Steps>,
         place: impl Fn(usize) -> String,
     ) -> Result<Self, RecordingError> {
+        let Steps { tolerance, resample } = steps.into();
         let mut kept: Vec<usize> = Vec::with_capacity(time.len());
         for (index, &now) in time.iter().enumerate() {
             match kept.last().map(|&last| time[last]) {
@@ -135,6 +177,12 @@ impl Timing {
             Irregularities { repeated: time.len() - kept.len(), ..Irregularities::default() };
         let times: Vec<f64> = kept.iter().map(|&index| time[index]).collect();
         let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if let Some(rate) = resample {
+            return resampled(path, &kept, &times, rate, irregularities);
+        }
+        if is_irregular(&steps, tolerance) {
+            return Err(irregular(path, &steps));
+        }
         let mut stretches = Vec::new();
         for (samples, after_gap) in cut(&steps, tolerance, &mut irregularities) {
             if samples.len() < NEEDED {
@@ -214,6 +262,15 @@ impl Timing {
     }
 }
 
+impl Timing {
+    /// With what is to be said of the table that it was read from.
+    #[must_use]
+    pub(super) fn as_written(mut self, blank: usize, dialect: Dialect) -> Self {
+        self.irregularities = self.irregularities.as_written(blank, dialect);
+        self
+    }
+}
+
 fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= OTHER_RATE * a.min(b)
 }
@@ -273,6 +330,7 @@ fn even(
         // The mean does not suffer from the rounding of the single times.
         let time_step = (times[last] - times[first]) / (last - first) as f64;
         let places = samples.map(whole).collect();
+        let places = Places::Grid(places);
         return EvenStretch { start: times[first], time_step, after_gap, places };
     }
     let mut places = vec![whole(first)];
@@ -304,7 +362,112 @@ fn even(
     found.filled += read_between - moved;
     found.dropped += unused - moved;
     let time_step = (now - times[first]) / (places.len() - 1).max(1) as f64;
-    EvenStretch { start: times[first], time_step, after_gap, places }
+    EvenStretch { start: times[first], time_step, after_gap, places: Places::Grid(places) }
+}
+
+/// Whether so many steps are off their neighbours' median that there is no even grid.
+fn is_irregular(steps: &[f64], tolerance: f64) -> bool {
+    let near = tolerance.max(UNEVEN);
+    let uneven: usize = steps
+        .chunks(WINDOW)
+        .map(|window| {
+            let usual = median(window);
+            // Longer ones are gaps.
+            let off = |step: &&f64| {
+                (**step - usual).abs() > near * usual && **step <= (BRIDGED + near) * usual
+            };
+            window.iter().filter(off).count()
+        })
+        .sum();
+    uneven as f64 > IRREGULAR * steps.len() as f64
+}
+
+/// The error that says how irregular it is.
+fn irregular(path: &Path, steps: &[f64]) -> RecordingError {
+    let mut sorted = steps.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |part: f64| rounded(sorted[((sorted.len() - 1) as f64 * part) as usize]);
+    let usual = at(0.5);
+    let without_gaps: Vec<f64> =
+        steps.iter().copied().filter(|step| *step <= BRIDGED * usual).collect();
+    let mean_rate = without_gaps.len() as f64 / without_gaps.iter().sum::<f64>();
+    // Two digits, and not more samples than there are.
+    let digits = 10f64.powi(mean_rate.log10().floor() as i32 - 1);
+    let rate = rounded((mean_rate / digits).floor() * digits);
+    RecordingError::Irregular {
+        path: path.into(),
+        shortest: at(0.05),
+        usual,
+        longest: at(0.95),
+        rate,
+    }
+}
+
+/// All stretches between gaps, at one rate.
+fn resampled(
+    path: &Path,
+    kept: &[usize],
+    times: &[f64],
+    rate: f64,
+    mut found: Irregularities,
+) -> Result<Timing, RecordingError> {
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&steps);
+    let mut parts: Vec<(Range<usize>, bool)> = Vec::new();
+    let (mut first, mut after_gap) = (0, false);
+    for (k, &step) in steps.iter().enumerate().filter(|(_, step)| **step > BRIDGED * usual) {
+        parts.push((first..k + 1, after_gap));
+        after_gap = step <= PAUSE.max(BRIDGED * usual);
+        first = k + 1;
+        if after_gap {
+            found.gaps += 1;
+            found.missing += (step / usual).round() as usize - 1;
+        } else {
+            found.pauses += 1;
+        }
+    }
+    parts.push((first..times.len(), after_gap));
+    let mut stretches: Vec<EvenStretch> = Vec::new();
+    let mut longest = 0;
+    for (samples, after_gap) in parts {
+        let nodes: Vec<(usize, f64)> = samples.clone().map(|k| (kept[k], times[k])).collect();
+        let uneven = if nodes.len() < NEEDED {
+            None
+        } else {
+            let seconds = times[samples.end - 1] - times[samples.start];
+            let mean_rate = (nodes.len() - 1) as f64 / seconds;
+            if !(rate <= DENSEST * mean_rate && rate * LARGEST_FACTOR >= mean_rate) {
+                let mean_rate = rounded(mean_rate);
+                return Err(RecordingError::ResampleRate { path: path.into(), rate, mean_rate });
+            }
+            Uneven::new(nodes, rate).map(|uneven| (uneven, mean_rate))
+        };
+        let Some((uneven, mean_rate)) = uneven.filter(|(uneven, _)| uneven.len() >= NEEDED) else {
+            found.leave_out(samples.len());
+            continue;
+        };
+        if samples.len() > longest {
+            longest = samples.len();
+            found.resampled = Some(Resampled {
+                rate,
+                mean_rate: rounded(mean_rate),
+                low_pass: uneven.low_pass(rate).map(rounded),
+                noise: uneven.noise(),
+            });
+        }
+        stretches.push(EvenStretch {
+            start: times[samples.start],
+            time_step: 1.0 / rate,
+            after_gap,
+            places: Places::Resampled(uneven),
+        });
+    }
+    if stretches.is_empty() {
+        let (path, found, needed) = (path.into(), times.len(), NEEDED);
+        return Err(RecordingError::TooShort { path, found, needed });
+    }
+    found.stretches = stretches.len();
+    Ok(Timing { stretches, irregularities: found })
 }
 
 /// The sampling period of `time` \[s\], if every step is within `tolerance` (a fraction) of the
@@ -345,6 +508,19 @@ pub fn even_step(
     }
     // The mean does not suffer from the rounding of the single times.
     Ok((time[n - 1] - time[0]) / (n - 1) as f64)
+}
+
+/// A text that is no rate to which samples can be brought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected a rate in Hz above zero, as in 100")]
+pub struct RateError;
+
+/// The rate of the option `--resample` \[Hz\].
+///
+/// # Errors
+/// [`RateError`] says what was expected.
+pub fn rate(text: &str) -> Result<f64, RateError> {
+    text.trim().parse::<f64>().ok().filter(|rate| *rate > 0.0 && rate.is_finite()).ok_or(RateError)
 }
 
 /// A text that is no tolerance of the time steps.

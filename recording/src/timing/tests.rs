@@ -188,6 +188,96 @@ fn the_tolerance_has_a_sane_range() {
     }
 }
 
+/// Ten and twelve milliseconds in turn.
+fn alternating(count: usize) -> Vec<f64> {
+    (0..count).map(|k| 0.022 * (k / 2) as f64 + 0.010 * (k % 2) as f64).collect()
+}
+
+/// Steps of one to eight milliseconds, without an order.
+fn jittered(count: usize) -> Vec<f64> {
+    let mut time = vec![0.0];
+    let mut state = 7u64;
+    for _ in 1..count {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let part = (state >> 33) as f64 / (1u64 << 31) as f64;
+        time.push(time.last().unwrap() + 1e-3 + 7e-3 * part);
+    }
+    time
+}
+
+fn at_rate(time: &[f64], rate: f64) -> Timing {
+    let steps = Steps { tolerance: TOLERANCE, resample: Some(rate) };
+    Timing::of(Path::new("x.csv"), time, steps, |_| String::new()).unwrap()
+}
+
+#[test]
+fn irregular_times_are_refused_with_a_rate_that_would_do() {
+    for (time, rate) in [(alternating(400), 90.0), (jittered(2000), 220.0)] {
+        let error =
+            Timing::of(Path::new("x.csv"), &time, TOLERANCE, |_| String::new()).unwrap_err();
+        let RecordingError::Irregular { rate: offered, .. } = error else { panic!("{error}") };
+        assert!((offered - rate).abs() < 0.03 * rate, "{error}");
+    }
+    // A cycle that comes late now and then is no such thing.
+    let mut time = cycles(500);
+    (0..500).step_by(10).for_each(|k| time[k] += 3e-4);
+    assert!(Timing::of(Path::new("x.csv"), &time, TOLERANCE, |_| String::new()).is_ok());
+}
+
+#[test]
+fn irregular_samples_of_a_motion_are_brought_to_an_even_rate() {
+    let tone = |t: f64| (std::f64::consts::TAU * 1.5 * t).sin();
+    for (time, rate) in
+        [(alternating(1000), 90.0), (jittered(3000), 200.0), (jittered(3000), 1000.0)]
+    {
+        let found = at_rate(&time, rate);
+        let [stretch] = &found.stretches[..] else { panic!("{found:?}") };
+        assert_eq!(stretch.time_step, 1.0 / rate);
+        let recorded: Vec<f64> = time.iter().map(|&t| tone(t)).collect();
+        let even = stretch.channel(&recorded, None);
+        assert_eq!(even.len(), stretch.len());
+        let n = even.len();
+        for (k, value) in even.iter().enumerate().take(n - n / 20).skip(n / 20) {
+            let truth = tone(k as f64 / rate);
+            assert!((value - truth).abs() < 0.008, "{rate} Hz, {k}: {value} and not {truth}");
+        }
+    }
+}
+
+#[test]
+fn what_the_new_rate_cannot_hold_is_filtered_and_said() {
+    // 30 Hz, which samples at 40 Hz would show as 10 Hz.
+    let time = jittered(4000);
+    let recorded: Vec<f64> =
+        time.iter().map(|t| (std::f64::consts::TAU * 30.0 * t).sin()).collect();
+    let found = at_rate(&time, 40.0);
+    let even = found.stretches[0].channel(&recorded, None);
+    let rms = (even.iter().map(|v| v * v).sum::<f64>() / even.len() as f64).sqrt();
+    assert!(rms < 0.15, "{rms}");
+    let resampled = found.irregularities.resampled.unwrap();
+    assert_eq!(resampled.low_pass, Some(16.0));
+    assert!((0.2..0.6).contains(&resampled.noise), "{resampled:?}");
+    let said = found.irregularities.describe().unwrap();
+    assert!(said.contains("brought to 40 Hz") && said.contains("ends at 16 Hz"), "{said}");
+}
+
+#[test]
+fn gaps_split_what_is_resampled_and_rates_out_of_range_are_refused() {
+    let mut time = jittered(1000);
+    time.iter_mut().skip(500).for_each(|t| *t += 0.1);
+    let found = at_rate(&time, 200.0);
+    assert_eq!((found.stretches.len(), found.irregularities.gaps), (2, 1));
+    assert!(found.stretches[1].after_gap);
+    for rate in [1e6, 1e-3] {
+        let steps = Steps { tolerance: TOLERANCE, resample: Some(rate) };
+        let error = Timing::of(Path::new("x.csv"), &time, steps, |_| String::new()).unwrap_err();
+        assert!(matches!(error, RecordingError::ResampleRate { .. }), "{error}");
+    }
+    assert!(rate("0").is_err() && rate("x").is_err() && rate("inf").is_err());
+    assert_eq!(rate("100"), Ok(100.0));
+}
+
 proptest! {
     /// Whatever the steps are: nothing panics, every stretch is even, a straight line stays one,
     /// and its samples lie within the recording.

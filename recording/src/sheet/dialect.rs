@@ -1,0 +1,206 @@
+//! How a table is written: what separates its columns, how its decimals are written, and which of
+//! its lines are remarks.
+
+use std::borrow::Cow;
+
+use serde::Serialize;
+
+/// What separates the columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Separator {
+    /// `1.5,2`
+    Comma,
+    /// `1.5;2`
+    Semicolon,
+    /// A tab.
+    Tab,
+    /// Any number of blanks, as NumPy's `savetxt` writes.
+    Blanks,
+}
+
+impl Separator {
+    /// In words.
+    #[must_use]
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Comma => "commas",
+            Self::Semicolon => "semicolons",
+            Self::Tab => "tabs",
+            Self::Blanks => "blanks",
+        }
+    }
+
+    pub(super) const fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            // Blanks are turned into tabs.
+            Self::Tab | Self::Blanks => b'\t',
+        }
+    }
+
+    /// Fields of a line.
+    fn fields(self, line: &str) -> usize {
+        self.split(line).count()
+    }
+
+    fn split(self, line: &str) -> Box<dyn Iterator<Item = &str> + '_> {
+        match self {
+            Self::Blanks => Box::new(line.split_whitespace()),
+            other => Box::new(line.split(char::from(other.byte()))),
+        }
+    }
+}
+
+/// How a table is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Dialect {
+    /// What separates its columns.
+    pub separator: Separator,
+    /// Decimals are written with a comma.
+    pub decimal_comma: bool,
+    /// Lines that are remarks.
+    pub remarks: usize,
+    /// The names stand in the last remark above the numbers.
+    pub names_in_remark: bool,
+    /// There are no names: columns are counted from one.
+    pub headerless: bool,
+}
+
+/// A table without its remarks, whose lines keep their numbers.
+pub(super) struct Plain<'a> {
+    pub text: Cow<'a, [u8]>,
+    pub dialect: Dialect,
+    /// Names from a remark.
+    pub names: Option<Vec<String>>,
+}
+
+/// Lines that are looked at to tell how the decimals are written.
+const LOOKED_AT: usize = 1000;
+
+/// Tells how a table is written.
+pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
+    let (text, remarks, last) = without_remarks(bytes);
+    let separator = separator(&text);
+    let text = if separator == Separator::Blanks { Cow::Owned(tabbed(&text)) } else { text };
+    let decimal_comma = separator != Separator::Comma && has_decimal_commas(&text, separator);
+    let first = lines(&text).next().unwrap_or_default();
+    let shown = if separator == Separator::Blanks { Separator::Tab } else { separator };
+    let headerless = shown.split(&first).all(|cell| is_number(cell, decimal_comma));
+    // `numpy.savetxt` writes the names behind a hash.
+    let names = last.filter(|_| headerless).and_then(|remark| {
+        let names: Vec<String> =
+            separator.split(&remark).map(|name| name.trim().to_owned()).collect();
+        let fits = names.len() == shown.fields(&first)
+            && names.iter().all(|name| !name.is_empty() && !is_number(name, decimal_comma));
+        fits.then_some(names)
+    });
+    let dialect = Dialect {
+        separator,
+        decimal_comma,
+        remarks,
+        names_in_remark: names.is_some(),
+        headerless: headerless && names.is_none(),
+    };
+    Plain { text, dialect, names }
+}
+
+/// Lines with something in them.
+fn lines(bytes: &[u8]) -> impl Iterator<Item = Cow<'_, str>> {
+    let lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    lines.filter(|line| !line.is_empty()).map(String::from_utf8_lossy)
+}
+
+/// The table with its remarks blanked out, how many there are, and the last one above the numbers.
+fn without_remarks(bytes: &[u8]) -> (Cow<'_, [u8]>, usize, Option<String>) {
+    let is_remark = |line: &[u8]| matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'));
+    if !bytes.split(|&byte| byte == b'\n').any(is_remark) {
+        return (Cow::Borrowed(bytes), 0, None);
+    }
+    let mut text = Vec::with_capacity(bytes.len());
+    let (mut remarks, mut last, mut above) = (0, None, true);
+    for line in bytes.split_inclusive(|&byte| byte == b'\n') {
+        if is_remark(line) {
+            remarks += 1;
+            if above {
+                let words = String::from_utf8_lossy(line.trim_ascii());
+                last = Some(words.trim_start_matches(['#', '%', ' ', '\t']).to_owned());
+            }
+            text.push(b'\n');
+        } else {
+            above &= line.trim_ascii().is_empty();
+            text.extend_from_slice(line);
+        }
+    }
+    (Cow::Owned(text), remarks, last)
+}
+
+/// The first of tab, semicolon, comma and blank that divides the first two lines alike; where none
+/// does, whichever the first line has most of.
+fn separator(bytes: &[u8]) -> Separator {
+    const CANDIDATES: [Separator; 4] =
+        [Separator::Tab, Separator::Semicolon, Separator::Comma, Separator::Blanks];
+    let mut lines = lines(bytes);
+    let first = lines.next().unwrap_or_default();
+    let second = lines.next();
+    let alike = |candidate: &Separator| {
+        let fields = candidate.fields(&first);
+        fields > 1 && second.as_ref().is_some_and(|second| candidate.fields(second) == fields)
+    };
+    // Of equals the last wins, so the comma comes last.
+    let most = || {
+        [Separator::Tab, Separator::Semicolon, Separator::Comma]
+            .into_iter()
+            .max_by_key(|candidate| candidate.fields(&first))
+    };
+    CANDIDATES.into_iter().find(alike).or_else(most).unwrap_or(Separator::Comma)
+}
+
+/// Blanks between columns as one tab each.
+fn tabbed(bytes: &[u8]) -> Vec<u8> {
+    let mut text = Vec::with_capacity(bytes.len());
+    for line in bytes.split(|&byte| byte == b'\n') {
+        let cells = line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
+        for (index, cell) in cells.enumerate() {
+            if index > 0 {
+                text.push(b'\t');
+            }
+            text.extend_from_slice(cell);
+        }
+        text.push(b'\n');
+    }
+    text
+}
+
+/// Whether the first number with a decimal mark has a comma there.
+fn has_decimal_commas(bytes: &[u8], separator: Separator) -> bool {
+    let shown = if separator == Separator::Blanks { Separator::Tab } else { separator };
+    for line in lines(bytes).take(LOOKED_AT) {
+        for cell in shown.split(&line).map(|cell| cell.trim().trim_matches('"')) {
+            if cell.contains('.') && is_number(cell, false) {
+                return false;
+            }
+            if cell.contains(',') && is_number(cell, true) {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// Whether a cell is a number, with a point or a comma.
+fn is_number(cell: &str, decimal_comma: bool) -> bool {
+    number(cell.trim().trim_matches('"'), decimal_comma).is_some()
+}
+
+/// The number in a cell. With decimal commas a point separates nothing.
+pub(super) fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    if !decimal_comma {
+        return cell.parse().ok();
+    }
+    if cell.contains('.') {
+        return None;
+    }
+    if cell.contains(',') { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }
+}
