@@ -12,6 +12,13 @@ pub fn bounded<T: Real>(velocity: T) -> T {
     if velocity.is_nan() { T::ZERO } else { saturate(T::of(MAX_SPEED), velocity) }
 }
 
+/// The mean of two velocities, each [`bounded`].
+#[inline]
+#[must_use]
+pub fn mean<T: Real>(from: T, to: T) -> T {
+    T::HALF * (bounded(from) + bounded(to))
+}
+
 /// `int_0^h exp(-a t) dt`: what is left after `h` \[s\] of a rate of one into a state that relaxes
 /// at `a` \[1/s\], zero or more.
 #[inline]

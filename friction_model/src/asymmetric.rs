@@ -149,6 +149,42 @@ impl<T: Real, M: FrictionModel<T>> FrictionModel<T> for Asymmetric<M> {
         })
     }
 
+    #[inline]
+    fn advance(
+        &self,
+        discrete: &Self::Discrete,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        from: T,
+        to: T,
+    ) {
+        with_both(state, |a, b| {
+            self.forward.advance(&discrete.0, a, from, to);
+            self.backward.advance(&discrete.1, b, from, to);
+        });
+    }
+
+    /// By the states that the memory keeps: they are those of the last step or commit.
+    #[inline]
+    fn force(&self, state: &State<Self::Continuous, Self::Memory>, velocity: T) -> T {
+        let (a, b) = &state.memory;
+        carried(self.forward.force(a, velocity), self.backward.force(b, velocity))
+    }
+
+    #[inline]
+    fn force_injected(
+        &self,
+        dt: TimeStep,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        velocity: T,
+        rate: T,
+    ) -> T {
+        with_both(state, |a, b| {
+            let forward = self.forward.force_injected(dt, a, velocity, rate);
+            let backward = self.backward.force_injected(dt, b, velocity, rate);
+            carried(forward, backward)
+        })
+    }
+
     fn steady_state(&self, velocity: T) -> T {
         self.side(velocity).steady_state(velocity)
     }

@@ -30,6 +30,7 @@
 //! Fixed-step form: the law itself; there is no state.
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State, built_from,
     memoryless, parameters,
@@ -80,7 +81,7 @@ impl<T: Real> TryFrom<BengisuAkayParameters<T>> for BengisuAkay<T> {
         p.check(Self::NAME)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
         p.require(Self::NAME, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
-        Ok(Self { parameters: p })
+        finite(Self { parameters: p })
     }
 }
 

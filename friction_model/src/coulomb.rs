@@ -14,6 +14,7 @@
 //! needs the applied force (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     built_from, memoryless, parameters,
@@ -38,7 +39,7 @@ impl<T: Real> TryFrom<CoulombParameters<T>> for Coulomb<T> {
 
     fn try_from(parameters: CoulombParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
-        Ok(Self { parameters })
+        finite(Self { parameters })
     }
 }
 

@@ -21,6 +21,7 @@
 //! known (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     built_from, memoryless, parameters,
@@ -47,7 +48,7 @@ impl<T: Real> TryFrom<CoulombViscousParameters<T>> for CoulombViscous<T> {
 
     fn try_from(parameters: CoulombViscousParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
-        Ok(Self { parameters })
+        finite(Self { parameters })
     }
 }
 

@@ -26,6 +26,7 @@
 //! brittle contact is used up.
 
 use crate::arithmetic::{bounded, fused, relaxed, saturate, sign};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -81,7 +82,7 @@ impl<T: Real> TryFrom<DahlParameters<T>> for Dahl<T> {
             p.sigma0,
             "such that f_c / sigma0 is a finite deflection",
         )?;
-        Ok(Self { parameters: p, z_c, inverse_z_c: T::ONE / z_c })
+        finite(Self { parameters: p, z_c, inverse_z_c: T::ONE / z_c })
     }
 }
 

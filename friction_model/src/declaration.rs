@@ -242,6 +242,14 @@ macro_rules! memoryless {
         fn step(&self, (): &(), _: &mut $crate::State<[$real; 0], ()>, velocity: $real) -> $real {
             self.steady_state($crate::arithmetic::bounded(velocity))
         }
+
+        #[inline]
+        fn advance(&self, (): &(), _: &mut $crate::State<[$real; 0], ()>, _: $real, _: $real) {}
+
+        #[inline]
+        fn force(&self, _: &$crate::State<[$real; 0], ()>, velocity: $real) -> $real {
+            self.steady_state($crate::arithmetic::bounded(velocity))
+        }
     };
 }
 

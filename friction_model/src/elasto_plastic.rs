@@ -28,6 +28,7 @@
 use core::f64::consts::PI;
 
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -77,7 +78,7 @@ impl<T: Real> TryFrom<ElastoPlasticParameters<T>> for ElastoPlastic<T> {
         let elastic = p.z_ba < p.f_c / p.sigma0;
         let below = "below f_c / sigma0, the deflection at which the contact slides fully";
         p.require(name, elastic, "z_ba", p.z_ba, below)?;
-        Ok(Self { parameters: p, curve })
+        finite(Self { parameters: p, curve })
     }
 }
 

@@ -41,6 +41,20 @@ pub enum ModelError {
         "the fixed step must lie in (0, 0.01] s, but is {0} s; run the loop at 100 Hz or faster"
     )]
     TimeStep(f64),
+    /// With these parameters a number of the model is not finite somewhere it may be driven.
+    #[error(
+        "{model}: with these parameters the {quantity} is {value} at a velocity of {velocity}, but every number must stay finite up to 1e6; the parameters lie too far apart, look for one in another unit"
+    )]
+    NotFinite {
+        /// The model.
+        model: &'static str,
+        /// What is not finite.
+        quantity: &'static str,
+        /// What came.
+        value: f64,
+        /// At which velocity \[m/s or rad/s\].
+        velocity: f64,
+    },
     /// The two directions of an asymmetric contact are of different models.
     #[error(
         "an asymmetric contact needs the same model in both directions, but got {forward} and {backward}"

@@ -33,6 +33,7 @@
 //! nothing.
 
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime,
@@ -115,7 +116,7 @@ impl<T: Real, const N: usize> TryFrom<GmsParameters<T>> for Gms<N, T> {
                 "such that alpha / sigma0 is a finite width",
             )?;
         }
-        Ok(Self { parameters: p, curve, elements })
+        finite(Self { parameters: p, curve, elements })
     }
 }
 

@@ -32,6 +32,7 @@
 //! `sat(F_s, T)`; the fixed-step form does not know `T` and returns 0, as the other static models
 //! do at `v = 0`.
 
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -82,7 +83,7 @@ impl<T: Real> TryFrom<KarnoppParameters<T>> for Karnopp<T> {
     fn try_from(p: KarnoppParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
-        Ok(Self { parameters: p, curve })
+        finite(Self { parameters: p, curve })
     }
 }
 

@@ -32,6 +32,7 @@
 //! deflection, at any period.
 
 use crate::arithmetic::{bounded, saturate, sign};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
@@ -87,7 +88,7 @@ impl<T: Real> TryFrom<LeuvenParameters<T>> for Leuven<T> {
         let sine = Sine::new(p.f_h, p.z_b);
         let steep = "large enough for a finite stiffness";
         p.require(name, sine.stiffness().is_finite(), "z_b", p.z_b, steep)?;
-        Ok(Self { parameters: p, curve, sine })
+        finite(Self { parameters: p, curve, sine })
     }
 }
 

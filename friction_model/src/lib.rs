@@ -88,6 +88,7 @@ mod delay_line;
 mod elasto_plastic;
 mod elements;
 mod error;
+mod finite;
 mod gms;
 mod hysteresis;
 pub mod invariants;

@@ -22,6 +22,7 @@
 //! period.
 
 use crate::arithmetic::{bounded, relaxed, saturate};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -80,7 +81,7 @@ impl<T: Real> TryFrom<LuGreParameters<T>> for LuGre<T> {
     fn try_from(p: LuGreParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
-        Ok(Self { parameters: p, curve })
+        finite(Self { parameters: p, curve })
     }
 }
 

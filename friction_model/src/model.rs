@@ -2,7 +2,7 @@
 
 use core::fmt::Debug;
 
-use crate::arithmetic::{between, bounded, fused};
+use crate::arithmetic::{between, bounded, fused, mean};
 use crate::{ModelError, ParameterSet, Real};
 
 /// The continuous states of a model: a small fixed array, so that integrators neither allocate nor
@@ -11,6 +11,10 @@ pub trait ContinuousState<T: Real = f64>: Copy + Debug + PartialEq {
     /// `self + h * rate`, element by element.
     #[must_use]
     fn plus_scaled(&self, rate: &Self, h: T) -> Self;
+
+    /// `f` of each state of `self` and the same one of `other`.
+    #[must_use]
+    fn zip(&self, other: &Self, f: impl Fn(T, T) -> T + Copy) -> Self;
 
     /// Calls `f` with every state in its order: for recorders that do not know the model.
     fn each(&self, f: &mut dyn FnMut(f64));
@@ -26,6 +30,15 @@ impl<T: Real, const N: usize> ContinuousState<T> for [T; N] {
         sum
     }
 
+    #[inline]
+    fn zip(&self, other: &Self, f: impl Fn(T, T) -> T + Copy) -> Self {
+        let mut both = *self;
+        for (a, b) in both.iter_mut().zip(other) {
+            *a = f(*a, *b);
+        }
+        both
+    }
+
     fn each(&self, f: &mut dyn FnMut(f64)) {
         self.iter().for_each(|state| f(state.double()));
     }
@@ -36,6 +49,11 @@ impl<T: Real, A: ContinuousState<T>, B: ContinuousState<T>> ContinuousState<T> f
     #[inline]
     fn plus_scaled(&self, rate: &Self, h: T) -> Self {
         (self.0.plus_scaled(&rate.0, h), self.1.plus_scaled(&rate.1, h))
+    }
+
+    #[inline]
+    fn zip(&self, other: &Self, f: impl Fn(T, T) -> T + Copy) -> Self {
+        (self.0.zip(&other.0, f), self.1.zip(&other.1, f))
     }
 
     fn each(&self, f: &mut dyn FnMut(f64)) {
@@ -239,6 +257,45 @@ pub trait FrictionModel<T: Real = f64>: Clone + Debug {
         rate: T,
     ) -> T {
         let force = self.step(discrete, state, velocity);
+        let rate = bounded(rate);
+        if rate == T::ZERO {
+            force
+        } else {
+            force + self.inject(dt, state, bounded(velocity), rate)
+        }
+    }
+
+    /// Lets one period go by in which the velocity goes straight from `from` to `to`: the scheme
+    /// `mean`. Unless a model says otherwise, it is [`step`](Self::step) under the mean of both,
+    /// which is of second order where the step is exact for a held velocity, and as stable.
+    #[inline]
+    fn advance(
+        &self,
+        discrete: &Self::Discrete,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        from: T,
+        to: T,
+    ) {
+        self.step(discrete, state, mean(from, to));
+    }
+
+    /// The force in this state at `velocity`, which is bounded as [`step`](Self::step) bounds it.
+    #[inline]
+    fn force(&self, state: &State<Self::Continuous, Self::Memory>, velocity: T) -> T {
+        self.evaluate(&state.continuous, &state.memory, bounded(velocity)).force
+    }
+
+    /// [`force`](Self::force) with an extra `rate` in the derivative of every continuous state over
+    /// the next period, see [`inject`](Self::inject).
+    #[inline]
+    fn force_injected(
+        &self,
+        dt: TimeStep,
+        state: &mut State<Self::Continuous, Self::Memory>,
+        velocity: T,
+        rate: T,
+    ) -> T {
+        let force = self.force(state, velocity);
         let rate = bounded(rate);
         if rate == T::ZERO {
             force

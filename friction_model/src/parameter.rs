@@ -5,6 +5,10 @@ use core::fmt;
 
 use crate::{ModelError, Range, Real, Unit};
 
+/// Magnitudes that a parameter other than zero may have: far beyond any machine, and near enough to
+/// one that products and quotients of some of them are numbers.
+const MAGNITUDES: core::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
 /// One row of a model's parameter table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
@@ -41,7 +45,7 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
     /// Sets the number at `index` of the parameter `name` to `value`; false if there is none.
     fn set_at(&mut self, name: &str, index: usize, value: f64) -> bool;
 
-    /// Checks every number against its range.
+    /// Checks every number against its range, and that no magnitude is beyond all machines.
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] for the first that lies outside.
@@ -51,6 +55,9 @@ pub trait ParameterSet: Clone + fmt::Debug + PartialEq {
             self.each(row.name, &mut |value| {
                 if outcome.is_ok() && !row.range.holds(value) {
                     outcome = Err(row.refusal(model, value, row.range));
+                } else if outcome.is_ok() && value != 0.0 && !MAGNITUDES.contains(&value.abs()) {
+                    let expected = Range::Such("zero or of a magnitude from 1e-50 to 1e50");
+                    outcome = Err(row.refusal(model, value, expected));
                 }
             });
         }

@@ -34,6 +34,7 @@
 use core::fmt::Debug;
 
 use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
 use crate::{
@@ -126,7 +127,7 @@ impl<T: Real, C: Branch<T>> TryFrom<ProposedParameters<T>> for NonDrift<C, T> {
         p.require(C::NAME, virgin.stiffness().is_finite(), "z_b", p.z_b, steep)?;
         let divisor = "large enough to divide by";
         p.require(C::NAME, (T::ONE / p.sigma).is_finite(), "sigma", p.sigma, divisor)?;
-        Ok(Self { parameters: p, curve, virgin, inverse_sigma: T::ONE / p.sigma })
+        finite(Self { parameters: p, curve, virgin, inverse_sigma: T::ONE / p.sigma })
     }
 }
 

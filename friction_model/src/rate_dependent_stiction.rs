@@ -28,6 +28,7 @@
 //! would have to be known (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -79,7 +80,7 @@ impl<T: Real> TryFrom<RateDependentStictionParameters<T>> for RateDependentStict
         let divisor = "large enough to divide by";
         p.require(name, (T::ONE / p.t_s).is_finite(), "t_s", p.t_s, divisor)?;
         let breakaway = StribeckCurve::new(name, p.f_s, p.f_c, p.t_s, p.delta_t)?;
-        Ok(Self { parameters: p, breakaway })
+        finite(Self { parameters: p, breakaway })
     }
 }
 

@@ -33,6 +33,7 @@
 //! known (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     Elements, FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime,
     State, built_from, memoryless, parameters,
@@ -101,8 +102,8 @@ impl<T: Real> TryFrom<RbfNetworkParameters<T>> for RbfNetwork<T> {
         }
         p.check(model)?;
         let largest = p.weights.iter().fold(p.w0, |sum, weight| sum + weight.abs());
-        let finite = "small enough for a finite sum of all weights";
-        p.require(model, largest.is_finite(), "weights", largest, finite)?;
+        let summable = "small enough for a finite sum of all weights";
+        p.require(model, largest.is_finite(), "weights", largest, summable)?;
         let inverse_widths = Elements::from_fn(expected, |i| {
             p.widths.get(i).map_or(T::ZERO, |&width| T::ONE / width)
         });
@@ -114,7 +115,7 @@ impl<T: Real> TryFrom<RbfNetworkParameters<T>> for RbfNetwork<T> {
         let still = network.sum(T::ZERO);
         let positive = "such that the level at standstill is above zero";
         p.require(model, still > T::ZERO, "weights", still, positive)?;
-        Ok(network)
+        finite(network)
     }
 }
 
@@ -226,7 +227,7 @@ mod tests {
             (-0.1, 1.0, 0.0, 1.0, "w0"),
             (1.0, f64::NAN, 0.0, 1.0, "weights"),
             (1.0, -1.0, 0.0, 1.0, "weights"),
-            (1e308, f64::MAX, 0.0, 1.0, "weights"),
+            (1e308, 1.0, 0.0, 1.0, "w0"),
             (1.0, 1.0, -1.0, 1.0, "centres"),
             (1.0, 1.0, 0.0, 0.0, "widths"),
             (1.0, 1.0, 0.0, 1e-310, "widths"),

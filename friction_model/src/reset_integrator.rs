@@ -33,6 +33,7 @@
 //! Fixed-step form: `p <- sat(p_0, p + v dt)`, exact for a velocity held over the period.
 
 use crate::arithmetic::{bounded, saturate, sign};
+use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     TimeStep, built_from, parameters,
@@ -94,7 +95,7 @@ impl<T: Real> TryFrom<ResetIntegratorParameters<T>> for ResetIntegrator<T> {
         let condition = "so that (1 + a) sigma0 p_0 is a finite number above zero";
         let holds = static_level.is_finite() && p.sigma0 * p.p_0 > T::ZERO;
         p.require(name, holds, "p_0", p.p_0, condition)?;
-        Ok(Self { parameters: p })
+        finite(Self { parameters: p })
     }
 }
 

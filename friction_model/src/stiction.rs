@@ -24,6 +24,7 @@
 //! known (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     built_from, memoryless, parameters,
@@ -55,7 +56,7 @@ impl<T: Real> TryFrom<StictionParameters<T>> for Stiction<T> {
         p.check(name)?;
         let condition = "at most f_s: kinetic friction does not exceed static friction";
         p.require(name, p.f_c <= p.f_s, "f_c", p.f_c, condition)?;
-        Ok(Self { parameters: p })
+        finite(Self { parameters: p })
     }
 }
 

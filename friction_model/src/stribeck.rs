@@ -17,6 +17,7 @@
 //! It gives the steady sliding characteristic of every dynamic model here and stick-slip where
 //! sticking is handled as an event. It has no pre-sliding displacement, no lag and no memory.
 
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -53,7 +54,7 @@ impl<T: Real> TryFrom<StribeckParameters<T>> for Stribeck<T> {
     fn try_from(p: StribeckParameters<T>) -> Result<Self, ModelError> {
         p.check(Self::NAME)?;
         let curve = StribeckCurve::new(Self::NAME, p.f_s, p.f_c, p.v_s, p.delta)?;
-        Ok(Self { parameters: p, curve })
+        finite(Self { parameters: p, curve })
     }
 }
 

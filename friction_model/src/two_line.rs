@@ -35,6 +35,7 @@
 //! known (see [`FrictionModel::holding`]).
 
 use crate::arithmetic::sign;
+use crate::finite::finite;
 use crate::{
     FrictionModel, Holding, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     StribeckCurve, Unit, built_from, memoryless, parameters,
@@ -136,7 +137,7 @@ impl<T: Real> TryFrom<TwoLineParameters<T>> for TwoLine<T> {
 
     fn try_from(parameters: TwoLineParameters<T>) -> Result<Self, ModelError> {
         let switch_speed = parameters.switch_speed()?;
-        Ok(Self { parameters, switch_speed })
+        finite(Self { parameters, switch_speed })
     }
 }
 

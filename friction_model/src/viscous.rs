@@ -10,6 +10,7 @@
 //!
 //! Right for a full fluid film. It has no static friction at all: nothing sticks.
 
+use crate::finite::finite;
 use crate::{
     FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State, built_from,
     memoryless, parameters,
@@ -34,7 +35,7 @@ impl<T: Real> TryFrom<ViscousParameters<T>> for Viscous<T> {
 
     fn try_from(parameters: ViscousParameters<T>) -> Result<Self, ModelError> {
         parameters.check(Self::NAME)?;
-        Ok(Self { parameters })
+        finite(Self { parameters })
     }
 }
 

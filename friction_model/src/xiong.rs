@@ -31,6 +31,7 @@
 //! nothing.
 
 use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
     Elements, Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime,
@@ -101,7 +102,7 @@ impl<T: Real, const N: usize> TryFrom<XiongParameters<T>> for Xiong<N, T> {
             let usable = element.inverse_sigma.is_finite();
             p.require(model, usable, "sigma", sigma, "large enough to divide by")?;
         }
-        Ok(Self { parameters: p, curve, elements })
+        finite(Self { parameters: p, curve, elements })
     }
 }
 

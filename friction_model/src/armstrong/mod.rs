@@ -51,6 +51,7 @@
 
 use crate::arithmetic::{bounded, saturate, sign};
 use crate::delay_line::DelayLine;
+use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     TimeStep, built_from, parameters,
@@ -162,7 +163,7 @@ impl<T: Real> TryFrom<ArmstrongParameters<T>> for Armstrong<T> {
             p.k_t,
             "large enough for a finite deflection",
         )?;
-        Ok(Self { parameters: p })
+        finite(Self { parameters: p })
     }
 }
 

@@ -53,6 +53,7 @@
 //! `l = (eta eps_f, eps_f)`; stable at any period.
 
 use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     TimeStep, built_from, parameters,
@@ -157,7 +158,7 @@ impl<T: Real> TryFrom<BlimanSorineParameters<T>> for BlimanSorine<T> {
         let decay = [T::ONE / (p.eta * p.eps_f), T::ONE / p.eps_f];
         let steep = "large enough for a finite stiffness";
         p.require(name, (p.f_1 * decay[0]).is_finite(), "eps_f", p.eps_f, steep)?;
-        Ok(Self { parameters: p, decay, storage: smallest_storage(&p) })
+        finite(Self { parameters: p, decay, storage: smallest_storage(&p) })
     }
 }
 

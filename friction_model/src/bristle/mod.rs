@@ -52,6 +52,7 @@ use rand_pcg::Pcg32;
 use rand_pcg::rand_core::{Rng as _, SeedableRng as _};
 
 use crate::arithmetic::{bounded, saturate, sign};
+use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     TimeStep, built_from, parameters,
@@ -185,7 +186,7 @@ impl<T: Real> TryFrom<BristleParameters<T>> for Bristle<T> {
         let condition = "so that bonds sigma0 delta_s is a finite number above zero";
         let holds = model.bound().is_finite() && model.kinetic() > T::ZERO;
         p.require(name, holds, "delta_s", p.delta_s, condition)?;
-        Ok(model)
+        finite(model)
     }
 }
 

@@ -50,6 +50,7 @@
 //! form `a` is that of the last accepted step.
 
 use crate::arithmetic::{bounded, saturate, sign};
+use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
     TimeStep, built_from, parameters,
@@ -199,7 +200,7 @@ impl<T: Real> TryFrom<WojewodaParameters<T>> for Wojewoda<T> {
         )?;
         let (midway, half_width) =
             (T::HALF * p.f_s + T::HALF * f_d - p.f_c, T::HALF * p.f_s - T::HALF * f_d);
-        Ok(Self { parameters: p, midway, half_width })
+        finite(Self { parameters: p, midway, half_width })
     }
 }
 
