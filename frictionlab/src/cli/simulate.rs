@@ -7,7 +7,7 @@ use friction_model::{AnyModel, ModelName};
 use experiment_runner::models::file;
 use files::OutputFile;
 use recording::trajectory;
-use studies::simulate::{Scheme, Settings, simulate};
+use studies::simulate::{Done, Scheme, Settings, simulate};
 use work::BadInput;
 use work::destination::Force;
 use work::model_name::model_name;
@@ -33,7 +33,9 @@ use work::saying::print;
 ///
 /// or force_N and metres for a linear axis. Everything is as it stands at the row's time and
 /// velocity, before the contact moves on. Models without bristles know no force at exactly zero
-/// velocity, where it depends on what is applied: they say 0. The load changes the force alone.
+/// velocity (Karnopp's: in its band), where it depends on what is applied: they say 0 with every
+/// scheme, and how many rows that are is told. The load changes the force alone. Velocities beyond
+/// 1e6 are refused.
 ///
 ///   frictionlab models lugre --yaml > lugre.yaml
 ///   frictionlab simulate --params lugre.yaml --velocity motion.csv --out friction.csv
@@ -69,6 +71,11 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "SECONDS", default_value = "1e-5", allow_negative_numbers = true)]
     dt: f64,
 
+    /// Largest error of a step with --scheme rk4, relative to the largest magnitude that each state
+    /// has had; a step that does not hold it is halved, up to 12 times.
+    #[arg(long, value_name = "SHARE", default_value = "1e-6", allow_negative_numbers = true)]
+    tolerance: f64,
+
     /// Let every level of the contact grow by C of itself for each N m (or N) in the column load_Nm
     /// (or load_N) of the motion; the viscous part does not depend on the load.
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
@@ -87,24 +94,51 @@ pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let model = model(args)?;
     let motion = trajectory::read(&args.velocity)?;
     let out = destination(args)?;
-    let settings = Settings { scheme: args.scheme, dt: args.dt, load_gain: args.load_gain };
+    let SimulateArgs { scheme, dt, tolerance, load_gain, .. } = *args;
+    let settings = Settings { scheme, dt, tolerance, load_gain };
 
     let progress = Progress::counting(motion.duration().ceil() as u64, "s of motion", args.quiet);
     progress.stage(model.name().title());
     let result = simulate(&model, &motion, &settings, &mut |seconds| progress.advance(seconds));
     progress.finish();
-    let text = result.map_err(|error| BadInput(error.to_string()))?;
+    let (text, done) = result.map_err(|error| BadInput(error.to_string()))?;
 
     out.write(text.as_bytes())?;
     // Standard output has the result and nothing else.
     if args.quiet || out.is_stdout() {
         return Ok(());
     }
-    let (title, rows, path) = (model.name().title(), motion.time.len(), out.name());
+    let (title, rows, path) = (model.name().title(), done.rows, out.name());
+    let what = said(args, &done);
     print(&format!(
-        "{title} along {:.6} s of motion: {rows} rows written to {path}\n",
+        "{title} along {:.6} s of motion: {rows} rows written to {path}\n{what}",
         motion.duration()
     ))
+}
+
+/// What the reader of the result should know of how it was made.
+fn said(args: &SimulateArgs, done: &Done) -> String {
+    let mut said = String::new();
+    let halvings = done.halvings;
+    if args.scheme == Scheme::Rk4 {
+        let shortest = args.dt / 2f64.powi(halvings.most.cast_signed());
+        said = match halvings.halved {
+            0 => format!("every step held the tolerance of {}\n", args.tolerance),
+            times => format!(
+                "{times} times a step was halved to hold the tolerance of {}: {} steps were taken, \
+                 the shortest of about {shortest:.1e} s\n",
+                args.tolerance, halvings.taken
+            ),
+        };
+    }
+    if done.held > 0 {
+        said += &format!(
+            "{} rows stand still: what the contact holds there depends on the force applied, which \
+             a motion does not tell; they have the force 0\n",
+            done.held
+        );
+    }
+    said
 }
 
 fn model(args: &SimulateArgs) -> Result<AnyModel, BadInput> {

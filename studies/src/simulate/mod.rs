@@ -6,23 +6,28 @@
 //! moves on; the first row starts at rest and unloaded. The inner quantities are those of the same
 //! moment.
 
+mod runge_kutta;
 mod table;
 
-use friction_model::{AnyModel, FrictionModel, ModelVisitor, Range, TimeStep, rk4};
+use friction_model::{AnyModel, FrictionModel, MAX_SPEED, ModelVisitor, Range, TimeStep};
 
+pub use self::runge_kutta::Halvings;
+use self::runge_kutta::{Integration, Stiff};
 use self::table::Table;
 use recording::trajectory::Trajectory;
 
 /// How the states advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Scheme {
-    /// The model's fixed-step form, as an observer runs it in real time: the velocity is held over
-    /// each step, and the step is exact where the model has a closed form. Stable for every model;
-    /// steps up to 10 ms
+    /// The model's fixed-step form under the mean velocity of each step: of second order where the
+    /// model has no jumps, and stable for every model; steps up to 10 ms
     #[default]
-    Exact,
-    /// The derivative form with the classical Runge-Kutta method of fourth order: accurate, but
-    /// diverges where the step is too long for a stiff model
+    Mean,
+    /// The fixed-step form with the velocity held over each step, as a loop runs it that knows no
+    /// more: of first order, and stable for every model; steps up to 10 ms
+    Held,
+    /// The derivative form with the classical Runge-Kutta method of fourth order: each step is
+    /// halved until its error holds the tolerance
     Rk4,
 }
 
@@ -33,6 +38,9 @@ pub struct Settings {
     pub scheme: Scheme,
     /// Longest step \[s\].
     pub dt: f64,
+    /// Error that a step of Runge and Kutta may have, relative to the largest magnitude of each
+    /// state.
+    pub tolerance: f64,
     /// Growth of every level with the load, relative to the level \[1/(N m) or 1/N\]; see
     /// [`friction_model::load_dependent`].
     pub load_gain: Option<f64>,
@@ -70,22 +78,59 @@ pub enum SimulateError {
         /// Number of steps.
         steps: f64,
     },
-    /// The force is no longer finite.
+    /// A tolerance that is none.
+    #[error("--tolerance must lie between 1e-12 and 0.1, but is {0}")]
+    Tolerance(f64),
+    /// A velocity that no model is asked for.
     #[error(
-        "the force is {force} at {time} s: the step of {dt} s is too long for this model with --scheme rk4; choose a shorter --dt, or --scheme exact"
+        "the velocity is {velocity} at {time} s, but at most {MAX_SPEED:e} either way is accepted; look at the unit of the column"
     )]
-    Diverged {
+    TooFast {
         /// When \[s\].
         time: f64,
-        /// The force there.
-        force: f64,
+        /// The velocity there.
+        velocity: f64,
+    },
+    /// No step of Runge and Kutta holds the tolerance.
+    #[error(
+        "at {time} s no step holds the tolerance of {tolerance}: {dt} s was halved as often as it may be (to {shortest:.1e} s). The model is too stiff there for --scheme rk4; use --scheme mean, a shorter --dt or a larger --tolerance"
+    )]
+    Stiff {
+        /// When \[s\].
+        time: f64,
         /// Longest step \[s\].
         dt: f64,
+        /// The shortest that was tried \[s\].
+        shortest: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A number of the result is none.
+    #[error("the {what} is {value} at {time} s: these parameters cannot be evaluated there")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+        /// What came.
+        value: f64,
+        /// When \[s\].
+        time: f64,
     },
 }
 
-/// Evaluates `model` along the motion and returns a CSV table with one line a row of it. `tick` is
-/// called with the seconds of motion that were done since its last call.
+/// What was done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Done {
+    /// Rows of the result.
+    pub rows: u64,
+    /// Rows on which the contact stands still and a velocity does not tell what it holds: they
+    /// have the force 0.
+    pub held: u64,
+    /// What happened to the steps of Runge and Kutta.
+    pub halvings: Halvings,
+}
+
+/// Evaluates `model` along the motion and returns a CSV table with one line a row of it, and what
+/// was done. `tick` is called with the seconds of motion that were done since its last call.
 ///
 /// # Errors
 /// [`SimulateError`].
@@ -94,101 +139,136 @@ pub fn simulate(
     motion: &Trajectory,
     settings: &Settings,
     tick: &mut dyn FnMut(f64),
-) -> Result<String, SimulateError> {
-    let Settings { scheme, dt, load_gain } = *settings;
-    let expected = match scheme {
-        Scheme::Exact if TimeStep::new(dt).is_err() => {
-            Some("above 0 and at most 0.01 s with --scheme exact")
-        }
-        Scheme::Rk4 if !(dt > 0.0 && dt.is_finite()) => Some("a finite number above zero"),
-        _ => None,
-    };
-    if let Some(expected) = expected {
-        return Err(SimulateError::Step { expected, dt });
-    }
+) -> Result<(String, Done), SimulateError> {
+    let Settings { dt, load_gain, .. } = *settings;
+    settings.check()?;
     let load = match (load_gain, &motion.load) {
         (None, _) => None,
-        (Some(gain), _) if !Range::NonNegative.holds(gain) => {
-            return Err(SimulateError::LoadGain(gain));
-        }
         (Some(_), None) => return Err(SimulateError::NoLoad),
         (Some(gain), Some(load)) => Some((gain, load.as_slice())),
     };
+    let mut rows = motion.time.iter().zip(&motion.velocity);
+    if let Some((&time, &velocity)) = rows.find(|(_, velocity)| velocity.abs() > MAX_SPEED) {
+        return Err(SimulateError::TooFast { time, velocity });
+    }
     let duration = motion.duration();
     let steps = duration / dt;
     if steps > 1e11 {
         return Err(SimulateError::TooLong { duration, dt, steps });
     }
-    model.visit(Simulation { motion, scheme, dt, load, tick })
+    model.visit(Simulation { motion, settings: *settings, load, tick })
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), SimulateError> {
+        let Self { scheme, dt, tolerance, load_gain } = *self;
+        let expected = match scheme {
+            Scheme::Mean | Scheme::Held if TimeStep::new(dt).is_err() => {
+                Some("above 0 and at most 0.01 s with --scheme mean and held")
+            }
+            Scheme::Rk4 if !(dt > 0.0 && dt.is_finite()) => Some("a finite number above zero"),
+            _ => None,
+        };
+        if let Some(expected) = expected {
+            return Err(SimulateError::Step { expected, dt });
+        }
+        if !(1e-12..=0.1).contains(&tolerance) {
+            return Err(SimulateError::Tolerance(tolerance));
+        }
+        match load_gain {
+            Some(gain) if !Range::NonNegative.holds(gain) => Err(SimulateError::LoadGain(gain)),
+            _ => Ok(()),
+        }
+    }
 }
 
 struct Simulation<'a> {
     motion: &'a Trajectory,
-    scheme: Scheme,
-    dt: f64,
+    settings: Settings,
     /// The gain, and the load of each row.
     load: Option<(f64, &'a [f64])>,
     tick: &'a mut dyn FnMut(f64),
 }
 
 impl ModelVisitor for Simulation<'_> {
-    type Output = Result<String, SimulateError>;
+    type Output = Result<(String, Done), SimulateError>;
 
     fn visit<M: FrictionModel>(self, model: M) -> Self::Output {
-        match self.scheme {
+        match self.settings.scheme {
             Scheme::Rk4 => self.rk4(&model),
-            Scheme::Exact => self.exact(&model),
+            Scheme::Mean => self.mean(&model),
+            Scheme::Held => self.held(&model),
         }
     }
 }
 
 impl Simulation<'_> {
-    fn rk4<M: FrictionModel>(mut self, model: &M) -> Result<String, SimulateError> {
-        let mut state = model.rest();
-        let mut table = Table::new(model, &state, self.motion.axis, self.load);
+    fn rk4<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
+        let Settings { dt, tolerance, .. } = self.settings;
+        // A model that holds at rest has no states, and no force that a velocity would tell there.
+        let holds = model.holding(0.0).is_some();
+        let mut going = Integration::at_rest(model, tolerance);
+        let mut table = Table::new(model, &going.state, self.motion.axis, self.load);
         let mut done = 0.0;
         for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
-            let force = model.evaluate(&state.continuous, &state.memory, v).force;
-            if !force.is_finite() {
-                return Err(SimulateError::Diverged { time: t, force, dt: self.dt });
-            }
-            table.row(model, row, [t, v], &state, force);
+            let force = if holds { model.steady_state(v) } else { model.force(&going.state, v) };
+            table.row(model, row, [t, v], &going.state, force)?;
             let Some(next) = self.next(row) else { break };
-            let (steps, h) = next.division(t, self.dt);
+            let (steps, h) = next.division(t, dt);
             for step in 0..steps {
                 let at = |part: f64| next.between(v, (step as f64 + part) / steps as f64);
-                rk4::step(model, &mut state, [at(0.0), at(0.5), at(1.0)], h);
+                going.advance(h, at).map_err(|Stiff { part, shortest }| SimulateError::Stiff {
+                    time: t + (step as f64 + part) * h,
+                    dt: h,
+                    shortest: h * shortest,
+                    tolerance,
+                })?;
             }
             self.report(&mut done, next.time - t);
         }
-        Ok(table.finish())
+        Ok(table.finish(going.done))
     }
 
-    fn exact<M: FrictionModel>(mut self, model: &M) -> Result<String, SimulateError> {
-        let dt = self.dt;
-        let refused = |_| SimulateError::Step { expected: "above zero", dt };
+    fn mean<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
         let mut state = model.rest();
-        let mut h = dt;
-        let mut discrete = model.discretise(TimeStep::new(h).map_err(refused)?);
+        let mut fixed = Fixed::new(model, self.settings.dt)?;
+        let mut table = Table::new(model, &state, self.motion.axis, self.load);
+        let mut done = 0.0;
+        for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
+            table.row(model, row, [t, v], &state, model.force(&state, v))?;
+            let Some(next) = self.next(row) else { break };
+            let (steps, h) = next.division(t, self.settings.dt);
+            let discrete = fixed.of(model, h)?;
+            let mut from = v;
+            for step in 1..=steps {
+                let to = next.between(v, step as f64 / steps as f64);
+                model.advance(discrete, &mut state, from, to);
+                from = to;
+            }
+            self.report(&mut done, next.time - t);
+        }
+        Ok(table.finish(Halvings::default()))
+    }
+
+    fn held<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
+        let mut state = model.rest();
+        let mut fixed = Fixed::new(model, self.settings.dt)?;
         let mut table = Table::new(model, &state, self.motion.axis, self.load);
         let mut done = 0.0;
         for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
             let before = state.clone();
             let next = self.next(row);
-            let (steps, step) = next.map_or((1, h), |next| next.division(t, dt));
-            if step != h {
-                h = step;
-                discrete = model.discretise(TimeStep::new(h).map_err(refused)?);
-            }
-            let force = model.step(&discrete, &mut state, v);
-            table.row(model, row, [t, v], &before, force);
+            let (steps, h) = next.map_or((1, fixed.h), |next| next.division(t, self.settings.dt));
+            let discrete = fixed.of(model, h)?;
+            let force = model.step(discrete, &mut state, v);
+            table.row(model, row, [t, v], &before, force)?;
             let Some(next) = next else { break };
             for step in 1..steps {
-                model.step(&discrete, &mut state, next.between(v, step as f64 / steps as f64));
+                model.step(discrete, &mut state, next.between(v, step as f64 / steps as f64));
             }
             self.report(&mut done, next.time - t);
         }
-        Ok(table.finish())
+        Ok(table.finish(Halvings::default()))
     }
 
     fn next(&self, row: usize) -> Option<Next> {
@@ -203,6 +283,30 @@ impl Simulation<'_> {
             (self.tick)(done.floor());
             *done -= done.floor();
         }
+    }
+}
+
+/// The coefficients of the fixed-step form, computed again where the step changes.
+struct Fixed<D> {
+    h: f64,
+    discrete: D,
+}
+
+impl<D> Fixed<D> {
+    fn new<M: FrictionModel<Discrete = D>>(model: &M, h: f64) -> Result<Self, SimulateError> {
+        let refused = |_| SimulateError::Step { expected: "above zero", dt: h };
+        Ok(Self { h, discrete: model.discretise(TimeStep::new(h).map_err(refused)?) })
+    }
+
+    fn of<M: FrictionModel<Discrete = D>>(
+        &mut self,
+        model: &M,
+        h: f64,
+    ) -> Result<&D, SimulateError> {
+        if h != self.h {
+            *self = Self::new(model, h)?;
+        }
+        Ok(&self.discrete)
     }
 }
 

@@ -5,6 +5,7 @@ use std::fmt;
 use friction_model::load_dependent::loaded;
 use friction_model::{ContinuousState, FrictionModel, Regime, State};
 
+use super::{Done, Halvings, SimulateError};
 use recording::AxisKind;
 use recording::csv_table::CsvTable;
 
@@ -13,6 +14,9 @@ pub(super) struct Table<'a> {
     csv: CsvTable,
     load: Option<(f64, &'a [f64])>,
     energy: bool,
+    /// Speeds up to this one count as standing still.
+    band: Option<f64>,
+    done: Done,
 }
 
 impl<'a> Table<'a> {
@@ -38,7 +42,8 @@ impl<'a> Table<'a> {
             count += 1;
             names.push(format!("state_{count}"));
         });
-        Self { csv: CsvTable::new(names), load, energy }
+        let band = model.holding(0.0).map(|holding| holding.band);
+        Self { csv: CsvTable::new(names), load, energy, band, done: Done::default() }
     }
 
     /// Adds a row: the contact in `state` at a time and velocity.
@@ -49,11 +54,20 @@ impl<'a> Table<'a> {
         [t, v]: [f64; 2],
         state: &State<M::Continuous, M::Memory>,
         force: f64,
-    ) {
+    ) -> Result<(), SimulateError> {
         let load = self.load.and_then(|(gain, loads)| Some((gain, *loads.get(row)?)));
         let force =
             load.map_or(force, |(gain, load)| loaded(force, model.viscous(v), gain, load.abs()));
         let inner = model.internals(state, v);
+        for (what, value) in
+            [("force", force), ("deflection", inner.deflection), ("level", inner.gamma)]
+        {
+            if !value.is_finite() {
+                return Err(SimulateError::NotFinite { what, value, time: t });
+            }
+        }
+        self.done.rows += 1;
+        self.done.held += u64::from(self.band.is_some_and(|band| v.abs() <= band));
         let csv = &mut self.csv;
         let shown = [
             Some(t),
@@ -73,11 +87,12 @@ impl<'a> Table<'a> {
         }
         state.continuous.each(&mut |value| csv.cell(Shortest(value)));
         csv.end_row();
+        Ok(())
     }
 
-    /// The table as text.
-    pub fn finish(self) -> String {
-        self.csv.text()
+    /// The table as text, and what was done.
+    pub fn finish(self, halvings: Halvings) -> (String, Done) {
+        (self.csv.text(), Done { halvings, ..self.done })
     }
 }
 
