@@ -293,14 +293,20 @@ macro_rules! models {
                 }
             }
 
-            /// Starts the model at rest with the period `dt`.
+            /// Starts the model at rest with the period `dt`, each velocity held for it.
             #[must_use]
             pub fn start(&self, dt: TimeStep) -> AnyStepper {
+                self.start_by(Scheme::Held, dt)
+            }
+
+            /// Starts the model at rest with the period `dt`, stepped by `scheme`.
+            #[must_use]
+            pub fn start_by(&self, scheme: Scheme, dt: TimeStep) -> AnyStepper {
                 match *self {
                     $($(
-                        Self::$variant(model) => AnyStepper::$variant(Stepper::new(model, dt)),
+                        Self::$variant(model) => AnyStepper::$variant(Stepper::by(scheme, model, dt)),
                         Self::Asymmetric(AsymmetricModel::$variant(model)) =>
-                            AnyStepper::Asymmetric(AsymmetricStepper::$variant(Stepper::new(model, dt))),
+                            AnyStepper::Asymmetric(AsymmetricStepper::$variant(Stepper::by(scheme, model, dt))),
                     )+)+
                 }
             }
@@ -323,6 +329,17 @@ macro_rules! models {
             pub const fn name(&self) -> ModelName {
                 match self {
                     $($(Self::$variant(_) | Self::Asymmetric(AsymmetricStepper::$variant(_)) => ModelName::$name,)+)+
+                }
+            }
+
+            /// How velocities between two steps are taken.
+            #[must_use]
+            pub const fn scheme(&self) -> Scheme {
+                match self {
+                    $($(
+                        Self::$variant(stepper) => stepper.scheme(),
+                        Self::Asymmetric(AsymmetricStepper::$variant(stepper)) => stepper.scheme(),
+                    )+)+
                 }
             }
 

@@ -27,7 +27,7 @@
 
 use core::f64::consts::PI;
 
-use crate::arithmetic::{bounded, relaxed, saturate, sign};
+use crate::arithmetic::{bounded, mean, relaxed, saturate, sign};
 use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
@@ -100,6 +100,20 @@ impl<T: Real> ElastoPlastic<T> {
     }
 }
 
+impl<T: Real> ElastoPlastic<T> {
+    /// `d alpha / d|z|`.
+    #[inline]
+    fn steepness(&self, z: T, velocity: T, z_ss: T) -> T {
+        let z_ba = self.parameters.z_ba;
+        let deflection = z.abs();
+        if sign(velocity) != sign(z) || deflection <= z_ba || deflection >= z_ss {
+            return T::ZERO;
+        }
+        let wave_number = T::of(PI) / (z_ss - z_ba);
+        T::HALF * wave_number * (wave_number * (deflection - T::HALF * (z_ss + z_ba))).cos()
+    }
+}
+
 impl<T: Real> FrictionModel<T> for ElastoPlastic<T> {
     const NAME: &'static str = "elasto_plastic";
     type Parameters = ElastoPlasticParameters<T>;
@@ -159,6 +173,22 @@ impl<T: Real> FrictionModel<T> for ElastoPlastic<T> {
         let overshoots = outward * next > z_ss && outward * z <= z_ss;
         state.continuous = [if overshoots { outward * z_ss } else { next }];
         p.sigma0 * z + p.sigma1 * (v - rate * z) + p.f_v * v
+    }
+
+    /// Along the travel `z' = 1 - alpha |z| / z_ss`: relaxes with the slope that this has where the
+    /// step begins.
+    #[inline]
+    fn advance(&self, &dt: &T, state: &mut State<[T; 1], ()>, from: T, to: T) {
+        let v = mean(from, to);
+        let [z] = state.continuous;
+        let z_ss = self.curve.level(v) / self.parameters.sigma0;
+        let outward = sign(v);
+        let (alpha, steepness) = (self.alpha(z, v, z_ss), self.steepness(z, v, z_ss));
+        let share = outward * z / z_ss;
+        let moved = relaxed(alpha / z_ss + share * steepness, v.abs() * dt);
+        let next = z + outward * (T::ONE - alpha * share) * moved;
+        let overshoots = outward * next > z_ss && outward * z <= z_ss;
+        state.continuous = [if overshoots { outward * z_ss } else { next }];
     }
 
     #[inline]

@@ -25,6 +25,8 @@ pub fn finite<T: Real, M: FrictionModel<T>>(model: M) -> Result<M, ModelError> {
             let driven = model.step_injected(&discrete, dt, &mut state, v, -v);
             look::<T, M>("force", driven, v)?;
             settled(&model, &state, v)?;
+            model.advance(&discrete, &mut state, v, -v);
+            settled(&model, &state, v)?;
         }
     }
     Ok(model)
@@ -45,6 +47,7 @@ fn settled<T: Real, M: FrictionModel<T>>(
     look::<T, M>("steady force", model.steady_state(v), v)?;
     let now = model.evaluate(&state.continuous, &state.memory, v);
     look::<T, M>("force", now.force, v)?;
+    look::<T, M>("force", model.force(state, v), v)?;
     look::<T, M>("stored energy", model.stored_energy(state).unwrap_or(T::ZERO), v)
 }
 

@@ -26,12 +26,12 @@
 //! 1. Use it where the measured pre-sliding curve is to be reproduced and its inner loops matter
 //!    more than a strictly closed displacement.
 //!
-//! Fixed-step form: a linearly implicit step with the steepest possible fall of the rate,
-//! `B = n rho^(n-1) k / g` per travel, where `k = f_h pi / (2 z_b)` and `rho = max(1, |r|)`:
-//! `dz = v dt h / (1 + |v| dt B)` with `h = 1 - sgn(r)|r|^n`. It never passes the sliding
-//! deflection, at any period.
+//! Fixed-step form: along the travel, `z` relaxes with the fall of `h = 1 - sgn(r)|r|^n` where the
+//! step begins: `dz = h int_0^d exp(-B x) dx` with `B = n |r|^(n-1) F_h'(z) / g` and `d = |v| dt`. A
+//! step that would pass the deflection at which the contact slides ends there. Of second order in
+//! the travel, whatever `n`, and stable at any period.
 
-use crate::arithmetic::{bounded, saturate, sign};
+use crate::arithmetic::{bounded, mean, relaxed, saturate, sign};
 use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
@@ -102,6 +102,63 @@ impl<T: Real> Leuven<T> {
         let power = if n == T::TWO { magnitude * magnitude } else { magnitude.powf(n) };
         (T::ONE - sign(r) * power, magnitude)
     }
+
+    /// Moves the deflection as a motion at `velocity`, where the contact slides at `g`, moves it in
+    /// `dt` \[s\].
+    #[inline]
+    fn travel(&self, state: &mut State<[T; 1], Hysteresis<T>>, velocity: T, g: T, dt: T) {
+        let n = self.parameters.n;
+        let [z] = state.continuous;
+        let memory = &state.memory;
+        let direction = sign(velocity);
+        let (elastic, r) = self.elastic_part(memory.force(), velocity, g);
+        let power = if n == T::TWO { r } else { r.powf(n - T::ONE) };
+        let fall = n * power * memory.slope(&self.sine, direction * elastic) / g;
+        let moved = elastic * relaxed(fall, velocity.abs() * dt);
+        let mut next = saturate(self.parameters.z_b, z + direction * moved);
+        // The steepest slope tells most steps from those that may pass the sliding deflection.
+        let forward = direction * memory.force();
+        let may_pass = forward < g && forward + self.sine.stiffness() * moved > g;
+        if may_pass && direction * memory.peek(&self.sine, next) > g {
+            next = self.sliding_deflection(memory, direction, g, [z, next]);
+        }
+        state.memory.commit(&self.sine, next);
+        state.continuous = [state.memory.deflection()];
+    }
+
+    /// The deflection between two at which the hysteresis carries `g` in this direction, from
+    /// below: by the rule of false position in its Illinois form.
+    fn sliding_deflection(
+        &self,
+        memory: &Hysteresis<T>,
+        direction: T,
+        g: T,
+        [mut low, mut high]: [T; 2],
+    ) -> T {
+        let excess = |z| direction * memory.peek(&self.sine, z) - g;
+        let (mut below, mut above) = (excess(low), excess(high));
+        let mut last = T::ZERO;
+        for _ in 0..30 {
+            let z = low + (high - low) * (below / (below - above));
+            let here = excess(z);
+            if here > T::ZERO {
+                (high, above) = (z, here);
+                if last > T::ZERO {
+                    below *= T::HALF;
+                }
+            } else {
+                (low, below) = (z, here);
+                if last < T::ZERO {
+                    above *= T::HALF;
+                }
+                if -here <= T::of(4.0) * T::epsilon() * g {
+                    break;
+                }
+            }
+            last = if here > T::ZERO { T::ONE } else { -T::ONE };
+        }
+        low
+    }
 }
 
 impl<T: Real> FrictionModel<T> for Leuven<T> {
@@ -158,15 +215,16 @@ impl<T: Real> FrictionModel<T> for Leuven<T> {
         let p = &self.parameters;
         let v = bounded(velocity);
         let g = self.curve.level(v);
-        let [z] = state.continuous;
         let hysteresis = state.memory.force();
-        let (elastic, r) = self.elastic_part(hysteresis, v, g);
-        let steepening = if r > T::ONE { r.powf(p.n - T::ONE) } else { T::ONE };
-        let travel = v * dt;
-        let fall = p.n * steepening * self.sine.stiffness() / g;
-        state.memory.commit(&self.sine, z + travel * elastic / (T::ONE + travel.abs() * fall));
-        state.continuous = [state.memory.deflection()];
+        let (elastic, _) = self.elastic_part(hysteresis, v, g);
+        self.travel(state, v, g, dt);
         hysteresis + p.sigma1 * v * elastic + p.f_v * v
+    }
+
+    #[inline]
+    fn advance(&self, &dt: &T, state: &mut State<[T; 1], Hysteresis<T>>, from: T, to: T) {
+        let v = mean(from, to);
+        self.travel(state, v, self.curve.level(v), dt);
     }
 
     #[inline]

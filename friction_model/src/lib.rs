@@ -109,6 +109,7 @@ mod rbf_network;
 mod real;
 mod reset_integrator;
 pub mod rk4;
+mod scheme;
 mod stepper;
 mod stiction;
 mod stribeck;
@@ -159,6 +160,7 @@ pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionPa
 pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
 pub use real::{Cast, Real};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
+pub use scheme::Scheme;
 pub use stepper::{RunningContact, Stepper};
 pub use stiction::{Stiction, StictionParameters};
 pub use stribeck::{Stribeck, StribeckParameters};

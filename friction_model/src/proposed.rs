@@ -33,7 +33,7 @@
 
 use core::fmt::Debug;
 
-use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::arithmetic::{between, bounded, mean, relaxed, saturate};
 use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::virgin_curve::Sine;
@@ -116,6 +116,15 @@ impl<T: Real, C: Branch<T>> NonDrift<C, T> {
     }
 }
 
+impl<T: Real, C: Branch<T>> NonDrift<C, T> {
+    /// How far a force of one beyond the hysteresis moves `z` in `dt` \[s\] where the hysteresis
+    /// has this `slope`.
+    #[inline]
+    fn gain(&self, slope: T, dt: T) -> T {
+        relaxed(slope * self.inverse_sigma, dt) * self.inverse_sigma
+    }
+}
+
 impl<T: Real, C: Branch<T>> TryFrom<ProposedParameters<T>> for NonDrift<C, T> {
     type Error = ModelError;
 
@@ -137,10 +146,13 @@ built_from!([T: Real, C: Branch<T>] NonDrift<C, T>, ProposedParameters<T>);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProposedDiscrete<T = f64> {
     dt: T,
-    /// `exp(-dt / tau)`.
+    /// `exp(-dt / tau)`, and `exp(-dt / (2 tau))`.
     gamma_decay: T,
+    midway_decay: T,
     /// `1 / (sigma + k dt)`.
     implicit_gain: T,
+    /// How far a force of one beyond the hysteresis moves `z` in a period where its slope is `k`.
+    steepest_gain: T,
 }
 
 impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
@@ -195,6 +207,8 @@ impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
         ProposedDiscrete {
             dt,
             gamma_decay: (-dt / self.parameters.tau).exp(),
+            midway_decay: (-T::HALF * dt / self.parameters.tau).exp(),
+            steepest_gain: self.gain(self.stiffness(), dt),
             implicit_gain: T::ONE / (self.parameters.sigma + self.stiffness() * dt),
         }
     }
@@ -217,6 +231,36 @@ impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
         state.memory.commit(&self.virgin, z + discrete.dt * between(slowest, fastest, v));
         state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
         contact + p.f_v * v
+    }
+
+    /// `gamma` exactly for the mean velocity; in slip `z` relaxes with the slope that the
+    /// hysteresis has where the step begins, towards the level midway: of second order, and never
+    /// beyond it, because the slope falls along every branch.
+    #[inline]
+    fn advance(
+        &self,
+        discrete: &ProposedDiscrete<T>,
+        state: &mut State<[T; 2], Hysteresis<T>>,
+        from: T,
+        to: T,
+    ) {
+        let v = mean(from, to);
+        let g = self.curve.level(v);
+        let [gamma, z] = state.continuous;
+        let level = g + (gamma - g) * discrete.midway_decay;
+        let hysteresis = state.memory.force();
+        let stuck = v * discrete.dt;
+        let most = |level: T| {
+            let excess = level - hysteresis;
+            let steepest = excess * discrete.steepest_gain;
+            if (stuck - steepest) * level.signum() <= T::ZERO {
+                return steepest;
+            }
+            excess * self.gain(state.memory.slope(&self.virgin, excess), discrete.dt)
+        };
+        let moved = between(most(-level), most(level), stuck);
+        state.memory.commit(&self.virgin, z + moved);
+        state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
     }
 
     #[inline]

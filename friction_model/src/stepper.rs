@@ -1,6 +1,6 @@
 //! A model running in real time: its parameters, its coefficients for one period, and its state.
 
-use crate::{AnyStepper, FrictionModel, Internals, Real, State, TimeStep};
+use crate::{AnyStepper, FrictionModel, Internals, Real, Scheme, State, TimeStep};
 
 /// A model with its state, stepped once a period.
 #[derive(Debug, Clone)]
@@ -9,27 +9,65 @@ pub struct Stepper<M: FrictionModel<T>, T: Real = f64> {
     dt: TimeStep,
     discrete: M::Discrete,
     state: State<M::Continuous, M::Memory>,
+    scheme: Scheme,
+    /// The velocity of the last step; none at rest, and none where it is held.
+    before: Option<T>,
 }
 
 impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
-    /// Starts `model` at rest with the period `dt`.
+    /// Starts `model` at rest with the period `dt`, each velocity held for it.
     #[must_use]
     pub fn new(model: M, dt: TimeStep) -> Self {
-        let (discrete, state) = (model.discretise(dt), model.rest());
-        Self { model, dt, discrete, state }
+        Self::by(Scheme::Held, model, dt)
     }
 
-    /// The friction now at `velocity` \[m/s or rad/s\]; the state then advances by one period.
+    /// Starts `model` at rest with the period `dt`, stepped by `scheme`.
+    #[must_use]
+    pub fn by(scheme: Scheme, model: M, dt: TimeStep) -> Self {
+        let (discrete, state) = (model.discretise(dt), model.rest());
+        Self { model, dt, discrete, state, scheme, before: None }
+    }
+
+    /// How velocities between two steps are taken.
+    #[must_use]
+    pub const fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// The friction now at `velocity` \[m/s or rad/s\]. [`Scheme`] says whether the state is then
+    /// that of now or that of the next step.
     #[inline]
     pub fn step(&mut self, velocity: T) -> T {
-        self.model.step(&self.discrete, &mut self.state, velocity)
+        match self.scheme {
+            Scheme::Held => self.model.step(&self.discrete, &mut self.state, velocity),
+            Scheme::Mean => {
+                self.arrive(velocity);
+                self.model.force(&self.state, velocity)
+            }
+        }
+    }
+
+    /// The period up to `velocity` goes by.
+    #[inline]
+    fn arrive(&mut self, velocity: T) {
+        if let Some(before) = self.before.replace(velocity) {
+            self.model.advance(&self.discrete, &mut self.state, before, velocity);
+        }
     }
 
     /// [`step`](Self::step) with an extra `rate` in the derivative of every continuous state, for
     /// an observer's error injection. See [`FrictionModel::step_injected`].
     #[inline]
     pub fn step_injected(&mut self, velocity: T, rate: T) -> T {
-        self.model.step_injected(&self.discrete, self.dt, &mut self.state, velocity, rate)
+        match self.scheme {
+            Scheme::Held => {
+                self.model.step_injected(&self.discrete, self.dt, &mut self.state, velocity, rate)
+            }
+            Scheme::Mean => {
+                self.arrive(velocity);
+                self.model.force_injected(self.dt, &mut self.state, velocity, rate)
+            }
+        }
     }
 
     /// The part of the force at `velocity` that is viscous.
@@ -42,6 +80,7 @@ impl<T: Real, M: FrictionModel<T>> Stepper<M, T> {
     /// Back to rest.
     pub fn reset(&mut self) {
         self.state = self.model.rest();
+        self.before = None;
     }
 
     /// The inner quantities at `velocity`.
@@ -75,6 +114,11 @@ pub trait RunningContact {
     /// What messages call the model, see [`FrictionModel::NAME`].
     fn model_name(&self) -> &'static str;
 
+    /// How velocities between two steps are taken; held, unless the contact says otherwise.
+    fn scheme(&self) -> Scheme {
+        Scheme::Held
+    }
+
     /// See [`Stepper::step`].
     fn step(&mut self, velocity: f64) -> f64;
 
@@ -97,6 +141,9 @@ macro_rules! running {
         impl $(<$($generics)+>)? RunningContact for $contact {
             fn model_name(&$self) -> &'static str {
                 $name
+            }
+            fn scheme(&$self) -> Scheme {
+                $self.scheme()
             }
             #[inline]
             fn step(&mut self, velocity: f64) -> f64 {

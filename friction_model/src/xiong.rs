@@ -30,7 +30,7 @@
 //! `N` is the room for elements; parameter sets with fewer are filled up with elements that carry
 //! nothing.
 
-use crate::arithmetic::{between, bounded, relaxed, saturate};
+use crate::arithmetic::{between, bounded, mean, relaxed, saturate};
 use crate::finite::finite;
 use crate::stribeck_curve::SHAPE;
 use crate::{
@@ -110,8 +110,11 @@ impl<T: Real, const N: usize> TryFrom<XiongParameters<T>> for Xiong<N, T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct XiongDiscrete<const N: usize, T: Real = f64> {
     dt: T,
-    /// `exp(-dt / tau)`.
+    /// `exp(-dt / tau)`, and `exp(-dt / (2 tau))`.
     gamma_decay: T,
+    midway_decay: T,
+    /// How far a force of one beyond the spring moves each element in a period.
+    gain: [T; N],
     /// `1 / (sigma_i + K_i dt)`.
     implicit_gain: [T; N],
 }
@@ -171,6 +174,10 @@ impl<T: Real, const N: usize> FrictionModel<T> for Xiong<N, T> {
         XiongDiscrete {
             dt,
             gamma_decay: (-dt / self.parameters.tau).exp(),
+            midway_decay: (-T::HALF * dt / self.parameters.tau).exp(),
+            gain: self.elements.map(|element| {
+                relaxed(element.k * element.inverse_sigma, dt) * element.inverse_sigma
+            }),
             implicit_gain: self.elements.map(|element| T::ONE / (element.sigma + element.k * dt)),
         }
     }
@@ -194,6 +201,27 @@ impl<T: Real, const N: usize> FrictionModel<T> for Xiong<N, T> {
         }
         *gamma = g + (*gamma - g) * discrete.gamma_decay;
         force
+    }
+
+    /// Every element exactly, where it slips with the level midway.
+    #[inline]
+    fn advance(
+        &self,
+        discrete: &XiongDiscrete<N, T>,
+        state: &mut State<Self::Continuous, ()>,
+        from: T,
+        to: T,
+    ) {
+        let v = mean(from, to);
+        let g = self.curve.level(v);
+        let ([gamma], z) = &mut state.continuous;
+        let midway = g + (*gamma - g) * discrete.midway_decay;
+        for ((element, z), &gain) in self.elements.iter().zip(z).zip(&discrete.gain) {
+            let level = element.lambda * midway;
+            let elastic = element.k * *z;
+            *z += between((-level - elastic) * gain, (level - elastic) * gain, v * discrete.dt);
+        }
+        *gamma = g + (*gamma - g) * discrete.gamma_decay;
     }
 
     #[inline]

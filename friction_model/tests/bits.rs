@@ -30,7 +30,7 @@ const FORCES: &[(ModelName, [u64; 3])] = &[
     (ModelName::BlimanSorine, [0xa2d717b319b30e9f, 0x5d435f91e5dd6d1d, 0x08c67121267c86f4]),
     (ModelName::LuGre, [0x2bc20e90e68597f1, 0x7b8528677175ca65, 0x31db0c077a892bbd]),
     (ModelName::ElastoPlastic, [0x0e467a318cc6a12e, 0x3af6517cbbeae82e, 0x98bf7e45a36ac2f1]),
-    (ModelName::Leuven, [0xd0608c9639b151a0, 0x5e636b73c0f2ce1e, 0x74125be4055c95e6]),
+    (ModelName::Leuven, [0x4736d83bc7657b9d, 0x0839ddde8a80e6af, 0x74125be4055c95e6]),
     (ModelName::Gms, [0x7fc93fc16cf28a02, 0x27f0d377b6531b20, 0x54065768450de3a8]),
     (ModelName::Xiong, [0x14b52b8b1dd399a8, 0x15e7caff4990dbed, 0x8b704241e5620178]),
     (ModelName::Proposed, [0xf528b71efac56a1b, 0x3988296e9a431956, 0xcd81412d07e867f7]),

@@ -5,7 +5,7 @@ mod arbitrary;
 
 use arbitrary::config;
 use friction_model::{AnyModel, AnyParameters, FrictionModel, ModelName, ModelVisitor};
-use friction_model::{Stepper, TimeStep};
+use friction_model::{Scheme, Stepper, TimeStep};
 use proptest::prelude::*;
 
 /// A magnitude: of the whole range of numbers, of what machines have, or at its very ends.
@@ -22,38 +22,39 @@ fn magnitude() -> impl Strategy<Value = f64> {
 /// order most of the time, so that not all are refused.
 fn anywhere() -> impl Strategy<Value = AnyParameters> {
     let names = prop::sample::select(&ModelName::ALL[..]);
-    (names, prop::collection::vec(magnitude(), 64), 0.1..=1.0f64, 0..8u8).prop_map(
-        |(name, numbers, ratio, choice)| {
-            let mut parameters = AnyParameters::test_bed(name);
-            let mut numbers = numbers.into_iter().cycle();
-            for row in parameters.table() {
-                if matches!(row.name, "alpha" | "lambda" | "bonds" | "seed") {
-                    continue;
-                }
-                for index in 0..parameters.values(row.name).len() {
-                    let number = numbers.next().unwrap_or(1.0);
-                    let number = match row.range {
-                        friction_model::Range::Within(low, high)
-                        | friction_model::Range::FromTo(low, high) => {
-                            low + (high - low) * number.clamp(1e-9, 1.0)
-                        }
-                        _ => number,
-                    };
-                    parameters.set_at(row.name, index, number);
-                }
+    let usual = (-4.0..4.0f64).prop_map(|e| 10f64.powf(e));
+    let numbers =
+        prop_oneof![prop::collection::vec(usual, 64), prop::collection::vec(magnitude(), 64),];
+    (names, numbers, 0.1..=1.0f64, 0..8u8).prop_map(|(name, numbers, ratio, choice)| {
+        let mut parameters = AnyParameters::test_bed(name);
+        let mut numbers = numbers.into_iter().cycle();
+        for row in parameters.table() {
+            if matches!(row.name, "alpha" | "lambda" | "bonds" | "seed") {
+                continue;
             }
-            let value = |parameters: &AnyParameters, name| parameters.values(name).first().copied();
-            for (low, high) in [("f_c", "f_s"), ("f_s", "f_h"), ("f_2", "f_1")] {
-                if let (7.., _) | (_, None) = (choice, value(&parameters, high)) {
-                    continue;
-                }
-                if let Some(high) = value(&parameters, high) {
-                    parameters.set(low, high * ratio);
-                }
+            for index in 0..parameters.values(row.name).len() {
+                let number = numbers.next().unwrap_or(1.0);
+                let number = match row.range {
+                    friction_model::Range::Within(low, high)
+                    | friction_model::Range::FromTo(low, high) => {
+                        low + (high - low) * number.clamp(1e-9, 1.0)
+                    }
+                    _ => number,
+                };
+                parameters.set_at(row.name, index, number);
             }
-            parameters
-        },
-    )
+        }
+        let value = |parameters: &AnyParameters, name| parameters.values(name).first().copied();
+        for (low, high) in [("f_c", "f_s"), ("f_s", "f_h"), ("f_2", "f_1")] {
+            if let (7.., _) | (_, None) = (choice, value(&parameters, high)) {
+                continue;
+            }
+            if let Some(high) = value(&parameters, high) {
+                parameters.set(low, high * ratio);
+            }
+        }
+        parameters
+    })
 }
 
 fn any_period() -> impl Strategy<Value = TimeStep> {
@@ -79,6 +80,7 @@ fn any_velocities() -> impl Strategy<Value = Vec<f64>> {
 
 /// The first output that is not finite, in words.
 struct Run<'a> {
+    scheme: Scheme,
     dt: TimeStep,
     path: &'a [f64],
 }
@@ -87,7 +89,7 @@ impl ModelVisitor for Run<'_> {
     type Output = Option<String>;
 
     fn visit<M: FrictionModel>(self, model: M) -> Option<String> {
-        let mut stepper = Stepper::new(model.clone(), self.dt);
+        let mut stepper = Stepper::by(self.scheme, model.clone(), self.dt);
         for &v in self.path {
             let seen = friction_model::arithmetic::bounded(v);
             let inner = stepper.internals(seen);
@@ -118,8 +120,10 @@ proptest! {
         parameters in anywhere(), dt in any_period(), path in any_velocities(),
     ) {
         if let Ok(model) = AnyModel::try_from(parameters) {
-            let lost = model.visit(Run { dt, path: &path });
-            prop_assert!(lost.is_none(), "{}", lost.unwrap_or_default());
+            for scheme in [Scheme::Held, Scheme::Mean] {
+                let lost = model.visit(Run { scheme, dt, path: &path });
+                prop_assert!(lost.is_none(), "{scheme}: {}", lost.unwrap_or_default());
+            }
         }
     }
 }

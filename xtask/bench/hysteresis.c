@@ -193,16 +193,58 @@ static inline double leuven_elastic(const struct leuven *m, double hysteresis, d
     return 1.0 - sign(*r) * power;
 }
 
+/* Slope of the sine's branch where the deflection stands, or of a new one where `direction` turns. */
+static inline double leuven_slope(const struct leuven *m, double direction)
+{
+    const struct hysteresis *h = &m->memory;
+    double z = 0.0;
+    if (h->direction * direction > 0.0)
+        z = h->depth > 0 ? 0.5 * (h->last.z - h->reversal[h->depth - 1].z) : h->last.z;
+    return fabs(z) >= m->z_b ? 0.0 : h->virgin.slope * cos(h->virgin.wave_number * z);
+}
+
+/* The deflection between two at which the hysteresis carries g: false position, Illinois form. */
+static double leuven_sliding(const struct leuven *m, double direction, double g, double low, double high)
+{
+    double below = direction * peek(&m->memory, sine, low) - g;
+    double above = direction * peek(&m->memory, sine, high) - g;
+    double last = 0.0;
+    for (int i = 0; i < 30; i++) {
+        double z = low + (high - low) * (below / (below - above));
+        double here = direction * peek(&m->memory, sine, z) - g;
+        if (here > 0.0) {
+            high = z, above = here;
+            if (last > 0.0)
+                below *= 0.5;
+        } else {
+            low = z, below = here;
+            if (last < 0.0)
+                above *= 0.5;
+            if (-here <= 4.0 * 2.220446049250313e-16 * g)
+                break;
+        }
+        last = here > 0.0 ? 1.0 : -1.0;
+    }
+    return low;
+}
+
 static inline double leuven_step(struct leuven *restrict m, double v)
 {
     v = bounded(v);
     double g = level(&m->curve, v), hysteresis = m->memory.last.f, r;
     double elastic = leuven_elastic(m, hysteresis, v, g, &r);
-    double steepening = fabs(r) > 1.0 ? pow(fabs(r), m->n - 1.0) : 1.0;
-    double travel = v * m->dt;
-    double fall = m->n * steepening * m->memory.virgin.slope / g;
-    m->x[0] = saturate(m->z_b, m->x[0] + travel * elastic / (1.0 + fabs(travel) * fall));
-    move(&m->memory, sine, m->x[0]);
+    double direction = sign(v);
+    double power = m->n == 2.0 ? fabs(r) : pow(fabs(r), m->n - 1.0);
+    double fall = m->n * power * leuven_slope(m, direction * elastic) / g;
+    double travel = fabs(v) * m->dt;
+    double relaxed = fall * travel < 1e-8 ? travel : -expm1(-fall * travel) / fall;
+    double moved = elastic * relaxed, forward = direction * hysteresis;
+    double next = saturate(m->z_b, m->x[0] + direction * moved);
+    int may_pass = forward < g && forward + m->memory.virgin.slope * moved > g;
+    if (may_pass && direction * peek(&m->memory, sine, next) > g)
+        next = leuven_sliding(m, direction, g, m->x[0], next);
+    m->x[0] = next;
+    move(&m->memory, sine, next);
     return hysteresis + m->sigma1 * v * elastic + m->f_v * v;
 }
 

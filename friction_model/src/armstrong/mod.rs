@@ -49,7 +49,7 @@
 //! period. In the derivative form the changes take effect when a step is accepted: runs converge
 //! with the first order of the step.
 
-use crate::arithmetic::{bounded, saturate, sign};
+use crate::arithmetic::{bounded, mean, saturate, sign};
 use crate::delay_line::DelayLine;
 use crate::finite::finite;
 use crate::{
@@ -123,7 +123,7 @@ impl<T: Real> Armstrong<T> {
     /// Lets `elapsed` \[s\] go by, to a moment at which the velocity is `velocity`, and changes
     /// between sticking and sliding.
     #[inline]
-    fn advance(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, elapsed: T) {
+    fn elapse(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, elapsed: T) {
         let ArmstrongParameters { f_c, k_t, .. } = self.parameters;
         let memory = &mut state.memory;
         let [x, _] = state.continuous;
@@ -213,7 +213,7 @@ impl<T: Real> FrictionModel<T> for Armstrong<T> {
 
     #[inline]
     fn commit(&self, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T, dt: T) {
-        self.advance(state, velocity, dt);
+        self.elapse(state, velocity, dt);
     }
 
     fn discretise(&self, dt: TimeStep) -> T {
@@ -226,11 +226,20 @@ impl<T: Real> FrictionModel<T> for Armstrong<T> {
     fn step(&self, &dt: &T, state: &mut State<[T; 2], ArmstrongMemory<T>>, velocity: T) -> T {
         let v = bounded(velocity);
         let [_, elapsed] = state.continuous;
-        self.advance(state, v, elapsed);
+        self.elapse(state, v, elapsed);
         let Evaluation { force, rates: [x_rate, _] } =
             self.evaluate(&state.continuous, &state.memory, v);
         state.continuous = [state.continuous[0] + x_rate * dt, dt];
         force
+    }
+
+    /// The velocity goes straight through the delay, and the spring by its mean.
+    #[inline]
+    fn advance(&self, &dt: &T, state: &mut State<[T; 2], ArmstrongMemory<T>>, from: T, to: T) {
+        if state.memory.slip == T::ZERO {
+            state.continuous[0] += mean(from, to) * dt;
+        }
+        self.elapse(state, bounded(to), dt);
     }
 
     /// The spring alone; in a slip nothing is left to deflect.

@@ -211,6 +211,18 @@ impl<T: Real> Hysteresis<T> {
         self.points.get(..self.depth).unwrap_or(&self.points)
     }
 
+    /// Slope at the last committed deflection towards `direction`: of the present branch, or of a
+    /// new one where that turns.
+    #[inline]
+    #[must_use]
+    pub fn slope(&self, curve: &impl VirginCurve<T>, direction: T) -> T {
+        if self.course.s * direction > T::ZERO {
+            curve.slope(self.course.shrink * (self.last.z - self.course.origin.z))
+        } else {
+            curve.slope(T::ZERO)
+        }
+    }
+
     /// Force at the last committed deflection.
     #[must_use]
     pub const fn force(&self) -> T {

@@ -49,7 +49,7 @@
 //! advances under the held velocity, and is cut to the level at the next step. In the derivative
 //! form `a` is that of the last accepted step.
 
-use crate::arithmetic::{bounded, saturate, sign};
+use crate::arithmetic::{bounded, mean, saturate, sign};
 use crate::finite::finite;
 use crate::{
     Evaluation, FrictionModel, Internals, ModelError, ParameterSet, Range, Real, Regime, State,
@@ -260,6 +260,16 @@ impl<T: Real> FrictionModel<T> for Wojewoda<T> {
         self.break_away(&mut state.memory, z + v * dt);
         state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z + v * dt)];
         force
+    }
+
+    /// The spring goes by the mean; then the velocity is sampled.
+    #[inline]
+    fn advance(&self, &dt: &T, state: &mut State<[T; 1], WojewodaMemory<T>>, from: T, to: T) {
+        let v = bounded(to);
+        let z = state.continuous[0] + mean(from, to) * dt;
+        self.break_away(&mut state.memory, z);
+        state.continuous = [saturate(self.parameters.f_s / self.parameters.k_t, z)];
+        self.sample(state, v, self.falling(v), dt);
     }
 
     #[inline]
