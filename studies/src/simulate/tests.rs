@@ -156,7 +156,8 @@ fn impossible_settings_and_diverging_steps_are_refused() {
 #[test]
 fn steps_that_are_too_long_for_runge_and_kutta_are_halved_until_they_hold() {
     let motion = motion(None);
-    for name in ModelName::ALL {
+    // The bristles' bonds are drawn anew at every step.
+    for name in ModelName::ALL.into_iter().filter(|name| *name != ModelName::Bristle) {
         let model = AnyModel::chapter_3(name);
         let forces = |dt, tolerance| {
             let settings = Settings { scheme: Scheme::Rk4, dt, tolerance, load_gain: None };
