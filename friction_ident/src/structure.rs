@@ -33,6 +33,8 @@ pub struct AxisStructure {
     pub delay: bool,
     /// The friction level and a constant force vary along the axis, as polynomials of the position.
     pub position: bool,
+    /// The torque of a weight that turns with the axis, `a sin q + b cos q`, and a constant one.
+    pub gravity: bool,
     /// A force that repeats along the axis: cogging, the turn of a screw.
     pub harmonic: bool,
 }
@@ -41,11 +43,12 @@ pub struct AxisStructure {
 type Field = fn(&mut AxisStructure) -> &mut bool;
 
 /// The parts of a name, with what they switch on.
-const PARTS: [(&str, Field); 5] = [
+const PARTS: [(&str, Field); 6] = [
     ("stribeck", |s| &mut s.stribeck),
     ("presliding", |s| &mut s.presliding),
     ("delay", |s| &mut s.delay),
     ("position", |s| &mut s.position),
+    ("gravity", |s| &mut s.gravity),
     ("harmonic", |s| &mut s.harmonic),
 ];
 
@@ -58,6 +61,7 @@ impl AxisStructure {
         presliding: false,
         delay: false,
         position: false,
+        gravity: false,
         harmonic: false,
     };
     /// The same with viscous and Coulomb friction of each direction.
@@ -86,6 +90,24 @@ impl AxisStructure {
         ]
     }
 
+    /// What is compared besides where the axis turns and its angle is known: a joint that carries a
+    /// weight, with the effects that are usual beside it.
+    pub fn candidates_under_gravity() -> Vec<Self> {
+        let plain = Self { gravity: true, ..Self::SYMMETRIC };
+        let base = Self { gravity: true, ..Self::ASYMMETRIC };
+        vec![
+            plain,
+            Self { delay: true, ..plain },
+            base,
+            Self { delay: true, ..base },
+            Self { stribeck: true, ..base },
+            Self { presliding: true, ..base },
+            Self { stribeck: true, delay: true, ..base },
+            Self { presliding: true, delay: true, ..base },
+            Self { position: true, delay: true, ..base },
+        ]
+    }
+
     /// Parameters to be estimated, the nonlinear ones included.
     pub fn parameters(&self) -> usize {
         let sides = if self.asymmetric { 2 } else { 1 };
@@ -96,12 +118,13 @@ impl AxisStructure {
             + extra(self.presliding, 1)
             + extra(self.delay, 1)
             + extra(self.position, 3)
+            + extra(self.gravity, 2)
             + extra(self.harmonic, 3)
     }
 
     /// Whether it needs the position, and not the velocity alone.
     pub fn needs_position(&self) -> bool {
-        self.position || self.harmonic
+        self.position || self.gravity || self.harmonic
     }
 }
 
@@ -128,7 +151,7 @@ impl Serialize for AxisStructure {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{part}` in `{name}` is no part of an axis structure; expected `symmetric` or `asymmetric`, then any of stribeck, presliding, delay, \
-     position, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
+     position, gravity, harmonic, joined by `+` as in `asymmetric+stribeck+delay`"
 )]
 pub struct UnknownStructure {
     /// The whole name.
@@ -164,7 +187,8 @@ mod tests {
 
     #[test]
     fn every_name_reads_back() {
-        for structure in AxisStructure::candidates() {
+        let all = AxisStructure::candidates().into_iter();
+        for structure in all.chain(AxisStructure::candidates_under_gravity()) {
             assert_eq!(structure.to_string().parse(), Ok(structure));
         }
         for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")]
@@ -176,7 +200,8 @@ mod tests {
 
     #[test]
     fn no_candidate_stands_there_twice() {
-        let all = AxisStructure::candidates();
+        let mut all = AxisStructure::candidates();
+        all.extend(AxisStructure::candidates_under_gravity());
         for (i, a) in all.iter().enumerate() {
             assert!(!all[i + 1..].contains(a), "{a}");
         }

@@ -8,8 +8,16 @@ use crate::parameter_id::{ParameterId, Side};
 const CLEAR: f64 = 2.0;
 
 /// Parameters that may have either sign.
-pub(super) const SIGNED: [&str; 6] =
-    ["offset", "spring", "f_c_slope", "f_c_curvature", "harmonic_cos", "harmonic_sin"];
+pub(super) const SIGNED: [&str; 8] = [
+    "offset",
+    "spring",
+    "f_c_slope",
+    "f_c_curvature",
+    "harmonic_cos",
+    "harmonic_sin",
+    "gravity_sin",
+    "gravity_cos",
+];
 
 /// Parameters of friction, which takes energy: below zero they describe something else.
 const FRICTION: [&str; 3] = ["f_v", "f_c", "f_s"];

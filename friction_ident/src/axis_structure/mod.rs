@@ -4,6 +4,7 @@
 //! ```text
 //! force(t) = inertia a + f_v v + z (f_c + (f_s - f_c) exp(-(v/v_s)^2)) + offset        all at t + delay
 //!          + spring xi + z (f_c_slope xi + f_c_curvature xi^2)                         position, xi from -1 to 1 along the axis
+//!          + gravity_sin sin q + gravity_cos cos q                             gravity, q the angle
 //!          + harmonic_cos cos(2 pi x / period) + harmonic_sin sin(2 pi x / period)     harmonic
 //! ```
 //!

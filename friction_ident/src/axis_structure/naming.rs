@@ -40,6 +40,7 @@ const SLOW: &str =
     "slow motion: steady speeds below and around the dip, down to where the axis sticks";
 const REVERSALS: &str = "small oscillations about a point, with a position sensor that resolves the first part of each reversal";
 const STEPS: &str = "reversals and steps of the force, sampled faster";
+const TURNS: &str = "motion over more of a turn at several speeds";
 const TRAVEL: &str = "motion over the whole axis at several speeds";
 
 /// The parameters of a structure: linear ones in the order of the columns, then the nonlinear ones.
@@ -55,6 +56,10 @@ pub(super) fn unknowns(structure: &AxisStructure, units: &AxisUnits) -> Vec<Unkn
     }
     if structure.position {
         add("spring".into(), units.force, TRAVEL);
+    }
+    if structure.gravity {
+        add("gravity_sin".into(), units.force, TURNS);
+        add("gravity_cos".into(), units.force, TURNS);
     }
     each("f_c").for_each(|id| add(id, units.force, SPEEDS));
     if structure.stribeck {
@@ -85,7 +90,8 @@ mod tests {
 
     #[test]
     fn every_structure_names_as_many_parameters_as_it_counts() {
-        for structure in AxisStructure::candidates() {
+        let all = AxisStructure::candidates().into_iter();
+        for structure in all.chain(AxisStructure::candidates_under_gravity()) {
             assert_eq!(
                 unknowns(&structure, &AxisUnits::LINEAR).len(),
                 structure.parameters(),

@@ -26,7 +26,7 @@ pub(super) struct Regressors<'a> {
     structure: AxisStructure,
     scale: PositionScale,
     filter: Option<LowPass>,
-    /// Inertia, viscous friction, offset, force along the axis.
+    /// Inertia, viscous friction, offset, force along the axis, gravity.
     fixed: Vec<Vec<f64>>,
     friction: Group,
     harmonic: Group,
@@ -179,6 +179,11 @@ impl<'a> Regressors<'a> {
         }
         if self.structure.position {
             columns.push(self.place());
+        }
+        if self.structure.gravity {
+            let angles = self.recording.position.as_deref().unwrap_or_default();
+            columns.push(angles.iter().map(|q| q.sin()).collect());
+            columns.push(angles.iter().map(|q| q.cos()).collect());
         }
         columns.into_iter().map(|column| self.smooth(column)).collect()
     }

@@ -216,3 +216,36 @@ fn friction_below_zero_is_never_identified() {
         matches!(viscous.verdict, Verdict::NotIdentifiable { doubt: Doubt::Negative { .. }, .. });
     assert!(viscous.value < -7.0 && negative, "{viscous:?}");
 }
+
+/// A joint that carries a weight: without gravity in the model its inertia was several times too
+/// large, with a narrow error.
+#[test]
+fn a_weight_that_turns_with_the_axis_is_chosen_and_leaves_the_inertia_right() {
+    let mut recording = axis(coulomb, 0.0, 0.2);
+    let angles: Vec<f64> = recording.position.iter().flatten().map(|x| 6.0 * x).collect();
+    for (force, q) in recording.force.iter_mut().zip(&angles) {
+        *force += 1.0 + 30.0 * (q + 0.4).sin();
+    }
+    recording.position = Some(angles);
+    for column in [&mut recording.velocity, &mut recording.acceleration] {
+        column.iter_mut().for_each(|value| *value *= 6.0);
+    }
+    let names = ["symmetric", "symmetric+delay", "asymmetric", "symmetric+gravity"];
+    let scores: Vec<_> =
+        names.iter().map(|name| cross_validate(&recording, structure(name), 6).unwrap()).collect();
+    let chosen = scores[choose(&scores).unwrap().chosen].structure;
+    assert_eq!(chosen.to_string(), "symmetric+gravity");
+    let fit = fit_structure(&recording, chosen, &AxisUnits::ROTARY).unwrap();
+    for (name, truth) in [
+        ("inertia", INERTIA / 6.0),
+        ("offset", 1.0),
+        ("gravity_sin", 30.0 * 0.4f64.cos()),
+        ("gravity_cos", 30.0 * 0.4f64.sin()),
+    ] {
+        let estimate = fit.estimates.get(name).unwrap();
+        assert!(estimate.is_identified(), "{estimate:?}");
+        assert!((estimate.value / truth - 1.0).abs() < 0.1, "{truth}: {estimate:?}");
+    }
+    let without = fit_structure(&recording, structure("symmetric"), &AxisUnits::ROTARY).unwrap();
+    assert!((without.estimates.value("inertia").unwrap() * 6.0 / INERTIA - 1.0).abs() > 0.3);
+}

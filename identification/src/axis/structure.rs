@@ -93,7 +93,11 @@ pub fn structured(
             let possible = |structure: &AxisStructure| {
                 estimation.position.is_some() || !structure.needs_position()
             };
-            AxisStructure::candidates().into_iter().filter(possible).collect()
+            let mut all = AxisStructure::candidates();
+            if axis == AxisKind::Rotary {
+                all.extend(AxisStructure::candidates_under_gravity());
+            }
+            all.into_iter().filter(possible).collect()
         }
     };
     let workers = thread::available_parallelism().map_or(1, usize::from);
