@@ -33,12 +33,8 @@ impl Quantity {
     /// What is usually missing where a residual goes with it.
     const fn missing(self) -> &'static str {
         match self {
-            Self::Position => {
-                "gravity, a spring or a force that repeats along the axis (--structure auto)"
-            }
-            Self::Velocity => {
-                "friction of each direction, a Stribeck curve or a delay (--structure auto)"
-            }
+            Self::Position => "gravity, a spring or a force that repeats along the axis",
+            Self::Velocity => "friction of each direction, a Stribeck curve or a delay",
             Self::Acceleration => "a delay, elasticity or an inertia that changes",
         }
     }
@@ -59,7 +55,7 @@ impl fmt::Display for Quantity {
 pub enum FitDoubt {
     /// It leaves too much.
     #[error(
-        "explains only {:.0} % of the driving force's mean square (below {:.0} %): something acts \
+        "explains only {:.0} % of the force's mean square (below {:.0} %): something acts \
          that it does not have, or sign or scale of the force are wrong. Its parameters are not to \
          be trusted, whatever their errors",
         100.0 * explained, 100.0 * LEAST_EXPLAINED
@@ -84,26 +80,36 @@ pub enum FitDoubt {
 
 /// What is wrong with a fit as a whole; nothing where it explains the recording.
 pub fn doubts(prediction: &Prediction, recording: &Conditioned) -> Vec<FitDoubt> {
-    let residual = prediction.residual();
-    let mean_square = |values: &[f64]| {
-        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
-    };
-    let power = mean_square(&prediction.measured);
-    let mut doubts = Vec::new();
-    let explained = 1.0 - mean_square(&residual) / power;
-    if explained.is_nan() || explained < LEAST_EXPLAINED {
-        doubts.push(FitDoubt::Unexplained { explained: explained.max(0.0) });
-    }
     let columns = [
         (Quantity::Position, recording.position.as_ref()),
         (Quantity::Velocity, Some(&recording.velocity)),
         (Quantity::Acceleration, Some(&recording.acceleration)),
     ];
-    for (quantity, column) in columns {
-        let Some(column) = column else { continue };
-        let Some(values) = at_rows(column, prediction, recording) else { continue };
-        let share = pattern(&residual, &values);
-        let size = (share.max(0.0) * mean_square(&residual) / power).sqrt();
+    let rows = |(quantity, column): (Quantity, Option<&Vec<f64>>)| {
+        Some((quantity, at_rows(column?, prediction, recording)?))
+    };
+    let columns: Vec<_> = columns.into_iter().filter_map(rows).collect();
+    doubts_of(&prediction.residual(), &prediction.measured, &columns)
+}
+
+/// The same of any model: from what it leaves of what was measured, and what that may go with.
+pub fn doubts_of(
+    residual: &[f64],
+    measured: &[f64],
+    columns: &[(Quantity, Vec<f64>)],
+) -> Vec<FitDoubt> {
+    let mean_square = |values: &[f64]| {
+        values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
+    };
+    let power = mean_square(measured);
+    let mut doubts = Vec::new();
+    let explained = 1.0 - mean_square(residual) / power;
+    if explained.is_nan() || explained < LEAST_EXPLAINED {
+        doubts.push(FitDoubt::Unexplained { explained: explained.max(0.0) });
+    }
+    for (quantity, values) in columns {
+        let (quantity, share) = (*quantity, pattern(residual, values));
+        let size = (share.max(0.0) * mean_square(residual) / power).sqrt();
         if share > MOST_PATTERN && size > NOTICED {
             doubts.push(FitDoubt::Pattern { quantity, share });
         }

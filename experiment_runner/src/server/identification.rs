@@ -42,7 +42,12 @@ fn attempt(
     let use_which =
         if chosen.is_empty() { "none can be used".to_owned() } else { format!("use {chosen}") };
     let stopped = if found.interrupted { "stopped before the end; " } else { "" };
-    let notes = found.notes.iter().map(|note| format!(" {note}")).collect::<String>();
+    let notes = found
+        .warnings
+        .iter()
+        .chain(&found.notes)
+        .map(|note| format!(" {note}"))
+        .collect::<String>();
     Ok(IdentifyResponse {
         success: true,
         message: format!("{stopped}{} models identified, {use_which}.{notes}", found.models.len()),

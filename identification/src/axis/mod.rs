@@ -132,7 +132,9 @@ pub fn identify(
     for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
         let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
-        warnings.extend(whole.map(|doubt| format!("The {name} model {doubt}.")));
+        warnings.extend(
+            whole.map(|doubt| format!("The {name} model {doubt}. --structure auto offers more.")),
+        );
         notes.extend(doubts(&model.fit));
     }
     Ok(Identification { settings: *settings, symmetric, asymmetric, warnings, notes })

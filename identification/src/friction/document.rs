@@ -22,6 +22,7 @@
 //!   stages                stage, samples, rms, parameters as above
 //!   stopped               stopped before its end
 //!   notes
+//! warnings                why the chosen model is not to be trusted as a whole
 //! notes, interrupted
 //! ```
 
@@ -85,6 +86,7 @@ pub fn render(found: &FrictionIdentification) -> String {
             "order": ranking,
         },
         "models": models,
+        "warnings": found.warnings,
         "notes": found.notes,
         "interrupted": found.interrupted,
     });

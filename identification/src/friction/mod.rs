@@ -14,6 +14,7 @@ pub mod pictures;
 mod ranking;
 pub mod run;
 pub mod terminal;
+mod trust;
 pub mod wording;
 
 use std::path::PathBuf;
@@ -165,6 +166,8 @@ pub struct FrictionIdentification {
     pub chosen: Option<usize>,
     /// By what they stand in order.
     pub criterion: Criterion,
+    /// Why the models are not to be trusted as a whole: said before any table.
+    pub warnings: Vec<String>,
     /// What the reader must know.
     pub notes: Vec<String>,
     /// It was stopped; what there was by then is here.

@@ -20,6 +20,7 @@ pub fn page(found: &FrictionIdentification, beside: Vec<Block>) -> Page {
                 .to_owned(),
         ));
     }
+    blocks.extend(found.warnings.iter().map(|said| Block::Note(format!("WARNING: {said}"))));
     blocks.extend(found.notes.iter().cloned().map(Block::Note));
     blocks.push(Block::Table(comparison(found)));
     blocks.push(Block::Table(by_kind(found)));

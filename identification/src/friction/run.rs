@@ -13,7 +13,7 @@ use friction_model::ModelName;
 
 use super::from_drive::{FromDrive, by_name};
 use super::ranking::{on_common_ground, ranked};
-use super::{Criterion, FrictionError, FrictionIdentification, Settings, Source, wording};
+use super::{Criterion, FrictionError, FrictionIdentification, Settings, Source, trust, wording};
 use recording::stretches::FrictionRecording;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
@@ -67,8 +67,10 @@ pub fn identify(
     on_common_ground(&mut models, &data);
     let criterion = if held_out.is_some() { Criterion::HeldOut } else { Criterion::Bic };
     let (models, chosen) = ranked(models, &data, held_out.as_ref(), criterion);
-    if chosen.is_none() {
-        notes.insert(0, wording::NONE_CHOSEN.to_owned());
+    let mut warnings = Vec::new();
+    match chosen.and_then(|place| models.get(place)) {
+        Some(chosen) => warnings.extend(trust::doubts(chosen, &data)),
+        None => warnings.push(wording::NONE_CHOSEN.to_owned()),
     }
     if held_out.is_none() {
         notes.push(
@@ -87,6 +89,7 @@ pub fn identify(
         models,
         chosen,
         criterion,
+        warnings,
         notes,
         interrupted,
     })

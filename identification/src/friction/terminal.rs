@@ -7,6 +7,9 @@ use super::{FrictionIdentification, KINDS, wording};
 /// A summary for people. Writing to a string cannot fail, hence the ignored results.
 pub fn render(found: &FrictionIdentification) -> String {
     let mut text = String::new();
+    for warning in &found.warnings {
+        let _ = writeln!(text, "WARNING: {warning}\n");
+    }
     let unit = found.settings.axis.force_unit();
     let recordings: Vec<String> = KINDS
         .iter()

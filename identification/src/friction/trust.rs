@@ -1,0 +1,33 @@
+//! Whether the chosen model explains the recordings, or lacks something that acts in them.
+
+use friction_ident::adequacy::{Quantity, doubts_of};
+use friction_ident::staged::residuals_of_kind;
+use friction_ident::{FrictionData, Stretch, StretchKind};
+
+use super::ModelResult;
+
+/// What is wrong with a model as a whole, in sentences; from the motion that slides.
+pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
+    let kinds = [StretchKind::Lag, StretchKind::Mixed];
+    let model = &chosen.found.model;
+    let residual: Vec<f64> =
+        kinds.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect();
+    if residual.is_empty() {
+        return Vec::new();
+    }
+    let stretches = || data.lag.iter().chain(&data.mixed);
+    let measured: Vec<f64> = stretches().flat_map(|stretch| &stretch.friction).copied().collect();
+    let velocity = stretches().flat_map(|stretch| &stretch.velocity).copied().collect();
+    let position: Option<Vec<&Vec<f64>>> =
+        stretches().map(|stretch: &Stretch| stretch.position.as_ref()).collect();
+    let position = position.map(|all| all.into_iter().flatten().copied().collect());
+    let columns: Vec<(Quantity, Vec<f64>)> = position
+        .map(|position| (Quantity::Position, position))
+        .into_iter()
+        .chain([(Quantity::Velocity, velocity)])
+        .collect();
+    doubts_of(&residual, &measured, &columns)
+        .into_iter()
+        .map(|doubt| format!("{} {doubt}.", chosen.found.name))
+        .collect()
+}
