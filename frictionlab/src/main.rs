@@ -6,7 +6,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
     bag, completions, design, exit_code, features, identify, identify_drive, identify_servo,
-    identify_stiction, manual, models, monte_carlo, protocols, rig, run, simulate, told,
+    identify_stiction, look, manual, models, monte_carlo, protocols, rig, run, simulate, told,
     truth_matrix,
 };
 use work::Interrupted;
@@ -26,6 +26,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(experiment_runner::asked::RunArgs),
+    Look(Box<look::LookArgs>),
     // Boxed: its many options would make every other command as large.
     Identify(Box<identification::asked::IdentifyArgs>),
     IdentifyDrive(Box<identify_drive::IdentifyDriveArgs>),
@@ -74,6 +75,7 @@ fn main() -> ExitCode {
     }
     let result = match cli.command {
         Command::Run(args) => run::execute(&args),
+        Command::Look(args) => look::execute(&args),
         Command::Identify(args) => identify::execute(&args),
         Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::IdentifyServo(args) => identify_servo::execute(&args),

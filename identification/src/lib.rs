@@ -1,6 +1,6 @@
 //! What is identified from recordings, one room a kind: [`axis`] (friction and inertia of a driven
 //! axis), [`friction`] (friction models with all their parameters), [`drive`] (a motor's
-//! constants), [`servo`] and [`stiction`].
+//! constants), [`servo`] and [`stiction`]; [`look`] shows what a file holds before any of them.
 //!
 //! Each works everything out first; its document is JSON, its page HTML, its terminal text.
 //! [`asked`] holds the options that the command and requests to the node have in common.
@@ -9,6 +9,7 @@ pub mod asked;
 pub mod axis;
 pub mod drive;
 pub mod friction;
+pub mod look;
 pub mod rows;
 pub mod servo;
 pub mod stiction;

@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use serde::Serialize;
+
 use super::units::{self, Quantity, Unit};
 
 /// A column as named on the command line: `NAME` or `NAME:SCALE`. A number counts the columns from
@@ -48,7 +50,8 @@ impl FromStr for Column {
 }
 
 /// A channel that a table may hold.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Channel {
     /// Time.
     Time,

@@ -20,6 +20,7 @@ pub mod driven;
 mod error;
 pub mod irregularities;
 pub mod joints;
+pub mod overview;
 #[cfg(feature = "ros")]
 pub mod record;
 mod rig_clock;

@@ -17,6 +17,7 @@ pub mod identify_stiction;
 pub mod launch;
 #[cfg(feature = "ros")]
 pub mod live;
+pub mod look;
 pub mod manual;
 pub mod models;
 pub mod monte_carlo;

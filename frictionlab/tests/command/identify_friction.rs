@@ -493,7 +493,7 @@ fn bad_input_is_refused_with_a_sentence_and_nothing_is_written() {
     let chirp = recording(&model, 500, &|t| chirp(t), &mut Noise::new(1, 1e-4));
     desk.file("chirp.csv", &chirp);
     let lines: Vec<&str> = chirp.lines().collect();
-    desk.file("nan.csv", &chirp.replacen(lines[17], "0.0160,NaN,0.1", 1));
+    desk.file("inf.csv", &chirp.replacen(lines[17], "0.0160,inf,0.1", 1));
     desk.file("ragged.csv", &chirp.replacen(lines[17], "0.0160,0.1", 1));
     desk.file("one.csv", &lines[..2].join("\n"));
     desk.file("empty.csv", "");
@@ -511,7 +511,7 @@ fn bad_input_is_refused_with_a_sentence_and_nothing_is_written() {
     desk.file("turned.csv", &format!("velocity_rad_s,torque_Nm\n{}\n", turned.join("\n")));
     for (file, parts) in [
         ("absent.csv", &["absent.csv", "cannot be read"][..]),
-        ("nan.csv", &["nan.csv", "line 18", "velocity_rad_s", "NaN"]),
+        ("inf.csv", &["inf.csv", "line 18", "velocity_rad_s", "finite number"]),
         ("ragged.csv", &["line 18", "2 fields"]),
         ("one.csv", &["1 samples"]),
         ("empty.csv", &["empty"]),

@@ -325,12 +325,10 @@ fn bad_samples_are_refused_with_their_line() {
             lines[1000] = cells.join(",");
         }
     };
-    with("nan.csv", &cell(2, "NaN"));
-    desk.refused(&["nan.csv"], &["line 1001", "nan.csv", "torque_Nm", "NaN", "finite number"]);
-    with("word.csv", &cell(1, "n/a"));
-    desk.refused(&["word.csv"], &["line 1001", "position_rad", "n/a"]);
-    with("blank.csv", &cell(2, ""));
-    desk.refused(&["blank.csv"], &["line 1001", "torque_Nm"]);
+    with("inf.csv", &cell(2, "inf"));
+    desk.refused(&["inf.csv"], &["line 1001", "inf.csv", "torque_Nm", "inf", "finite number"]);
+    with("word.csv", &cell(1, "off"));
+    desk.refused(&["word.csv"], &["line 1001", "position_rad", "off"]);
     with("ragged.csv", &|lines| lines[1000] = "1.998".to_owned());
     desk.refused(&["ragged.csv"], &["line 1001", "1 field"]);
     with("back.csv", &|lines| lines.swap(1000, 1001));

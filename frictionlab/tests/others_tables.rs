@@ -1,0 +1,195 @@
+//! Tables as other people write them: decimal commas, irregular times, columns by number.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use msgs::sensor_msgs::JointState;
+use msgs::std_msgs::Header;
+use recording::bag::{BagOptions, BagWriter};
+use serde_json::Value;
+
+/// Inertia [kg m^2], viscous friction [N m s/rad] and Coulomb friction [N m] of the axis.
+const TRUTH: [f64; 3] = [0.02, 0.3, 0.5];
+
+/// Time, velocity and torque of a driven axis that never rests, at uneven times.
+fn rows(step: impl Fn(usize) -> f64) -> Vec<[f64; 3]> {
+    let (mut t, mut rows) = (0.0, Vec::new());
+    for k in 0..4000 {
+        let (mut v, mut a) = (0.0f64, 0.0);
+        for (amplitude, omega) in [(3.0f64, 2.0f64), (2.0, 5.3), (1.0, 11.0)] {
+            v += amplitude * (omega * t).sin();
+            a += amplitude * omega * (omega * t).cos();
+        }
+        rows.push([t, v, TRUTH[0] * a + TRUTH[1] * v + TRUTH[2] * v.signum()]);
+        t += step(k);
+    }
+    rows
+}
+
+fn frictionlab(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_frictionlab"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn ok(folder: &Path, arguments: &[&str]) -> String {
+    let output = frictionlab(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = frictionlab(folder, arguments);
+    assert!(!output.status.success(), "{arguments:?} was accepted");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// The estimates of inertia, viscous and Coulomb friction.
+fn assert_found(folder: &Path, within: f64) {
+    let text = fs::read_to_string(folder.join("found/identification.json")).unwrap();
+    let document: Value = serde_json::from_str(&text).unwrap();
+    let found = &document["symmetric"]["parameters"];
+    for (name, truth) in ["inertia", "viscous", "coulomb"].into_iter().zip(TRUTH) {
+        let value = found[name]["value"].as_f64().unwrap_or_else(|| panic!("no {name} in {found}"));
+        assert!((value / truth - 1.0).abs() < within, "{name}: {value} and not {truth}");
+    }
+}
+
+/// A bag of an arm whose elbow is the axis, and whose other joint stands still.
+fn arm(folder: &Path) {
+    let mut bag = BagWriter::create(&folder.join("bag"), BagOptions::default()).unwrap();
+    let mut position = 0.0;
+    for [t, v, torque] in rows(|_| 2e-3) {
+        let stamp = 1_700_000_000_000_000_000 + (t * 1e9).round() as u64;
+        position += 2e-3 * v;
+        let state = JointState {
+            header: Header::at(stamp),
+            name: vec!["shoulder".into(), "elbow".into()],
+            position: vec![0.5, position],
+            velocity: vec![0.0, v],
+            effort: vec![9.0, torque],
+        };
+        bag.write("/joint_states", stamp, &state).unwrap();
+    }
+    bag.finish().unwrap();
+}
+
+#[test]
+fn a_joint_of_a_bag_is_identified_from_the_torque_that_drives_it() {
+    let folder = tempfile::tempdir().unwrap();
+    arm(folder.path());
+    let look = ok(folder.path(), &["look", "bag"]);
+    assert!(look.contains("shoulder, elbow") && look.contains("name one of them"), "{look}");
+    let look = ok(folder.path(), &["look", "bag", "--joint", "elbow"]);
+    assert!(look.contains("500 Hz") && look.contains("effort"), "{look}");
+    let said = refused(folder.path(), &["identify", "bag", "--effort", "driving"]);
+    assert!(said.contains("shoulder, elbow") && said.contains("--joint NAME"), "{said}");
+    let said = refused(folder.path(), &["identify", "bag", "--joint", "elbow"]);
+    assert!(said.contains("--effort driving"), "{said}");
+    let elbow = ["identify", "bag", "--joint", "elbow", "--effort", "driving", "--out", "found"];
+    ok(folder.path(), &elbow);
+    assert_found(folder.path(), 0.02);
+}
+
+#[test]
+fn options_without_effect_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    arm(folder.path());
+    let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
+    for [t, v, torque] in rows(|_| 2e-3) {
+        writeln!(text, "{t:.4},{v:.6},{torque:.6}").unwrap();
+    }
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    for (arguments, part) in [
+        (&["identify", "a.csv", "--joint", "elbow"][..], "--joint"),
+        (&["identify", "a.csv", "--effort", "driving"], "--effort"),
+        (&["identify", "a.csv", "--torque-from-voltage"], "--torque-from-voltage"),
+        (&["identify", "a.csv", "--asymmetric"], "--asymmetric"),
+        (&["identify", "a.csv", "--model", "lugre", "--structure", "auto"], "--structure"),
+        (&["identify", "a.csv", "--model", "lugre", "--without-offset"], "--without-offset"),
+        (&["identify", "bag", "--joint", "elbow", "--effort", "driving", "--time", "t"], "--time"),
+        (&["look", "a.csv", "--joint", "elbow"], "--joint"),
+        (&["look", "bag", "--time", "t"], "--time"),
+    ] {
+        let said = refused(folder.path(), arguments);
+        assert!(said.contains(part) && said.contains("leave"), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn a_look_tells_what_was_understood_and_what_can_be_identified() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "t [ms];dq [deg/s];tau (mNm)\n".to_owned();
+    for [t, v, torque] in rows(|_| 2e-3) {
+        let row = format!("{:.3};{:.6};{:.5}", t * 1e3, v.to_degrees(), torque * 1e3);
+        writeln!(text, "{}", row.replace('.', ",")).unwrap();
+    }
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    let said = ok(folder.path(), &["look", "a.csv", "--out", "seen"]);
+    for part in ["semicolons", "decimals with a comma", "deg/s", "500 Hz", "frictionlab identify"] {
+        assert!(said.contains(part), "no {part} in {said}");
+    }
+    let printed = ok(folder.path(), &["look", "a.csv", "--json"]);
+    let document: Value = serde_json::from_str(&printed).unwrap();
+    assert_eq!(document["dialect"]["separator"], "semicolon");
+    assert_eq!(document["channels"][1]["channel"], "velocity");
+    let page = fs::read_to_string(folder.path().join("seen/report.html")).unwrap();
+    assert!(page.contains("The recording over time"));
+}
+
+#[test]
+fn a_table_of_a_german_spreadsheet_is_the_same_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "# drive 3\nZeit;t [ms];dq [deg/s];tau (mNm)\n".to_owned();
+    for [t, v, torque] in rows(|_| 2e-3) {
+        let row = format!("x;{:.3};{:.6};{:.5}", t * 1e3, v.to_degrees(), torque * 1e3);
+        writeln!(text, "{}", row.replace('.', ",")).unwrap();
+    }
+    fs::write(folder.path().join("a.csv"), text).unwrap();
+    let said = ok(folder.path(), &["identify", "a.csv", "--out", "found"]);
+    assert!(said.contains("decimals are read with a comma"), "{said}");
+    assert_found(folder.path(), 0.02);
+}
+
+#[test]
+fn columns_without_names_are_given_by_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    for [t, v, torque] in rows(|_| 2e-3) {
+        writeln!(text, "{torque:.6} {t:.4}  {v:.6}").unwrap();
+    }
+    fs::write(folder.path().join("a.txt"), text).unwrap();
+    let said = refused(folder.path(), &["identify", "a.txt"]);
+    assert!(said.contains("numbers of its 3 columns"), "{said}");
+    let named = ["--time-column", "2", "--velocity", "3", "--force-column", "1"];
+    ok(folder.path(), &[&["identify", "a.txt", "--out", "found"][..], &named].concat());
+    assert_found(folder.path(), 0.02);
+}
+
+#[test]
+fn irregular_times_are_refused_until_a_rate_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, step) in [
+        (
+            "turns.csv",
+            &(|k: usize| if k % 2 == 0 { 0.010 } else { 0.012 }) as &dyn Fn(usize) -> f64,
+        ),
+        ("jitter.csv", &|k: usize| 1e-3 * (1.0 + 7.0 * ((k * 7919) % 1000) as f64 / 999.0)),
+    ] {
+        let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
+        for [t, v, torque] in rows(step) {
+            writeln!(text, "{t:.6},{v:.6},{torque:.6}").unwrap();
+        }
+        fs::write(folder.path().join(name), text).unwrap();
+        let said = refused(folder.path(), &["identify", name]);
+        assert!(said.contains("irregular times") && said.contains("--resample"), "{said}");
+        let arguments = ["identify", name, "--resample", "90", "--out", "found", "--force"];
+        let said = ok(folder.path(), &arguments);
+        assert!(said.contains("brought to 90 Hz") && said.contains("noise"), "{said}");
+        assert_found(folder.path(), 0.05);
+    }
+}

@@ -1,0 +1,354 @@
+//! What a file holds, before anything is fitted: its columns and units, its times, gaps, rest and
+//! ranges. A column that cannot be used is told, and the others are shown.
+
+use std::path::{Path, PathBuf};
+
+use friction_ident::quantiser::step_of;
+use friction_ident::statistics::upper_median;
+use serde::Serialize;
+
+use super::column::Channel;
+use super::joints::{self, Effort, JointChoice};
+use super::sheet::{Dialect, Found, Missing, Sheet};
+use super::table::Columns;
+use super::{Column, RecordingError, timing};
+use crate::bag::BagReader;
+
+/// Steps longer than so many usual ones are gaps.
+const GAP: f64 = 3.0;
+/// Below this fraction of the fastest motion an axis is taken to rest.
+const REST: f64 = 0.01;
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Overview {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// How a table is written; none for a bag.
+    pub dialect: Option<Dialect>,
+    /// Names of all columns of a table, or of the topics of a bag.
+    pub names: Vec<String>,
+    /// Joints of a bag.
+    pub joints: Vec<String>,
+    /// Samples with a value in every channel.
+    pub samples: usize,
+    /// Rows without a value in some channel.
+    pub blank: usize,
+    /// Its times; none where it has none.
+    pub times: Option<Times>,
+    /// The channels that were understood.
+    pub channels: Vec<Seen>,
+    /// What the axis does; none where no motion was understood.
+    pub motion: Option<Moved>,
+    /// What could not be understood, in sentences.
+    pub problems: Vec<String>,
+}
+
+/// Times of the samples.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Times {
+    /// Times from the first one \[s\].
+    #[serde(skip)]
+    pub values: Vec<f64>,
+    /// From the first to the last \[s\].
+    pub duration: f64,
+    /// One by the median step \[Hz\].
+    pub rate: f64,
+    /// Shortest step \[s\].
+    pub shortest: f64,
+    /// Longest step \[s\].
+    pub longest: f64,
+    /// Steps longer than three usual ones.
+    pub gaps: usize,
+    /// Steps that do not go forwards.
+    pub not_forwards: usize,
+    /// Rate to which samples at irregular times would be brought \[Hz\]; none where they are even.
+    pub resample_to: Option<f64>,
+}
+
+/// A channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Seen {
+    /// What it holds.
+    pub channel: Channel,
+    /// Column, or field of a joint.
+    pub name: String,
+    /// The unit in its name; none where it is taken to be in SI units.
+    pub unit: Option<String>,
+    /// Factor to SI units.
+    pub scale: f64,
+    /// Least value, in SI units.
+    pub least: f64,
+    /// Greatest value, in SI units.
+    pub greatest: f64,
+    /// Step of a quantiser that it comes from, in SI units.
+    pub step: Option<f64>,
+    /// All values, in SI units.
+    #[serde(skip)]
+    pub values: Vec<f64>,
+}
+
+/// What the axis does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moved {
+    /// Share of the samples at rest: below a hundredth of the fastest motion.
+    pub rest: f64,
+    /// Share of the samples that move in the positive direction.
+    pub forwards: f64,
+    /// Share of the samples that move in the negative direction.
+    pub backwards: f64,
+    /// Changes of the direction.
+    pub reversals: usize,
+    /// Greatest speed \[m/s or rad/s\].
+    pub fastest: f64,
+}
+
+impl Overview {
+    /// The channel, if it was understood.
+    #[must_use]
+    pub fn channel(&self, channel: Channel) -> Option<&Seen> {
+        self.channels.iter().find(|seen| seen.channel == channel)
+    }
+
+    fn with_motion(mut self) -> Self {
+        self.motion = self.moved();
+        self
+    }
+
+    fn moved(&self) -> Option<Moved> {
+        let velocity = match (self.channel(Channel::Velocity), self.channel(Channel::Position)) {
+            (Some(velocity), _) => velocity.values.clone(),
+            (None, Some(position)) => slopes(&self.times.as_ref()?.values, &position.values),
+            (None, None) => return None,
+        };
+        let fastest = velocity.iter().fold(0.0f64, |most, v| most.max(v.abs()));
+        let share = |is: &dyn Fn(f64) -> bool| {
+            velocity.iter().filter(|v| is(**v)).count() as f64 / velocity.len().max(1) as f64
+        };
+        let slow = REST * fastest;
+        let moving: Vec<f64> = velocity.iter().copied().filter(|v| v.abs() > slow).collect();
+        Some(Moved {
+            rest: share(&|v| v.abs() <= slow),
+            forwards: share(&|v| v > slow),
+            backwards: share(&|v| v < -slow),
+            reversals: moving.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count(),
+            fastest,
+        })
+    }
+}
+
+/// Slopes over some fifty samples, so that the steps of an encoder are no motion.
+fn slopes(time: &[f64], position: &[f64]) -> Vec<f64> {
+    let n = time.len().min(position.len());
+    let half = (n / 200).clamp(1, 25);
+    (0..n)
+        .map(|k| {
+            let (from, to) = (k.saturating_sub(half), (k + half).min(n - 1));
+            let seconds = time[to] - time[from];
+            if seconds > 0.0 { (position[to] - position[from]) / seconds } else { 0.0 }
+        })
+        .collect()
+}
+
+/// Looks at a CSV file, an `.mcap` file or a bag's folder.
+///
+/// # Errors
+/// [`RecordingError`] for a file that cannot be read, a row that is not as long as the others, and
+/// a column or joint that was named and is not there.
+pub fn look(
+    path: &Path,
+    columns: &Columns,
+    joint: &JointChoice,
+) -> Result<Overview, RecordingError> {
+    if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
+        return bag(path, joint);
+    }
+    let bytes = files::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    table(path, &bytes, columns)
+}
+
+fn table(path: &Path, bytes: &[u8], columns: &Columns) -> Result<Overview, RecordingError> {
+    let mut sheet = Sheet::open(path, bytes, "t_s,position_m,force_N")?;
+    let mut problems = Vec::new();
+    let mut found: Vec<(Channel, Found)> = Vec::new();
+    for (channel, named) in [
+        (Channel::Time, columns.time.as_ref()),
+        (Channel::Position, columns.position.as_ref()),
+        (Channel::Velocity, columns.velocity.as_ref()),
+        (Channel::Force, columns.force.as_ref()),
+        (Channel::Voltage, None),
+        (Channel::Current, None),
+        (Channel::Friction, None),
+    ] {
+        match sheet.optional(channel, named) {
+            Ok(Some(column)) => found.push((channel, column)),
+            Ok(None) => {}
+            Err(error @ RecordingError::NoColumn { .. }) => return Err(error),
+            Err(error) => problems.push(error.to_string()),
+        }
+    }
+    if found.is_empty() && sheet.dialect.headerless {
+        problems.push(sheet.no_header().to_string());
+    }
+    let wanted: Vec<&Found> = found.iter().map(|(_, found)| found).collect();
+    let read = sheet.columns(&wanted, Missing::LeftOut)?;
+    let mut times = None;
+    let mut channels = Vec::new();
+    for ((channel, column), values) in found.into_iter().zip(read.values) {
+        if channel == Channel::Time {
+            times = Some(times_of(&values));
+        }
+        let named = Column { name: column.source.name.clone(), scale: None };
+        let unit = channel.unit_in(&named.name).ok().flatten();
+        let unit = unit.and(super::units::parts(&named.name).unit).map(str::to_owned);
+        channels.push(seen(channel, column.source.name, unit, column.source.scale, values));
+    }
+    Ok(Overview {
+        path: path.into(),
+        dialect: Some(sheet.dialect),
+        names: sheet.names,
+        joints: Vec::new(),
+        samples: read.lines.len(),
+        blank: read.blank,
+        times,
+        channels,
+        motion: None,
+        problems,
+    }
+    .with_motion())
+}
+
+fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
+    let bag = BagReader::open(path)?;
+    let mut overview = Overview {
+        path: path.into(),
+        dialect: None,
+        names: bag.topics().iter().map(|topic| topic.name.clone()).collect(),
+        joints: Vec::new(),
+        samples: 0,
+        blank: 0,
+        times: None,
+        channels: Vec::new(),
+        motion: None,
+        problems: Vec::new(),
+    };
+    overview.joints = joints::names(&bag)?;
+    if let Err(error @ RecordingError::EffortMeaning { .. }) = joints::read(path, &bag, choice) {
+        overview.problems.push(error.to_string());
+    }
+    // It is shown whatever it is.
+    let shown = JointChoice {
+        name: choice.name.clone(),
+        effort: Some(choice.effort.unwrap_or(Effort::Driving)),
+    };
+    let mut samples = match joints::read(path, &bag, &shown) {
+        Ok(joint) => joint.samples,
+        Err(error @ RecordingError::SeveralJoints { .. }) => {
+            overview.problems.push(error.to_string());
+            return Ok(overview);
+        }
+        Err(error) => return Err(error),
+    };
+    samples.sort_by_key(|sample| sample.stamp);
+    let start = samples.first().map_or(0, |sample| sample.stamp);
+    let since: Vec<f64> =
+        samples.iter().map(|sample| sample.stamp.saturating_sub(start) as f64 * 1e-9).collect();
+    overview.samples = samples.len();
+    overview.times = Some(times_of(&since));
+    let fields: [(Channel, &str, fn(&joints::JointSample) -> Option<f64>); 3] = [
+        (Channel::Position, "position", |sample| sample.position),
+        (Channel::Velocity, "velocity", |sample| sample.velocity),
+        (Channel::Force, "effort", |sample| sample.effort),
+    ];
+    for (channel, name, of) in fields {
+        let values: Vec<f64> = samples.iter().filter_map(of).collect();
+        if values.len() == samples.len() {
+            overview.channels.push(seen(channel, name.to_owned(), None, 1.0, values));
+        } else {
+            let missing = samples.len() - values.len();
+            overview.problems.push(format!(
+                "{missing} of {} messages have no {name} that is a number",
+                samples.len()
+            ));
+        }
+    }
+    Ok(overview.with_motion())
+}
+
+fn seen(
+    channel: Channel,
+    name: String,
+    unit: Option<String>,
+    scale: f64,
+    values: Vec<f64>,
+) -> Seen {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let step = (channel == Channel::Position).then(|| step_of(&values)).flatten();
+    Seen { channel, name, unit, scale, least, greatest, step, values }
+}
+
+fn times_of(time: &[f64]) -> Times {
+    let start = time.first().copied().unwrap_or(0.0);
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut forwards: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
+    let usual = upper_median(&mut forwards).unwrap_or(f64::NAN);
+    Times {
+        values: time.iter().map(|t| t - start).collect(),
+        duration: time.last().map_or(0.0, |last| last - start),
+        rate: 1.0 / usual,
+        shortest: forwards.iter().copied().fold(f64::INFINITY, f64::min),
+        longest: forwards.iter().copied().fold(0.0, f64::max),
+        gaps: steps.iter().filter(|step| **step > GAP * usual).count(),
+        not_forwards: steps.iter().filter(|step| **step <= 0.0).count(),
+        resample_to: timing::rate_for(time),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn looked(text: &str) -> Overview {
+        table(Path::new("x.csv"), text.as_bytes(), &Columns::default()).unwrap()
+    }
+
+    #[test]
+    fn what_was_understood_is_told() {
+        let mut text = "t [ms];pos [deg];vel [furlongs];tau [mNm];note\n".to_owned();
+        for k in 0..200 {
+            // It rests, goes forth, and comes back.
+            let position = match k {
+                0..100 => 0.0,
+                100..150 => f64::from(k - 100),
+                _ => f64::from(200 - k),
+            };
+            let time = f64::from(k) + if k > 120 { 50.0 } else { 0.0 };
+            let torque = if k == 7 { "NaN".to_owned() } else { format!("{k},5") };
+            text += &format!("{time};{position},0;1;{torque};x\n");
+        }
+        let found = looked(&text);
+        assert_eq!((found.samples, found.blank), (199, 1));
+        assert!(found.dialect.unwrap().decimal_comma);
+        let times = found.times.as_ref().unwrap();
+        assert!((times.rate - 1000.0).abs() < 1e-6 && times.gaps == 1, "{times:?}");
+        assert_eq!(times.resample_to, None);
+        let torque = found.channel(Channel::Force).unwrap();
+        assert_eq!((torque.unit.as_deref(), torque.greatest), (Some("mNm"), 0.1995));
+        assert!(found.problems[0].contains("furlongs"), "{:?}", found.problems);
+        let motion = found.motion.unwrap();
+        assert!((0.4..0.6).contains(&motion.rest) && motion.reversals == 1, "{motion:?}");
+    }
+
+    #[test]
+    fn a_table_without_names_and_irregular_times_are_told() {
+        let found = looked("0,1,2\n1,2,3\n");
+        assert!(found.channels.is_empty() && found.problems[0].contains("numbers of its 3"));
+        let mut text = "t,q,tau\n".to_owned();
+        for k in 0..100 {
+            text += &format!("{},{k},1\n", f64::from(k / 2) * 0.022 + f64::from(k % 2) * 0.01);
+        }
+        assert_eq!(looked(&text).times.unwrap().resample_to, Some(90.0));
+    }
+}
