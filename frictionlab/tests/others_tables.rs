@@ -176,7 +176,7 @@ fn irregular_times_are_refused_until_a_rate_is_said() {
     for (name, step) in [
         (
             "turns.csv",
-            &(|k: usize| if k % 2 == 0 { 0.010 } else { 0.012 }) as &dyn Fn(usize) -> f64,
+            &(|k: usize| if k.is_multiple_of(2) { 0.010 } else { 0.012 }) as &dyn Fn(usize) -> f64,
         ),
         ("jitter.csv", &|k: usize| 1e-3 * (1.0 + 7.0 * ((k * 7919) % 1000) as f64 / 999.0)),
     ] {

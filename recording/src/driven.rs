@@ -101,7 +101,7 @@ fn from_table(
     let friction = friction.map(|_| next());
     let timing = Timing::of(path, &time, steps, |index| format!("line {}", lines[index]))?
         .of_one_rate()
-        .as_written(blank, sheet.dialect);
+        .written_as(blank, sheet.dialect);
     let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);
     Ok(DrivenRecording {
         path: path.into(),

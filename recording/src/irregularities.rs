@@ -77,7 +77,7 @@ pub struct Irregularities {
 impl Irregularities {
     /// With what is to be said of the table that it was read from.
     #[must_use]
-    pub(super) const fn as_written(self, blank: usize, dialect: Dialect) -> Self {
+    pub(super) const fn written_as(self, blank: usize, dialect: Dialect) -> Self {
         let Dialect { decimal_comma, names_in_remark, .. } = dialect;
         Self { blank, decimal_comma, names_in_remark, ..self }
     }

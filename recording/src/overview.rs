@@ -256,12 +256,16 @@ fn bag(path: &Path, choice: &JointChoice) -> Result<Overview, RecordingError> {
         samples.iter().map(|sample| sample.stamp.saturating_sub(start) as f64 * 1e-9).collect();
     overview.samples = samples.len();
     overview.times = Some(times_of(&since));
-    let fields: [(Channel, &str, fn(&joints::JointSample) -> Option<f64>); 3] = [
-        (Channel::Position, "position", |sample| sample.position),
-        (Channel::Velocity, "velocity", |sample| sample.velocity),
-        (Channel::Force, "effort", |sample| sample.effort),
-    ];
-    for (channel, name, of) in fields {
+    for (channel, name) in [
+        (Channel::Position, "position"),
+        (Channel::Velocity, "velocity"),
+        (Channel::Force, "effort"),
+    ] {
+        let of = |sample: &joints::JointSample| match channel {
+            Channel::Position => sample.position,
+            Channel::Velocity => sample.velocity,
+            _ => sample.effort,
+        };
         let values: Vec<f64> = samples.iter().filter_map(of).collect();
         if values.len() == samples.len() {
             overview.channels.push(seen(channel, name.to_owned(), None, 1.0, values));

@@ -72,7 +72,7 @@ fn parse(
     let rows = rows(path, bytes, columns, Motion::One)?;
     let timing = Timing::of(path, &rows.time, steps, |index| rows.place(index))?
         .of_one_rate()
-        .as_written(rows.blank, rows.dialect);
+        .written_as(rows.blank, rows.dialect);
     Ok(Recording {
         path: path.into(),
         time_step: timing.stretches[0].time_step,

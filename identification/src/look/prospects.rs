@@ -38,7 +38,8 @@ pub fn prospects(seen: &Overview) -> Prospects {
              --inertia J:SE{resample}"
         ));
     }
-    if !timed && has(Channel::Velocity) && has(Channel::Force) {
+    let points = !timed && has(Channel::Velocity) && has(Channel::Force);
+    if points {
         can.push(format!(
             "static friction models from steady points: frictionlab identify {file} --model coulomb_viscous,stribeck"
         ));
@@ -53,7 +54,7 @@ pub fn prospects(seen: &Overview) -> Prospects {
             current.name
         ));
     }
-    if !timed && !(has(Channel::Velocity) && has(Channel::Force)) {
+    if !(timed || points) {
         missing.push("no time is recognised: name its column with --time NAME".to_owned());
     }
     if !moves {

@@ -31,7 +31,7 @@ fn write_bag(dir: &Path, messages: u64, options: BagOptions) -> BagSummary {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn what_wwritten_as_is_read() {
     for compression in [Compression::None, Compression::Lz4, Compression::Zstd] {
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path().join("run_bag");

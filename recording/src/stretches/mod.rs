@@ -193,7 +193,7 @@ fn parse(
         velocity: rows.velocity.clone(),
         force: rows.force.clone(),
     };
-    let written = |timing: Timing| timing.as_written(rows.blank, rows.dialect);
+    let written = |timing: Timing| timing.written_as(rows.blank, rows.dialect);
     cut(path, &samples, rows.axis, how, |index| rows.place(index), written)
 }
 

@@ -70,6 +70,6 @@ pub(super) fn points(
         axis,
         outliers: Vec::new(),
         drive_errors,
-        irregularities: Irregularities::default().as_written(blank, sheet.dialect),
+        irregularities: Irregularities::default().written_as(blank, sheet.dialect),
     })
 }

@@ -265,8 +265,8 @@ impl Timing {
 impl Timing {
     /// With what is to be said of the table that it was read from.
     #[must_use]
-    pub(super) fn as_written(mut self, blank: usize, dialect: Dialect) -> Self {
-        self.irregularities = self.irregularities.as_written(blank, dialect);
+    pub(super) fn written_as(mut self, blank: usize, dialect: Dialect) -> Self {
+        self.irregularities = self.irregularities.written_as(blank, dialect);
         self
     }
 }
