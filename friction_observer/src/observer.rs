@@ -10,7 +10,7 @@
 //! rates, so that part of the injection is plain proportional gain: `sigma k` N m per unit of error
 //! for a model with micro-damping `sigma`.
 
-use friction_model::{AnyModel, AnyStepper, ModelName, RunningContact, TimeStep};
+use friction_model::{AnyModel, AnyStepper, ModelName, RunningContact, Scheme, TimeStep};
 
 use crate::{Estimate, Source};
 
@@ -23,10 +23,16 @@ pub struct FrictionObserver<C = AnyStepper> {
 }
 
 impl FrictionObserver {
-    /// An observer over `model`, at rest, called once every `dt`.
+    /// An observer over `model`, at rest, called once every `dt`; each velocity is held for it.
     #[must_use]
     pub fn new(model: &AnyModel, dt: TimeStep) -> Self {
-        Self { stepper: model.start(dt), source: Source::Model(model.name()) }
+        Self::by(Scheme::Held, model, dt)
+    }
+
+    /// An observer over `model`, at rest, stepped by `scheme` once every `dt`.
+    #[must_use]
+    pub fn by(scheme: Scheme, model: &AnyModel, dt: TimeStep) -> Self {
+        Self { stepper: model.start_by(scheme, dt), source: Source::Model(model.name()) }
     }
 
     /// The model that estimates.
@@ -45,8 +51,8 @@ impl<C: RunningContact> FrictionObserver<C> {
         Self { stepper: contact, source }
     }
 
-    /// The friction now at the measured `velocity` \[rad/s\]; the model then advances by one
-    /// period. `measured_torque` \[N m\], where there is a sensor, is compared with the estimate.
+    /// The friction now at the measured `velocity` \[rad/s\], with the inner quantities of the same
+    /// moment. `measured_torque` \[N m\], where there is a sensor, is compared with the estimate.
     ///
     /// A velocity that is not a finite number is not believed: the estimate is zero torque and the
     /// model stays where it is.
@@ -64,13 +70,18 @@ impl<C: RunningContact> FrictionObserver<C> {
         rate: f64,
         measured_torque: Option<f64>,
     ) -> Estimate {
-        let internals = self.stepper.internals(velocity);
+        let before = self.stepper.internals(velocity);
         let torque = if !velocity.is_finite() {
             0.0
         } else if rate == 0.0 {
             self.stepper.step(velocity)
         } else {
             self.stepper.step_injected(velocity, rate)
+        };
+        // After a step the state is that of the next moment, or of this one.
+        let internals = match self.stepper.scheme() {
+            Scheme::Held => before,
+            Scheme::Mean => self.stepper.internals(velocity),
         };
         Estimate {
             source: self.source,
@@ -129,6 +140,31 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Stepped by the mean, the estimate is ten times nearer, and the deflection is that of now.
+    #[test]
+    fn the_mean_follows_ten_times_nearer() {
+        let velocity = |t: f64| 0.3 * (1.5 * t).sin() + 0.05 * (9.0 * t).sin();
+        let model = AnyModel::test_bed(ModelName::LuGre);
+        let errors = |scheme| {
+            let mut observer = FrictionObserver::by(scheme, &model, TimeStep::new(1e-3).unwrap());
+            let mut truth = model.start_by(Scheme::Mean, TimeStep::new(1e-5).unwrap());
+            let (mut torque, mut deflection) = (0.0f64, 0.0f64);
+            for k in 0..400_000u32 {
+                let v = velocity(f64::from(k) * 1e-5);
+                let true_torque = truth.step(v);
+                if k % 100 == 0 {
+                    let estimate = observer.observe(v, None);
+                    let true_deflection = truth.internals(v).deflection;
+                    torque = torque.max((estimate.torque - true_torque).abs());
+                    deflection = deflection.max((estimate.deflection - true_deflection).abs());
+                }
+            }
+            (torque, deflection)
+        };
+        let (held, mean) = (errors(Scheme::Held), errors(Scheme::Mean));
+        assert!(mean.0 < 0.1 * held.0 && mean.1 < 0.1 * held.1, "{held:?} held, {mean:?} mean");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What an estimator is made of.
 
+use friction_model::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::error::within;
@@ -15,6 +16,9 @@ pub struct EstimatorOptions {
     /// derivative (thesis section 5.2); zero for none, from -1e3 to 1e3. Techniques without such an
     /// observer ignore it.
     pub injection: f64,
+    /// How the velocity between two cycles is taken.
+    #[serde(default, skip_serializing_if = "is_held")]
+    pub scheme: Scheme,
     /// Which velocity the estimator believes.
     #[serde(default)]
     pub velocity: VelocitySource,
@@ -26,12 +30,19 @@ pub struct EstimatorOptions {
     pub drive: NominalDrive,
 }
 
+/// Files of runs say nothing of the scheme that the thesis has.
+fn is_held(scheme: &Scheme) -> bool {
+    *scheme == Scheme::Held
+}
+
 impl Default for EstimatorOptions {
-    /// The observer on the velocity of the tachometer, without error injection, on the SRV-02.
+    /// The observer on the velocity of the tachometer, without error injection, on the SRV-02. Each
+    /// velocity is held for a cycle, as in the thesis.
     fn default() -> Self {
         Self {
             technique: Technique::default(),
             injection: 0.0,
+            scheme: Scheme::Held,
             velocity: VelocitySource::default(),
             feeds_controller: false,
             drive: NominalDrive::SRV02,

@@ -1,6 +1,6 @@
 //! A technique while it runs.
 
-use friction_model::{AnyModel, ModelName, Regime, TimeStep};
+use friction_model::{AnyModel, ModelName, Regime, Scheme, TimeStep};
 
 use crate::adaptive::{FrictionLevel, FrictionParameters, Stiffness};
 use crate::{
@@ -25,8 +25,8 @@ struct PairEstimate {
 }
 
 impl ModelPair {
-    fn new(model: &AnyModel, share: f64, dt: TimeStep) -> Self {
-        let observer = FrictionObserver::new(model, dt);
+    fn new(scheme: Scheme, model: &AnyModel, share: f64, dt: TimeStep) -> Self {
+        let observer = FrictionObserver::by(scheme, model, dt);
         Self { feedback: observer.clone(), feedforward: observer, share }
     }
 
@@ -85,11 +85,11 @@ impl Running {
         dt: TimeStep,
     ) -> Result<Self, ObserverError> {
         options.check()?;
-        let drive = &options.drive;
-        let pair = |share| ModelPair::new(model, share, dt);
+        let EstimatorOptions { drive, scheme, .. } = options;
+        let pair = |share| ModelPair::new(*scheme, model, share, dt);
         let engine = match &options.technique {
             Technique::Feedback => Engine::Pair(pair(0.0)),
-            Technique::Feedforward => Engine::Feedforward(FrictionObserver::new(model, dt)),
+            Technique::Feedforward => Engine::Feedforward(FrictionObserver::by(*scheme, model, dt)),
             Technique::Both { share } => Engine::Pair(pair(*share)),
             Technique::Adaptive(level) => {
                 Engine::Level(pair(level.share), FrictionLevel::new(level, drive, dt)?)
@@ -99,7 +99,7 @@ impl Running {
                 FrictionParameters::new(model, parameters, drive, dt)?,
             ),
             Technique::AdaptiveStiffness(stiffness) => Engine::Stiffness(
-                FrictionObserver::new(model, dt),
+                FrictionObserver::by(*scheme, model, dt),
                 Stiffness::new(model, stiffness, drive, dt)?,
             ),
             Technique::DisturbanceObserver(observer) => {

@@ -9,7 +9,7 @@ use ::parameters::{
     Declaration, Declared, Named, ParameterError, ParameterValue, ValueRange, Values, choices,
     parameters,
 };
-use friction_model::{AnyModel, ModelName, TimeStep};
+use friction_model::{AnyModel, ModelName, Scheme, TimeStep};
 
 pub use of_models::model_parameters;
 
@@ -67,6 +67,9 @@ parameters! {
         injection: f64 = 0.0,
             "Error injection gain k of the observer on the measured velocity",
             range(ValueRange::Double(-1000.0, 1000.0));
+        scheme: Named<Scheme> = Named(Scheme::Held),
+            "How the model takes the velocity between two joint states",
+            choices(|| vec!["held", "mean"]);
         share: f64 = 0.5, "Share of the feedforward estimate in technique both",
             range(ValueRange::Double(0.0, 1.0));
         velocity_source: VelocitySourceName = VelocitySourceName::Tachometer,
@@ -120,6 +123,7 @@ impl ObserverSettings {
         let options = EstimatorOptions {
             technique: said.technique(),
             injection: said.injection,
+            scheme: said.scheme.0,
             velocity: said.velocity(),
             feeds_controller: false,
             drive: said.drive,
@@ -175,6 +179,7 @@ impl ObserverParameters {
             technique: options.technique.into(),
             mode: regulated,
             injection: options.injection,
+            scheme: Named(options.scheme),
             velocity_source: options.velocity.into(),
             drive: options.drive,
             ..Self::default()
