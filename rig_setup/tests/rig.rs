@@ -132,7 +132,7 @@ fn a_session_stops_when_it_is_told_to_and_refuses_voltages_above_the_rigs() {
     assert_eq!(session.step(|_| 1.0).unwrap_err(), RigSetupError::Stopped);
     for volts in [0.0, 7.0, f64::NAN] {
         let text = Session::new(open(), volts, &stop).map(drop).unwrap_err().to_string();
-        assert!(text.contains("--max-volts"), "{text}");
+        assert!(text.contains("max_volts"), "{text}");
     }
 }
 

@@ -103,8 +103,10 @@ fn the_report_of_a_run_draws_everything() {
 #[test]
 fn figures_answer_the_mouse() {
     let browser = Browser::installed();
-    let seen = browser
-        .load(&render_page(&demonstration::demonstration()), include_str!("../../browser/hands.js"));
+    let seen = browser.load(
+        &render_page(&demonstration::demonstration()),
+        include_str!("../../browser/hands.js"),
+    );
     assert_sound(&seen);
     let number =
         |key: &str| seen.probe[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", seen.probe));
