@@ -38,9 +38,13 @@ fn settled<T: Real, M: FrictionModel<T>>(
     state: &State<M::Continuous, M::Memory>,
     v: T,
 ) -> Result<(), ModelError> {
-    let mut sum = 0.0;
-    state.continuous.each(&mut |x| sum += x - x);
-    look::<T, M>("state", T::of(sum), v)?;
+    let mut worst = 0.0;
+    state.continuous.each(&mut |x| {
+        if !x.is_finite() {
+            worst = x;
+        }
+    });
+    look::<T, M>("state", T::of(worst), v)?;
     let inside = model.internals(state, v);
     look::<T, M>("deflection", inside.deflection, v)?;
     look::<T, M>("level", inside.gamma, v)?;

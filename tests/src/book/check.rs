@@ -159,7 +159,9 @@ fn cargo(words: &[&str]) -> Result<(), String> {
             "--example" => {
                 in_one(&format!("examples/{value}.rs")) || in_one(&format!("examples/{value}"))
             }
-            "--test" => in_one(&format!("tests/{value}.rs")),
+            "--test" => {
+                in_one(&format!("tests/{value}.rs")) || in_one(&format!("tests/{value}/main.rs"))
+            }
             _ => packages.is_empty() || in_one("Cargo.toml"),
         };
         if !there {
