@@ -1,9 +1,8 @@
-//! The built command from outside: runs, their reports, exit codes, and input of every kind.
+//! The built command from outside: runs, their reports, and input of every kind. What drives a device
+//! in real time has programs of its own, beside which nothing else runs.
 
-mod exit_codes;
 mod from_outside;
 mod fuzz;
 mod report_browser;
 mod report_layout;
-mod resume;
 mod run;
