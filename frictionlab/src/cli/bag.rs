@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use recording::bag::{BagError, BagReader, Recovery, recover};
-use work::BadInput;
 use work::destination::Force;
 use work::saying::print;
 
@@ -91,7 +90,7 @@ pub fn execute(args: &BagArgs) -> anyhow::Result<()> {
 fn record(bag: &Path, namespace: Option<&str>, duration: Option<f64>) -> anyhow::Result<String> {
     use recording::record::{RecordOptions, record};
     if let Some(length) = duration.filter(|length| !(*length > 0.0 && length.is_finite())) {
-        return Err(BadInput(format!("--duration must be above 0 s, but is {length}")).into());
+        return Err(work::BadInput(format!("--duration must be above 0 s, but is {length}")).into());
     }
     ros_node::ends_within(ros_node::ENDS_WITHIN_WRITING);
     let stop = ros_node::Stop::on_signals()?;
