@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
+use super::AxisKind;
 use super::units::{self, Quantity, Unit};
 
 /// A column as named on the command line: `NAME` or `NAME:SCALE`. A number counts the columns from
@@ -235,6 +236,17 @@ impl Channel {
     }
 }
 
+/// The kind of axis that a name without a unit tells: only a turn has an angle or a torque.
+pub(crate) fn axis_in(name: &str) -> Option<AxisKind> {
+    let stem = units::parts(name).stem.replace([' ', '.', '-'], "_").to_lowercase();
+    match stem.as_str() {
+        "torque" | "motor_torque" | "joint_torque" | "tau" | "angle" | "theta" | "phi"
+        | "omega" | "dtheta" => Some(AxisKind::Rotary),
+        "force" | "motor_force" => Some(AxisKind::Linear),
+        _ => None,
+    }
+}
+
 /// A unit that is not known, or is none of the channel that the column is to hold.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
@@ -252,7 +264,6 @@ pub struct UnitError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::AxisKind;
 
     #[test]
     fn reads_names_and_scales() {
@@ -340,5 +351,14 @@ mod tests {
         assert_eq!(axis(Channel::Force, "force_N"), Some(AxisKind::Linear));
         assert_eq!(axis(Channel::Velocity, "velocity_rad_s"), Some(AxisKind::Rotary));
         assert_eq!(axis(Channel::Voltage, "control_V"), None);
+        for (name, kind) in [
+            ("tau", Some(AxisKind::Rotary)),
+            ("Joint Torque", Some(AxisKind::Rotary)),
+            ("force", Some(AxisKind::Linear)),
+            ("q", None),
+            ("effort", None),
+        ] {
+            assert_eq!(axis_in(name), kind, "{name}");
+        }
     }
 }

@@ -78,7 +78,7 @@ fn from_table(
     steps: impl Into<Steps>,
 ) -> Result<DrivenRecording, RecordingError> {
     let mut sheet = Sheet::open(path, bytes, "t_s,voltage_V,position_rad")?;
-    let time = sheet.require(Channel::Time, columns.time.as_ref())?;
+    let timed = sheet.require(Channel::Time, columns.time.as_ref())?;
     let voltage = sheet.require(Channel::Voltage, columns.voltage.as_ref())?;
     let mut position = sheet.optional(Channel::Position, columns.position.as_ref())?;
     let mut velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
@@ -91,11 +91,12 @@ fn from_table(
     }
     let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| found.axis);
     let wanted: Vec<&Found> =
-        [&time, &voltage].into_iter().chain(&position).chain(&velocity).chain(&friction).collect();
+        [&timed, &voltage].into_iter().chain(&position).chain(&velocity).chain(&friction).collect();
     let Cells { values, lines, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let (time, voltage) = (next(), next());
+    sheet.check_seconds(&timed, &time)?;
     let position = position.map(|_| next());
     let velocity = velocity.map(|_| next());
     let friction = friction.map(|_| next());

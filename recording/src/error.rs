@@ -141,6 +141,18 @@ pub enum RecordingError {
         /// What stands there.
         found: String,
     },
+    /// Times that can hardly be seconds, in a column that does not say its unit.
+    #[error("the times in column `{column}` of {} are {step} apart, which no recording of an axis is if they are seconds; expected steps of at most 0.5 s, or a column that says its unit: `{column}:{scale:e}` gives it a factor to seconds, `{column}:1` says that these are seconds", path.display())]
+    TimeUnit {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// The usual step, taken as it is written.
+        step: f64,
+        /// A factor to seconds with which it would be a recording.
+        scale: f64,
+    },
     /// Time stands still or runs backwards.
     #[error("{place} of {}: time does not increase, {time} s comes after {before} s; expected the samples in the order of time", path.display())]
     TimeOrder {
@@ -303,6 +315,7 @@ impl RecordingError {
             | Self::NoHeader { .. }
             | Self::Unit { .. }
             | Self::NoValues { .. }
+            | Self::TimeUnit { .. }
             | Self::Line { .. }
             | Self::NoColumn { .. }
             | Self::Unrecognised { .. }

@@ -197,7 +197,10 @@ fn table(path: &Path, bytes: &[u8], columns: &Columns) -> Result<Overview, Recor
     let mut channels = Vec::new();
     for ((channel, column), values) in found.into_iter().zip(read.values) {
         if channel == Channel::Time {
-            times = Some(times_of(&values));
+            match sheet.check_seconds(&column, &values) {
+                Ok(()) => times = Some(times_of(&values)),
+                Err(error) => problems.push(error.to_string()),
+            }
         }
         let named = Column { name: column.source.name.clone(), scale: None };
         let unit = channel.unit_in(&named.name).ok().flatten();

@@ -143,6 +143,7 @@ pub(super) fn rows(
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let (times, forces) = (next(), next());
+    sheet.check_seconds(&time, &times)?;
     let positions = position.as_ref().map(|_| next());
     let velocities = velocity.as_ref().map(|_| next());
     let axis = velocity.as_ref().or(position.as_ref()).and_then(|found| found.axis).or(force.axis);
@@ -302,6 +303,26 @@ mod tests {
             0.05,
         );
         assert!(latin.unwrap_err().to_string().contains("line 2"));
+    }
+
+    /// Nanoseconds since the epoch, milliseconds and numbers of samples were taken for seconds.
+    #[test]
+    fn times_that_are_no_seconds_are_refused_unless_their_unit_is_known() {
+        let text = |name: &str, step: f64| {
+            let rows = (0..20).map(|k| format!("{},{k},1\n", 1.6e3 * step + f64::from(k) * step));
+            format!("{name},position_rad,torque_Nm\n{}", rows.collect::<String>())
+        };
+        for (step, scale) in [(2e6, "1e-9"), (2e3, "1e-6"), (2.0, "1e-3")] {
+            let said = message(&text("timestamp", step));
+            assert!(said.contains(&format!("`timestamp:{scale}`")), "{said}");
+            let column = format!("timestamp:{scale}").parse().ok();
+            let named = Columns { time: column, ..Columns::default() };
+            let text = text("timestamp", step);
+            let found = parse(Path::new("x.csv"), text.as_bytes(), &named, 0.05).unwrap();
+            assert!((found.time_step / 2e-3 - 1.0).abs() < 1e-6, "{}", found.time_step);
+        }
+        assert!((parsed(&text("t [s]", 2.0)).unwrap().time_step - 2.0).abs() < 1e-9);
+        assert!((parsed(&text("t", 0.1)).unwrap().time_step - 0.1).abs() < 1e-9);
     }
 
     proptest! {

@@ -12,7 +12,9 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 use self::dialect::{Plain, number, plain};
-use super::column::Channel;
+use friction_ident::statistics::upper_median;
+
+use super::column::{Channel, axis_in};
 use super::{AxisKind, ChannelSource, Column, RecordingError};
 
 pub use dialect::{Dialect, Separator};
@@ -22,9 +24,14 @@ pub use dialect::{Dialect, Separator};
 pub(super) struct Found {
     pub index: usize,
     pub source: ChannelSource,
-    /// Kind of axis that its unit tells.
+    /// Kind of axis that its unit or its name tells.
     pub axis: Option<AxisKind>,
+    /// Neither its name nor whoever named it says its unit: it is taken to be the SI unit.
+    pub assumed: bool,
 }
+
+/// Longest usual step of a recording whose column of the time has no unit \[s\].
+const LONGEST_STEP: f64 = 0.5;
 
 /// What becomes of a row that has no value for a column that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,9 +150,25 @@ impl<'a> Sheet<'a> {
                 });
             }
         };
-        let axis = unit.and_then(|unit| unit.quantity.axis());
+        let axis = unit.and_then(|unit| unit.quantity.axis()).or_else(|| axis_in(&called));
+        let assumed = scale.is_none() && unit.is_none();
         let scale = scale.or(unit.map(|unit| unit.factor)).unwrap_or(1.0);
-        Ok(Found { index, source: ChannelSource { name: called, scale }, axis })
+        Ok(Found { index, source: ChannelSource { name: called, scale }, axis, assumed })
+    }
+
+    /// Refuses times that are no seconds, where nothing says their unit: milliseconds, nanoseconds
+    /// since the epoch, or the number of the sample.
+    pub(super) fn check_seconds(&self, found: &Found, time: &[f64]) -> Result<(), RecordingError> {
+        let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let usual = upper_median(&mut steps).filter(|step| found.assumed && *step > LONGEST_STEP);
+        let Some(step) = usual else { return Ok(()) };
+        let scale = [1e-3, 1e-6].into_iter().find(|scale| step * scale <= LONGEST_STEP);
+        Err(RecordingError::TimeUnit {
+            path: self.path.into(),
+            column: found.source.name.clone(),
+            step,
+            scale: scale.unwrap_or(1e-9),
+        })
     }
 
     fn no_column(&self, channel: Channel, name: &str) -> RecordingError {

@@ -47,6 +47,7 @@ pub(super) fn points(
             index,
             source: ChannelSource { name: sheet.names[index].clone(), scale: force.source.scale },
             axis: None,
+            assumed: false,
         });
     let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
     let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;
