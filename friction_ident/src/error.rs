@@ -138,7 +138,7 @@ pub enum IdentError {
     },
     /// The best fit has an inertia no body can have.
     #[error(
-        "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it round), or is friction alone and not the driving force (then leave the inertia out)"
+        "the inertia comes out negative ({value} +- {standard_error}), which no axis can have; the force probably has the wrong sign (turn it round), or is friction alone and not the driving force (then leave the inertia out), or something acts that the model does not have, as gravity does on a joint (then fit a structure that has it)"
     )]
     NegativeInertia {
         /// The estimate.

@@ -73,14 +73,14 @@ pub struct TermEstimate {
 
 impl TermEstimate {
     /// Whether the data say anything about the term: its standard error is below half its value,
-    /// and what is friction is not below zero.
+    /// and it is nothing that cannot be.
     pub fn is_identifiable(&self) -> bool {
-        !self.is_negative_friction() && self.standard_error < 0.5 * self.value.abs()
+        !self.is_impossible() && self.standard_error < 0.5 * self.value.abs()
     }
 
-    /// Whether it is friction that would drive the axis.
-    pub fn is_negative_friction(&self) -> bool {
-        !matches!(self.term, AxisTerm::Inertia | AxisTerm::Offset) && self.value < 0.0
+    /// Whether it is a mass below zero, or friction that would drive the axis.
+    pub fn is_impossible(&self) -> bool {
+        self.term != AxisTerm::Offset && self.value < 0.0
     }
 }
 
@@ -129,6 +129,20 @@ impl Prediction {
 }
 
 impl AxisFit {
+    /// Whether there can be such an axis.
+    ///
+    /// # Errors
+    /// [`IdentError::NegativeInertia`] where the inertia is clearly below zero: one that the
+    /// recording does not determine may come out on either side.
+    pub fn possible(&self) -> Result<(), IdentError> {
+        match self.term(AxisTerm::Inertia) {
+            Some(TermEstimate { value, standard_error, .. }) if value <= -2.0 * standard_error => {
+                Err(IdentError::NegativeInertia { value, standard_error })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The estimate of a term, if the model has it.
     pub fn term(&self, term: AxisTerm) -> Option<TermEstimate> {
         self.terms.iter().copied().find(|estimate| estimate.term == term)
@@ -201,6 +215,17 @@ impl AxisFit {
 /// [`IdentError::NegativeInertia`] where it is clearly below zero, [`IdentError::ZeroForce`],
 /// [`IdentError::TooFewSamples`].
 pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
+    let fit = fit_axis_freely(recording, model)?;
+    fit.possible()?;
+    Ok(fit)
+}
+
+/// The same without asking whether the inertia can be: for a fit beside others that have more
+/// terms, and are what is asked for. [`AxisFit::possible`] asks.
+///
+/// # Errors
+/// As of [`fit_axis`], but for [`IdentError::NegativeInertia`].
+pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, IdentError> {
     let terms = model.terms();
     if model.inertia && !accelerates(recording) {
         return Err(IdentError::NotExcited { terms: vec![AxisTerm::Inertia] });
@@ -232,16 +257,6 @@ pub fn fit_axis(recording: &Conditioned, model: AxisModel) -> Result<AxisFit, Id
             standard_error: (variance * solution.inverse_normal[(i, i)]).sqrt(),
         })
         .collect();
-    // One that the recording does not determine may come out on either side of zero.
-    let negative = |estimate: &&TermEstimate| {
-        estimate.term == AxisTerm::Inertia && estimate.value <= -2.0 * estimate.standard_error
-    };
-    if let Some(inertia) = terms.iter().find(negative) {
-        return Err(IdentError::NegativeInertia {
-            value: inertia.value,
-            standard_error: inertia.standard_error,
-        });
-    }
     Ok(AxisFit {
         model,
         terms,

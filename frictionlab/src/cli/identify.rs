@@ -1,7 +1,6 @@
 //! `frictionlab identify`: friction and inertia from a recording.
 
 use anyhow::Context;
-use friction_ident::axis_structure::AxisStructure;
 use friction_ident::{AxisTerm, IdentError};
 use identification::asked::friction::{FILES, Written, identify};
 use identification::asked::{IdentifyArgs, check, conditioning, motor, read};
@@ -39,6 +38,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         inertia: !(args.without_inertia || recording.friction_only),
         offset: !args.without_offset,
         axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
+        structured: args.structure.is_some(),
     };
     let mut found =
         axis::identify(&recording, validation.as_ref(), &settings).map_err(with_option)?;
@@ -95,7 +95,9 @@ fn with_option(error: IdentifyError) -> BadInput {
         IdentError::Order(_) => " (--order N)",
         IdentError::Decimation(_) => " (--decimate N)",
         IdentError::TooFewSamples { .. } => " (--trim N, --order N, --decimate N)",
-        IdentError::NegativeInertia { .. } => " (--force-column NAME:-SCALE, --without-inertia)",
+        IdentError::NegativeInertia { .. } => {
+            " (--structure auto, --force-column NAME:-SCALE, --without-inertia)"
+        }
         IdentError::NotExcited { terms } if terms.contains(&AxisTerm::Inertia) => {
             " (--without-inertia)"
         }
@@ -119,10 +121,7 @@ fn compare(
     let other = validation.map(|other| axis::conditioned(other, settings)).transpose();
     let other = other.map_err(with_option)?;
     let cancel = interruption::watch(interruption::WRITING)?;
-    let count = match wanted {
-        StructureChoice::Auto => AxisStructure::candidates().len(),
-        StructureChoice::Named(named) => named.len(),
-    };
+    let count = wanted.candidates(&estimation, settings.axis).len();
     let progress = Progress::counting(count as u64, "structures", quiet);
     let found = structured(&estimation, other.as_ref(), wanted, settings.axis, &progress, &cancel);
     progress.finish();

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use friction_ident::{
     AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals,
-    adequacy, condition_stretches, fit_axis,
+    adequacy, condition_stretches, fit_axis, fit_axis_freely,
 };
 
 use recording::{AxisKind, RecordedStretch, Recording};
@@ -33,6 +33,8 @@ pub struct Settings {
     pub offset: bool,
     /// Units.
     pub axis: AxisKind,
+    /// Structures are compared besides: a plain model that cannot be is then no error.
+    pub structured: bool,
 }
 
 /// A fitted model with what it says about the recordings.
@@ -106,18 +108,26 @@ pub fn identify(
 
     let wanted =
         AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
-    let symmetric = match fit_axis(&estimation, wanted) {
+    let symmetric = match fit_axis_freely(&estimation, wanted) {
         Err(IdentError::NotExcited { terms }) if terms == [AxisTerm::Coulomb, AxisTerm::Offset] => {
             notes.push(
                 "The axis moves in one direction only, so that a constant force cannot be told from Coulomb \
                  friction: the offset was left out and is contained in the Coulomb friction."
                     .to_owned(),
             );
-            fit_axis(&estimation, AxisModel { offset: false, ..wanted })
+            fit_axis_freely(&estimation, AxisModel { offset: false, ..wanted })
         }
         other => other,
     };
-    let symmetric = result(symmetric.map_err(blame)?)?;
+    let symmetric = symmetric.map_err(blame)?;
+    let mut warnings = Vec::new();
+    if let Err(error) = symmetric.possible() {
+        if !settings.structured {
+            return Err(blame(error));
+        }
+        warnings.push(format!("The symmetric model cannot be: {error}."));
+    }
+    let symmetric = result(symmetric)?;
     let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false };
     let asymmetric = match fit_axis(&estimation, wanted) {
         Ok(fit) => Some(result(fit)?),
@@ -128,7 +138,6 @@ pub fn identify(
             None
         }
     };
-    let mut warnings = Vec::new();
     for model in [Some(&symmetric), asymmetric.as_ref()].into_iter().flatten() {
         let name = if model.fit.model.asymmetric { "asymmetric" } else { "symmetric" };
         let whole = adequacy::doubts(&model.estimation, &estimation).into_iter();
@@ -187,9 +196,9 @@ fn doubts(fit: &AxisFit) -> Vec<String> {
             // An offset of about zero is a finding, not a failure.
             continue;
         }
-        if estimate.is_negative_friction() {
+        if estimate.is_impossible() {
             doubts.push(format!(
-                "In the {model} model {what} comes out negative, which friction cannot be, and is not identified; the model is too simple \
+                "In the {model} model {what} comes out negative, which it cannot be, and is not identified; the model is too simple \
                  for this axis, or the recording too poor."
             ));
         } else if !estimate.is_identifiable() {

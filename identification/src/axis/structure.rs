@@ -25,6 +25,22 @@ pub enum StructureChoice {
     Named(Vec<AxisStructure>),
 }
 
+impl StructureChoice {
+    /// The structures that are compared on a recording: of the usual ones those that it can show.
+    #[must_use]
+    pub fn candidates(&self, estimation: &Conditioned, axis: AxisKind) -> Vec<AxisStructure> {
+        let mut usual = match self {
+            Self::Named(named) => return named.clone(),
+            Self::Auto => AxisStructure::candidates(),
+        };
+        if axis == AxisKind::Rotary {
+            usual.extend(AxisStructure::candidates_under_gravity());
+        }
+        usual.retain(|structure| estimation.position.is_some() || !structure.needs_position());
+        usual
+    }
+}
+
 /// A text that chooses no structures.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}; or `auto`")]
@@ -87,19 +103,7 @@ pub fn structured(
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> Result<Option<Structured>, IdentError> {
-    let candidates = match wanted {
-        StructureChoice::Named(named) => named.clone(),
-        StructureChoice::Auto => {
-            let possible = |structure: &AxisStructure| {
-                estimation.position.is_some() || !structure.needs_position()
-            };
-            let mut all = AxisStructure::candidates();
-            if axis == AxisKind::Rotary {
-                all.extend(AxisStructure::candidates_under_gravity());
-            }
-            all.into_iter().filter(possible).collect()
-        }
-    };
+    let candidates = wanted.candidates(estimation, axis);
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let mut scores = Vec::with_capacity(candidates.len());
     let work = |structure: &AxisStructure| cross_validate(estimation, *structure, BLOCKS);
