@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, first_missing, remove_empty};
+use super::{Growing, OutputError, first_missing, remove_empty};
 use crate::durable;
 
 /// Where the one file of a command goes.
@@ -75,6 +75,18 @@ impl OutputFile {
         }
     }
 
+    /// Begins to write what is too long to stand in memory.
+    ///
+    /// # Errors
+    /// [`OutputError`] where it cannot be opened.
+    pub fn grow(&self) -> Result<Growing, OutputError> {
+        match &self.to {
+            To::Stdout => Ok(Growing::stdout()),
+            To::Special(path) => Growing::through(path),
+            To::File(path, force) => Growing::draft(path, *force),
+        }
+    }
+
     /// Writes it: a regular file whole or not at all, with the mode that it had.
     ///
     /// # Errors
@@ -102,7 +114,7 @@ impl OutputFile {
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

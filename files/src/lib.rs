@@ -11,10 +11,12 @@ mod file;
 mod folder;
 pub mod input;
 pub mod ros_parameters;
+mod stream;
 
 pub use error::{OutputError, is_full, is_of_the_path, said};
 pub use file::OutputFile;
 pub use folder::{Folder, first_free, is_empty_or_missing};
+pub use stream::Growing;
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};

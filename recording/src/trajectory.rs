@@ -1,9 +1,11 @@
 //! A motion along which a model is evaluated: a CSV file with time and velocity, at any spacing.
 
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
 
 use super::column::Channel;
-use super::sheet::{Cells, Found, Missing, Sheet};
+use super::sheet::{Flow, Found, Sheet};
 use super::{AxisKind, RecordingError};
 
 /// Names of the velocity column. Each says whether the axis turns, which decides the units of the
@@ -18,44 +20,61 @@ const VELOCITIES: [&str; 6] = [
 ];
 /// Names of the column with the transmitted load.
 const LOADS: [&str; 3] = ["load_Nm", "load_N_m", "load_N"];
+/// As spreadsheets write it; no part of the first name.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// A motion: one velocity, and where given one load, for each time.
-#[derive(Debug, Clone, PartialEq)]
+/// A moment of a motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// When \[s\].
+    pub time: f64,
+    /// How fast \[m/s or rad/s\].
+    pub velocity: f64,
+    /// The transmitted load \[N or N m\]; 0 where the motion has none.
+    pub load: f64,
+}
+
+/// A motion that is read as it is needed: one velocity, and where given one load, for each time. As
+/// an iterator it gives its moments, times increasing, and ends with the first error.
 pub struct Trajectory {
-    /// Times \[s\], increasing.
-    pub time: Vec<f64>,
-    /// Velocities \[m/s or rad/s\].
-    pub velocity: Vec<f64>,
-    /// Transmitted loads \[N or N m\], where the file has them.
-    pub load: Option<Vec<f64>>,
+    path: PathBuf,
     /// Kind of axis, as the name of the velocity column tells it.
     pub axis: AxisKind,
+    /// Whether there are loads.
+    pub loaded: bool,
+    rows: Flow,
+    before: Option<f64>,
+    ended: bool,
 }
 
-impl Trajectory {
-    /// Time between the first and the last row \[s\].
-    #[must_use]
-    pub fn duration(&self) -> f64 {
-        match (self.time.first(), self.time.last()) {
-            (Some(first), Some(last)) => last - first,
-            _ => 0.0,
-        }
-    }
-}
+/// Bytes at the beginning of a file from which its columns are told.
+const HEAD: u64 = 1 << 16;
 
-/// Reads a CSV file with the columns `t_s`, `velocity_rad_s` or `velocity_m_s`, and if there is one
+/// Opens a CSV file with the columns `t_s`, `velocity_rad_s` or `velocity_m_s`, and if there is one
 /// `load_Nm` or `load_N`; other columns are left alone. The rows may be unevenly spaced.
 ///
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
-pub fn read(path: &Path) -> Result<Trajectory, RecordingError> {
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    parse(path, &bytes)
+pub fn open(path: &Path) -> Result<Trajectory, RecordingError> {
+    let read = |source| RecordingError::Read { path: path.into(), source };
+    from_text(path, BufReader::new(File::open(path).map_err(read)?))
 }
 
-fn parse(path: &Path, bytes: &[u8]) -> Result<Trajectory, RecordingError> {
-    let mut sheet = Sheet::open(path, bytes, "t_s,velocity_rad_s")?;
+/// The same from text that may have no end.
+///
+/// # Errors
+/// As of [`open`], naming `path`.
+pub fn from_text(
+    path: &Path,
+    mut text: impl BufRead + 'static,
+) -> Result<Trajectory, RecordingError> {
+    let mut head = Vec::new();
+    let begun = text.by_ref().take(HEAD).read_to_end(&mut head);
+    begun.map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    // Whole lines only, if there are any: half a number is another one.
+    let whole = head.iter().rposition(|&byte| byte == b'\n').filter(|_| head.len() as u64 == HEAD);
+    let lines = whole.and_then(|last| head.get(..=last)).unwrap_or(&head);
+    let sheet = Sheet::open(path, lines, "t_s,velocity_rad_s")?;
     let columns = Columns { path, sheet: &sheet };
     let time = columns.require(Channel::Time, Channel::Time.recognise(&sheet.names), "t_s")?;
     let velocity = columns.one_of("velocity", &VELOCITIES)?;
@@ -64,20 +83,45 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<Trajectory, RecordingError> {
     let load = columns.one_of("load", &LOADS)?;
     let load = load.map(|name| sheet.find(Channel::Force, name, None)).transpose()?;
     let axis = velocity.axis.unwrap_or(AxisKind::Rotary);
+    let (dialect, fields, loaded) = (sheet.dialect, sheet.names.len(), load.is_some());
+    let wanted = [time, velocity].into_iter().chain(load).collect();
+    let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head).to_vec();
+    let text = Box::new(Cursor::new(head).chain(text));
+    let rows = Flow::new(path.into(), text, dialect, fields, wanted);
+    Ok(Trajectory { path: path.into(), axis, loaded, rows, before: None, ended: false })
+}
 
-    let wanted: Vec<&Found> = [&time, &velocity].into_iter().chain(&load).collect();
-    let Cells { values, lines, .. } = sheet.columns(&wanted, Missing::Refused)?;
-    let mut values = values.into_iter();
-    let mut next = || values.next().unwrap_or_default();
-    let (time, velocity) = (next(), next());
-    for (pair, line) in time.windows(2).zip(lines.iter().skip(1)) {
-        if pair[1] <= pair[0] {
-            let (path, place) = (path.into(), format!("line {line}"));
-            let (before, time) = (pair[0], pair[1]);
+impl Trajectory {
+    /// About how much of the file was read \[bytes\].
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.rows.bytes()
+    }
+
+    fn point(&mut self) -> Result<Option<Point>, RecordingError> {
+        let mut row = [0.0; 3];
+        let Some(line) = self.rows.next(&mut row)? else { return Ok(None) };
+        let [time, velocity, load] = row;
+        if let Some(before) = self.before.filter(|before| time <= *before) {
+            let (path, place) = (self.path.clone(), format!("line {line}"));
             return Err(RecordingError::TimeOrder { path, place, before, time });
         }
+        self.before = Some(time);
+        Ok(Some(Point { time, velocity, load }))
     }
-    Ok(Trajectory { time, velocity, load: load.map(|_| next()), axis })
+}
+
+impl Iterator for Trajectory {
+    type Item = Result<Point, RecordingError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let point = self.point();
+        self.ended = !matches!(point, Ok(Some(_)));
+        point.transpose()
+    }
 }
 
 /// The columns of a file by name.
@@ -131,21 +175,47 @@ mod tests {
 
     use super::*;
 
-    fn parsed(text: &str) -> Result<Trajectory, RecordingError> {
-        parse(Path::new("x.csv"), text.as_bytes())
+    fn parsed(text: &str) -> Result<(Trajectory, Vec<Point>), RecordingError> {
+        let mut opened = from_text(Path::new("x.csv"), Cursor::new(text.to_owned()))?;
+        let points = opened.by_ref().collect::<Result<_, _>>()?;
+        Ok((opened, points))
     }
 
     #[test]
     fn unevenly_spaced_rows_units_and_other_columns_are_accepted() {
         let text = "note,t_ms,velocity_m_s,load_N\na,0,0.1,5\nb,1,0.2,6\nc,1000,-0.3,7\n";
-        let found = parsed(text).unwrap();
-        assert_eq!(found.time, [0.0, 1e-3, 1.0]);
-        assert_eq!(found.velocity, [0.1, 0.2, -0.3]);
-        assert_eq!(found.load, Some(vec![5.0, 6.0, 7.0]));
-        assert_eq!((found.axis, found.duration()), (AxisKind::Linear, 1.0));
-        let found = parsed("T_s;Velocity_deg_s\n0;180\n").unwrap();
-        assert!((found.velocity[0] - std::f64::consts::PI).abs() < 1e-15);
-        assert_eq!((found.axis, found.load, found.time.len()), (AxisKind::Rotary, None, 1));
+        let (found, points) = parsed(text).unwrap();
+        let expected = [[0.0, 0.1, 5.0], [1e-3, 0.2, 6.0], [1.0, -0.3, 7.0]];
+        assert_eq!(points, expected.map(|[time, velocity, load]| Point { time, velocity, load }));
+        assert_eq!((found.axis, found.loaded), (AxisKind::Linear, true));
+        let (found, points) = parsed("T_s;Velocity_deg_s\n0;180\n").unwrap();
+        assert!((points[0].velocity - std::f64::consts::PI).abs() < 1e-15);
+        assert_eq!((found.axis, found.loaded, points.len()), (AxisKind::Rotary, false, 1));
+    }
+
+    /// Remarks, blanks and decimal commas, also far behind what is looked at first.
+    #[test]
+    fn a_long_file_is_read_as_a_short_one() {
+        let rows = |separator: &str| {
+            let rows = (0..20_000).map(|k| format!("0{separator}{k},5{separator}7\n# half way\n"));
+            rows.collect::<String>()
+        };
+        for (names, separator) in [("x t_s velocity_m_s", " "), ("x;t_s;velocity_m_s", ";")] {
+            let (_, points) = parsed(&format!("# made\n{names}\n{}", rows(separator))).unwrap();
+            assert_eq!(points.len(), 20_000);
+            assert_eq!(points[19_999].time, 19_999.5);
+        }
+        let text = format!("t_s,velocity_m_s\n{}", "0.1,1\n".repeat(2));
+        assert!(parsed(&text).err().unwrap().to_string().contains("line 3"));
+    }
+
+    #[test]
+    fn a_line_without_an_end_does_not_fill_the_memory() {
+        let text =
+            Cursor::new(b"t_s,velocity_m_s\n0,1\n").chain(BufReader::new(std::io::repeat(b'1')));
+        let opened = from_text(Path::new("x.csv"), text).unwrap();
+        let error = opened.filter_map(Result::err).next().unwrap();
+        assert!(error.to_string().contains("x.csv"), "{error}");
     }
 
     #[test]
@@ -164,7 +234,7 @@ mod tests {
             ("t_s,velocity_m_s,load_N\n0,1,x\n", &["line 2", "load_N"]),
             ("t_s,velocity_m_s\n0,1\n2,1\n2,1\n", &["line 4", "does not increase"]),
         ] {
-            let message = parsed(text).unwrap_err().to_string();
+            let message = parsed(text).err().unwrap().to_string();
             for part in parts {
                 assert!(message.contains(part), "{text:?} gave {message:?} without {part:?}");
             }

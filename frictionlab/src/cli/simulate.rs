@@ -1,18 +1,24 @@
 //! `frictionlab simulate`: any model along any motion.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::{fs, iter};
 
 use friction_model::{AnyModel, ModelName};
 
+use crate::interruption;
 use experiment_runner::models::file;
-use files::OutputFile;
-use recording::trajectory;
-use studies::simulate::{Done, Scheme, Settings, simulate};
-use work::BadInput;
+use files::{OutputError, OutputFile};
+use recording::trajectory::{self, Point};
+use studies::simulate::{Done, Motion, Scheme, Settings, Stopped, simulate};
 use work::destination::Force;
 use work::model_name::model_name;
 use work::progress::Progress;
 use work::saying::print;
+use work::{BadInput, Interrupted};
+
+/// How much of the motion is read before the progress says so [KiB].
+const TOLD_AT_ONCE: u64 = 64;
 
 /// Evaluate a friction model along a motion
 ///
@@ -89,30 +95,61 @@ pub struct SimulateArgs {
 /// Simulates and writes the result.
 ///
 /// # Errors
-/// [`BadInput`] for whatever is wrong with the files or the options; nothing is written then.
+/// [`BadInput`] for whatever is wrong with the files or the options, [`Interrupted`] after ctrl-C;
+/// no file is written then. Standard output, a pipe or a device has what was done before.
 pub fn execute(args: &SimulateArgs) -> anyhow::Result<()> {
     let model = model(args)?;
-    let motion = trajectory::read(&args.velocity)?;
+    let mut motion = trajectory::open(&args.velocity)?;
     let out = destination(args)?;
     let SimulateArgs { scheme, dt, tolerance, load_gain, .. } = *args;
     let settings = Settings { scheme, dt, tolerance, load_gain };
-
-    let progress = Progress::counting(motion.duration().ceil() as u64, "s of motion", args.quiet);
+    let cancel = interruption::watch(interruption::DRIVING)?;
+    let length = fs::metadata(&args.velocity).map_or(0, |file| file.len());
+    let progress = Progress::counting(length >> 10, "KiB of the motion", args.quiet);
     progress.stage(model.name().title());
-    let result = simulate(&model, &motion, &settings, &mut |seconds| progress.advance(seconds));
+    let (axis, loaded) = (motion.axis, motion.loaded);
+    let (mut done_of_it, mut span) = (0, None);
+    let points = iter::from_fn(|| {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let point = motion.next()?;
+        if let Ok(Point { time, .. }) = point {
+            span = Some((span.map_or(time, |(first, _)| first), time));
+        }
+        let read = motion.bytes() >> 10;
+        if read >= done_of_it + TOLD_AT_ONCE {
+            progress.advance((read - done_of_it) as f64);
+            done_of_it = read;
+        }
+        Some(point)
+    });
+    let mut growing = out.grow()?;
+    let result = simulate(&model, Motion { axis, loaded, points }, &settings, &mut growing);
     progress.finish();
-    let (text, done) = result.map_err(|error| BadInput(error.to_string()))?;
-
-    out.write(text.as_bytes())?;
+    let done = match result {
+        Ok(_) if cancel.load(Ordering::Relaxed) => {
+            let what = "stopped before the end of the motion; no file was written";
+            return Err(Interrupted(what.to_owned()).into());
+        }
+        Ok(done) => done,
+        Err(Stopped::Motion(error)) => return Err(error.into()),
+        Err(Stopped::Refused(error)) => return Err(BadInput(error.to_string()).into()),
+        Err(Stopped::Write(source)) => {
+            let path = out.name().into();
+            return Err(OutputError::Write { path, source }.into());
+        }
+    };
+    growing.finish()?;
     // Standard output has the result and nothing else.
     if args.quiet || out.is_stdout() {
         return Ok(());
     }
     let (title, rows, path) = (model.name().title(), done.rows, out.name());
+    let duration = span.map_or(0.0, |(first, last)| last - first);
     let what = said(args, &done);
     print(&format!(
-        "{title} along {:.6} s of motion: {rows} rows written to {path}\n{what}",
-        motion.duration()
+        "{title} along {duration:.6} s of motion: {rows} rows written to {path}\n{what}"
     ))
 }
 

@@ -4,6 +4,7 @@
 //! shorter than the header is an error: values would stand under the wrong name.
 
 mod dialect;
+mod flow;
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -18,6 +19,7 @@ use super::column::{Channel, axis_in};
 use super::{AxisKind, ChannelSource, Column, RecordingError};
 
 pub use dialect::{Dialect, Separator};
+pub(super) use flow::Flow;
 
 /// A column that was found: where it stands and how it is scaled.
 #[derive(Debug, Clone)]

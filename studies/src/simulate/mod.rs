@@ -6,15 +6,20 @@
 //! moves on; the first row starts at rest and unloaded. The inner quantities are those of the same
 //! moment.
 
+mod refusal;
 mod runge_kutta;
 mod table;
 
+use std::io::Write;
+
 use friction_model::{AnyModel, FrictionModel, MAX_SPEED, ModelVisitor, Range, TimeStep};
 
+pub use self::refusal::{SimulateError, Stopped};
 pub use self::runge_kutta::Halvings;
 use self::runge_kutta::{Integration, Stiff};
 use self::table::Table;
-use recording::trajectory::Trajectory;
+use recording::trajectory::Point;
+use recording::{AxisKind, RecordingError};
 
 /// How the states advance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -46,77 +51,6 @@ pub struct Settings {
     pub load_gain: Option<f64>,
 }
 
-/// Why a model cannot be evaluated.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SimulateError {
-    /// A step that the scheme does not accept.
-    #[error("--dt must be {expected}, but is {dt} s")]
-    Step {
-        /// What was expected.
-        expected: &'static str,
-        /// What came \[s\].
-        dt: f64,
-    },
-    /// A load gain that is no gain.
-    #[error("--load-gain must be a finite number, zero or more, but is {0}")]
-    LoadGain(f64),
-    /// A load gain without loads.
-    #[error(
-        "--load-gain needs the load at each time, but the file has no column load_Nm or load_N"
-    )]
-    NoLoad,
-    /// Too many steps to end within days.
-    #[error(
-        "{duration} s in steps of {dt} s are {steps:.1e} steps, but at most 1e11 are accepted; choose a longer --dt"
-    )]
-    TooLong {
-        /// Duration of the motion \[s\].
-        duration: f64,
-        /// Longest step \[s\].
-        dt: f64,
-        /// Number of steps.
-        steps: f64,
-    },
-    /// A tolerance that is none.
-    #[error("--tolerance must lie between 1e-12 and 0.1, but is {0}")]
-    Tolerance(f64),
-    /// A velocity that no model is asked for.
-    #[error(
-        "the velocity is {velocity} at {time} s, but at most {MAX_SPEED:e} either way is accepted; look at the unit of the column"
-    )]
-    TooFast {
-        /// When \[s\].
-        time: f64,
-        /// The velocity there.
-        velocity: f64,
-    },
-    /// No step of Runge and Kutta holds the tolerance.
-    #[error(
-        "at {time} s no step holds the tolerance of {tolerance}: {dt} s was halved as often as it may be (to {shortest:.1e} s). The model is too stiff there for --scheme rk4; use --scheme mean, a shorter --dt or a larger --tolerance"
-    )]
-    Stiff {
-        /// When \[s\].
-        time: f64,
-        /// Longest step \[s\].
-        dt: f64,
-        /// The shortest that was tried \[s\].
-        shortest: f64,
-        /// The tolerance.
-        tolerance: f64,
-    },
-    /// A number of the result is none.
-    #[error("the {what} is {value} at {time} s: these parameters cannot be evaluated there")]
-    NotFinite {
-        /// Which number.
-        what: &'static str,
-        /// What came.
-        value: f64,
-        /// When \[s\].
-        time: f64,
-    },
-}
-
 /// What was done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Done {
@@ -129,34 +63,39 @@ pub struct Done {
     pub halvings: Halvings,
 }
 
-/// Evaluates `model` along the motion and returns a CSV table with one line a row of it, and what
-/// was done. `tick` is called with the seconds of motion that were done since its last call.
+/// A motion on its way.
+#[derive(Debug)]
+pub struct Motion<P> {
+    /// Units.
+    pub axis: AxisKind,
+    /// Whether its points have loads.
+    pub loaded: bool,
+    /// The moments of the motion, times increasing.
+    pub points: P,
+}
+
+/// Evaluates `model` along the motion and writes a CSV table with one line a point of it; what was
+/// done is returned. Only the point at hand and the next one stand in memory.
 ///
 /// # Errors
-/// [`SimulateError`].
-pub fn simulate(
+/// [`Stopped`]; the table is then as long as it had become.
+pub fn simulate<P>(
     model: &AnyModel,
-    motion: &Trajectory,
+    motion: Motion<P>,
     settings: &Settings,
-    tick: &mut dyn FnMut(f64),
-) -> Result<(String, Done), SimulateError> {
-    let Settings { dt, load_gain, .. } = *settings;
+    out: &mut dyn Write,
+) -> Result<Done, Stopped>
+where
+    P: Iterator<Item = Result<Point, RecordingError>>,
+{
     settings.check()?;
-    let load = match (load_gain, &motion.load) {
-        (None, _) => None,
-        (Some(_), None) => return Err(SimulateError::NoLoad),
-        (Some(gain), Some(load)) => Some((gain, load.as_slice())),
-    };
-    let mut rows = motion.time.iter().zip(&motion.velocity);
-    if let Some((&time, &velocity)) = rows.find(|(_, velocity)| velocity.abs() > MAX_SPEED) {
-        return Err(SimulateError::TooFast { time, velocity });
+    if settings.load_gain.is_some() && !motion.loaded {
+        return Err(SimulateError::NoLoad.into());
     }
-    let duration = motion.duration();
-    let steps = duration / dt;
-    if steps > 1e11 {
-        return Err(SimulateError::TooLong { duration, dt, steps });
-    }
-    model.visit(Simulation { motion, settings: *settings, load, tick })
+    let mut path = Path { points: motion.points, before: None, dt: settings.dt };
+    let Some(first) = path.next()? else { return Ok(Done::default()) };
+    let units = motion.axis;
+    model.visit(Simulation { first, path, units, settings: *settings, out })
 }
 
 impl Settings {
@@ -182,16 +121,44 @@ impl Settings {
     }
 }
 
-struct Simulation<'a> {
-    motion: &'a Trajectory,
-    settings: Settings,
-    /// The gain, and the load of each row.
-    load: Option<(f64, &'a [f64])>,
-    tick: &'a mut dyn FnMut(f64),
+/// The points of a motion, each looked at before anything is computed along it.
+struct Path<P> {
+    points: P,
+    /// Time of the last one \[s\].
+    before: Option<f64>,
+    dt: f64,
 }
 
-impl ModelVisitor for Simulation<'_> {
-    type Output = Result<(String, Done), SimulateError>;
+/// Most steps between two points: a step so short is a slip of the pen, and nothing would be seen
+/// of the result for a minute.
+const MOST_STEPS: f64 = 1e9;
+
+impl<P: Iterator<Item = Result<Point, RecordingError>>> Path<P> {
+    fn next(&mut self) -> Result<Option<Point>, Stopped> {
+        let Some(point) = self.points.next().transpose()? else { return Ok(None) };
+        let Point { time, velocity, .. } = point;
+        if velocity.abs() > MAX_SPEED {
+            return Err(SimulateError::TooFast { time, velocity }.into());
+        }
+        let (duration, dt) = (time - self.before.replace(time).unwrap_or(time), self.dt);
+        let steps = duration / dt;
+        if steps > MOST_STEPS {
+            return Err(SimulateError::TooLong { duration, dt, steps }.into());
+        }
+        Ok(Some(point))
+    }
+}
+
+struct Simulation<'a, P> {
+    first: Point,
+    path: Path<P>,
+    units: AxisKind,
+    settings: Settings,
+    out: &'a mut dyn Write,
+}
+
+impl<P: Iterator<Item = Result<Point, RecordingError>>> ModelVisitor for Simulation<'_, P> {
+    type Output = Result<Done, Stopped>;
 
     fn visit<M: FrictionModel>(self, model: M) -> Self::Output {
         match self.settings.scheme {
@@ -202,87 +169,79 @@ impl ModelVisitor for Simulation<'_> {
     }
 }
 
-impl Simulation<'_> {
-    fn rk4<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
-        let Settings { dt, tolerance, .. } = self.settings;
+impl<P: Iterator<Item = Result<Point, RecordingError>>> Simulation<'_, P> {
+    fn rk4<M: FrictionModel>(mut self, model: &M) -> Result<Done, Stopped> {
+        let Settings { dt, tolerance, load_gain, .. } = self.settings;
         // A model that holds at rest has no states, and no force that a velocity would tell there.
         let holds = model.holding(0.0).is_some();
         let mut going = Integration::at_rest(model, tolerance);
-        let mut table = Table::new(model, &going.state, self.motion.axis, self.load);
-        let mut done = 0.0;
-        for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
+        let mut table = Table::new(model, &going.state, self.units, load_gain, self.out)?;
+        let mut here = self.first;
+        loop {
+            let v = here.velocity;
             let force = if holds { model.steady_state(v) } else { model.force(&going.state, v) };
-            table.row(model, row, [t, v], &going.state, force)?;
-            let Some(next) = self.next(row) else { break };
-            let (steps, h) = next.division(t, dt);
+            table.row(model, here, &going.state, force)?;
+            let Some(next) = self.path.next()? else { break };
+            let way = Way { from: here, to: next };
+            let (steps, h) = way.division(dt);
             for step in 0..steps {
-                let at = |part: f64| next.between(v, (step as f64 + part) / steps as f64);
+                let at = |part: f64| way.velocity((step as f64 + part) / steps as f64);
                 going.advance(h, at).map_err(|Stiff { part, shortest }| SimulateError::Stiff {
-                    time: t + (step as f64 + part) * h,
+                    time: here.time + (step as f64 + part) * h,
                     dt: h,
                     shortest: h * shortest,
                     tolerance,
                 })?;
             }
-            self.report(&mut done, next.time - t);
+            here = next;
         }
-        Ok(table.finish(going.done))
+        table.finish(going.done)
     }
 
-    fn mean<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
+    fn mean<M: FrictionModel>(mut self, model: &M) -> Result<Done, Stopped> {
+        let Settings { dt, load_gain, .. } = self.settings;
         let mut state = model.rest();
-        let mut fixed = Fixed::new(model, self.settings.dt)?;
-        let mut table = Table::new(model, &state, self.motion.axis, self.load);
-        let mut done = 0.0;
-        for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
-            table.row(model, row, [t, v], &state, model.force(&state, v))?;
-            let Some(next) = self.next(row) else { break };
-            let (steps, h) = next.division(t, self.settings.dt);
+        let mut fixed = Fixed::new(model, dt)?;
+        let mut table = Table::new(model, &state, self.units, load_gain, self.out)?;
+        let mut here = self.first;
+        loop {
+            table.row(model, here, &state, model.force(&state, here.velocity))?;
+            let Some(next) = self.path.next()? else { break };
+            let way = Way { from: here, to: next };
+            let (steps, h) = way.division(dt);
             let discrete = fixed.of(model, h)?;
-            let mut from = v;
+            let mut from = here.velocity;
             for step in 1..=steps {
-                let to = next.between(v, step as f64 / steps as f64);
+                let to = way.velocity(step as f64 / steps as f64);
                 model.advance(discrete, &mut state, from, to);
                 from = to;
             }
-            self.report(&mut done, next.time - t);
+            here = next;
         }
-        Ok(table.finish(Halvings::default()))
+        table.finish(Halvings::default())
     }
 
-    fn held<M: FrictionModel>(mut self, model: &M) -> Result<(String, Done), SimulateError> {
+    fn held<M: FrictionModel>(mut self, model: &M) -> Result<Done, Stopped> {
+        let Settings { dt, load_gain, .. } = self.settings;
         let mut state = model.rest();
-        let mut fixed = Fixed::new(model, self.settings.dt)?;
-        let mut table = Table::new(model, &state, self.motion.axis, self.load);
-        let mut done = 0.0;
-        for (row, (&t, &v)) in self.motion.time.iter().zip(&self.motion.velocity).enumerate() {
+        let mut fixed = Fixed::new(model, dt)?;
+        let mut table = Table::new(model, &state, self.units, load_gain, self.out)?;
+        let mut here = self.first;
+        loop {
             let before = state.clone();
-            let next = self.next(row);
-            let (steps, h) = next.map_or((1, fixed.h), |next| next.division(t, self.settings.dt));
+            let next = self.path.next()?;
+            let way = next.map(|to| Way { from: here, to });
+            let (steps, h) = way.map_or((1, fixed.h), |way| way.division(dt));
             let discrete = fixed.of(model, h)?;
-            let force = model.step(discrete, &mut state, v);
-            table.row(model, row, [t, v], &before, force)?;
-            let Some(next) = next else { break };
+            let force = model.step(discrete, &mut state, here.velocity);
+            table.row(model, here, &before, force)?;
+            let Some(way) = way else { break };
             for step in 1..steps {
-                model.step(discrete, &mut state, next.between(v, step as f64 / steps as f64));
+                model.step(discrete, &mut state, way.velocity(step as f64 / steps as f64));
             }
-            self.report(&mut done, next.time - t);
+            here = way.to;
         }
-        Ok(table.finish(Halvings::default()))
-    }
-
-    fn next(&self, row: usize) -> Option<Next> {
-        let motion = self.motion;
-        Some(Next { time: *motion.time.get(row + 1)?, velocity: *motion.velocity.get(row + 1)? })
-    }
-
-    /// Ticks for every second that is done.
-    fn report(&mut self, done: &mut f64, seconds: f64) {
-        *done += seconds;
-        if *done >= 1.0 {
-            (self.tick)(done.floor());
-            *done -= done.floor();
-        }
+        table.finish(Halvings::default())
     }
 }
 
@@ -310,25 +269,25 @@ impl<D> Fixed<D> {
     }
 }
 
-/// The row that is approached.
+/// From one point to the next.
 #[derive(Debug, Clone, Copy)]
-struct Next {
-    time: f64,
-    velocity: f64,
+struct Way {
+    from: Point,
+    to: Point,
 }
 
-impl Next {
-    /// Number and length of equal steps from `time`, none longer than `dt`.
-    fn division(self, time: f64, dt: f64) -> (u64, f64) {
-        let distance = self.time - time;
+impl Way {
+    /// Number and length of equal steps, none longer than `dt`.
+    fn division(self, dt: f64) -> (u64, f64) {
+        let distance = self.to.time - self.from.time;
         // Times are rounded: a step too long by a billionth is none too many.
         let steps = (distance / dt * (1.0 - 1e-9)).ceil().max(1.0);
         (steps as u64, (distance / steps).min(dt))
     }
 
-    /// The velocity at this part of the way from `velocity`.
-    fn between(self, velocity: f64, part: f64) -> f64 {
-        velocity + (self.velocity - velocity) * part
+    /// The velocity at this part of the way.
+    fn velocity(self, part: f64) -> f64 {
+        self.from.velocity + (self.to.velocity - self.from.velocity) * part
     }
 }
 

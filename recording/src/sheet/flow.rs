@@ -1,0 +1,144 @@
+//! Rows of a text table as they come: nothing but the row at hand stands in memory.
+
+use std::io::{self, BufRead, Read};
+use std::path::PathBuf;
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+
+use super::dialect::{Dialect, Separator, number};
+use super::{Found, damaged};
+use crate::RecordingError;
+
+/// A table whose columns are known.
+pub(crate) struct Flow {
+    path: PathBuf,
+    dialect: Dialect,
+    /// Columns of each row.
+    fields: usize,
+    wanted: Vec<Found>,
+    reader: csv::Reader<PlainLines>,
+    record: StringRecord,
+    /// Rows of the table so far.
+    rows: u64,
+}
+
+impl Flow {
+    /// The rows below the header, of which `fields` columns are known. `text` begins with the
+    /// header.
+    pub fn new(
+        path: PathBuf,
+        text: Box<dyn BufRead>,
+        dialect: Dialect,
+        fields: usize,
+        wanted: Vec<Found>,
+    ) -> Self {
+        let blanks = dialect.separator == Separator::Blanks;
+        let lines = PlainLines { text, blanks, line: Vec::new(), given: 0 };
+        let reader = ReaderBuilder::new()
+            .delimiter(dialect.separator.byte())
+            .trim(Trim::All)
+            .has_headers(!(dialect.headerless || dialect.names_in_remark))
+            .flexible(true)
+            .from_reader(lines);
+        Self { path, dialect, fields, wanted, reader, record: StringRecord::new(), rows: 0 }
+    }
+
+    /// The line of the next row; its values of the wanted columns go into `row`, in SI units.
+    /// None behind the last one.
+    pub fn next(&mut self, row: &mut [f64]) -> Result<Option<u64>, RecordingError> {
+        let read = self.reader.read_record(&mut self.record);
+        if !read.map_err(|error| self.broken(&error))? {
+            let path = self.path.clone();
+            return if self.rows == 0 {
+                Err(RecordingError::HeaderOnly { path })
+            } else {
+                Ok(None)
+            };
+        }
+        self.rows += 1;
+        let line = self.record.position().map_or(0, csv::Position::line);
+        let (fields, names) = (self.record.len(), self.fields);
+        if fields != names {
+            let detail = format!("it has {fields} fields where the header has {names}");
+            return Err(RecordingError::Line { path: self.path.clone(), line, detail });
+        }
+        for (value, found) in row.iter_mut().zip(&self.wanted) {
+            let cell = self.record.get(found.index).unwrap_or_default();
+            let read = number(cell, self.dialect.decimal_comma);
+            let read = read.map(|value| value * found.source.scale).filter(|v| v.is_finite());
+            *value = read.ok_or_else(|| RecordingError::Cell {
+                path: self.path.clone(),
+                line,
+                column: found.source.name.clone(),
+                found: cell.to_owned(),
+            })?;
+        }
+        Ok(Some(line))
+    }
+
+    /// Bytes of the table that the rows so far took.
+    pub fn bytes(&self) -> u64 {
+        self.reader.position().byte()
+    }
+
+    fn broken(&self, error: &csv::Error) -> RecordingError {
+        match error.kind() {
+            csv::ErrorKind::Io(error) => RecordingError::Read {
+                path: self.path.clone(),
+                source: io::Error::new(error.kind(), error.to_string()),
+            },
+            _ => damaged(&self.path, error),
+        }
+    }
+}
+
+/// Lines without remarks, which become empty ones so that the others keep their numbers.
+struct PlainLines {
+    text: Box<dyn BufRead>,
+    /// Columns are separated by blanks: by one tab then.
+    blanks: bool,
+    line: Vec<u8>,
+    given: usize,
+}
+
+/// Longest line \[bytes\]: what has no end of line is no table, and must not fill the memory.
+pub(super) const LONGEST_LINE: u64 = 1 << 20;
+
+impl PlainLines {
+    fn next_line(&mut self) -> io::Result<()> {
+        self.given = 0;
+        self.line.clear();
+        (&mut self.text).take(LONGEST_LINE).read_until(b'\n', &mut self.line)?;
+        if self.line.len() as u64 == LONGEST_LINE {
+            let what = format!("a line is longer than {LONGEST_LINE} bytes");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+        }
+        if matches!(self.line.trim_ascii_start().first(), Some(b'#' | b'%')) {
+            self.line.clear();
+            self.line.push(b'\n');
+        } else if self.blanks {
+            let words = self.line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+            let mut line = words.collect::<Vec<_>>().join(&b'\t');
+            if !self.line.is_empty() {
+                line.push(b'\n');
+            }
+            self.line = line;
+        }
+        Ok(())
+    }
+}
+
+impl Read for PlainLines {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        if self.given == self.line.len() {
+            self.next_line()?;
+        }
+        let rest = self.line.get(self.given..).unwrap_or_default();
+        let count = rest.len().min(into.len());
+        if let (Some(into), Some(rest)) = (into.get_mut(..count), rest.get(..count)) {
+            into.copy_from_slice(rest);
+        }
+        self.given += count;
+        Ok(count)
+    }
+}
