@@ -67,45 +67,38 @@ impl AxisStructure {
     /// The same with viscous and Coulomb friction of each direction.
     pub const ASYMMETRIC: Self = Self { asymmetric: true, ..Self::SYMMETRIC };
 
-    /// What an automatic choice compares: both simple structures, every effect on its own on top of
-    /// the asymmetric one, and their combinations around the delay, which is usually the largest.
-    pub fn candidates() -> Vec<Self> {
-        let base = Self::ASYMMETRIC;
-        vec![
-            Self::SYMMETRIC,
-            Self { delay: true, ..Self::SYMMETRIC },
-            base,
-            Self { delay: true, ..base },
-            Self { stribeck: true, ..base },
-            Self { presliding: true, ..base },
-            Self { position: true, ..base },
-            Self { stribeck: true, delay: true, ..base },
-            Self { presliding: true, delay: true, ..base },
-            Self { position: true, delay: true, ..base },
-            Self { harmonic: true, delay: true, ..base },
-            Self { stribeck: true, presliding: true, delay: true, ..base },
-            Self { stribeck: true, position: true, delay: true, ..base },
-            Self { stribeck: true, harmonic: true, delay: true, ..base },
-            Self { stribeck: true, presliding: true, position: true, delay: true, ..base },
-        ]
+    /// The structures that have one part more or one less, or another symmetry.
+    pub fn neighbours(&self) -> Vec<Self> {
+        let fields: [Field; 7] = [
+            |s| &mut s.asymmetric,
+            |s| &mut s.stribeck,
+            |s| &mut s.presliding,
+            |s| &mut s.delay,
+            |s| &mut s.position,
+            |s| &mut s.gravity,
+            |s| &mut s.harmonic,
+        ];
+        let changed = |field: Field| {
+            let mut other = *self;
+            let part = field(&mut other);
+            *part = !*part;
+            other
+        };
+        fields.into_iter().map(changed).collect()
     }
 
-    /// What is compared besides where the axis turns and its angle is known: a joint that carries a
-    /// weight, with the effects that are usual beside it.
-    pub fn candidates_under_gravity() -> Vec<Self> {
-        let plain = Self { gravity: true, ..Self::SYMMETRIC };
-        let base = Self { gravity: true, ..Self::ASYMMETRIC };
-        vec![
-            plain,
-            Self { delay: true, ..plain },
-            base,
-            Self { delay: true, ..base },
-            Self { stribeck: true, ..base },
-            Self { presliding: true, ..base },
-            Self { stribeck: true, delay: true, ..base },
-            Self { presliding: true, delay: true, ..base },
-            Self { position: true, delay: true, ..base },
-        ]
+    /// All that there are.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Self> {
+        let mut all = vec![Self::SYMMETRIC];
+        let mut next = 0;
+        while let Some(structure) = all.get(next).copied() {
+            let new: Vec<Self> =
+                structure.neighbours().into_iter().filter(|near| !all.contains(near)).collect();
+            all.extend(new);
+            next += 1;
+        }
+        all
     }
 
     /// Parameters to be estimated, the nonlinear ones included.
@@ -187,8 +180,7 @@ mod tests {
 
     #[test]
     fn every_name_reads_back() {
-        let all = AxisStructure::candidates().into_iter();
-        for structure in all.chain(AxisStructure::candidates_under_gravity()) {
+        for structure in AxisStructure::all() {
             assert_eq!(structure.to_string().parse(), Ok(structure));
         }
         for (name, part) in [("", "``"), ("lugre", "`lugre`"), ("asymmetric+stribec", "`stribec`")]
@@ -199,9 +191,9 @@ mod tests {
     }
 
     #[test]
-    fn no_candidate_stands_there_twice() {
-        let mut all = AxisStructure::candidates();
-        all.extend(AxisStructure::candidates_under_gravity());
+    fn all_are_reached_by_one_part_after_the_other() {
+        let all = AxisStructure::all();
+        assert_eq!(all.len(), 1 << 7);
         for (i, a) in all.iter().enumerate() {
             assert!(!all[i + 1..].contains(a), "{a}");
         }

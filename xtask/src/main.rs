@@ -11,6 +11,7 @@ mod book;
 mod distribution;
 mod python_env;
 mod soak;
+mod strangers;
 mod tally;
 mod test;
 
@@ -46,6 +47,8 @@ enum Task {
     PythonEnv(python_env::PythonEnvCommand),
     /// The loop at 1 kHz for minutes, with the real rclpy listening: memory, losses, drift.
     Soak(soak::Soak),
+    /// Whether the identification is right on machines drawn at random, beside SciPy.
+    Strangers(strangers::Strangers),
     /// Every test of the project, with what they need made ready first.
     Test(test::Test),
 }
@@ -62,6 +65,7 @@ fn main() -> anyhow::Result<()> {
         Task::Book(book) => book.run(),
         Task::PythonEnv(python_env) => python_env.run(),
         Task::Soak(soak) => soak.run(),
+        Task::Strangers(strangers) => strangers.run(),
         Task::Test(test) => test.run(),
     }
 }

@@ -13,7 +13,7 @@
 //! parameters of their own, and no offset is left to be told from them.
 //!
 //! [`fit_structure`] estimates one structure by separable least squares, [`cross_validate`] tells
-//! how well it predicts what it has not seen, [`choose`] decides.
+//! how well it predicts what it has not seen, [`growth`] says which to compare, [`choose`] decides.
 //!
 //! [`closed_loop`] runs an axis under the controller that made a recording.
 //!
@@ -28,6 +28,7 @@ pub mod closed_loop;
 mod cross_validation;
 mod doubts;
 mod fit;
+pub mod growth;
 mod naming;
 mod profile;
 mod regressors;

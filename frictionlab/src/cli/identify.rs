@@ -121,8 +121,7 @@ fn compare(
     let other = validation.map(|other| axis::conditioned(other, settings)).transpose();
     let other = other.map_err(with_option)?;
     let cancel = interruption::watch(interruption::WRITING)?;
-    let count = wanted.candidates(&estimation, settings.axis).len();
-    let progress = Progress::counting(count as u64, "structures", quiet);
+    let progress = Progress::counting(1, "structures", quiet);
     let found = structured(&estimation, other.as_ref(), wanted, settings.axis, &progress, &cancel);
     progress.finish();
     let found =

@@ -5,7 +5,7 @@ use std::thread;
 
 use friction_ident::axis_structure::{
     AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, choose,
-    cross_validate, fit_structure,
+    cross_validate, fit_structure, growth,
 };
 use friction_ident::{Conditioned, IdentError, Prediction};
 
@@ -19,25 +19,26 @@ pub const BLOCKS: usize = 8;
 /// Which structures are compared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StructureChoice {
-    /// The usual candidates.
+    /// Those that a search comes by.
     Auto,
     /// These.
     Named(Vec<AxisStructure>),
 }
 
 impl StructureChoice {
-    /// The structures that are compared on a recording: of the usual ones those that it can show.
-    #[must_use]
-    pub fn candidates(&self, estimation: &Conditioned, axis: AxisKind) -> Vec<AxisStructure> {
-        let mut usual = match self {
-            Self::Named(named) => return named.clone(),
-            Self::Auto => AxisStructure::candidates(),
-        };
-        if axis == AxisKind::Rotary {
-            usual.extend(AxisStructure::candidates_under_gravity());
+    /// The structures to compare next, after those in `scores` and those that were `refused`; none
+    /// when all were compared.
+    fn next(
+        &self,
+        scores: &[CrossValidation],
+        refused: &[AxisStructure],
+        possible: impl Fn(&AxisStructure) -> bool,
+    ) -> Vec<AxisStructure> {
+        match self {
+            Self::Auto => growth::next(scores, refused, possible),
+            Self::Named(named) if scores.is_empty() => named.clone(),
+            Self::Named(_) => vec![],
         }
-        usual.retain(|structure| estimation.position.is_some() || !structure.needs_position());
-        usual
     }
 }
 
@@ -61,8 +62,10 @@ impl std::str::FromStr for StructureChoice {
 /// A structure that was chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Structured {
-    /// The cross-validated structures, in the order of the candidates.
+    /// The cross-validated structures, in the order in which they were tried.
     pub scores: Vec<CrossValidation>,
+    /// Those that the recording cannot show, and why.
+    pub refused: Vec<(AxisStructure, IdentError)>,
     /// Their ranking.
     pub choice: Choice,
     /// The chosen one, fitted to the whole recording.
@@ -93,8 +96,8 @@ pub fn units(axis: AxisKind) -> &'static AxisUnits {
 /// what there is.
 ///
 /// # Errors
-/// The first [`IdentError`] in the order of the candidates. Candidates that need a position where
-/// there is none are left out.
+/// The [`IdentError`] of the simplest structure, or of one that was named. Others that the search
+/// comes by and that the recording cannot show are left out.
 pub fn structured(
     estimation: &Conditioned,
     validation: Option<&Conditioned>,
@@ -103,30 +106,48 @@ pub fn structured(
     progress: &Progress,
     cancel: &AtomicBool,
 ) -> Result<Option<Structured>, IdentError> {
-    let candidates = wanted.candidates(estimation, axis);
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    let mut scores = Vec::with_capacity(candidates.len());
-    let work = |structure: &AxisStructure| cross_validate(estimation, *structure, BLOCKS);
-    let completion = run_in_order(&candidates, workers, cancel, work, |structure, score| {
-        progress.stage(format!("{structure}"));
-        progress.advance(1.0);
-        scores.push(score);
-        Ok(())
-    })?;
-    if let Completion::Cancelled { delivered } = completion {
-        // From here on the work is short; it is done, so that there is a result.
-        cancel.store(false, Ordering::Relaxed);
-        progress.line(&format!(
-            "stopped: {delivered} of {} structures were compared",
-            candidates.len()
-        ));
+    let possible = |structure: &AxisStructure| {
+        (estimation.position.is_some() || !structure.needs_position())
+            && (axis == AxisKind::Rotary || !structure.gravity)
+    };
+    let mut scores: Vec<CrossValidation> = Vec::new();
+    let mut refused: Vec<(AxisStructure, IdentError)> = Vec::new();
+    let work = |structure: &AxisStructure| {
+        Ok::<_, IdentError>(cross_validate(estimation, *structure, BLOCKS))
+    };
+    loop {
+        let not: Vec<AxisStructure> = refused.iter().map(|(structure, _)| *structure).collect();
+        let next = wanted.next(&scores, &not, possible);
+        if next.is_empty() {
+            break;
+        }
+        progress.expect((scores.len() + refused.len() + next.len()) as u64);
+        let completion = run_in_order(&next, workers, cancel, work, |structure, score| {
+            progress.stage(format!("{structure}"));
+            progress.advance(1.0);
+            match score {
+                Ok(score) => scores.push(score),
+                Err(error) if scores.is_empty() || *wanted != StructureChoice::Auto => {
+                    return Err(error);
+                }
+                Err(error) => refused.push((*structure, error)),
+            }
+            Ok(())
+        })?;
+        if let Completion::Cancelled { .. } = completion {
+            // From here on the work is short; it is done, so that there is a result.
+            cancel.store(false, Ordering::Relaxed);
+            progress.line(&format!("stopped: {} structures were compared", scores.len()));
+            break;
+        }
     }
     let Some(choice) = choose(&scores) else { return Ok(None) };
     let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
     let fit = fit_structure(estimation, chosen.structure, units(axis))?;
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
-    Ok(Some(Structured { scores, choice, fit, estimation: here, validation: there }))
+    Ok(Some(Structured { scores, refused, choice, fit, estimation: here, validation: there }))
 }
 
 #[cfg(test)]

@@ -1,0 +1,127 @@
+"""What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
+
+Reads jobs as a JSON list from standard input: folder, cutoff_hz, order, trim, decimate. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
+job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset.
+"""
+
+import json
+import sys
+
+import numpy as np
+from numba import njit
+from scipy.optimize import least_squares
+from scipy.signal import butter, decimate, filtfilt
+
+
+def read(path):
+    with open(path) as file:
+        names = file.readline().strip().split(",")
+        table = np.loadtxt(file, delimiter=",")
+    return {name: table[:, index] for index, name in enumerate(names)}
+
+
+def condition(table, job, h):
+    t = table["time"]
+    even = np.arange(t[0], t[-1], h)
+    q, tau = np.interp(even, t, table["q"]), np.interp(even, t, table["tau"])
+    nyquist = 0.5 / h
+    if job["cutoff_hz"] < nyquist:
+        b, a = butter(job["order"], job["cutoff_hz"] / nyquist)
+        q = filtfilt(b, a, q)
+    v = np.gradient(q, h)
+    a = np.gradient(v, h)
+    cut = slice(job["trim"], len(q) - job["trim"])
+    return v[cut], a[cut], tau[cut]
+
+
+def thin(x, factor):
+    return decimate(x, factor, zero_phase=True) if factor > 1 else x
+
+
+@njit(error_model="numpy")
+def dahl(v, h, f_c, sigma0):
+    out = np.empty_like(v)
+    f = 0.0
+    for k in range(v.size):
+        rate = sigma0 / f_c * abs(v[k])
+        keep = np.exp(-rate * h)
+        f = np.sign(v[k]) * f_c * (1.0 - keep) + f * keep
+        out[k] = f
+    return out
+
+
+@njit(error_model="numpy")
+def lugre(v, h, f_c, f_s, v_s, sigma0, sigma1):
+    out = np.empty_like(v)
+    z = 0.0
+    for k in range(v.size):
+        g = f_c + (f_s - f_c) * np.exp(-((v[k] / v_s) ** 2))
+        rate = sigma0 / g * abs(v[k])
+        keep = np.exp(-rate * h)
+        end = np.sign(v[k]) * g / sigma0
+        new = end + (z - end) * keep
+        out[k] = sigma0 * new + sigma1 * (new - z) / h
+        z = new
+    return out
+
+
+def linear(columns, tau):
+    matrix = np.column_stack(columns)
+    return np.linalg.lstsq(matrix, tau, rcond=None)[0]
+
+
+def score(tau, predicted):
+    return 100.0 * np.linalg.norm(tau - predicted) / np.linalg.norm(tau)
+
+
+def plain(job):
+    tables = [read(f"{job['folder']}/{name}.csv") for name in ("estimation", "validation")]
+    h = float(np.median(np.diff(tables[0]["time"])))
+    factor = job["decimate"]
+    (v, a, tau), (v2, a2, tau2) = (condition(table, job, h) for table in tables)
+    y, y2 = thin(tau, factor), thin(tau2, factor)
+
+    def rows(v, a, friction):
+        return [thin(a, factor), thin(v, factor), thin(friction, factor), thin(np.ones_like(v), factor)]
+
+    errors = {}
+    theta = linear(rows(v, a, np.sign(v)), y)
+    errors["least squares"] = score(y2, np.column_stack(rows(v2, a2, np.sign(v2))) @ theta)
+    f_c = max(abs(theta[2]), 1e-9)
+    travel = np.ptp(np.cumsum(v) * h)
+    speed = np.sqrt(np.mean(v**2))
+
+    def fit(force, start):
+        def parts(p, v, a):
+            return [thin(a, factor), thin(v, factor), thin(force(v, p), factor), thin(np.ones_like(v), factor)]
+
+        def residuals(logarithms):
+            p = np.exp(logarithms)
+            columns = parts(p, v, a)
+            others = [columns[0], columns[1], columns[3]]
+            rest = y - columns[2]
+            return rest - np.column_stack(others) @ linear(others, rest)
+
+        try:
+            found = least_squares(residuals, np.log(start), method="trf", max_nfev=30, x_scale="jac")
+        except (ValueError, np.linalg.LinAlgError):
+            return np.inf  # it left the finite numbers
+        p = np.exp(found.x)
+        columns = parts(p, v, a)
+        others = [columns[0], columns[1], columns[3]]
+        theta = linear(others, y - columns[2])
+        columns = parts(p, v2, a2)
+        error = score(y2, np.column_stack([columns[0], columns[1], columns[3]]) @ theta + columns[2])
+        return error if np.isfinite(error) else np.inf
+
+    errors["Dahl"] = fit(lambda v, p: dahl(v, h, p[0], p[1]), [f_c, 100.0 * f_c / travel])
+    start = [f_c, 1.2 * f_c, 0.05 * speed, 100.0 * f_c / travel, f_c / speed]
+    errors["LuGre"] = fit(lambda v, p: lugre(v, h, *p), start)
+    return {name: float(error) for name, error in errors.items() if np.isfinite(error)}
+
+
+def main():
+    json.dump([plain(job) for job in json.load(sys.stdin)], sys.stdout)
+
+
+main()

@@ -1,0 +1,198 @@
+//! `cargo xtask strangers`: is the identification right on machines that nobody has seen?
+//!
+//! Every machine is drawn at random and recorded; the built program identifies the first half of the
+//! recording as a stranger would, and is scored on the second. Beside it stands what SciPy gives on
+//! the same halves.
+
+mod judge;
+mod machine;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, ensure};
+use friction_ident::statistics::{quantile, sorted};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use self::judge::Answer;
+use self::machine::Truth;
+use crate::python_env;
+
+/// Options of `cargo xtask strangers`.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Strangers {
+    /// Machines.
+    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u64).range(1..))]
+    machines: u64,
+    /// Number of the first one.
+    #[arg(long, default_value_t = 0)]
+    first: u64,
+    /// Options of `frictionlab identify`, as in --with=--structure=auto
+    #[arg(long, value_name = "OPTION", default_values = ["--structure", "auto"], allow_hyphen_values = true)]
+    with: Vec<String>,
+    /// The program [default: built in release mode].
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Leave SciPy out.
+    #[arg(long)]
+    alone: bool,
+}
+
+/// A machine with what was said of it.
+#[derive(Debug, Serialize)]
+struct Case {
+    number: u64,
+    #[serde(skip)]
+    truth: Truth,
+    answer: Answer,
+    /// Error of the best of the peer's models \[%\].
+    peer: Option<f64>,
+}
+
+impl Strangers {
+    /// Draws, asks, and prints the tables; everything is in `target/strangers/cases.json`.
+    ///
+    /// # Errors
+    /// When the program or the peer cannot be built or run.
+    pub fn run(&self) -> Result<()> {
+        let target = python_env::target()?;
+        let program = match &self.program {
+            Some(program) => fs::canonicalize(program)?,
+            None => built(&target)?,
+        };
+        let root = target.join("strangers");
+        let options: Vec<&str> = self.with.iter().map(String::as_str).collect();
+        let mut cases = Vec::new();
+        for number in self.first..self.first + self.machines {
+            eprintln!("machine {number} ...");
+            let folder = root.join(number.to_string());
+            let truth = Truth::draw(number);
+            let rows = truth.record(number)?;
+            fs::create_dir_all(&folder)?;
+            let half = rows.time.len() / 2;
+            let write =
+                |name: &str, part| fs::write(folder.join(name), rows.csv(part, truth.velocity));
+            write("estimation.csv", 0..half)?;
+            write("validation.csv", half..rows.time.len())?;
+            let answer = judge::ask(&program, &folder, &truth, &options)?;
+            cases.push(Case { number, truth, answer, peer: None });
+        }
+        if !self.alone {
+            peers(&root, &mut cases)?;
+        }
+        fs::write(root.join("cases.json"), serde_json::to_string_pretty(&cases)?)?;
+        print!("{}", table(&cases));
+        Ok(())
+    }
+}
+
+fn built(target: &Path) -> Result<PathBuf> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let build = ["build", "--release", "--locked", "-p", "frictionlab", "--bin", "frictionlab"];
+    ensure!(Command::new(cargo).args(build).status()?.success(), "the program does not build");
+    Ok(target.join("release/frictionlab"))
+}
+
+/// What the peer makes of the same halves.
+fn peers(root: &Path, cases: &mut [Case]) -> Result<()> {
+    let python = python_env::scipy()?;
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/peers/plain_fits.py");
+    let mut asked = Vec::new();
+    for case in &*cases {
+        if let Value::Object(settings) = &case.answer.settings {
+            let mut job = settings.clone();
+            job.insert("folder".to_owned(), json!(root.join(case.number.to_string())));
+            asked.push((case.number, job));
+        }
+    }
+    eprintln!("SciPy ...");
+    let jobs: Vec<_> = asked.iter().map(|(_, job)| job).collect();
+    let mut child = Command::new(python)
+        .arg(script)
+        .envs(["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"].map(|name| (name, "1")))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()?;
+    let mut input = child.stdin.take().context("the peer reads nothing")?;
+    input.write_all(serde_json::to_string(&jobs)?.as_bytes())?;
+    drop(input);
+    let output = child.wait_with_output()?;
+    ensure!(output.status.success(), "the peer failed");
+    let errors: Vec<serde_json::Map<String, Value>> = serde_json::from_slice(&output.stdout)?;
+    for ((number, _), errors) in asked.iter().zip(errors) {
+        let best = errors.values().filter_map(Value::as_f64).fold(f64::INFINITY, f64::min);
+        if let Some(case) = cases.iter_mut().find(|case| case.number == *number) {
+            case.peer = Some(best);
+        }
+    }
+    Ok(())
+}
+
+fn table(cases: &[Case]) -> String {
+    let mut text = String::from(
+        "| machine | friction | rate [Hz] | what it has | structure | held out [%] | SciPy [%] | within 95 % | wrong | warned |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for Case { number, truth, answer, peer } in cases {
+        let has = [
+            (truth.gravity.is_some(), "gravity"),
+            (truth.offset != 0.0, "offset"),
+            (truth.ripple.is_some(), "ripple"),
+            (truth.delay > 0.0, "delay"),
+            (truth.backlash > 0.0, "backlash"),
+            (truth.uneven, "uneven"),
+            (truth.rests, "rest"),
+        ];
+        let has: Vec<&str> =
+            has.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect();
+        let number_of =
+            |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+        let said: Vec<_> = answer.parameters.iter().filter(|judged| judged.identified).collect();
+        let within = said.iter().filter(|judged| judged.within()).count();
+        let wrong: Vec<&str> = answer
+            .parameters
+            .iter()
+            .filter(|judged| judged.wrong())
+            .map(|judged| judged.name)
+            .collect();
+        let chosen = match &answer.refused {
+            Some(refused) => format!("refused: {}", refused.lines().next().unwrap_or_default()),
+            None => answer.chosen.clone(),
+        };
+        text += &format!(
+            "| {number} | {} | {:.0} | {} | {chosen} | {} | {} | {within}/{} | {} | {} |\n",
+            truth.family,
+            truth.rate,
+            has.join(" "),
+            number_of(answer.held_out),
+            number_of(*peer),
+            said.len(),
+            wrong.join(" "),
+            answer.warnings.len(),
+        );
+    }
+    let answers = || cases.iter().map(|case| &case.answer);
+    let said: Vec<_> = answers()
+        .flat_map(|answer| &answer.parameters)
+        .filter(|judged| judged.identified)
+        .collect();
+    let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+    let within = said.iter().filter(|judged| judged.within()).count();
+    let unwarned: usize = answers().map(Answer::wrong).sum();
+    let refused = answers().filter(|answer| answer.refused.is_some()).count();
+    let ratios = sorted(cases.iter().filter_map(|case| Some(case.answer.held_out? / case.peer?)));
+    let ratio = |share| quantile(&ratios, share).unwrap_or(f64::NAN);
+    text + &format!(
+        "\n{} machines, {refused} refused; of {} identified parameters {within} ({:.1} %) within their 95 % intervals; {unwarned} ({:.1} %) wrong without a \
+         warning; held-out error over the best of SciPy: median {:.3}, 90 % of them at most {:.3}, largest {:.3}\n",
+        cases.len(),
+        said.len(),
+        percent(within, said.len()),
+        percent(unwarned, said.len()),
+        ratio(0.5),
+        ratio(0.9),
+        ratio(1.0),
+    )
+}
