@@ -64,6 +64,8 @@ pub enum Channel {
     Force,
     /// Motor voltage.
     Voltage,
+    /// Motor voltage that stands in place of a force.
+    DrivingVoltage,
     /// Motor current.
     Current,
     /// Friction torque from a sensor.
@@ -75,6 +77,24 @@ pub enum Channel {
 }
 
 impl Channel {
+    /// All that are recognised.
+    pub(crate) const fn all() -> &'static [Self] {
+        &[
+            Self::Time,
+            Self::Position,
+            Self::Velocity,
+            Self::Force,
+            Self::Voltage,
+            Self::Current,
+            Self::Friction,
+        ]
+    }
+
+    /// Those of which each joint has its own.
+    pub(crate) const fn of_joints() -> &'static [Self] {
+        &[Self::Position, Self::Velocity, Self::Force, Self::Voltage, Self::Current, Self::Friction]
+    }
+
     /// The channel in words.
     pub fn describe(self) -> &'static str {
         match self {
@@ -82,7 +102,7 @@ impl Channel {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::Force => "force or torque",
-            Self::Voltage => "voltage",
+            Self::Voltage | Self::DrivingVoltage => "voltage",
             Self::Current => "current",
             Self::Friction => "friction torque",
             Self::Angle => "angle of the motor",
@@ -97,7 +117,7 @@ impl Channel {
             Self::Position => "m or rad",
             Self::Velocity => "m/s or rad/s",
             Self::Force | Self::Friction => "N or N m",
-            Self::Voltage => "V",
+            Self::Voltage | Self::DrivingVoltage => "V",
             Self::Current => "A",
             Self::Angle | Self::Pendulum => "counts",
         }
@@ -110,7 +130,7 @@ impl Channel {
             Self::Position => "m, mm, um, rad, mrad, deg or rev",
             Self::Velocity => "m/s, mm/s, rad/s, deg/s, rpm or rev/s",
             Self::Force | Self::Friction => "N, kN, Nm, mNm or Ncm",
-            Self::Voltage => "V or mV",
+            Self::Voltage | Self::DrivingVoltage => "V or mV",
             Self::Current => "A or mA",
             Self::Angle | Self::Pendulum => "rad, deg or counts",
         }
@@ -162,7 +182,7 @@ impl Channel {
                 ("tau", false),
                 ("joint_torque", false),
             ],
-            Self::Voltage => &[
+            Self::Voltage | Self::DrivingVoltage => &[
                 ("voltage", false),
                 ("voltage_applied", true),
                 ("control", true),
@@ -187,7 +207,7 @@ impl Channel {
             Self::Position => matches!(quantity, Quantity::Length | Quantity::Angle),
             Self::Velocity => matches!(quantity, Quantity::Speed | Quantity::AngularSpeed),
             Self::Force | Self::Friction => matches!(quantity, Quantity::Force | Quantity::Torque),
-            Self::Voltage => matches!(quantity, Quantity::Voltage),
+            Self::Voltage | Self::DrivingVoltage => matches!(quantity, Quantity::Voltage),
             Self::Current => matches!(quantity, Quantity::Current),
             Self::Angle | Self::Pendulum => matches!(quantity, Quantity::Angle | Quantity::Bare),
         }

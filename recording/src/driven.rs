@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use msgs::friction_msgs::RigMeasurement;
 
 use super::column::Channel;
+use super::layout::Layout;
 use super::rig_clock::{self, RIG_MEASUREMENT};
-use super::sheet::{Cells, Found, Missing, Sheet};
+use super::sheet::{Cells, Found, Loaded, Missing, Sheet, load};
 use super::timing::{Steps, Timing};
-use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError};
+use super::{AxisKind, Column, Irregularities, RecordedStretch, RecordingError, is_bag};
 use crate::bag::BagReader;
 
 /// A recording of a drive, evenly sampled within each of its stretches. A voltage held over a
@@ -51,6 +52,8 @@ pub struct DrivenColumns {
     pub velocity: Option<Column>,
     /// Friction force or torque from a sensor.
     pub friction: Option<Column>,
+    /// What the table needs besides.
+    pub layout: Layout,
 }
 
 /// Reads a CSV file, an MCAP file or a bag folder. `steps` says which time steps
@@ -63,22 +66,21 @@ pub fn read(
     columns: &DrivenColumns,
     steps: impl Into<Steps>,
 ) -> Result<DrivenRecording, RecordingError> {
-    if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
+    if is_bag(path) {
         return from_bag(path, steps);
     }
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    from_table(path, &bytes, columns, steps)
+    from_table(path, load(path, &columns.layout)?, columns, steps)
 }
 
-fn from_table(
+fn from_table<'a>(
     path: &Path,
-    bytes: &[u8],
+    loaded: impl Into<Loaded<'a>>,
     columns: &DrivenColumns,
     steps: impl Into<Steps>,
 ) -> Result<DrivenRecording, RecordingError> {
-    let mut sheet = Sheet::open(path, bytes, "t_s,voltage_V,position_rad")?;
-    let timed = sheet.require(Channel::Time, columns.time.as_ref())?;
+    let loaded = loaded.into();
+    let mut sheet = Sheet::open(path, &loaded, &columns.layout, "t_s,voltage_V,position_rad")?;
+    let timed = sheet.time(columns.time.as_ref())?;
     let voltage = sheet.require(Channel::Voltage, columns.voltage.as_ref())?;
     let mut position = sheet.optional(Channel::Position, columns.position.as_ref())?;
     let mut velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
@@ -90,17 +92,29 @@ fn from_table(
         _ => {}
     }
     let axis = position.as_ref().or(velocity.as_ref()).and_then(|found| found.axis);
-    let wanted: Vec<&Found> =
-        [&timed, &voltage].into_iter().chain(&position).chain(&velocity).chain(&friction).collect();
-    let Cells { values, lines, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+    let wanted: Vec<&Found> = [&voltage]
+        .into_iter()
+        .chain(&timed)
+        .chain(&position)
+        .chain(&velocity)
+        .chain(&friction)
+        .collect();
+    let Cells { values, lines, rows, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
-    let (time, voltage) = (next(), next());
-    sheet.check_seconds(&timed, &time)?;
+    let voltage = next();
+    let time = match timed {
+        Some(timed) => {
+            let time = next();
+            sheet.check_seconds(&timed, &time)?;
+            time
+        }
+        None => sheet.periods(&rows),
+    };
     let position = position.map(|_| next());
     let velocity = velocity.map(|_| next());
     let friction = friction.map(|_| next());
-    let timing = Timing::of(path, &time, steps, |index| format!("line {}", lines[index]))?
+    let timing = Timing::of(path, &time, steps, |index| sheet.place(lines[index]))?
         .of_one_rate()
         .written_as(blank, sheet.dialect);
     let channel = |values: Vec<f64>| super::all_stretches(&timing, &values, None);

@@ -130,12 +130,12 @@ pub enum RecordingError {
         count: usize,
     },
     /// A cell is no finite number.
-    #[error("line {line} of {}, column `{column}`: expected a finite number, but found `{found}`; repair the cell or cut the recording there", path.display())]
+    #[error("{place} of {}, column `{column}`: expected a finite number, but found `{found}`; repair the cell or cut the recording there", path.display())]
     Cell {
         /// The file.
         path: PathBuf,
-        /// The line, the header being 1.
-        line: u64,
+        /// `line 17` of a text, the header being 1, or `row 17`.
+        place: String,
         /// The column.
         column: String,
         /// What stands there.
@@ -210,6 +210,40 @@ pub enum RecordingError {
         rate: f64,
         /// Mean rate of the samples \[Hz\].
         mean_rate: f64,
+    },
+    /// A file that is no text cannot be read.
+    #[error("{} cannot be read as {form}: {detail}; save it anew, {convert}", path.display())]
+    Form {
+        /// The file.
+        path: PathBuf,
+        /// What it was taken for.
+        form: &'static str,
+        /// What is wrong with it.
+        detail: String,
+        /// How it is saved so that it can be read.
+        convert: &'static str,
+    },
+    /// Tables that were to stand beside each other have not as many rows.
+    #[error("{} has {rows} rows, but {} has {expected}; tables beside each other must have a row for each sample", path.display(), beside.display())]
+    Joined {
+        /// The file.
+        path: PathBuf,
+        /// Its rows.
+        rows: usize,
+        /// The first of the others.
+        beside: PathBuf,
+        /// The rows of that one.
+        expected: usize,
+    },
+    /// A table has a time, and a period was given besides.
+    #[error("{} has the time in column `{column}`, and the time from row to row was given besides, {period} s; leave out one of them", path.display())]
+    TimeTwice {
+        /// The file.
+        path: PathBuf,
+        /// The column.
+        column: String,
+        /// What was given \[s\].
+        period: f64,
     },
     /// Not a servo log.
     #[error("{} is no servo log that can be used: {detail}", path.display())]
@@ -310,7 +344,10 @@ impl RecordingError {
         match self {
             Self::Read { source, .. } => is_of_the_path(source),
             Self::Bag(error) => error.is_bad_input(),
-            Self::Empty { .. }
+            Self::Form { .. }
+            | Self::Joined { .. }
+            | Self::TimeTwice { .. }
+            | Self::Empty { .. }
             | Self::HeaderOnly { .. }
             | Self::NoHeader { .. }
             | Self::Unit { .. }

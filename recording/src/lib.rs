@@ -18,8 +18,10 @@ pub mod csv_table;
 pub mod drive_error;
 pub mod driven;
 mod error;
+pub mod grid;
 pub mod irregularities;
 pub mod joints;
+pub mod layout;
 pub mod overview;
 #[cfg(feature = "ros")]
 pub mod record;
@@ -35,7 +37,7 @@ pub mod trajectory;
 pub mod units;
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
@@ -43,6 +45,22 @@ pub use column::Column;
 pub use error::RecordingError;
 pub use irregularities::Irregularities;
 use timing::Timing;
+
+/// Whether a path is a bag: a file of one, or a folder that holds no tables.
+#[must_use]
+pub fn is_bag(path: &Path) -> bool {
+    let ends = |file: &Path| {
+        let name = file.to_string_lossy();
+        bag::ENDINGS.iter().any(|ending| name.ends_with(ending))
+    };
+    if !path.is_dir() {
+        return ends(path);
+    }
+    let mut inside = std::fs::read_dir(path).into_iter().flatten().flatten();
+    let described =
+        |file: &Path| file.file_name().is_some_and(|name| name == "metadata.yaml") || ends(file);
+    inside.any(|file| described(&file.path())) || !sheet::has_tables(path)
+}
 
 /// Whether the axis moves along a line or turns; decides the units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]

@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::column::Channel;
 use super::joints::{self, Effort, JointChoice};
-use super::sheet::{Dialect, Found, Missing, Sheet};
+use super::sheet::{Dialect, Found, Loaded, Missing, Sheet, load};
 use super::table::Columns;
-use super::{Column, RecordingError, timing};
+use super::{RecordingError, is_bag, timing};
 use crate::bag::BagReader;
 
 /// Steps longer than so many usual ones are gaps.
@@ -28,7 +28,7 @@ pub struct Overview {
     pub dialect: Option<Dialect>,
     /// Names of all columns of a table, or of the topics of a bag.
     pub names: Vec<String>,
-    /// Joints of a bag.
+    /// Joints of a bag, or of a table whose columns stand for several.
     pub joints: Vec<String>,
     /// Samples with a value in every channel.
     pub samples: usize,
@@ -160,18 +160,23 @@ pub fn look(
     columns: &Columns,
     joint: &JointChoice,
 ) -> Result<Overview, RecordingError> {
-    if path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap") {
+    if is_bag(path) {
         return bag(path, joint);
     }
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    table(path, &bytes, columns)
+    table(path, load(path, &columns.layout)?, columns)
 }
 
-fn table(path: &Path, bytes: &[u8], columns: &Columns) -> Result<Overview, RecordingError> {
-    let mut sheet = Sheet::open(path, bytes, "t_s,position_m,force_N")?;
-    let mut problems = Vec::new();
+fn table<'a>(
+    path: &Path,
+    loaded: impl Into<Loaded<'a>>,
+    columns: &Columns,
+) -> Result<Overview, RecordingError> {
+    let loaded = loaded.into();
+    let mut sheet = Sheet::open(path, &loaded, &columns.layout, "t_s,position_m,force_N")?;
+    let mut problems = sheet.left_out().to_vec();
     let mut found: Vec<(Channel, Found)> = Vec::new();
+    let joints = sheet.joints();
+    let mut several = false;
     for (channel, named) in [
         (Channel::Time, columns.time.as_ref()),
         (Channel::Position, columns.position.as_ref()),
@@ -184,16 +189,29 @@ fn table(path: &Path, bytes: &[u8], columns: &Columns) -> Result<Overview, Recor
         match sheet.optional(channel, named) {
             Ok(Some(column)) => found.push((channel, column)),
             Ok(None) => {}
-            Err(error @ RecordingError::NoColumn { .. }) => return Err(error),
+            Err(error @ (RecordingError::NoColumn { .. } | RecordingError::NoJoint { .. })) => {
+                return Err(error);
+            }
+            Err(RecordingError::SeveralJoints { .. }) => several = true,
             Err(error) => problems.push(error.to_string()),
         }
+    }
+    if several {
+        let (path, present) = (path.into(), joints.join(", "));
+        problems.push(RecordingError::SeveralJoints { path, present }.to_string());
+    }
+    if let (Some((_, time)), Some(period)) =
+        (found.iter().find(|(channel, _)| *channel == Channel::Time), columns.layout.period)
+    {
+        let (path, column) = (path.into(), time.source.name.clone());
+        return Err(RecordingError::TimeTwice { path, column, period });
     }
     if found.is_empty() && sheet.dialect.headerless {
         problems.push(sheet.no_header().to_string());
     }
     let wanted: Vec<&Found> = found.iter().map(|(_, found)| found).collect();
     let read = sheet.columns(&wanted, Missing::LeftOut)?;
-    let mut times = None;
+    let mut times = columns.layout.period.map(|_| times_of(&sheet.periods(&read.rows)));
     let mut channels = Vec::new();
     for ((channel, column), values) in found.into_iter().zip(read.values) {
         if channel == Channel::Time {
@@ -202,16 +220,19 @@ fn table(path: &Path, bytes: &[u8], columns: &Columns) -> Result<Overview, Recor
                 Err(error) => problems.push(error.to_string()),
             }
         }
-        let named = Column { name: column.source.name.clone(), scale: None };
-        let unit = channel.unit_in(&named.name).ok().flatten();
-        let unit = unit.and(super::units::parts(&named.name).unit).map(str::to_owned);
-        channels.push(seen(channel, column.source.name, unit, column.source.scale, values));
+        channels.push(seen(
+            channel,
+            column.source.name,
+            column.written,
+            column.source.scale,
+            values,
+        ));
     }
     Ok(Overview {
         path: path.into(),
         dialect: Some(sheet.dialect),
         names: sheet.names,
-        joints: Vec::new(),
+        joints,
         samples: read.lines.len(),
         blank: read.blank,
         times,

@@ -4,7 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::column::Channel;
-use super::sheet::{Cells, Found, Missing, Sheet};
+use super::layout::Layout;
+use super::sheet::{Cells, Found, Loaded, Missing, Sheet, load};
 use super::timing::even_step;
 use super::{Column, RecordingError};
 
@@ -44,17 +45,16 @@ const TOLERANCE: f64 = 0.05;
 /// # Errors
 /// [`RecordingError`], naming the file and, where there is one, the line and the column.
 pub fn read(path: &Path, columns: &StictionColumns) -> Result<StictionTable, RecordingError> {
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    parse(path, &bytes, columns)
+    parse(path, load(path, &Layout::default())?, columns)
 }
 
-fn parse(
+fn parse<'a>(
     path: &Path,
-    bytes: &[u8],
+    loaded: impl Into<Loaded<'a>>,
     columns: &StictionColumns,
 ) -> Result<StictionTable, RecordingError> {
-    let mut sheet = Sheet::open(path, bytes, "t,theta,plant_input")?;
+    let loaded = loaded.into();
+    let mut sheet = Sheet::open(path, &loaded, &Layout::default(), "t,theta,plant_input")?;
     let mut wanted = vec![
         sheet.require(Channel::Time, Some(&columns.time))?,
         sheet.require(Channel::Angle, Some(&columns.angle))?,
@@ -68,7 +68,7 @@ fn parse(
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
     let (time, angle, voltage) = (next(), next(), next());
-    let time_step = even_step(path, &time, TOLERANCE, |index| format!("line {}", lines[index]))?;
+    let time_step = even_step(path, &time, TOLERANCE, |index| sheet.place(lines[index]))?;
     let pendulum = columns.pendulum.is_some().then(next);
     Ok(StictionTable { path: path.into(), time_step, angle, voltage, pendulum })
 }

@@ -6,9 +6,10 @@
 use std::path::Path;
 
 use super::column::Channel;
-use super::sheet::{Cells, Dialect, Found, Missing, Sheet};
+use super::layout::Layout;
+use super::sheet::{Cells, Dialect, Found, Loaded, Missing, Sheet, load};
 use super::timing::{Steps, Timing};
-use super::{AxisKind, Column, RecordedStretch, Recording, RecordingError, Sources};
+use super::{AxisKind, ChannelSource, Column, RecordedStretch, Recording, RecordingError, Sources};
 
 /// What the column of the force holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -26,7 +27,7 @@ impl Measured {
     pub(super) const fn channel(self) -> Channel {
         match self {
             Self::Force => Channel::Force,
-            Self::Voltage => Channel::Voltage,
+            Self::Voltage => Channel::DrivingVoltage,
             Self::Current => Channel::Current,
         }
     }
@@ -45,9 +46,11 @@ pub struct Columns {
     pub force: Option<Column>,
     /// What that column holds.
     pub measured: Measured,
+    /// What the table needs besides.
+    pub layout: Layout,
 }
 
-/// Reads a CSV file. `steps` says which time steps are even;
+/// Reads a table. `steps` says which time steps are even;
 /// [`timing`](super::timing) says what becomes of others.
 ///
 /// # Errors
@@ -57,19 +60,17 @@ pub fn read(
     columns: &Columns,
     steps: impl Into<Steps>,
 ) -> Result<Recording, RecordingError> {
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    parse(path, &bytes, columns, steps)
+    parse(path, load(path, &columns.layout)?, columns, steps)
 }
 
 /// The part of [`read`] that does not touch the disk.
-fn parse(
+fn parse<'a>(
     path: &Path,
-    bytes: &[u8],
+    loaded: impl Into<Loaded<'a>>,
     columns: &Columns,
     steps: impl Into<Steps>,
 ) -> Result<Recording, RecordingError> {
-    let rows = rows(path, bytes, columns, Motion::One)?;
+    let rows = rows(path, &loaded.into(), columns, Motion::One)?;
     let timing = Timing::of(path, &rows.time, steps, |index| rows.place(index))?
         .of_one_rate()
         .written_as(rows.blank, rows.dialect);
@@ -114,19 +115,19 @@ pub(super) struct Rows {
 impl Rows {
     /// Where row `index` stands.
     pub fn place(&self, index: usize) -> String {
-        format!("line {}", self.lines.get(index).copied().unwrap_or(0))
+        self.dialect.place(self.lines.get(index).copied().unwrap_or(0))
     }
 }
 
 /// Reads all rows; one at least.
 pub(super) fn rows(
     path: &Path,
-    bytes: &[u8],
+    loaded: &Loaded<'_>,
     columns: &Columns,
     motion: Motion,
 ) -> Result<Rows, RecordingError> {
-    let mut sheet = Sheet::open(path, bytes, "t_s,position_m,force_N")?;
-    let time = sheet.require(Channel::Time, columns.time.as_ref())?;
+    let mut sheet = Sheet::open(path, loaded, &columns.layout, "t_s,position_m,force_N")?;
+    let time = sheet.time(columns.time.as_ref())?;
     let velocity = sheet.optional(Channel::Velocity, columns.velocity.as_ref())?;
     let position = sheet.optional(Channel::Position, columns.position.as_ref())?;
     let (position, velocity) = match (position, velocity) {
@@ -138,12 +139,19 @@ pub(super) fn rows(
     };
     let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
     let wanted: Vec<&Found> =
-        [&time, &force].into_iter().chain(&position).chain(&velocity).collect();
-    let Cells { values, lines, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
+        [&force].into_iter().chain(&time).chain(&position).chain(&velocity).collect();
+    let Cells { values, lines, rows, blank } = sheet.columns(&wanted, Missing::LeftOut)?;
     let mut values = values.into_iter();
     let mut next = || values.next().unwrap_or_default();
-    let (times, forces) = (next(), next());
-    sheet.check_seconds(&time, &times)?;
+    let forces = next();
+    let (times, time) = match time {
+        Some(time) => {
+            let times = next();
+            sheet.check_seconds(&time, &times)?;
+            (times, time.source)
+        }
+        None => (sheet.periods(&rows), ChannelSource { name: "--period".to_owned(), scale: 1.0 }),
+    };
     let positions = position.as_ref().map(|_| next());
     let velocities = velocity.as_ref().map(|_| next());
     let axis = velocity.as_ref().or(position.as_ref()).and_then(|found| found.axis).or(force.axis);
@@ -154,7 +162,7 @@ pub(super) fn rows(
         force: forces,
         axis,
         sources: Sources {
-            time: time.source,
+            time,
             position: position.map(|found| found.source),
             velocity: velocity.map(|found| found.source),
             force: force.source,
@@ -328,7 +336,7 @@ mod tests {
     proptest! {
         #[test]
         fn never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-            let _ = parse(Path::new("x.csv"), &bytes, &Columns::default(), 0.05);
+            let _ = parse(Path::new("x.csv"), &bytes[..], &Columns::default(), 0.05);
         }
 
         #[test]

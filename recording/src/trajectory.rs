@@ -5,7 +5,9 @@ use std::io::{BufRead, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use super::column::Channel;
-use super::sheet::{Flow, Found, Sheet};
+use super::grid::{self, Form};
+use super::layout::Layout;
+use super::sheet::{Cells, Flow, Found, Loaded, Missing, Sheet, load};
 use super::{AxisKind, RecordingError};
 
 /// Names of the velocity column. Each says whether the axis turns, which decides the units of the
@@ -22,6 +24,9 @@ const VELOCITIES: [&str; 6] = [
 const LOADS: [&str; 3] = ["load_Nm", "load_N_m", "load_N"];
 /// As spreadsheets write it; no part of the first name.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// A header that would do.
+const EXAMPLE: &str = "t_s,velocity_rad_s";
 
 /// A moment of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,9 +47,17 @@ pub struct Trajectory {
     pub axis: AxisKind,
     /// Whether there are loads.
     pub loaded: bool,
-    rows: Flow,
+    rows: Rows,
     before: Option<f64>,
     ended: bool,
+}
+
+/// Where its rows come from.
+enum Rows {
+    /// A text, as it is read.
+    Flowing(Box<Flow>),
+    /// What is no text is read whole: the columns, and the row that is next.
+    Read(Vec<Vec<f64>>, usize),
 }
 
 /// Bytes at the beginning of a file from which its columns are told.
@@ -60,7 +73,7 @@ pub fn open(path: &Path) -> Result<Trajectory, RecordingError> {
     from_text(path, BufReader::new(File::open(path).map_err(read)?))
 }
 
-/// The same from text that may have no end.
+/// The same from a reader, which may have no end.
 ///
 /// # Errors
 /// As of [`open`], naming `path`.
@@ -71,39 +84,69 @@ pub fn from_text(
     let mut head = Vec::new();
     let begun = text.by_ref().take(HEAD).read_to_end(&mut head);
     begun.map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    if grid::form_of(&head) != Form::Text {
+        return read_whole(path);
+    }
     // Whole lines only, if there are any: half a number is another one.
     let whole = head.iter().rposition(|&byte| byte == b'\n').filter(|_| head.len() as u64 == HEAD);
     let lines = whole.and_then(|last| head.get(..=last)).unwrap_or(&head);
-    let sheet = Sheet::open(path, lines, "t_s,velocity_rad_s")?;
-    let columns = Columns { path, sheet: &sheet };
-    let time = columns.require(Channel::Time, Channel::Time.recognise(&sheet.names), "t_s")?;
-    let velocity = columns.one_of("velocity", &VELOCITIES)?;
-    let velocity =
-        columns.require(Channel::Velocity, velocity, "velocity_rad_s or velocity_m_s")?;
-    let load = columns.one_of("load", &LOADS)?;
-    let load = load.map(|name| sheet.find(Channel::Force, name, None)).transpose()?;
-    let axis = velocity.axis.unwrap_or(AxisKind::Rotary);
-    let (dialect, fields, loaded) = (sheet.dialect, sheet.names.len(), load.is_some());
-    let wanted = [time, velocity].into_iter().chain(load).collect();
+    let lines = Loaded::from(lines);
+    let sheet = Sheet::open(path, &lines, &Layout::default(), EXAMPLE)?;
+    let (found, axis) = Columns { path, sheet: &sheet }.all()?;
+    let (dialect, fields, loaded) = (sheet.dialect, sheet.names.len(), found.len() > 2);
     let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(&head).to_vec();
     let text = Box::new(Cursor::new(head).chain(text));
-    let rows = Flow::new(path.into(), text, dialect, fields, wanted);
+    let flow = Flow::new(path.into(), text, dialect, fields, found);
+    let rows = Rows::Flowing(Box::new(flow));
     Ok(Trajectory { path: path.into(), axis, loaded, rows, before: None, ended: false })
+}
+
+fn read_whole(path: &Path) -> Result<Trajectory, RecordingError> {
+    let layout = Layout::default();
+    let columns = load(path, &layout)?;
+    let mut sheet = Sheet::open(path, &columns, &layout, EXAMPLE)?;
+    let (found, axis) = Columns { path, sheet: &sheet }.all()?;
+    let loaded = found.len() > 2;
+    let Cells { values, .. } =
+        sheet.columns(&found.iter().collect::<Vec<_>>(), Missing::Refused)?;
+    let rows = Rows::Read(values, 0);
+    Ok(Trajectory { path: path.into(), axis, loaded, rows, before: None, ended: false })
+}
+
+impl Rows {
+    /// The place of the next row, whose values go into `row`.
+    fn next(&mut self, row: &mut [f64]) -> Result<Option<String>, RecordingError> {
+        match self {
+            Self::Flowing(flow) => Ok(flow.next(row)?.map(|line| format!("line {line}"))),
+            Self::Read(columns, next) => {
+                let at = *next;
+                *next += 1;
+                for (value, column) in row.iter_mut().zip(columns.iter()) {
+                    let Some(found) = column.get(at) else { return Ok(None) };
+                    *value = *found;
+                }
+                Ok(Some(format!("row {}", at + 1)))
+            }
+        }
+    }
 }
 
 impl Trajectory {
     /// About how much of the file was read \[bytes\].
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.rows.bytes()
+        match &self.rows {
+            Rows::Flowing(flow) => flow.bytes(),
+            Rows::Read(_, next) => (*next * size_of::<f64>() * 2) as u64,
+        }
     }
 
     fn point(&mut self) -> Result<Option<Point>, RecordingError> {
         let mut row = [0.0; 3];
-        let Some(line) = self.rows.next(&mut row)? else { return Ok(None) };
+        let Some(place) = self.rows.next(&mut row)? else { return Ok(None) };
         let [time, velocity, load] = row;
         if let Some(before) = self.before.filter(|before| time <= *before) {
-            let (path, place) = (self.path.clone(), format!("line {line}"));
+            let path = self.path.clone();
             return Err(RecordingError::TimeOrder { path, place, before, time });
         }
         self.before = Some(time);
@@ -131,6 +174,19 @@ struct Columns<'a> {
 }
 
 impl<'a> Columns<'a> {
+    /// Time, velocity and, if there is one, load; and the kind of the axis.
+    fn all(&self) -> Result<(Vec<Found>, AxisKind), RecordingError> {
+        let names = &self.sheet.names;
+        let time = self.require(Channel::Time, Channel::Time.recognise(names), "t_s")?;
+        let velocity = self.one_of("velocity", &VELOCITIES)?;
+        let expected = "velocity_rad_s or velocity_m_s";
+        let velocity = self.require(Channel::Velocity, velocity, expected)?;
+        let load = self.one_of("load", &LOADS)?;
+        let load = load.map(|name| self.sheet.find(Channel::Force, name, None)).transpose()?;
+        let axis = velocity.axis.unwrap_or(AxisKind::Rotary);
+        Ok(([time, velocity].into_iter().chain(load).collect(), axis))
+    }
+
     /// The only column whose name is one of `known`; none if there is none.
     fn one_of(
         &self,

@@ -54,10 +54,17 @@ fn of_recording(error: &RecordingError) -> String {
         RecordingError::Unrecognised { channel, .. } => {
             let option = option(*channel);
             let unit = channel.unit();
+            let period = if *channel == Channel::Time {
+                "; where there is none, --period SECONDS gives the time from row to row"
+            } else {
+                ""
+            };
             format!(
-                ": {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}"
+                ": {option} NAME, or {option} NAME:SCALE where SCALE turns its values into {unit}{period}"
             )
         }
+        RecordingError::TimeTwice { .. } => " (--period)".to_owned(),
+        RecordingError::Joined { .. } => " (--beside TABLE)".to_owned(),
         RecordingError::Unit { source, .. } => {
             format!(" ({} NAME:SCALE)", option(source.channel))
         }
@@ -84,7 +91,7 @@ const fn option(channel: Channel) -> &'static str {
         Channel::Velocity => "--velocity",
         Channel::Force => "--force-column",
         Channel::Voltage => "--voltage",
-        Channel::Current => "--force-column",
+        Channel::DrivingVoltage | Channel::Current => "--force-column",
         Channel::Friction => "--friction",
         Channel::Angle => "--angle",
         Channel::Pendulum => "--pendulum",
@@ -169,6 +176,17 @@ mod ros {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_voltage_in_place_of_a_force_is_named_by_the_option_of_the_force() {
+        for (channel, option) in
+            [(Channel::DrivingVoltage, "--force-column"), (Channel::Voltage, "--voltage")]
+        {
+            let (path, present) = ("run.csv".into(), "t, q".to_owned());
+            let error = RecordingError::Unrecognised { path, channel, present };
+            assert!(advice(&error.into()).contains(option));
+        }
+    }
 
     #[test]
     fn the_option_is_named_behind_whatever_the_error_came_through() {

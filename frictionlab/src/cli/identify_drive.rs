@@ -10,6 +10,7 @@ use files::OutputFile;
 use identification::drive::parameters::sheet;
 use identification::drive::{Identified, identify, page::page, parameters};
 use recording::driven::{self, DrivenColumns};
+use recording::layout::LayoutArgs;
 use recording::timing::{Steps, TOLERANCE, rate, tolerance};
 use recording::{AxisKind, Column};
 use report::{linked, render_page};
@@ -34,7 +35,7 @@ use work::saying::Saying;
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct IdentifyDriveArgs {
-    /// CSV files, .mcap files or bag folders.
+    /// Tables (CSV, .mat, .npz, .npy, .parquet), .mcap or .db3 files, or bag folders.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
@@ -53,38 +54,45 @@ pub struct IdentifyDriveArgs {
     saying: Saying,
 
     /// Column of the time [s].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a table")]
     time: Option<Column>,
 
     /// Column of the voltage [V].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a table")]
     voltage: Option<Column>,
 
     /// Column of the position [m or rad].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a table")]
     position: Option<Column>,
 
     /// Column of the velocity [m/s or rad/s], to be used in place of the position.
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a table")]
     velocity: Option<Column>,
 
     /// Column of a measured friction force [N] or torque [N m].
-    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "NAME[:SCALE]", help_heading = "Columns of a table")]
     friction: Option<Column>,
 
+    #[command(flatten)]
+    layout: LayoutArgs,
+
+    /// The joint whose columns are read, as 2 of voltage[2] and q[2].
+    #[arg(long, value_name = "NAME", help_heading = "Columns of a table")]
+    joint: Option<String>,
+
     /// Kind of axis, where the column names do not tell it.
-    #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
+    #[arg(long, value_enum, help_heading = "Columns of a table")]
     axis: Option<AxisKind>,
 
     /// How far a time step may be from the usual one for its sample to be taken as it is, as a
     /// fraction of it, at most 0.5; samples off by more are read between their neighbours, and gaps
     /// split the recording.
-    #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Columns of a CSV file")]
+    #[arg(long, value_name = "FRACTION", default_value_t = TOLERANCE, value_parser = tolerance, allow_negative_numbers = true, help_heading = "Columns of a table")]
     time_tolerance: f64,
 
     /// Bring samples at irregular times to this rate [Hz]: along straight lines between neighbours,
     /// with an anti-alias low-pass, the same for every channel. What that does to noise is said.
-    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, help_heading = "Columns of a CSV file", conflicts_with = "time_tolerance")]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, help_heading = "Columns of a table", conflicts_with = "time_tolerance")]
     resample: Option<f64>,
 
     /// Use voltage and motion alone, even where the friction torque was measured.
@@ -164,6 +172,7 @@ pub fn execute(args: &IdentifyDriveArgs) -> anyhow::Result<()> {
         position: args.position.clone(),
         velocity: args.velocity.clone(),
         friction: args.friction.clone(),
+        layout: args.layout.layout(args.joint.as_deref()),
     };
     let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
     let mut recordings = Vec::new();

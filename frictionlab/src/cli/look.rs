@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use identification::look::{document, page, terminal};
-use recording::Column;
 use recording::joints::JointChoice;
-use recording::overview;
-use recording::table::Columns;
+use recording::layout::ColumnArgs;
+use recording::table::Measured;
+use recording::{is_bag, overview};
 use work::BadInput;
 use work::destination::ToFolder;
 use work::saying::Saying;
@@ -18,10 +18,11 @@ use work::saying::Saying;
 ///
 ///   frictionlab look run.csv
 ///   frictionlab look bag/ --joint elbow
+///   frictionlab look q.csv --beside tau.csv --period 0.001 --joint 3
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct LookArgs {
-    /// CSV file, .mcap file or bag folder.
+    /// Table (CSV, .mat, .npz, .npy, .parquet), folder of tables, .mcap or .db3 file, or bag folder.
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
@@ -34,44 +35,11 @@ pub struct LookArgs {
     #[command(flatten)]
     saying: Saying,
 
-    /// Column of the time [s], by name or by number.
-    #[arg(
-        long,
-        alias = "time-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    time: Option<Column>,
+    #[command(flatten)]
+    columns: ColumnArgs,
 
-    /// Column of the position [m or rad].
-    #[arg(
-        long,
-        alias = "position-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    position: Option<Column>,
-
-    /// Column of the velocity [m/s or rad/s].
-    #[arg(
-        long,
-        alias = "velocity-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    velocity: Option<Column>,
-
-    /// Column of the force [N] or torque [N m].
-    #[arg(
-        id = "force_column",
-        long = "force-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    force: Option<Column>,
-
-    /// Bag: the joint of /joint_states.
-    #[arg(long, value_name = "NAME", help_heading = "Bag")]
+    /// The joint of a bag's /joint_states, or of a table's columns as q[2] and q2.
+    #[arg(long, value_name = "NAME")]
     joint: Option<String>,
 }
 
@@ -83,27 +51,13 @@ pub struct LookArgs {
 pub fn execute(args: &LookArgs) -> anyhow::Result<()> {
     args.saying.begin();
     let file = &args.file;
-    let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
-    let columns = Columns {
-        time: args.time.clone(),
-        position: args.position.clone(),
-        velocity: args.velocity.clone(),
-        force: args.force.clone(),
-        ..Columns::default()
-    };
-    if is_bag && columns != Columns::default() {
-        let file = file.display();
-        return Err(BadInput(format!(
-            "{file} is a bag and has no columns: leave out --time, --position, --velocity and --force-column"
-        ))
-        .into());
-    }
-    if !is_bag && args.joint.is_some() {
+    if let (true, Some(option)) = (is_bag(file), args.columns.given().first()) {
         let file = file.display();
         return Err(
-            BadInput(format!("--joint speaks of a bag, but {file} is none: leave it out")).into()
+            BadInput(format!("{file} is a bag and has no columns: leave out {option}")).into()
         );
     }
+    let columns = args.columns.columns(Measured::Force, args.joint.as_deref());
     let choice = JointChoice { name: args.joint.clone(), effort: None };
     let seen = overview::look(file, &columns, &choice)?;
     let files = [

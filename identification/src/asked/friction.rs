@@ -9,6 +9,7 @@ use friction_ident::{DriveConstants, Hampel, IdentError, StagedOptions, TorqueSo
 use friction_model::ModelName;
 
 use files::Folder;
+use recording::is_bag;
 use recording::joints::{Effort, JointChoice};
 use recording::stretches::{self, FrictionRecording, Preparation, Smoothing};
 use recording::table::{Columns, Measured};
@@ -192,10 +193,6 @@ impl IdentifyArgs {
             || self.validate.len() > 1
             || self.files.iter().any(|file| alone(file))
     }
-}
-
-fn is_bag(file: &Path) -> bool {
-    file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap")
 }
 
 /// The files that an identification leaves.
@@ -424,19 +421,6 @@ impl IdentifyArgs {
         JointChoice { name: self.joint.clone(), effort }
     }
 
-    /// Options that were given and say something of a column of a table.
-    fn column_options(&self) -> Vec<&'static str> {
-        [
-            ("--time", &self.time),
-            ("--position", &self.position),
-            ("--velocity", &self.velocity),
-            ("--force-column", &self.force),
-        ]
-        .into_iter()
-        .filter_map(|(option, column)| column.as_ref().map(|_| option))
-        .collect()
-    }
-
     /// Refuses options that would be without effect on these files.
     ///
     /// # Errors
@@ -446,7 +430,6 @@ impl IdentifyArgs {
         let refuse = |option: &str, why: &str| Err(BadInput(format!("{option} {why}")));
         if bags == 0 {
             for (option, given) in [
-                ("--joint", self.joint.is_some()),
                 ("--effort", self.effort.is_some()),
                 ("--torque-from-voltage", self.torque_from_voltage),
             ] {
@@ -455,7 +438,7 @@ impl IdentifyArgs {
                 }
             }
         } else if bags == self.files.len()
-            && let Some(option) = self.column_options().first()
+            && let Some(option) = self.table.given().first()
         {
             return refuse(
                 option,
@@ -499,12 +482,6 @@ impl IdentifyArgs {
 
     /// The columns that were named.
     pub fn columns(&self) -> Columns {
-        Columns {
-            time: self.time.clone(),
-            position: self.position.clone(),
-            velocity: self.velocity.clone(),
-            force: self.force.clone(),
-            measured: Measured::Force,
-        }
+        self.table.columns(Measured::Force, self.joint.as_deref())
     }
 }

@@ -13,10 +13,11 @@ use std::path::{Path, PathBuf};
 use friction_ident::Conditioning;
 use friction_model::Motor;
 use recording::joints::Effort;
+use recording::layout::ColumnArgs;
 use recording::rosbag;
 use recording::table;
 use recording::timing::{Steps, TOLERANCE, rate, tolerance};
-use recording::{AxisKind, Column, Recording, RecordingError};
+use recording::{AxisKind, Recording, RecordingError};
 use work::BadInput;
 use work::destination::ToFolder;
 use work::saying::Saying;
@@ -26,7 +27,7 @@ use crate::axis::structure::StructureChoice;
 use crate::drive::DriveFileError;
 use crate::drive::parameters::read_motor;
 
-/// Find friction and inertia in your recordings (CSV or bags)
+/// Find friction and inertia in your recordings (tables or bags)
 ///
 /// One CSV file with a driving force gives inertia, viscous and Coulomb friction of the axis. CSV:
 /// a header with column names, then one line a sample, evenly spaced. Columns are recognised by
@@ -54,7 +55,8 @@ use crate::drive::parameters::read_motor;
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct IdentifyArgs {
-    /// CSV files, .mcap files or bag folders; several only for friction models.
+    /// Tables (CSV, .mat, .npz, .npy, .parquet), .mcap or .db3 files, or bag folders; several only
+    /// for friction models.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
@@ -78,44 +80,12 @@ pub struct IdentifyArgs {
     #[command(flatten)]
     pub friction: FrictionArgs,
 
-    /// Column of the time [s].
-    #[arg(
-        long,
-        alias = "time-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    pub time: Option<Column>,
-
-    /// Column of the position [m or rad].
-    #[arg(
-        long,
-        alias = "position-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    pub position: Option<Column>,
-
-    /// Column of the velocity [m/s or rad/s], to be used in place of the position.
-    #[arg(
-        long,
-        alias = "velocity-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    pub velocity: Option<Column>,
-
-    /// Column of the force [N] or torque [N m]; SCALE turns its values into that unit.
-    #[arg(
-        id = "force_column",
-        long = "force-column",
-        value_name = "NAME[:SCALE]",
-        help_heading = "Columns of a CSV file"
-    )]
-    pub force: Option<Column>,
+    /// Those that name columns.
+    #[command(flatten)]
+    pub table: ColumnArgs,
 
     /// Kind of axis, where the column names do not tell it; decides the units shown.
-    #[arg(long, value_enum, help_heading = "Columns of a CSV file")]
+    #[arg(long, value_enum, help_heading = "Columns of a table")]
     pub axis: Option<AxisKind>,
 
     /// Cutoff of the low-pass for the motion [Hz]
@@ -170,7 +140,8 @@ pub struct IdentifyArgs {
     #[arg(long, help_heading = "Model")]
     pub without_offset: bool,
 
-    /// Bag: the joint of /joint_states; where there are several, it must be named.
+    /// The joint of a bag's /joint_states, or of a table's columns as q[2] and q2; where there are
+    /// several, it must be named.
     #[arg(long, value_name = "NAME", help_heading = "Bag", conflicts_with = "torque_from_voltage")]
     pub joint: Option<String>,
 
@@ -273,14 +244,13 @@ pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
     }
 }
 
-/// Reads a CSV file or a bag as the options say.
+/// Reads a table or a bag as the options say.
 ///
 /// # Errors
 /// [`RecordingError`] with the file and what is wrong with it.
 pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
     let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
-    let is_bag = file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap");
-    if is_bag {
+    if recording::is_bag(file) {
         let motor = args.torque_from_voltage.then_some(motor);
         rosbag::read(file, motor, &args.joint_choice(), steps)
     } else {

@@ -55,7 +55,7 @@ pub fn prospects(seen: &Overview) -> Prospects {
         ));
     }
     if !(timed || points) {
-        missing.push("no time is recognised: name its column with --time NAME".to_owned());
+        missing.push("no time is recognised: name its column with --time NAME, or say with --period SECONDS how far the rows are apart".to_owned());
     }
     if !moves {
         missing.push(

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use recording::grid::Form;
 use recording::overview::{Overview, Times};
 
 use super::prospects::prospects;
@@ -55,7 +56,10 @@ pub fn terminal(seen: &Overview) -> String {
 pub(super) fn written(seen: &Overview) -> Vec<String> {
     let mut lines = Vec::new();
     if let Some(dialect) = seen.dialect {
-        let mut line = format!("columns separated by {}", dialect.separator.describe());
+        let mut line = match dialect.form {
+            Form::Text => format!("columns separated by {}", dialect.separator.describe()),
+            other => other.describe().to_owned(),
+        };
         if dialect.decimal_comma {
             line += "; decimals with a comma";
         }
@@ -68,8 +72,14 @@ pub(super) fn written(seen: &Overview) -> Vec<String> {
         if dialect.headerless {
             line += "; no names, columns are counted from 1";
         }
+        if dialect.units_below {
+            line += "; units taken from the row below the names";
+        }
         lines.push(line);
         lines.push(format!("columns: {}", seen.names.join(", ")));
+        if !seen.joints.is_empty() {
+            lines.push(format!("joints: {}", seen.joints.join(", ")));
+        }
     } else {
         lines.push(format!("topics: {}", seen.names.join(", ")));
         lines.push(format!("joints: {}", seen.joints.join(", ")));

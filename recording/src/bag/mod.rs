@@ -41,6 +41,10 @@ mod tests;
 mod writer;
 
 pub use error::BagError;
+
+/// How the files of a bag end.
+pub(crate) const ENDINGS: [&str; 3] = [".mcap", ".db3", ".db3.zstd"];
+
 pub use options::{BagOptions, BagSummary, Compression};
 pub use reader::{BagReader, TopicInfo};
 pub use recover::{Recovery, cut_bags, is_cut, recover};

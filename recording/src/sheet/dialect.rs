@@ -5,6 +5,8 @@ use std::borrow::Cow;
 
 use serde::Serialize;
 
+use crate::grid::Form;
+
 /// What separates the columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -56,6 +58,8 @@ impl Separator {
 /// How a table is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Dialect {
+    /// What kind of file it is; what follows speaks of text.
+    pub form: Form,
     /// What separates its columns.
     pub separator: Separator,
     /// Decimals are written with a comma.
@@ -66,6 +70,29 @@ pub struct Dialect {
     pub names_in_remark: bool,
     /// There are no names: columns are counted from one.
     pub headerless: bool,
+    /// The row below the names holds their units.
+    pub units_below: bool,
+}
+
+impl Dialect {
+    /// Of what is no text.
+    pub(super) const fn of_grid(form: Form) -> Self {
+        Self {
+            form,
+            separator: Separator::Comma,
+            decimal_comma: false,
+            remarks: 0,
+            names_in_remark: false,
+            headerless: false,
+            units_below: false,
+        }
+    }
+
+    /// Where a line stands, in words.
+    pub(in super::super) fn place(self, line: u64) -> String {
+        let word = if self.form == Form::Text { "line" } else { "row" };
+        format!("{word} {line}")
+    }
 }
 
 /// A table without its remarks, whose lines keep their numbers.
@@ -97,6 +124,8 @@ pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
         fits.then_some(names)
     });
     let dialect = Dialect {
+        form: Form::Text,
+        units_below: false,
         separator,
         decimal_comma,
         remarks,

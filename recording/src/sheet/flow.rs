@@ -20,6 +20,8 @@ pub(crate) struct Flow {
     record: StringRecord,
     /// Rows of the table so far.
     rows: u64,
+    /// The next row holds units.
+    units: bool,
 }
 
 impl Flow {
@@ -40,13 +42,18 @@ impl Flow {
             .has_headers(!(dialect.headerless || dialect.names_in_remark))
             .flexible(true)
             .from_reader(lines);
-        Self { path, dialect, fields, wanted, reader, record: StringRecord::new(), rows: 0 }
+        let record = StringRecord::new();
+        let units = dialect.units_below;
+        Self { path, dialect, fields, wanted, reader, record, rows: 0, units }
     }
 
     /// The line of the next row; its values of the wanted columns go into `row`, in SI units.
     /// None behind the last one.
     pub fn next(&mut self, row: &mut [f64]) -> Result<Option<u64>, RecordingError> {
-        let read = self.reader.read_record(&mut self.record);
+        let mut read = self.reader.read_record(&mut self.record);
+        if std::mem::take(&mut self.units) {
+            read = self.reader.read_record(&mut self.record);
+        }
         if !read.map_err(|error| self.broken(&error))? {
             let path = self.path.clone();
             return if self.rows == 0 {
@@ -68,7 +75,7 @@ impl Flow {
             let read = read.map(|value| value * found.source.scale).filter(|v| v.is_finite());
             *value = read.ok_or_else(|| RecordingError::Cell {
                 path: self.path.clone(),
-                line,
+                place: format!("line {line}"),
                 column: found.source.name.clone(),
                 found: cell.to_owned(),
             })?;

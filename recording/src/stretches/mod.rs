@@ -23,9 +23,10 @@ use self::prepare::prepare;
 use super::drive_error::DriveError;
 use super::joints::JointChoice;
 use super::rosbag::{self, BagChannel};
+use super::sheet::{Loaded, load};
 use super::table::{self, Columns, Motion};
 use super::timing::{Steps, TOLERANCE, Timing};
-use super::{AxisKind, Irregularities, RecordingError};
+use super::{AxisKind, Irregularities, RecordingError, is_bag};
 
 /// How motion is smoothed. The friction itself never is: that would flatten the steps it makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, clap::ValueEnum)]
@@ -154,8 +155,7 @@ pub fn read(
     columns: &Columns,
     how: &Preparation,
 ) -> Result<FrictionRecording, RecordingError> {
-    let is_bag = path.is_dir() || path.extension().is_some_and(|extension| extension == "mcap");
-    if is_bag {
+    if is_bag(path) {
         let channel = match how.torque {
             TorqueSource::Voltage => BagChannel::Voltage,
             _ => BagChannel::Effort(how.joint.clone()),
@@ -171,21 +171,20 @@ pub fn read(
         let place = |index: usize| format!("message {} of {}", index + 1, track.topic);
         return cut(path, &samples, Some(AxisKind::Rotary), how, place, |timing| timing);
     }
-    let bytes = files::input::table(path)
-        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
-    parse(path, &bytes, columns, how)
+    parse(path, load(path, &columns.layout)?, columns, how)
 }
 
-fn parse(
+fn parse<'a>(
     path: &Path,
-    bytes: &[u8],
+    loaded: impl Into<Loaded<'a>>,
     columns: &Columns,
     how: &Preparation,
 ) -> Result<FrictionRecording, RecordingError> {
-    if is_points(path, bytes, columns) {
-        return points(path, bytes, columns, how);
+    let loaded = &loaded.into();
+    if is_points(path, loaded, columns) {
+        return points(path, loaded, columns, how);
     }
-    let rows = table::rows(path, bytes, columns, Motion::Both)?;
+    let rows = table::rows(path, loaded, columns, Motion::Both)?;
     let samples = Samples {
         time: rows.time.clone(),
         step: rows.position.as_deref().and_then(step_of),
@@ -199,7 +198,8 @@ fn parse(
 
 /// Whether the file is a table of steady points: a velocity and a torque, and no time.
 pub fn holds_points(path: &Path, columns: &Columns) -> bool {
-    files::input::table(path).is_ok_and(|bytes| is_points(path, &bytes, columns))
+    !is_bag(path)
+        && load(path, &columns.layout).is_ok_and(|loaded| is_points(path, &loaded, columns))
 }
 
 /// Samples below which a piece between two pauses is left out.

@@ -6,7 +6,7 @@ use friction_ident::SteadyPoint;
 
 use super::{FrictionRecording, Preparation};
 use crate::column::Channel;
-use crate::sheet::{Cells, Found, Missing, Sheet};
+use crate::sheet::{Cells, Found, Loaded, Missing, Sheet};
 use crate::table::Columns;
 use crate::{ChannelSource, Irregularities, RecordingError};
 
@@ -16,27 +16,25 @@ const EXAMPLE: &str = "velocity_rad_s,torque_Nm";
 const DEVIATIONS: [&str; 4] =
     ["torque_deviation_Nm", "force_deviation_N", "torque_deviation", "deviation"];
 
-pub(super) fn is_points(path: &Path, bytes: &[u8], columns: &Columns) -> bool {
-    let Ok(sheet) = Sheet::open(path, bytes, EXAMPLE) else { return false };
-    let has = |channel: Channel, named: bool| {
-        named || !sheet.dialect.headerless && channel.recognise(&sheet.names).is_some()
-    };
-    !has(Channel::Time, columns.time.is_some())
-        && has(Channel::Velocity, columns.velocity.is_some())
-        && has(Channel::Force, columns.force.is_some())
+pub(super) fn is_points(path: &Path, loaded: &Loaded<'_>, columns: &Columns) -> bool {
+    let Ok(sheet) = Sheet::open(path, loaded, &columns.layout, EXAMPLE) else { return false };
+    columns.layout.period.is_none()
+        && !sheet.has(Channel::Time, columns.time.as_ref())
+        && sheet.has(Channel::Velocity, columns.velocity.as_ref())
+        && sheet.has(Channel::Force, columns.force.as_ref())
 }
 
 /// Steady points: nothing is accelerated, and where there is no sensor friction is what drives.
 pub(super) fn points(
     path: &Path,
-    bytes: &[u8],
+    loaded: &Loaded<'_>,
     columns: &Columns,
     how: &Preparation,
 ) -> Result<FrictionRecording, RecordingError> {
     let (drive, source) = (how.constants(), how.torque);
     drive.check(source).map_err(|source| RecordingError::Unusable { path: path.into(), source })?;
     let mut drive_errors = how.drive_errors();
-    let mut sheet = Sheet::open(path, bytes, EXAMPLE)?;
+    let mut sheet = Sheet::open(path, loaded, &columns.layout, EXAMPLE)?;
     let velocity = sheet.require(Channel::Velocity, columns.velocity.as_ref())?;
     let force = sheet.require(columns.measured.channel(), columns.force.as_ref())?;
     let deviation = sheet
@@ -48,6 +46,7 @@ pub(super) fn points(
             source: ChannelSource { name: sheet.names[index].clone(), scale: force.source.scale },
             axis: None,
             assumed: false,
+            written: None,
         });
     let wanted: Vec<&Found> = [&velocity, &force].into_iter().chain(&deviation).collect();
     let Cells { values, blank, .. } = sheet.columns(&wanted, Missing::LeftOut)?;

@@ -30,7 +30,8 @@ const WINDOW: usize = 20;
 const LASTING: usize = 5;
 /// A median that differs by more is another rate, as a fraction.
 const OTHER_RATE: f64 = 0.2;
-/// Steps off by more, as a fraction, are uneven whatever the tolerance says.
+/// Steps off by more, as a fraction, are uneven whatever the tolerance says: with many of them there
+/// is no one step, and its mean would only hide that.
 const UNEVEN: f64 = 0.1;
 /// Share of uneven steps from which a recording is irregular.
 const IRREGULAR: f64 = 0.25;
@@ -180,7 +181,7 @@ impl Timing {
         if let Some(rate) = resample {
             return resampled(path, &kept, &times, rate, irregularities);
         }
-        if is_irregular(&steps, tolerance) {
+        if is_irregular(&steps) {
             return Err(irregular(path, &steps));
         }
         let mut stretches = Vec::new();
@@ -324,11 +325,16 @@ fn even(
     let (first, last) = (samples.start, samples.end - 1);
     let steps: Vec<f64> = times[samples.clone()].windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median(&steps);
+    let mean = (times[last] - times[first]) / (last - first) as f64;
+    // Where much is tolerated, steps may be off as long as the samples keep to one grid.
+    let off = |k: usize| (times[k] - times[first] - mean * (k - first) as f64).abs();
     let near = tolerance * usual;
+    let keeps = tolerance <= UNEVEN || samples.clone().all(|k| off(k) <= near);
+    let near = if keeps { near } else { UNEVEN * usual };
     let whole = |k: usize| Place { index: kept[k], next: kept[k], part: 0.0 };
-    if steps.iter().all(|step| (step - usual).abs() <= near) {
+    if keeps && steps.iter().all(|step| (step - usual).abs() <= near) {
         // The mean does not suffer from the rounding of the single times.
-        let time_step = (times[last] - times[first]) / (last - first) as f64;
+        let time_step = mean;
         let places = samples.map(whole).collect();
         let places = Places::Grid(places);
         return EvenStretch { start: times[first], time_step, after_gap, places };
@@ -369,19 +375,18 @@ fn even(
 pub(super) fn rate_for(time: &[f64]) -> Option<f64> {
     let steps: Vec<f64> =
         time.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-    is_irregular(&steps, TOLERANCE).then(|| even_rate(&steps))
+    is_irregular(&steps).then(|| even_rate(&steps))
 }
 
 /// Whether so many steps are off their neighbours' median that there is no even grid.
-fn is_irregular(steps: &[f64], tolerance: f64) -> bool {
-    let near = tolerance.max(UNEVEN);
+fn is_irregular(steps: &[f64]) -> bool {
     let uneven: usize = steps
         .chunks(WINDOW)
         .map(|window| {
             let usual = median(window);
             // Longer ones are gaps.
             let off = |step: &&f64| {
-                (**step - usual).abs() > near * usual && **step <= (BRIDGED + near) * usual
+                (**step - usual).abs() > UNEVEN * usual && **step <= (BRIDGED + UNEVEN) * usual
             };
             window.iter().filter(off).count()
         })
@@ -531,6 +536,20 @@ pub struct RateError;
 /// [`RateError`] says what was expected.
 pub fn rate(text: &str) -> Result<f64, RateError> {
     text.trim().parse::<f64>().ok().filter(|rate| *rate > 0.0 && rate.is_finite()).ok_or(RateError)
+}
+
+/// A text that is no time from row to row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("expected a time in seconds above zero, as in 0.001")]
+pub struct PeriodError;
+
+/// The period of the option `--period` \[s\].
+///
+/// # Errors
+/// [`PeriodError`] says what was expected.
+pub fn period(text: &str) -> Result<f64, PeriodError> {
+    let period = text.trim().parse::<f64>().ok();
+    period.filter(|period| *period > 0.0 && period.is_finite()).ok_or(PeriodError)
 }
 
 /// A text that is no tolerance of the time steps.

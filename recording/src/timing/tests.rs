@@ -302,3 +302,35 @@ proptest! {
         }
     }
 }
+
+/// Steps of 10 and 12 ms were taken as even from a tolerance of 0.2 on.
+#[test]
+fn no_tolerance_makes_alternating_steps_even() {
+    let alternating: Vec<f64> =
+        (0..200).map(|k| f64::from(k / 2) * 0.022 + f64::from(k % 2) * 0.01).collect();
+    for tolerance in [0.05, 0.2, 0.3, 0.5] {
+        let found = Timing::of(Path::new("x.csv"), &alternating, tolerance, |k| k.to_string());
+        assert!(matches!(found, Err(RecordingError::Irregular { .. })), "{tolerance}: {found:?}");
+    }
+}
+
+/// Every sixth step is 1.2 times as long: the samples are read on an even grid, whatever is
+/// tolerated, and not counted off by the mean step.
+#[test]
+fn where_much_is_tolerated_the_values_still_stand_at_their_times() {
+    let mut now = 0.0;
+    let mut time = Vec::new();
+    for k in 0..300 {
+        time.push(now);
+        // The long ones come in the first half.
+        now += if k < 150 && k % 6 == 5 { 0.012 } else { 0.01 };
+    }
+    let found = Timing::of(Path::new("x.csv"), &time, 0.3, |k| k.to_string()).unwrap();
+    for stretch in &found.stretches {
+        let read = stretch.channel(&time, None);
+        for (k, value) in read.iter().enumerate() {
+            let due = stretch.start + stretch.time_step * k as f64;
+            assert!((value - due).abs() < 1.5e-3, "sample {k}: {value} at {due}");
+        }
+    }
+}

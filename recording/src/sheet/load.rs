@@ -1,0 +1,133 @@
+//! What a table is read from: the bytes of a text, or the columns of what is none.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use super::{Missing, Named, Sheet};
+use crate::RecordingError;
+use crate::column::Channel;
+use crate::grid::{self, Form, Grid, GridColumn, MOST_VALUES};
+use crate::layout::Layout;
+
+/// What a table is read from.
+#[derive(Debug)]
+pub(in super::super) enum Loaded<'a> {
+    /// A text.
+    Text(Cow<'a, [u8]>),
+    /// Columns of numbers.
+    Grid(Grid),
+}
+
+impl<'a> From<&'a [u8]> for Loaded<'a> {
+    fn from(bytes: &'a [u8]) -> Self {
+        Self::Text(Cow::Borrowed(bytes))
+    }
+}
+
+impl<'a, const N: usize> From<&'a [u8; N]> for Loaded<'a> {
+    fn from(bytes: &'a [u8; N]) -> Self {
+        Self::Text(Cow::Borrowed(bytes))
+    }
+}
+
+/// Loads a table, of whatever form; a folder, or a table with others beside it, is joined row by
+/// row.
+///
+/// # Errors
+/// [`RecordingError`], naming the file.
+pub(in super::super) fn load(
+    path: &Path,
+    layout: &Layout,
+) -> Result<Loaded<'static>, RecordingError> {
+    let files = if path.is_dir() { tables_of(path)? } else { vec![path.to_owned()] };
+    if files.len() == 1 && layout.beside.is_empty() && !path.is_dir() {
+        return one(path);
+    }
+    let mut joined = Grid { form: Form::Joined, columns: Vec::new(), left_out: Vec::new() };
+    let mut first: Option<(PathBuf, usize)> = None;
+    for file in files.iter().chain(&layout.beside) {
+        let grid = match one(file)? {
+            Loaded::Grid(grid) => grid,
+            Loaded::Text(bytes) => of_text(file, &bytes)?,
+        };
+        let rows = grid.columns.first().map_or(0, |column| column.values.len());
+        match &first {
+            Some((before, expected)) if rows != *expected => {
+                return Err(RecordingError::Joined {
+                    path: file.clone(),
+                    rows,
+                    beside: before.clone(),
+                    expected: *expected,
+                });
+            }
+            Some(_) => {}
+            None => first = Some((file.clone(), rows)),
+        }
+        joined.columns.extend(grid.columns);
+        if joined.columns.len().saturating_mul(rows) > MOST_VALUES {
+            return Err(RecordingError::Form {
+                path: path.into(),
+                form: Form::Joined.describe(),
+                detail: format!("they hold more than {MOST_VALUES} numbers"),
+                convert: "leave out the columns that are not needed",
+            });
+        }
+        joined.left_out.extend(grid.left_out);
+    }
+    Ok(Loaded::Grid(joined))
+}
+
+fn one(path: &Path) -> Result<Loaded<'static>, RecordingError> {
+    let bytes = files::input::table(path)
+        .map_err(|source| RecordingError::Read { path: path.into(), source })?;
+    match grid::form_of(&bytes) {
+        Form::Text => Ok(Loaded::Text(Cow::Owned(bytes))),
+        form => grid::read(path, form, &bytes).map(Loaded::Grid),
+    }
+}
+
+/// Endings of tables in a folder.
+const ENDINGS: [&str; 10] =
+    ["csv", "tsv", "txt", "dat", "npy", "npz", "mat", "parquet", "h5", "hdf5"];
+
+/// Whether a folder holds tables.
+pub(in super::super) fn has_tables(folder: &Path) -> bool {
+    tables_of(folder).is_ok_and(|files| !files.is_empty())
+}
+
+fn tables_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
+    let refuse = |source| RecordingError::Read { path: folder.into(), source };
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(refuse)? {
+        let file = entry.map_err(refuse)?.path();
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if file.is_file() && ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) {
+            files.push(file);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// The columns of a text of numbers. Where none of them says what it is, the file's name does: they
+/// are its joints.
+fn of_text(path: &Path, bytes: &[u8]) -> Result<Grid, RecordingError> {
+    let loaded = Loaded::Text(Cow::Borrowed(bytes));
+    let mut sheet = Sheet::open(path, &loaded, &Layout::default(), "t_s,position_m,force_N")?;
+    let recognised = Channel::all().iter().any(|channel| sheet.has(*channel, None));
+    let stem = grid::stem(path);
+    let named = !sheet.dialect.headerless && recognised;
+    let found = (0..sheet.names.len()).map(|index| sheet.raw(index)).collect::<Vec<_>>();
+    let cells = sheet.columns(&found.iter().collect::<Vec<_>>(), Missing::AsNan)?;
+    let columns = sheet.columns.iter().zip(cells.values);
+    let several = sheet.columns.len() > 1;
+    let column = |(name, values): (&Named, Vec<f64>)| {
+        if named {
+            GridColumn { stem: name.full(), label: None, values }
+        } else {
+            let label = several.then(|| name.raw.clone());
+            GridColumn { stem: stem.clone(), label, values }
+        }
+    };
+    Ok(Grid { form: Form::Joined, columns: columns.map(column).collect(), left_out: Vec::new() })
+}
