@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use frictionlab::cli::help::prepared;
 use frictionlab::cli::{
-    bag, completions, design, exit_code, features, identify, identify_drive, identify_servo,
+    bag, completions, design, exit_code, features, identify_drive, identify_joints, identify_servo,
     identify_stiction, look, manual, models, monte_carlo, protocols, rig, run, simulate, told,
     truth_matrix,
 };
@@ -76,7 +76,7 @@ fn main() -> ExitCode {
     let result = match cli.command {
         Command::Run(args) => run::execute(&args),
         Command::Look(args) => look::execute(&args),
-        Command::Identify(args) => identify::execute(&args),
+        Command::Identify(args) => identify_joints::execute(*args),
         Command::IdentifyDrive(args) => identify_drive::execute(&args),
         Command::IdentifyServo(args) => identify_servo::execute(&args),
         Command::IdentifyStiction(args) => identify_stiction::execute(&args),

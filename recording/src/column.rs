@@ -157,6 +157,7 @@ impl Channel {
                 ("theta", false),
                 ("pos", false),
                 ("joint_position", false),
+                ("motor_position", false),
                 ("phi", true),
             ],
             Self::Velocity => &[
@@ -169,6 +170,7 @@ impl Channel {
                 ("q_dot", false),
                 ("omega", false),
                 ("joint_velocity", false),
+                ("motor_velocity", false),
                 ("dtheta", true),
                 ("v", true),
                 ("w", true),

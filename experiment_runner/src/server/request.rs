@@ -32,8 +32,8 @@ pub(super) const NOT_OF_RUN: [&str; 10] = [
     "rig-file",
 ];
 /// The same of `frictionlab identify`.
-const NOT_OF_IDENTIFY: [&str; 9] =
-    ["files", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
+const NOT_OF_IDENTIFY: [&str; 10] =
+    ["files", "beside", "model", "validate", "out", "force", "quiet", "json", "verbose", "jobs"];
 
 /// An experiment that was asked for.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

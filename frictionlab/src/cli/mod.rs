@@ -11,6 +11,7 @@ pub mod features;
 pub mod help;
 pub mod identify;
 pub mod identify_drive;
+pub mod identify_joints;
 pub mod identify_servo;
 pub mod identify_stiction;
 #[cfg(feature = "ros")]

@@ -141,7 +141,8 @@ pub struct IdentifyArgs {
     pub without_offset: bool,
 
     /// The joint of a bag's /joint_states, or of a table's columns as q[2] and q2; where there are
-    /// several, it must be named.
+    /// several, it must be named. Names with commas between them, or all, give each joint its own
+    /// results.
     #[arg(long, value_name = "NAME", help_heading = "Bag", conflicts_with = "torque_from_voltage")]
     pub joint: Option<String>,
 

@@ -73,7 +73,7 @@ pub enum BagError {
     },
     /// A file or folder cannot be read.
     #[error(
-        "the bag {} cannot be read: {source}; name a bag folder or an .mcap file that exists and may be read",
+        "the bag {} cannot be read: {source}; name a bag folder, or an .mcap or .db3 file that exists and may be read",
         path.display()
     )]
     Read {
@@ -84,7 +84,7 @@ pub enum BagError {
     },
     /// A folder without an MCAP file.
     #[error(
-        "{} holds no bag: expected a folder with an .mcap file and a metadata.yaml; name the folder a run wrote, \
+        "{} holds no bag: expected a folder with an .mcap or .db3 file and a metadata.yaml; name the folder a run wrote, \
          as in runs/NAME/bag",
         path.display()
     )]
@@ -118,6 +118,16 @@ pub enum BagError {
         path.display()
     )]
     Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// A bag in SQLite that cannot be read.
+    #[error(
+        "the bag {} cannot be read as a database of rosbag2: {detail}; `ros2 bag convert` may still read it", path.display()
+    )]
+    Database {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
@@ -189,6 +199,7 @@ impl BagError {
             | Self::Empty { .. }
             | Self::NotMcap { .. }
             | Self::Damaged { .. }
+            | Self::Database { .. }
             | Self::SeveralFiles { .. }
             | Self::InUse { .. }
             | Self::NoTopic { .. }

@@ -2,7 +2,8 @@
 //! PlotJuggler open them.
 //!
 //! A bag is a folder with an MCAP file and a `metadata.yaml`. Messages are CDR, schemas `ros2msg`
-//! with all their dependencies; log time is the sample's own time. [`BagWriter`] writes one,
+//! with all their dependencies; log time is the sample's own time. Bags of older distributions, which
+//! are SQLite databases, are read too. [`BagWriter`] writes one,
 //! [`BagReader`] reads one, or a bare `.mcap`; [`recover`] saves what is whole of one that was cut
 //! off.
 //!
@@ -35,6 +36,9 @@ mod recover_tests;
 mod remove;
 mod salvage;
 mod schema;
+mod sqlite;
+#[cfg(test)]
+mod sqlite_tests;
 mod table;
 #[cfg(test)]
 mod tests;

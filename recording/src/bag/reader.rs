@@ -20,6 +20,7 @@ use super::{
     guard::guarded,
     salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
+    sqlite::{self, Database},
 };
 
 /// One topic of a bag.
@@ -33,11 +34,12 @@ pub struct TopicInfo {
     pub count: u64,
 }
 
-/// A bag that is there: a folder as rosbag2 writes it, or a bare `.mcap` file.
+/// A bag that is there: a folder as rosbag2 writes it, or a bare `.mcap` or `.db3` file.
 #[derive(Debug)]
 pub struct BagReader {
     path: PathBuf,
     files: Vec<OpenFile>,
+    databases: Vec<Database>,
     topics: Vec<TopicInfo>,
 }
 
@@ -51,12 +53,23 @@ impl BagReader {
     /// Opens a bag and looks what is in it.
     ///
     /// # Errors
-    /// [`BagError::Read`], [`BagError::NoMcap`], [`BagError::Empty`], [`BagError::NotMcap`] or
-    /// [`BagError::Damaged`], each naming the file.
+    /// [`BagError::Read`], [`BagError::NoMcap`], [`BagError::Empty`], [`BagError::NotMcap`],
+    /// [`BagError::Damaged`] or [`BagError::Database`], each naming the file.
     pub fn open(path: &Path) -> Result<Self, BagError> {
         let mut topics: BTreeMap<String, TopicInfo> = BTreeMap::new();
         let mut files = Vec::new();
-        for file in files_of(path)? {
+        let databases = sqlite::files_of(path)
+            .into_iter()
+            .map(Database::open)
+            .collect::<Result<Vec<Database>, BagError>>()?;
+        for found in databases.iter().flat_map(Database::topics) {
+            let topic = topics
+                .entry(found.name.clone())
+                .or_insert_with(|| TopicInfo { count: 0, ..found.clone() });
+            topic.count += found.count;
+        }
+        let mcap = if databases.is_empty() { files_of(path)? } else { Vec::new() };
+        for file in mcap {
             let (summary, counts) = guarded(&file, || inspect(&file))?;
             for (id, channel) in &summary.channels {
                 let type_name =
@@ -70,7 +83,7 @@ impl BagReader {
             }
             files.push(OpenFile { path: file, summary });
         }
-        Ok(Self { path: path.into(), files, topics: topics.into_values().collect() })
+        Ok(Self { path: path.into(), files, databases, topics: topics.into_values().collect() })
     }
 
     /// Topics of the bag, by name.
@@ -78,11 +91,13 @@ impl BagReader {
         &self.topics
     }
 
-    /// Size of the MCAP files.
+    /// Size of the files.
     pub fn bytes(&self) -> u64 {
         self.files
             .iter()
-            .filter_map(|file| fs::metadata(&file.path).ok())
+            .map(|file| &file.path)
+            .chain(self.databases.iter().map(|database| &database.path))
+            .filter_map(|file| fs::metadata(file).ok())
             .map(|file| file.len())
             .sum()
     }
@@ -94,6 +109,7 @@ impl BagReader {
         let spans = stats.filter(|stats| stats.message_count > 0);
         spans
             .map(|stats| (stats.message_start_time, stats.message_end_time))
+            .chain(self.databases.iter().filter_map(|database| database.span))
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
@@ -145,6 +161,9 @@ impl BagReader {
         let mut messages = Vec::new();
         for file in &self.files {
             guarded(&file.path, || self.read_topic(&file.path, topic, &mut messages))?;
+        }
+        for database in &self.databases {
+            database.read_topic(topic, &mut messages)?;
         }
         messages.sort_by_key(|(log_time, _)| *log_time);
         Ok(messages)

@@ -7,6 +7,8 @@ mod dialect;
 mod flow;
 mod load;
 mod named;
+#[cfg(test)]
+mod tests;
 mod unit_row;
 
 use std::borrow::Cow;

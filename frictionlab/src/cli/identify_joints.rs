@@ -1,0 +1,118 @@
+//! `frictionlab identify --joint a,b,c` or `--joint all`: one identification for each joint.
+
+use std::path::Path;
+
+use identification::asked::IdentifyArgs;
+use recording::joints::JointChoice;
+use recording::overview;
+use recording::table::Measured;
+use serde_json::Value;
+use work::{BadInput, Interrupted};
+
+use super::identify;
+
+/// Identifies the joint that was named, or each of several, in a folder of its own. With `--json`
+/// several joints give a list. A joint that cannot be identified is told, and the others go on.
+///
+/// # Errors
+/// As [`identify::execute`]; [`BadInput`] at the end, where a joint could not be identified.
+pub fn execute(mut args: IdentifyArgs) -> anyhow::Result<()> {
+    let joints = joints(&args)?;
+    if let [only] = &joints[..] {
+        args.joint = Some(only.clone());
+    }
+    if joints.len() < 2 {
+        return identify::execute(&args);
+    }
+    let folder = args.to.reserve("identify")?;
+    let (saying, quiet) = (args.saying, args.quiet);
+    args.saying.json = false;
+    args.quiet = quiet || saying.json;
+    let mut documents = Vec::new();
+    let mut failed = Vec::new();
+    for joint in &joints {
+        let of_joint = folder.path().join(file_name(joint));
+        args.joint = Some(joint.clone());
+        args.to.out = Some(of_joint.clone());
+        if !args.quiet {
+            work::saying::print(&format!("joint {joint}\n"))?;
+        }
+        match identify::execute(&args) {
+            Ok(()) => documents.push(document(&of_joint, joint)?),
+            Err(error) if error.is::<Interrupted>() => return Err(error),
+            Err(error) => {
+                eprintln!("joint {joint}: {error:#}{}", super::advice::advice(&error));
+                failed.push(joint.as_str());
+            }
+        }
+    }
+    if saying.json {
+        saying.result(quiet, &format!("{:#}", Value::Array(documents)), "")?;
+    }
+    if failed.is_empty() {
+        return Ok(());
+    }
+    Err(BadInput(format!(
+        "{} of {} joints could not be identified: {}; what was found of the others is in {}",
+        failed.len(),
+        joints.len(),
+        failed.join(", "),
+        folder.path().display()
+    ))
+    .into())
+}
+
+/// The joints that are meant; none where none was named.
+fn joints(args: &IdentifyArgs) -> anyhow::Result<Vec<String>> {
+    let Some(named) = &args.joint else { return Ok(Vec::new()) };
+    let (Some(file), true) = (args.files.first(), named == "all" || named.contains(',')) else {
+        return Ok(vec![named.clone()]);
+    };
+    let columns = args.table.columns(Measured::Force, None);
+    let present = overview::look(file, &columns, &JointChoice::default())?.joints;
+    // A joint may be called so.
+    if present.contains(named) {
+        return Ok(vec![named.clone()]);
+    }
+    if named == "all" {
+        if present.is_empty() {
+            let file = file.display();
+            return Err(BadInput(format!(
+                "--joint all: {file} holds no joints, as no column is called q[2] or q2; leave it out"
+            ))
+            .into());
+        }
+        return Ok(present);
+    }
+    let mut wanted: Vec<String> = Vec::new();
+    for joint in named.split(',').map(str::trim) {
+        if !present.iter().any(|other| other == joint) {
+            let (file, present) = (file.display(), present.join(", "));
+            return Err(BadInput(format!(
+                "--joint: {file} holds no joint `{joint}`; its joints are: {present}"
+            ))
+            .into());
+        }
+        if !wanted.iter().any(|other| other == joint) {
+            wanted.push(joint.to_owned());
+        }
+    }
+    Ok(wanted)
+}
+
+/// What was found of a joint, with its name.
+fn document(folder: &Path, joint: &str) -> anyhow::Result<Value> {
+    let text = std::fs::read_to_string(folder.join("identification.json"))?;
+    let mut document: Value = serde_json::from_str(&text)?;
+    if let Value::Object(entries) = &mut document {
+        entries.insert("joint".to_owned(), Value::String(joint.to_owned()));
+    }
+    Ok(document)
+}
+
+/// A joint's name as that of a folder.
+fn file_name(joint: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let name: String = joint.chars().map(plain).collect();
+    format!("joint_{name}")
+}
