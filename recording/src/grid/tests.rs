@@ -61,9 +61,11 @@ fn every_form_gives_the_same_recording() {
 
 #[test]
 fn columns_of_structures_are_found_by_their_whole_name() {
-    let mut columns = Columns::default();
-    columns.position = Some("data.q[2]".parse().unwrap());
-    columns.force = Some("data.tau[0]:2".parse().unwrap());
+    let columns = Columns {
+        position: Some("data.q[2]".parse().unwrap()),
+        force: Some("data.tau[0]:2".parse().unwrap()),
+        ..Columns::default()
+    };
     let found = table::read(&fixture("v5.mat"), &columns, 0.05).unwrap();
     assert!((found.position.unwrap()[10] - 0.3).abs() < 1e-12);
     assert!((found.force[10] - 2.0 * 0.1f64.cos()).abs() < 1e-12);

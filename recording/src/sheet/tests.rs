@@ -1,3 +1,5 @@
+//! Units below the names, joints, tables side by side and rows without a time.
+
 use std::path::Path;
 
 use crate::RecordingError;
@@ -31,8 +33,7 @@ fn a_row_of_units_below_the_names_is_understood() {
         assert_eq!(found.force, [1.0, 2.0, 3.0], "{units}");
         // A column is named with its unit, or without it.
         for name in ["tau", "tau [mNm]"] {
-            let mut columns = Columns::default();
-            columns.force = Some(name.parse().unwrap());
+            let columns = Columns { force: Some(name.parse().unwrap()), ..Columns::default() };
             assert_eq!(table::read(&path, &columns, 0.05).unwrap().force[2], 3.0, "{name}");
         }
     }
