@@ -13,8 +13,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use friction_ident::servo::{Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, search};
+use friction_ident::servo::space::usual;
+use friction_ident::servo::{
+    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, search,
+};
 use friction_ident::statistics::Quartiles;
+
+/// 4096 steps a turn, 885 units of duty cycle, a gain of 256 units.
+const XL330: Drive = Drive {
+    control: Control::Voltage,
+    per_gain: 4096.0 / std::f64::consts::TAU / (256.0 * 885.0),
+    full_scale: 1.0,
+};
 
 fn load(file: &Path) -> Option<ServoLog> {
     let log: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).ok()?).ok()?;
@@ -25,7 +35,9 @@ fn load(file: &Path) -> Option<ServoLog> {
         mass: log["mass"].as_f64()?,
         length: log["length"].as_f64()?,
         gain: log["kp"].as_f64()?,
-        nominal_voltage: log["vin"].as_f64()?,
+        supply: log["vin"].as_f64()?,
+        arm_mass: 0.0,
+        damping: 0.0,
         time: column("timestamp")?,
         position: column("position")?,
         speed: column("speed")?,
@@ -57,15 +69,15 @@ fn main() -> ExitCode {
         println!("SKIPPED servo_seeds: no servo logs in {}", folder.display());
         return ExitCode::SUCCESS;
     }
-    let (train, held) = (Lanes::new(&train), Lanes::new(&held));
+    let (train, held) = (Lanes::new(&train, &XL330), Lanes::new(&held, &XL330));
     let parameters = FrictionLevel::Progressive.parameters();
+    let free = usual(parameters);
     let (mut fitted, mut other) = (Vec::new(), Vec::new());
     let mut whole: f64 = 0.0;
     for seed in 0..seeds {
         let started = Instant::now();
         let effort = Effort { evaluations, abandon: true };
-        let found =
-            search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+        let found = search(&train, &free, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
         let physics = Physics::new(parameters, &found.values);
         let rate = found.evaluations as f64 / started.elapsed().as_secs_f64();
         let again = Instant::now();

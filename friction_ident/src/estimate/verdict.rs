@@ -13,6 +13,8 @@ pub enum IntervalMethod {
     Profile,
     /// The range over repeated searches that fit equally well.
     EquallyGoodFits,
+    /// From the differences between fits of disjoint halves of the recordings.
+    HalfSamples,
     /// From the ranks of repeated measurements, without assuming a distribution.
     Ranks,
 }
@@ -135,9 +137,26 @@ pub enum Doubt {
         /// How many fits there are.
         fits: usize,
     },
-    /// Only one search came this far.
-    #[error("only one search reached this error: nothing confirms the value")]
+    /// There is nothing to compare it with.
+    #[error("there are no two recordings to be compared: nothing confirms the value")]
     Unrepeated,
+    /// Fits of disjoint halves of the recordings differ too much.
+    #[error("disjoint halves of the recordings disagree on it: {low:.4e} to {high:.4e}")]
+    HalvesDisagree {
+        /// Least of them.
+        low: f64,
+        /// Greatest.
+        high: f64,
+    },
+    /// Its 95 % interval is wider than the value.
+    #[error("its 95 % interval is wider than its value; its standard error is {}", of_its_value(*relative_error))]
+    WideInterval {
+        /// Standard error over value.
+        relative_error: f64,
+    },
+    /// The whole fit has failed.
+    #[error("the fit has failed")]
+    FailedFit,
     /// It lies outside the range that was measured.
     #[error("it lies outside the measured range, {low} to {high}")]
     OutsideRange {

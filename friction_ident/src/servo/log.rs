@@ -15,8 +15,13 @@ pub struct RawServoLog {
     pub length: f64,
     /// Position gain in the servo's own units.
     pub gain: f64,
-    /// Nominal supply voltage \[V\].
-    pub nominal_voltage: f64,
+    /// Supply voltage \[V\].
+    pub supply: f64,
+    /// Mass of the arm, a thin rod from the axis to the mass \[kg\]; zero where it has none.
+    pub arm_mass: f64,
+    /// Command that the position loop takes off per speed, in units of the servo's command: duty
+    /// cycle or ampere, times \[s/rad\]; zero where it takes none.
+    pub damping: f64,
     /// Time of each sample \[s\], increasing.
     pub time: Vec<f64>,
     /// Measured position \[rad\].
@@ -38,7 +43,9 @@ pub struct ServoLog {
     pub(super) mass: f64,
     pub(super) length: f64,
     pub(super) gain: f64,
-    pub(super) nominal_voltage: f64,
+    pub(super) supply: f64,
+    pub(super) arm_mass: f64,
+    pub(super) damping: f64,
     pub(super) position: Vec<f64>,
     pub(super) first_speed: f64,
     pub(super) goal: Vec<f64>,
@@ -56,9 +63,14 @@ impl ServoLog {
             ("mass", raw.mass),
             ("length", raw.length),
             ("position gain", raw.gain),
-            ("nominal voltage", raw.nominal_voltage),
+            ("supply voltage", raw.supply),
         ] {
             if !(value > 0.0 && value.is_finite()) {
+                return Err(IdentError::ServoHeader { what, value });
+            }
+        }
+        for (what, value) in [("arm mass", raw.arm_mass), ("damping", raw.damping)] {
+            if !(value >= 0.0 && value.is_finite()) {
                 return Err(IdentError::ServoHeader { what, value });
             }
         }
@@ -133,7 +145,9 @@ impl ServoLog {
             mass: raw.mass,
             length: raw.length,
             gain: raw.gain,
-            nominal_voltage: raw.nominal_voltage,
+            supply: raw.supply,
+            arm_mass: raw.arm_mass,
+            damping: raw.damping,
             position: on_grid(&raw.position),
             first_speed: speed[0],
             goal: on_grid(&raw.goal),

@@ -51,9 +51,14 @@ pub enum ServoParameter {
     RippleSine,
     /// Cosine part.
     RippleCosine,
-    /// Ripples of friction a turn. Its bounds are those of the XL330: in logs of three gains the
-    /// spectrum of friction per torque over the angle peaks at 103.
+    /// Ripples of friction a turn. The data choose it: no tooth count is assumed.
     RippleCount,
+    /// What the position gain does over what the servo's description says it does.
+    GainScale,
+    /// The largest command over what the servo's description says.
+    FullScale,
+    /// Speed at which the servo lets its goal move \[rad/s\].
+    GoalSpeed,
 }
 use ServoParameter as P;
 
@@ -85,7 +90,10 @@ impl ServoParameter {
             P::LoadSquared => ("k_2", "1/(N m)", 0.0, 2.0),
             P::RippleSine => ("ripple_sin", "", -0.3, 0.3),
             P::RippleCosine => ("ripple_cos", "", -0.3, 0.3),
-            P::RippleCount => ("ripples", "1/turn", 102.0, 105.0),
+            P::RippleCount => ("ripples", "1/turn", 10.0, 400.0),
+            P::GainScale => ("gain_scale", "", 0.05, 20.0),
+            P::FullScale => ("full_scale", "", 0.3, 1.0),
+            P::GoalSpeed => ("goal_speed", "rad/s", 0.5, 50.0),
         }
     }
 
@@ -99,7 +107,13 @@ impl ServoParameter {
         self.row().1
     }
 
-    /// Lowest and highest value of the search.
+    /// The parameter of this name.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|parameter| parameter.name() == name)
+    }
+
+    /// Lowest and highest value of the search for a servo of half a newton metre; a description of
+    /// another servo gives its own.
     pub const fn bounds(self) -> (f64, f64) {
         let row = self.row();
         (row.2, row.3)
@@ -135,6 +149,11 @@ impl ServoParameter {
             P::Delay => {
                 "record the reply to a step of the goal with time stamps of command and position from one clock"
             }
+            P::GainScale => {
+                "block the axis a known angle off its goal and measure the duty cycle; until then only gain times torque constant is known"
+            }
+            P::FullScale => "block the axis far off its goal and measure the largest duty cycle",
+            P::GoalSpeed => "ask for a step of the goal and record how fast the servo follows",
             P::RippleSine | P::RippleCosine | P::RippleCount => {
                 "turn slowly through several turns under a steady load and record the duty cycle over the angle"
             }
@@ -148,6 +167,8 @@ impl ServoParameter {
             P::TorqueConstant => 0.4,
             P::Resistance => 3.5,
             P::Armature => 2e-3,
+            P::GainScale | P::FullScale => 1.0,
+            P::GoalSpeed => f64::INFINITY,
             _ => 0.0,
         }
     }

@@ -8,6 +8,7 @@ use rand_pcg::Pcg64Mcg;
 use super::lanes::Lanes;
 use super::parameter::ServoParameter;
 use super::physics::Physics;
+use super::space::Free;
 use crate::cma_es::CmaEs;
 
 /// How long to search.
@@ -30,54 +31,45 @@ pub struct Found {
     pub evaluations: usize,
 }
 
-/// Value of a parameter at a place in the unit interval: quadratic from a zero bound, logarithmic
-/// where the bounds span decades.
-pub fn value_at(parameter: ServoParameter, place: f64) -> f64 {
-    let (low, high) = parameter.bounds();
-    if low > 0.0 && high > 10.0 * low {
-        low * (high / low).powf(place)
-    } else if low == 0.0 {
-        high * place * place * place
-    } else {
-        low + (high - low) * place
-    }
-}
-
-/// The inverse.
-pub fn place_of(parameter: ServoParameter, value: f64) -> f64 {
-    let (low, high) = parameter.bounds();
-    let place = if low > 0.0 && high > 10.0 * low {
-        (value / low).ln() / (high / low).ln()
-    } else if low == 0.0 {
-        (value / high).cbrt()
-    } else {
-        (value - low) / (high - low)
-    };
-    place.clamp(0.0, 1.0)
-}
-
 /// Searches from a seed.
 pub fn search(
     lanes: &Lanes,
-    parameters: &[ServoParameter],
+    free: &[Free],
     seed: u64,
     effort: &Effort,
     watch: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
 ) -> Found {
-    let n = parameters.len();
+    search_from(lanes, free, None, seed, effort, watch)
+}
+
+/// The same, with the first values to look around, where some are known.
+pub fn search_from(
+    lanes: &Lanes,
+    free: &[Free],
+    first: Option<&[f64]>,
+    seed: u64,
+    effort: &Effort,
+    watch: &mut dyn FnMut(usize, f64) -> ControlFlow<()>,
+) -> Found {
+    let n = free.len();
+    let parameters: Vec<ServoParameter> = free.iter().map(|free| free.parameter).collect();
+    let first: Option<Vec<f64>> =
+        first.map(|values| free.iter().zip(values).map(|(free, &v)| free.place_of(v)).collect());
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut best = (f64::INFINITY, vec![0.5; n]);
     let mut evaluations = 0;
     let physics = |x: &[f64]| {
-        let values: Vec<f64> = parameters.iter().zip(x).map(|(&p, &x)| value_at(p, x)).collect();
-        Physics::new(parameters, &values)
+        let values: Vec<f64> = free.iter().zip(x).map(|(free, &x)| free.value_at(x)).collect();
+        Physics::new(&parameters, &values)
     };
     let usual = CmaEs::usual_population(n);
     let mut restart = 0;
     'search: while evaluations < effort.evaluations {
         // Restarts alternate: larger and larger populations from anywhere, small ones around the
         // best.
-        let (start, sigma, population) = if restart % 2 == 0 {
+        let (start, sigma, population) = if let (0, Some(first)) = (restart, &first) {
+            (first.clone(), 0.1, usual * 2)
+        } else if restart % 2 == 0 {
             let start: Vec<f64> = (0..n).map(|_| rng.random_range(0.1..0.9)).collect();
             (start, 0.3, (usual * 2) << (restart / 2).min(3))
         } else {
@@ -126,6 +118,6 @@ pub fn search(
             }
         }
     }
-    let values = parameters.iter().zip(&best.1).map(|(&p, &x)| value_at(p, x)).collect();
+    let values = free.iter().zip(&best.1).map(|(free, &x)| free.value_at(x)).collect();
     Found { values, error: best.0, evaluations }
 }

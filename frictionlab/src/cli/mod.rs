@@ -9,6 +9,7 @@ pub mod doctor;
 mod failure;
 pub mod features;
 pub mod help;
+pub(crate) mod hold_out;
 pub mod identify;
 pub mod identify_drive;
 pub mod identify_joints;

@@ -21,7 +21,7 @@ fn log(gain: f64) -> Value {
             })
         })
         .collect();
-    json!({ "mass": 0.3, "length": 0.1, "kp": gain, "vin": 7.5, "trajectory": "sine", "entries": entries })
+    json!({ "mass": 0.3, "length": 0.1, "kp": gain, "vin": 7.5, "motor": "XL330", "trajectory": "sine", "entries": entries })
 }
 
 fn folder() -> tempfile::TempDir {
@@ -57,7 +57,7 @@ fn what_was_fitted_and_what_was_held_out_is_written_and_does_not_depend_on_the_t
     let output = run("1", "one");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let shown = String::from_utf8(output.stdout).unwrap();
-    assert!(shown.contains("level m1") && shown.contains("held out"), "{shown}");
+    assert!(shown.contains("servo xl330, level m1") && shown.contains("held out"), "{shown}");
     let found = document(&folder.path().join("one"));
     assert_eq!(found["level"], "m1");
     assert_eq!(found["stopped"], false);
@@ -110,6 +110,13 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
     massless["mass"] = json!(0.0);
     write("massless.json", massless.to_string());
 
+    let mut nameless = log(200.0);
+    nameless.as_object_mut().unwrap().remove("motor");
+    write("nameless.json", nameless.to_string());
+    let mut other = log(200.0);
+    other["motor"] = json!("sts3215");
+    write("other.json", other.to_string());
+
     for (args, said) in [
         (&["cut.json"][..], &["cut.json", "line 1"][..]),
         (&["nan.json"], &["nan.json", "line 1"]),
@@ -120,6 +127,17 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
         (&["kp100.json", "empty.json"], &["empty.json"]),
         (&["kp400.json", "--hold-out", "kp=400"], &["log"]),
         (&["kp100.json", "--hold-out", "kp=400"], &["kp=400", "the logs have 100"]),
+        (
+            &["kp100.json", "--hold-out", "colour=red"],
+            &["no log's header has the field", "trajectory"],
+        ),
+        (&["kp100.json", "--servo", "xl331"], &["no servo `xl331`", "did you mean", "per_unit"]),
+        (&["kp100.json", "--servo", "nowhere.yaml"], &["nowhere.yaml"]),
+        (&["kp100.json", "--delay", "7"], &["fit, none, or seconds"]),
+        (&["nameless.json"], &["nameless.json", "--servo NAME", "--list-servos"]),
+        (&["kp100.json", "other.json"], &["several servos", "XL330, sts3215"]),
+        (&["kp100.json", "--evaluate", "p.json", "--level", "m1"], &["--evaluate", "--level"]),
+        (&["kp100.json", "--evaluate", "kp100.json"], &["kp100.json", "no parameter"]),
         (&["kp100.json", "--hold-out", "hard"], &["--hold-out", "kp=400"]),
         (&["kp100.json", "--level", "m9"], &["m6"]),
     ] {
@@ -132,6 +150,59 @@ fn logs_that_cannot_be_used_are_refused_in_a_sentence_and_nothing_is_written() {
         }
         assert!(!message.contains("panicked"), "{message}");
         assert!(!folder.path().join("made").exists(), "{args:?}");
+    }
+}
+
+/// A pendulum that swings while it is asked to rest: no servo does this.
+#[test]
+fn a_fit_that_does_not_follow_its_logs_is_called_a_failure_before_anything_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut swinging = log(200.0);
+    for entry in swinging["entries"].as_array_mut().unwrap() {
+        entry["goal_position"] = json!(0.0);
+        entry["position"] = json!(2.0 * entry["position"].as_f64().unwrap());
+    }
+    std::fs::write(folder.path().join("swing.json"), swinging.to_string()).unwrap();
+    let args = ["swing.json", "--level", "m1", "--seeds", "2", "--evaluations", "300"];
+    let output = command(folder.path(), &args).args(["--out", "made"]).output().unwrap();
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(shown.starts_with("FAILED: "), "{shown}");
+    assert!(!shown.contains(" identified\n") && !shown.contains("k_t"), "{shown}");
+    let found = document(&folder.path().join("made"));
+    assert!(found["failure"].as_str().unwrap().contains("mrad"));
+    for parameter in found["parameters"].as_array().unwrap() {
+        assert_eq!(parameter["verdict"], "not_identifiable", "{parameter}");
+    }
+}
+
+#[test]
+fn given_parameters_are_scored_log_by_log_without_a_fit() {
+    let folder = folder();
+    let peer = json!({ "kt": 0.37, "R": 3.7, "armature": 0.0018, "friction_base": 0.01,
+        "friction_viscous": 0.008, "model": "m1", "actuator": "xl330" });
+    std::fs::write(folder.path().join("m1.json"), peer.to_string()).unwrap();
+    let args = ["kp100.json", "kp400.json", "--evaluate", "m1.json", "--out", "made"];
+    let output = command(folder.path(), &args).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(shown.contains("sine, kp 100") && shown.contains("sine, kp 400"), "{shown}");
+    let text = std::fs::read_to_string(folder.path().join("made/evaluation.json")).unwrap();
+    let scored: Value = serde_json::from_str(&text).unwrap();
+    let logs = scored["logs"].as_array().unwrap();
+    let errors: Vec<f64> = logs.iter().map(|log| log["error_mrad"].as_f64().unwrap()).collect();
+    // The logs are equally long: the whole is their mean.
+    let mean = errors.iter().sum::<f64>() / 2.0;
+    assert!((scored["error_mrad"].as_f64().unwrap() / mean - 1.0).abs() < 1e-6, "{scored}");
+}
+
+#[test]
+fn the_servos_that_are_described_are_listed_with_an_example() {
+    let output = command(Path::new("."), &["--list-servos"]).output().unwrap();
+    let shown = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success());
+    for part in ["xl330", "sts3215", "erob80_100", "current mode", "per_unit"] {
+        assert!(shown.contains(part), "{part}: {shown}");
     }
 }
 

@@ -2,11 +2,14 @@
 //!
 //! ```text
 //! format, format_version, program_version
-//! level, stopped, evaluations_per_search
+//! servo, level, notes          what it was taken for; what the headers say otherwise and what cannot be told apart
+//! failure                      why the fit is a failure; null where it is none
+//! stopped, evaluations_per_search
 //! evaluations_per_second       in the search; whole_simulations_per_second where nothing is given up early (both one thread)
 //! train, held_out              quartiles of the mean position error over the seeds [mrad]; the latter null where nothing is held out
-//! parameters                   of the seed with the least training error: name, unit, value, interval over equally good seeds, verdict
-//! logs                         file, trajectory, gain, held_out, error_mrad of those parameters
+//! parameters                   of the seed with the least training error: name, unit, value, 95 % interval from disjoint halves of the logs, verdict
+//! halves                       values of the fits of both halves of each split
+//! logs                         file, trajectory, gain, mass, length, held_out, error_mrad of those parameters
 //! seeds                        seed, train_mrad, held_out_mrad, evaluations, values
 //! ```
 
@@ -14,7 +17,7 @@ use friction_ident::statistics::Quartiles;
 use serde_json::{Value, json};
 
 use super::ServoIdentification;
-use recording::servo_log::NamedServoLog;
+use super::logs::NamedServoLog;
 
 /// The document as text.
 pub fn render(
@@ -26,9 +29,11 @@ pub fn render(
     let logs = |logs: &[NamedServoLog], errors: &[f64], held_out: bool| -> Vec<Value> {
         let log = |(named, error): (&NamedServoLog, &f64)| {
             json!({
-                "file": named.path.display().to_string(),
-                "trajectory": named.trajectory,
+                "file": named.file.path.display().to_string(),
+                "trajectory": named.file.text("trajectory").unwrap_or_default(),
                 "gain": named.log.gain(),
+                "mass": named.file.mass,
+                "length": named.file.length,
                 "held_out": held_out,
                 "error_mrad": 1e3 * error,
             })
@@ -50,11 +55,16 @@ pub fn render(
             })
         })
         .collect();
+    let halves: Vec<[&Vec<f64>; 2]> =
+        found.halves.iter().map(|[a, b]| [&a.values, &b.values]).collect();
     let document = json!({
         "format": "frictionlab-servo",
         "format_version": 1,
         "program_version": env!("CARGO_PKG_VERSION"),
+        "servo": found.settings.servo,
         "level": found.settings.level,
+        "notes": found.settings.notes,
+        "failure": found.failure(),
         "stopped": found.stopped,
         "evaluations_per_search": found.settings.effort.evaluations,
         "evaluations_per_second": found.rate,
@@ -62,6 +72,7 @@ pub fn render(
         "train": milli(&found.train),
         "held_out": found.held_out.as_ref().map(milli),
         "parameters": found.estimates.parameters,
+        "halves": halves,
         "logs": all,
         "seeds": seeds,
     });

@@ -2,9 +2,9 @@
 
 use friction_ident::servo::TIME_STEP;
 
+use super::logs::NamedServoLog;
 use super::terminal::{number, quartiles, range, verdict};
 use super::{PEER_RATE, ServoIdentification};
-use recording::servo_log::NamedServoLog;
 use report::figure::{Block, Figure, LineStyle, Mark, Page, Panel, Table, Trace};
 use report::numbers;
 
@@ -34,6 +34,15 @@ pub fn page(
             found.whole_rate / PEER_RATE
         )),
     ];
+    if let Some(failure) = found.failure() {
+        blocks.insert(
+            0,
+            Block::Note(format!("The fit has failed: {failure}. No parameter is identified.")),
+        );
+    }
+    for note in &found.settings.notes {
+        blocks.push(Block::Note(format!("{note}.")));
+    }
     if found.stopped {
         blocks.push(Block::Note("Stopped before the end: the searches did not finish.".to_owned()));
     }
@@ -50,7 +59,8 @@ pub fn page(
     Page {
         title: "Identified servo".to_owned(),
         subtitle: format!(
-            "level {}, {}, least training error at seed {}; frictionlab {}",
+            "servo {}, level {}, {}, least training error at seed {}; frictionlab {}",
+            found.settings.servo,
             found.settings.level.name(),
             match found.seeds.len() {
                 0 | 1 => format!("seed {}", found.settings.first_seed),
@@ -84,10 +94,11 @@ fn parameters(found: &ServoIdentification) -> Table {
         .collect();
     Table {
         title: "Parameters".to_owned(),
-        caption: "Of the search with the least error on the logs fitted. The range is over all searches that fit within 10 % as \
-                  well: a parameter that they disagree on is not determined by these logs."
+        caption: "Of the search with the least error on the logs fitted. The 95 % interval comes from fits of disjoint halves \
+                  of the logs, and holds all searches that fit within 10 % as well: a parameter that either disagree on is \
+                  not determined by these logs."
             .to_owned(),
-        columns: ["parameter", "value", "unit", "range", "verdict"].map(str::to_owned).to_vec(),
+        columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
         rows,
         highlight: None,
     }

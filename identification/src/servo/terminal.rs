@@ -12,9 +12,17 @@ use report::numbers;
 pub fn render(found: &ServoIdentification) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail, hence the ignored results.
+    let failure = found.failure();
+    if let Some(failure) = &failure {
+        let _ = writeln!(text, "FAILED: {failure}. No parameter is identified.");
+    }
+    for note in &found.settings.notes {
+        let _ = writeln!(text, "note: {note}");
+    }
     let _ = writeln!(
         text,
-        "level {}: {}, {} of {} evaluations{}",
+        "servo {}, level {}: {}, {} of {} evaluations{}",
+        found.settings.servo,
         found.settings.level.name(),
         numbers::count(found.estimates.parameters.len(), "parameter"),
         numbers::searches(found.seeds.len()),
@@ -33,6 +41,14 @@ pub fn render(found: &ServoIdentification) -> String {
         found.whole_rate,
         found.whole_rate / PEER_RATE
     );
+    if failure.is_some() {
+        let _ = writeln!(
+            text,
+            "\ncheck the description of the servo (--servo), mass and length in the headers, and that goal \
+             and position have one sign and one zero; then try a richer --level"
+        );
+        return text;
+    }
     let _ = writeln!(text, "\nparameters of the search with the least error on what was fitted");
     for estimate in &found.estimates.parameters {
         let _ = writeln!(

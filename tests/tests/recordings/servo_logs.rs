@@ -7,10 +7,18 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use friction_ident::servo::ServoParameter::{self, *};
+use friction_ident::servo::space::usual;
 use friction_ident::servo::{
-    Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, TIME_STEP, search,
+    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, TIME_STEP, search,
 };
 use tests::shared_data;
+
+/// 4096 steps a turn, 885 units of duty cycle, a gain of 256 units.
+const XL330: Drive = Drive {
+    control: Control::Voltage,
+    per_gain: 4096.0 / std::f64::consts::TAU / (256.0 * 885.0),
+    full_scale: 1.0,
+};
 
 fn logs() -> Vec<ServoLog> {
     let folder = shared_data().join("xl330");
@@ -30,7 +38,9 @@ fn load(file: &Path) -> ServoLog {
         mass: log["mass"].as_f64().unwrap(),
         length: log["length"].as_f64().unwrap(),
         gain: log["kp"].as_f64().unwrap(),
-        nominal_voltage: log["vin"].as_f64().unwrap(),
+        supply: log["vin"].as_f64().unwrap(),
+        arm_mass: 0.0,
+        damping: 0.0,
         time: column("timestamp"),
         position: column("position"),
         speed: column("speed"),
@@ -42,7 +52,7 @@ fn load(file: &Path) -> ServoLog {
 
 fn split(logs: &[ServoLog]) -> (Lanes, Lanes) {
     let (held, train): (Vec<_>, Vec<_>) = logs.iter().partition(|log| log.gain() == 400.0);
-    (Lanes::new(&train), Lanes::new(&held))
+    (Lanes::new(&train, &XL330), Lanes::new(&held, &XL330))
 }
 
 /// What the peer's search found at its highest level.
@@ -87,8 +97,8 @@ fn lanes_agree_with_a_plain_simulation() {
     let logs = logs();
     // Five logs: one full group and one with three empty lanes.
     let few: Vec<&ServoLog> = logs.iter().take(5).collect();
-    let found = Lanes::new(&few).positions(&peer_m6());
-    let errors = Lanes::new(&few).errors(&peer_m6());
+    let found = Lanes::new(&few, &XL330).positions(&peer_m6());
+    let errors = Lanes::new(&few, &XL330).errors(&peer_m6());
     let of = |wanted| PEER_M6.iter().find(|(name, _)| *name == wanted).unwrap().1;
     for ((log, positions), error) in few.iter().zip(&found).zip(&errors) {
         let plain = plain(log, &of);
@@ -144,7 +154,13 @@ fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
     for seed in [0, 1] {
         let parameters = FrictionLevel::M1.parameters();
         let found =
-            search(&train, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+            search(
+                &train,
+                &usual(parameters),
+                seed,
+                &effort,
+                &mut |_, _| ControlFlow::Continue(()),
+            );
         let held = held.error(&Physics::new(parameters, &found.values), f64::INFINITY);
         assert!((1e3 * found.error - 56.05).abs() < 0.03, "{}", 1e3 * found.error);
         assert!((1e3 * held - 62.82).abs() < 0.1, "{}", 1e3 * held);
@@ -155,13 +171,15 @@ fn the_simplest_level_has_the_peers_minimum_from_any_seed() {
 #[test]
 fn a_search_is_reproducible_and_stops_when_told() {
     let logs = logs();
-    let lanes = Lanes::new(&logs.iter().take(1).collect::<Vec<_>>());
+    let lanes = Lanes::new(&logs.iter().take(1).collect::<Vec<_>>(), &XL330);
     let effort = Effort { evaluations: 600, abandon: true };
     let parameters = FrictionLevel::M4.parameters();
-    let run =
-        |seed| search(&lanes, parameters, seed, &effort, &mut |_, _| ControlFlow::Continue(()));
+    let run = |seed| {
+        search(&lanes, &usual(parameters), seed, &effort, &mut |_, _| ControlFlow::Continue(()))
+    };
     assert_eq!(run(3), run(3));
     assert_ne!(run(3).values, run(4).values);
-    let stopped = search(&lanes, parameters, 3, &effort, &mut |_, _| ControlFlow::Break(()));
+    let stopped =
+        search(&lanes, &usual(parameters), 3, &effort, &mut |_, _| ControlFlow::Break(()));
     assert!(stopped.evaluations < 100 && stopped.error.is_finite());
 }
