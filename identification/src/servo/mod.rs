@@ -19,6 +19,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use friction_ident::servo::space::with_ripple_window;
 use friction_ident::servo::{
     Drive, Effort, FitQuality, Found, Free, FrictionLevel, Lanes, Physics, ServoLog,
     ServoParameter, estimates, half_samples, search, search_from,
@@ -178,21 +179,27 @@ pub fn identify(
     let work = |&seed: &u64| {
         let started = Instant::now();
         let mut counted = 0;
-        let found = search(&fitted, free, seed, &settings.effort, &mut |evaluations, error| {
-            progress.advance((evaluations - counted) as f64);
-            counted = evaluations;
-            if let Ok(mut least) = least.lock()
-                && error < *least
-            {
-                *least = error;
-                progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
-            }
-            if cancel.load(Ordering::Relaxed) {
-                stop.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        });
+        let found = search(
+            &fitted,
+            &with_ripple_window(free, seed),
+            seed,
+            &settings.effort,
+            &mut |evaluations, error| {
+                progress.advance((evaluations - counted) as f64);
+                counted = evaluations;
+                if let Ok(mut least) = least.lock()
+                    && error < *least
+                {
+                    *least = error;
+                    progress.stage(format!("{}: {:.2} mrad", settings.level.name(), 1e3 * error));
+                }
+                if cancel.load(Ordering::Relaxed) {
+                    stop.store(true, Ordering::Relaxed);
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            },
+        );
         Ok::<_, IdentError>((found, started.elapsed().as_secs_f64()))
     };
     run_in_order(&jobs, settings.workers, &stop, work, |&seed, (found, took)| {
@@ -241,6 +248,17 @@ pub fn identify(
     })
 }
 
+/// The same, with the ripples of friction a turn held near the value found.
+fn around(free: &[Free], values: &[f64]) -> Vec<Free> {
+    let mut narrowed = free.to_vec();
+    for (free, value) in narrowed.iter_mut().zip(values) {
+        if free.parameter == ServoParameter::RippleCount {
+            (free.low, free.high) = (0.97 * value, 1.03 * value);
+        }
+    }
+    narrowed
+}
+
 /// Fits both halves of every split, each with half the evaluations of a search, beginning at what
 /// all logs together gave. Empty where the user stops.
 fn of_halves(
@@ -262,15 +280,22 @@ fn of_halves(
         let mut counted = 0;
         let first = Some(&all.values[..]);
         let seed = settings.first_seed;
-        let found = search_from(&lanes, &settings.free, first, seed, &effort, &mut |done, _| {
-            progress.advance((done - counted) as f64);
-            counted = done;
-            if cancel.load(Ordering::Relaxed) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
+        let found = search_from(
+            &lanes,
+            &around(&settings.free, &all.values),
+            first,
+            seed,
+            &effort,
+            &mut |done, _| {
+                progress.advance((done - counted) as f64);
+                counted = done;
+                if cancel.load(Ordering::Relaxed) {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            },
+        );
         Ok::<_, IdentError>(found)
     };
     let mut found = Vec::new();
