@@ -15,7 +15,8 @@ use std::time::Instant;
 
 use friction_ident::servo::space::{usual, with_ripple_window};
 use friction_ident::servo::{
-    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, search,
+    Control, Drive, Effort, FrictionLevel, Lanes, Physics, RawServoLog, ServoLog, ServoParameter,
+    search,
 };
 use friction_ident::statistics::Quartiles;
 
@@ -71,7 +72,11 @@ fn main() -> ExitCode {
     }
     let (train, held) = (Lanes::new(&train, &XL330), Lanes::new(&held, &XL330));
     let parameters = FrictionLevel::Progressive.parameters();
-    let free = usual(parameters);
+    let mut free = usual(parameters);
+    // As the XL330's description has it.
+    for free in free.iter_mut().filter(|free| free.parameter == ServoParameter::RippleCount) {
+        (free.low, free.high) = (102.0, 105.0);
+    }
     let (mut fitted, mut other) = (Vec::new(), Vec::new());
     let mut whole: f64 = 0.0;
     for seed in 0..seeds {
