@@ -28,6 +28,7 @@
 //! * [`estimate`]: a parameter with its error, interval and verdict.
 //! * [`derived`]: parameters computed from estimated ones, with their errors.
 //! * [`residual_whiteness`]: how many independent samples a residual is worth.
+//! * [`robust_covariance`]: standard errors under coloured residuals and model error.
 //! * [`free_parameters`]: which numbers of a model are estimated, in which coordinates.
 //! * [`ParameterId`]: which number of a model is meant.
 //! * [`stretch`]: pieces of a recording of friction, and what each shows.
@@ -79,6 +80,7 @@ pub mod rbf_network;
 pub mod residual_whiteness;
 mod rest;
 pub mod rigid_axis;
+pub mod robust_covariance;
 pub mod savitzky_golay;
 pub mod servo;
 pub mod staged;

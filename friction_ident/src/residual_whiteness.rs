@@ -14,13 +14,32 @@
 /// assert_eq!(friction_ident::residual_whiteness::effective_share(&alternating), 1.0);
 /// ```
 pub fn effective_share(residuals: &[f64]) -> f64 {
+    effective_share_of(residuals, &[residuals.len()])
+}
+
+/// The same of residuals of several stretches, one behind the other, with gaps between them:
+/// samples on both sides of a gap are no neighbours. `pieces` are the lengths of the stretches;
+/// what goes beyond their sum is another one.
+pub fn effective_share_of(residuals: &[f64], pieces: &[usize]) -> f64 {
     let n = residuals.len();
+    let mut stretches = Vec::with_capacity(pieces.len() + 1);
+    let mut rest = residuals;
+    for &length in pieces {
+        let (piece, after) = rest.split_at(length.min(rest.len()));
+        stretches.push(piece);
+        rest = after;
+    }
+    stretches.push(rest);
     let power: f64 = residuals.iter().map(|r| r * r).sum();
     if n < 4 || !(power > 0.0 && power.is_finite()) {
         return 1.0;
     }
     let lagged = |lag: usize| {
-        residuals[lag..].iter().zip(residuals).map(|(a, b)| a * b).sum::<f64>() / power
+        let of = |piece: &&[f64]| {
+            let later = piece.get(lag..).unwrap_or_default();
+            later.iter().zip(*piece).map(|(a, b)| a * b).sum::<f64>()
+        };
+        stretches.iter().map(of).sum::<f64>() / power
     };
     let mut time = -1.0;
     let mut before = f64::INFINITY;

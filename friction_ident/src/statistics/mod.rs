@@ -19,4 +19,4 @@ mod student;
 pub use line::{Line, line};
 pub use order::{Quartiles, nearest_rank, quantile, rank_of_95, sorted, upper_median};
 pub use sample::{RunningSample, Sample, root_mean_square};
-pub use student::student_95;
+pub use student::{student_95, student_95_of};

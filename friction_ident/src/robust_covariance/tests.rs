@@ -1,0 +1,117 @@
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+
+use super::*;
+use crate::least_squares;
+use nalgebra::DVector;
+
+fn noise(rng: &mut rand_pcg::Pcg64Mcg, n: usize, colour: f64) -> Vec<f64> {
+    let mut state = rng.sample::<f64, _>(StandardNormal) / (1.0 - colour * colour).sqrt();
+    (0..n)
+        .map(|_| {
+            state = colour * state + rng.sample::<f64, _>(StandardNormal);
+            state
+        })
+        .collect()
+}
+
+/// Share of 95 % intervals that hold the truth, of each parameter: inertia, speed, its sign and an
+/// offset of a motion of two sines.
+fn coverage(n: usize, colour: f64, repetitions: u64) -> [f64; 4] {
+    let mut inside = [0.0; 4];
+    for seed in 0..repetitions {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(seed);
+        let start: f64 = 6.0 * rng.random::<f64>();
+        let v = |t: f64| (0.02 * t + start).cos() + 0.4 * (0.0713 * t).cos();
+        let rows = DMatrix::from_fn(n, 4, |k, j| {
+            let t = k as f64;
+            match j {
+                0 => v(t + 0.5) - v(t - 0.5),
+                1 => v(t),
+                2 => v(t).signum(),
+                _ => 1.0,
+            }
+        });
+        let truth = DVector::from_row_slice(&[30.0, 2.0, 1.0, -0.3]);
+        let y = &rows * &truth + DVector::from_vec(noise(&mut rng, n, colour));
+        let found = least_squares::solve(&rows, &y).ok().unwrap();
+        let errors = robust_covariance(&rows, found.residual.as_slice(), &[n]).unwrap();
+        for (j, (error, inside)) in errors.parameters.iter().zip(&mut inside).enumerate() {
+            if (found.x[j] - truth[j]).abs() <= error.half_width() {
+                *inside += 1.0 / repetitions as f64;
+            }
+        }
+    }
+    inside
+}
+
+/// `FRICTION_COVERAGE` sets the repetitions; `cargo xtask test --full` sets 2000.
+#[test]
+fn intervals_hold_the_truth_as_often_as_they_say() {
+    let repetitions = std::env::var("FRICTION_COVERAGE").ok().and_then(|text| text.parse().ok());
+    let repetitions: u64 = repetitions.unwrap_or(200);
+    let slack = if repetitions >= 500 { 0.0 } else { 0.025 };
+    for (n, colour) in [(300, 0.0), (2000, 0.0), (2000, 0.9), (4000, 0.98)] {
+        for share in coverage(n, colour, repetitions) {
+            assert!(
+                (0.92 - slack..=0.98 + slack).contains(&share),
+                "{n} samples of colour {colour}: {share}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_drift_is_told_and_widens_the_error() {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(3);
+    let n = 2000;
+    let rows = DMatrix::from_element(n, 1, 1.0);
+    let of = |drift: f64, rng: &mut rand_pcg::Pcg64Mcg| {
+        let residuals: Vec<f64> = noise(rng, n, 0.0)
+            .iter()
+            .enumerate()
+            .map(|(k, r)| r + drift * (k as f64 / n as f64 - 0.5))
+            .collect();
+        robust_covariance(&rows, &residuals, &[n]).unwrap().parameters[0]
+    };
+    let steady = of(0.0, &mut rng);
+    assert_eq!(steady.doubt, None);
+    for drift in [0.6, 2.0] {
+        // The first half's mean is a quarter of the drift below.
+        let drifting = of(drift, &mut rng);
+        assert!(drifting.half_width() > 0.25 * drift, "{drifting:?}");
+    }
+    let drifting = of(20.0, &mut rng);
+    assert!(drifting.doubt.is_some(), "{drifting:?}");
+}
+
+#[test]
+fn one_event_is_no_evidence() {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(4);
+    let n = 1000;
+    let rows =
+        DMatrix::from_fn(n, 2, |k, j| if j == 0 || (500..503).contains(&k) { 1.0 } else { 0.0 });
+    let errors = robust_covariance(&rows, &noise(&mut rng, n, 0.0), &[n]).unwrap();
+    assert_eq!(errors.parameters[0].doubt, None);
+    assert!(matches!(errors.parameters[1].doubt, Some(ErrorDoubt::OneEvent { .. })), "{errors:?}");
+}
+
+#[test]
+fn a_residual_slower_than_the_recording_is_doubted() {
+    let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+    let n = 500;
+    let rows = DMatrix::from_element(n, 1, 1.0);
+    let mut residuals = noise(&mut rng, n, 0.995);
+    let mean = residuals.iter().sum::<f64>() / n as f64;
+    residuals.iter_mut().for_each(|r| *r -= mean);
+    assert!(robust_covariance(&rows, &residuals, &[n]).unwrap().parameters[0].doubt.is_some());
+}
+
+#[test]
+fn what_cannot_be_computed_is_none() {
+    let rows = DMatrix::from_element(100, 2, 1.0);
+    assert_eq!(robust_covariance(&rows, &[0.1; 99], &[99]), None);
+    assert_eq!(robust_covariance(&DMatrix::zeros(100, 1), &[0.1; 100], &[100]), None);
+    assert_eq!(robust_covariance(&rows, &[f64::NAN; 100], &[100]), None);
+    assert_eq!(robust_covariance(&rows.rows(0, 7).into_owned(), &[0.1; 7], &[7]), None);
+}
