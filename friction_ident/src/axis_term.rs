@@ -25,9 +25,25 @@ pub enum AxisTerm {
     CoulombPositive,
     /// Coulomb friction of motion in the negative direction, a positive number.
     CoulombNegative,
+    /// Force of a spring, per position \[N/m or N m/rad\].
+    Spring,
+    /// Torque of gravity that goes with the sine of the angle \[N m\].
+    GravitySin,
+    /// Torque of gravity that goes with the cosine of the angle \[N m\].
+    GravityCos,
 }
 
 impl AxisTerm {
+    /// Whether the position alone decides its force.
+    pub fn is_load(self) -> bool {
+        matches!(self, Self::Spring | Self::GravitySin | Self::GravityCos)
+    }
+
+    /// Whether it may have either sign.
+    pub fn is_signed(self) -> bool {
+        self == Self::Offset || self.is_load()
+    }
+
     /// Name in files: `inertia`, `viscous_positive`, ...
     pub fn name(self) -> &'static str {
         self.into()
@@ -44,6 +60,9 @@ impl AxisTerm {
             Self::ViscousNegative => "the viscous friction of negative motion",
             Self::CoulombPositive => "the Coulomb friction of positive motion",
             Self::CoulombNegative => "the Coulomb friction of negative motion",
+            Self::Spring => "the spring",
+            Self::GravitySin => "gravity with the sine of the angle",
+            Self::GravityCos => "gravity with the cosine of the angle",
         }
     }
 
@@ -57,7 +76,13 @@ impl AxisTerm {
     }
 
     /// What multiplies the term in one sample; `sign` is that of the velocity, zero at rest.
-    pub(crate) fn regressor(self, acceleration: f64, velocity: f64, sign: f64) -> f64 {
+    pub(crate) fn regressor(
+        self,
+        position: f64,
+        acceleration: f64,
+        velocity: f64,
+        sign: f64,
+    ) -> f64 {
         let here = |direction: f64| if sign == direction { 1.0 } else { 0.0 };
         match self {
             Self::Inertia => acceleration,
@@ -68,6 +93,9 @@ impl AxisTerm {
             Self::ViscousNegative => velocity * here(-1.0),
             Self::CoulombPositive => here(1.0),
             Self::CoulombNegative => -here(-1.0),
+            Self::Spring => position,
+            Self::GravitySin => position.sin(),
+            Self::GravityCos => position.cos(),
         }
     }
 }

@@ -124,6 +124,9 @@ pub enum IdentError {
         /// The structure.
         structure: AxisStructure,
     },
+    /// A load depends on the position, which the recording lacks.
+    #[error("a spring or gravity depends on the position, but the recording has none; record it")]
+    NoPositionForLoad,
     /// A recording cannot be cut into so many blocks.
     #[error(
         "the number of blocks must lie between 2 and {most} for this recording of {rows} thinned samples, but is {blocks}"

@@ -109,7 +109,10 @@ pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use parameter_id::{ParameterId, Side};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
-pub use rigid_axis::{AxisFit, AxisModel, Prediction, TermEstimate, fit_axis, fit_axis_freely};
+pub use rigid_axis::{
+    AxisFit, AxisModel, Load, LoadChoice, Prediction, TermEstimate, choose_load, fit_axis,
+    fit_axis_freely,
+};
 pub use savitzky_golay::SavitzkyGolay;
 pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model, refine_jointly};
 pub use static_curve::{

@@ -40,6 +40,8 @@ const LEAST: usize = 4;
 const STRETCHES: f64 = 12.0;
 /// Degrees of freedom below which an error is a guess.
 const DEGREES: f64 = 2.5;
+/// Factor by which the fit may have taken the score's slow waves away.
+const LACKING: f64 = 4.0;
 /// Slowest waves, in which a drift shows.
 const SLOW: usize = 2;
 
@@ -58,8 +60,8 @@ pub enum ErrorDoubt {
     },
     /// A small part of the recording determines the parameter.
     #[error(
-        "a small part of the recording determines it ({degrees:.1} degrees of freedom): a motion \
-         that shows it throughout helps"
+        "a small part of the recording determines it, so that nothing confirms it ({degrees:.1} degrees of freedom): \
+         a motion that shows it throughout helps"
     )]
     OneEvent {
         /// Degrees of freedom left.
@@ -217,13 +219,13 @@ impl Fit<'_> {
             let lacks =
                 if trace > 0.0 { (power * n as f64 / trace).max(1.0) } else { f64::INFINITY };
             let degrees = if trace > 0.0 { trace * trace / block.norm_squared() } else { 0.0 };
-            (squares(&coefficients[..n]) * lacks, degrees)
+            (squares(&coefficients[..n]) * lacks, degrees, lacks)
         };
-        let (mut variance, mut degrees) = of_first(count);
+        let (mut variance, mut degrees, lacks) = of_first(count);
         let mut doubt = None;
         let (slow, rest) = coefficients.split_at(SLOW.min(count));
         let ratio = squares(slow) / squares(rest);
-        let (of_slow, degrees_of_slow) = of_first(SLOW.min(count));
+        let (of_slow, degrees_of_slow, _) = of_first(SLOW.min(count));
         if rest.len() >= SLOW && ratio > beyond_chance(rest.len()) {
             doubt = Some(ErrorDoubt::Drift { ratio });
             (variance, degrees) = (variance.max(of_slow), degrees_of_slow);
@@ -231,7 +233,7 @@ impl Fit<'_> {
         if stretches < STRETCHES {
             doubt = Some(ErrorDoubt::FewStretches { found: stretches });
         }
-        if degrees < DEGREES && doubt.is_none() {
+        if (degrees < DEGREES || lacks > LACKING) && doubt.is_none() {
             doubt = Some(ErrorDoubt::OneEvent { degrees });
         }
         RobustError { standard_error: variance.sqrt(), degrees_of_freedom: degrees, doubt }

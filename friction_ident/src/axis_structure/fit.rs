@@ -8,7 +8,7 @@ use super::profile;
 use super::regressors::Regressors;
 use super::search::{Best, Search};
 use super::shape::{PositionScale, Shape, ShapeTerm};
-use super::{AxisStructure, doubts, stability};
+use super::{AxisStructure, doubts, robust, stability};
 use crate::IdentError;
 use crate::conditioning::Conditioned;
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
@@ -21,9 +21,8 @@ use crate::rigid_axis::Prediction;
 pub struct StructureFit {
     /// Which terms it has.
     pub structure: AxisStructure,
-    /// The parameters with errors that count the residual as worth
-    /// [`effective_share`](Self::effective_share) of its samples; the intervals of the nonlinear
-    /// ones are those of the profile.
+    /// The parameters with the errors of [`robust_covariance`](crate::robust_covariance); the
+    /// intervals of the nonlinear ones are those of the profile, as wide as these errors ask.
     pub estimates: Estimates,
     /// The nonlinear parameters.
     pub shape: Shape,
@@ -149,7 +148,8 @@ pub fn fit_structure(
     let share = effective_share(solution.residual.as_slice());
     let minimum = search.linearise(&best, &terms)?;
     let mut estimates = Estimates::linearised(&minimum, &names, share);
-    profile::intervals(&mut search, &best, &mut estimates);
+    let rises = robust::errors(&minimum, &search.regressors.pieces(), &mut estimates);
+    profile::intervals(&mut search, &best, &rises, &mut estimates);
     doubts::judge(&structure, &mut estimates);
     stability::judge(&mut search, &best, &mut estimates);
     if let Some(inertia) = estimates.parameters.first().filter(|inertia| inertia.value <= 0.0) {

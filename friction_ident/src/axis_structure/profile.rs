@@ -1,27 +1,36 @@
 //! Intervals of the nonlinear parameters from the profile of the sum of squares.
 //!
 //! A value belongs to the 95 % interval while the best sum of squares with the parameter kept there
-//! stays below `S (1 + t^2 / n)`, with Student's quantile `t` and the `n` degrees of freedom that
-//! the residual is worth (Bates and Watts 1988, chapter 6).
+//! stays below a limit (Bates and Watts 1988, chapter 6): where the model is straight, the interval
+//! is then that of the parameter's robust error and Student's quantile.
 
 use super::search::{Best, Search};
 use super::shape::{Shape, ShapeTerm};
 use crate::estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
-use crate::statistics::student_95;
 
 /// Secant steps for each end, at most.
 const REFINEMENTS: usize = 12;
 /// How near the limit an end must lie, as a share of the half width.
 const CLOSE: f64 = 0.01;
 
-/// Replaces the linearised intervals of the nonlinear parameters.
-pub(super) fn intervals(search: &mut Search, best: &Best, estimates: &mut Estimates) {
-    let degrees = estimates.degrees_of_freedom;
-    let limit = best.solution.residual.norm_squared()
-        * (1.0 + student_95(degrees).powi(2) / degrees as f64);
+/// Replaces the linearised intervals of the nonlinear parameters. `rises` says how far the sum of
+/// squares may rise within the interval of each parameter.
+pub(super) fn intervals(
+    search: &mut Search,
+    best: &Best,
+    rises: &[f64],
+    estimates: &mut Estimates,
+) {
+    let least = best.solution.residual.norm_squared();
     let terms = ShapeTerm::of(&search.structure);
     let first = estimates.parameters.len().saturating_sub(terms.len());
-    for (term, estimate) in terms.into_iter().zip(&mut estimates.parameters[first..]) {
+    let nonlinear = estimates.parameters[first..].iter_mut().zip(&rises[first..]);
+    for (term, (estimate, rise)) in terms.into_iter().zip(nonlinear) {
+        // Without an error of its own the interval has no end.
+        if !rise.is_finite() {
+            continue;
+        }
+        let limit = least + rise.max(1e-12 * least);
         let low = end(search, best, term, estimate, limit, false);
         let high = end(search, best, term, estimate, limit, true);
         let open = low.is_none() || high.is_none();

@@ -81,6 +81,12 @@ impl<'a> Regressors<'a> {
         self.force.len()
     }
 
+    /// Rows of each stretch.
+    pub fn pieces(&self) -> Vec<usize> {
+        let factor = self.recording.decimate;
+        self.recording.pieces.iter().map(|piece| rows_of(piece, factor)).collect()
+    }
+
     /// One row a kept sample, one column a linear parameter.
     pub fn matrix(&mut self, shape: &Shape) -> Result<DMatrix<f64>, IdentError> {
         self.update_friction(shape)?;

@@ -8,6 +8,9 @@ use serde::Serialize;
 pub enum IntervalMethod {
     /// Value plus and minus Student's quantile times the standard error.
     Linearised,
+    /// The same with an error that holds under coloured residuals and model error
+    /// ([`robust_covariance`](crate::robust_covariance)).
+    Robust,
     /// Where the profile of the likelihood crosses its limit: right for curved problems, and
     /// open-ended where it must be.
     Profile,
@@ -58,6 +61,12 @@ pub enum Doubt {
     LargeError {
         /// Standard error over value.
         relative_error: f64,
+    },
+    /// Its error is a guess.
+    #[error("its interval is not to be trusted: {why}")]
+    NotToBeTrusted {
+        /// Why.
+        why: String,
     },
     /// The interval has no end on one side.
     #[error("its interval has no end: the data fit about as well without the effect")]

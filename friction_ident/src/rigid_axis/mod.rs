@@ -9,9 +9,11 @@
 //!
 //! The regressors are built at the full sampling rate, then all of them and the force are decimated
 //! with the same filter: a step of `sign(v)` and the step of force it causes stay alike. The
-//! standard errors are those of ordinary least squares, `s^2 (A^T A)^-1` on the decimated samples.
-//! They count the residual as white; where the model leaves a slow pattern in it, as it always does
-//! on real axes, they are too small. What it cannot reproduce: the Stribeck dip, presliding,
+//! standard errors are those of [`robust_covariance`](crate::robust_covariance), which hold where
+//! the residual is coloured or the model lacks something, as it always does on real axes; those of
+//! ordinary least squares, `s^2 (A^T A)^-1`, which count the residual as white and are what others
+//! publish, stand beside them. Where the position is known a [`Load`] may be added: a spring or
+//! gravity, which [`choose_load`] decides. What it cannot reproduce: the Stribeck dip, presliding,
 //! friction that depends on position or load.
 
 use nalgebra::{DMatrix, DVector};
@@ -21,6 +23,7 @@ use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::conditioning::{Conditioned, Piece};
 use crate::least_squares::{self, Degenerate};
+use crate::robust_covariance::{ErrorDoubt, RobustError, robust_covariance};
 use crate::statistics::root_mean_square;
 use crate::zero_phase::decimate;
 
@@ -33,13 +36,17 @@ pub struct AxisModel {
     pub inertia: bool,
     /// With a constant force; only a symmetric model has one.
     pub offset: bool,
+    /// With a force that the position alone decides.
+    pub load: Load,
 }
 
 impl AxisModel {
     /// Inertia, viscous and Coulomb friction, offset.
-    pub const SYMMETRIC: Self = Self { asymmetric: false, inertia: true, offset: true };
+    pub const SYMMETRIC: Self =
+        Self { asymmetric: false, inertia: true, offset: true, load: Load::None };
     /// Inertia, and viscous and Coulomb friction for each direction.
-    pub const ASYMMETRIC: Self = Self { asymmetric: true, inertia: true, offset: false };
+    pub const ASYMMETRIC: Self =
+        Self { asymmetric: true, inertia: true, offset: false, load: Load::None };
 
     /// The terms, in the order of the tables.
     pub fn terms(self) -> Vec<AxisTerm> {
@@ -56,6 +63,11 @@ impl AxisModel {
                 terms.push(Offset);
             }
         }
+        match self.load {
+            Load::None => {}
+            Load::Spring => terms.push(Spring),
+            Load::Gravity => terms.extend([GravitySin, GravityCos]),
+        }
         terms
     }
 }
@@ -67,20 +79,29 @@ pub struct TermEstimate {
     pub term: AxisTerm,
     /// Its value.
     pub value: f64,
-    /// Its standard error.
+    /// Its standard error, by [`robust_covariance`](crate::robust_covariance).
     pub standard_error: f64,
+    /// Half the width of its 95 % interval.
+    pub half_width: f64,
+    /// The standard error of ordinary least squares, which counts the residual as white: what is
+    /// usually published, and too small where the model lacks something.
+    pub white_error: f64,
+    /// Why the standard error is not to be trusted.
+    pub doubt: Option<ErrorDoubt>,
 }
 
 impl TermEstimate {
-    /// Whether the data say anything about the term: its standard error is below half its value,
-    /// and it is nothing that cannot be.
+    /// Whether the data say anything about the term: its standard error is below half its value and
+    /// to be trusted, and it is nothing that cannot be.
     pub fn is_identifiable(&self) -> bool {
-        !self.is_impossible() && self.standard_error < 0.5 * self.value.abs()
+        !self.is_impossible()
+            && self.doubt.is_none()
+            && self.standard_error < 0.5 * self.value.abs()
     }
 
     /// Whether it is a mass below zero, or friction that would drive the axis.
     pub fn is_impossible(&self) -> bool {
-        self.term != AxisTerm::Offset && self.value < 0.0
+        !self.term.is_signed() && self.value < 0.0
     }
 }
 
@@ -110,8 +131,8 @@ pub struct Prediction {
     pub measured: Vec<f64>,
     /// Predicted force \[N or N m\].
     pub predicted: Vec<f64>,
-    /// Measured force less the model's inertia times the acceleration \[N or N m\]: what is left
-    /// for friction.
+    /// Measured force less the model's inertia times the acceleration and the force of its load \[N
+    /// or N m\]: what is left for friction.
     pub friction: Vec<f64>,
     /// `100 |measured - predicted| / |measured|` \[%\].
     pub relative_error: f64,
@@ -163,13 +184,12 @@ impl AxisFit {
         let values =
             DVector::from_iterator(self.terms.len(), self.terms.iter().map(|term| term.value));
         let predicted = &regression.matrix * values;
-        let inertia = self.terms.iter().position(|estimate| estimate.term == AxisTerm::Inertia);
-        let friction = match inertia {
-            Some(column) => {
-                &regression.force - regression.matrix.column(column) * self.terms[column].value
+        let mut friction = regression.force.clone();
+        for (column, estimate) in self.terms.iter().enumerate() {
+            if estimate.term == AxisTerm::Inertia || estimate.term.is_load() {
+                friction -= regression.matrix.column(column) * estimate.value;
             }
-            None => regression.force.clone(),
-        };
+        }
         let step = recording.decimate as f64 * recording.time_step;
         let start = recording.first as f64 * recording.time_step;
         let residual = (&regression.force - &predicted).norm();
@@ -248,15 +268,21 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
     )?;
     let squares = solution.residual.norm_squared();
     let variance = squares / (samples - terms.len()) as f64;
-    let terms: Vec<_> = terms
-        .into_iter()
-        .enumerate()
-        .map(|(i, term)| TermEstimate {
+    let errors =
+        robust_covariance(&regression.matrix, solution.residual.as_slice(), &regression.pieces);
+    let estimate = |(i, term)| {
+        let error: Option<&RobustError> =
+            errors.as_ref().and_then(|errors| errors.parameters.get(i));
+        TermEstimate {
             term,
             value: solution.x[i],
-            standard_error: (variance * solution.inverse_normal[(i, i)]).sqrt(),
-        })
-        .collect();
+            standard_error: error.map_or(f64::INFINITY, |error| error.standard_error),
+            half_width: error.map_or(f64::INFINITY, |error| error.half_width()),
+            white_error: (variance * solution.inverse_normal[(i, i)]).sqrt(),
+            doubt: error.and_then(|error| error.doubt),
+        }
+    };
+    let terms: Vec<_> = terms.into_iter().enumerate().map(estimate).collect();
     Ok(AxisFit {
         model,
         terms,
@@ -270,6 +296,8 @@ pub fn fit_axis_freely(recording: &Conditioned, model: AxisModel) -> Result<Axis
 struct Regression {
     matrix: DMatrix<f64>,
     force: DVector<f64>,
+    /// Rows of each stretch.
+    pieces: Vec<usize>,
 }
 
 impl Regression {
@@ -277,6 +305,11 @@ impl Regression {
         if recording.force.iter().all(|&force| force == 0.0) {
             return Err(IdentError::ZeroForce);
         }
+        let positions = match (model.load, &recording.position) {
+            (Load::None, _) => &[][..],
+            (_, Some(position)) => position.as_slice(),
+            (_, None) => return Err(IdentError::NoPositionForLoad),
+        };
         let sign = |velocity: f64| {
             if velocity.abs() <= recording.velocity_floor { 0.0 } else { velocity.signum() }
         };
@@ -291,11 +324,16 @@ impl Regression {
                 .acceleration
                 .iter()
                 .zip(&recording.velocity)
-                .map(|(&a, &v)| term.regressor(a, v, sign(v)))
+                .enumerate()
+                .map(|(k, (&a, &v))| {
+                    let position = positions.get(k).copied().unwrap_or(0.0);
+                    term.regressor(position, a, v, sign(v))
+                })
                 .collect();
             matrix.set_column(j, &DVector::from_vec(thinned(&column)?));
         }
-        Ok(Self { matrix, force })
+        let rows = |piece: &Piece| piece.kept.len().div_ceil(recording.decimate);
+        Ok(Self { matrix, force, pieces: recording.pieces.iter().map(rows).collect() })
     }
 }
 
@@ -309,6 +347,10 @@ fn accelerates(recording: &Conditioned) -> bool {
     let changes = fastest - slowest > 1e-4 * fastest.abs().max(slowest.abs());
     changes && root_mean_square(&recording.acceleration) > recording.acceleration_floor
 }
+
+mod load;
+
+pub use load::{Load, LoadChoice, choose_load};
 
 #[cfg(test)]
 mod tests;

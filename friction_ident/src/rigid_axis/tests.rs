@@ -94,7 +94,8 @@ fn standard_errors_match_the_scatter() {
         let scatter = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
             / (values.len() - 1) as f64)
             .sqrt();
-        let reported = fits[0].term(term).unwrap().standard_error;
+        let square = |fit: &AxisFit| fit.term(term).unwrap().standard_error.powi(2);
+        let reported = (fits.iter().map(square).sum::<f64>() / fits.len() as f64).sqrt();
         assert!((reported / scatter - 1.0).abs() < 0.2, "{term}: {reported} against {scatter}");
     }
 }

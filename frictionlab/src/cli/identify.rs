@@ -38,6 +38,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         inertia: !(args.without_inertia || recording.friction_only),
         offset: !args.without_offset,
         axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
+        gravity: args.axis.or(recording.axis) != Some(AxisKind::Linear),
         structured: args.structure.is_some(),
     };
     let mut found =

@@ -7,14 +7,18 @@
 //!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
 //! settings                 cutoff_hz, order, trim, decimate
+//! standard_errors          how they were computed
+//! load                     chosen (`none`, `spring`, `gravity`), compared (pairs of load and relative error in the cross-validation [%]); or null
 //! symmetric, asymmetric    (the latter null where the recording does not show both directions)
-//!   parameters             name -> value, standard_error, unit, identifiable
+//!   parameters             name -> value, standard_error, half_width_95 (of the interval), white_error (of ordinary least squares, which counts the
+//!                          residual as white), unit, identifiable, not_to_be_trusted (why the interval is not, or null)
 //!   relative_error_percent, residual_rms, residual_unit, samples
 //!   cross_test             relative_error_percent, samples; or null
 //! warnings                 why a model is not to be trusted as a whole: it explains too little, or what it leaves goes with the motion
 //! notes                    what must be known to read the numbers right
 //! ```
 
+use friction_ident::robust_covariance::METHOD;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -42,6 +46,8 @@ pub fn render(
             "trim": conditioning.trim,
             "decimate": conditioning.decimate,
         },
+        "standard_errors": METHOD,
+        "load": found.load,
         "symmetric": model(&found.symmetric, axis),
         "asymmetric": found.asymmetric.as_ref().map(|result| model(result, axis)),
         "warnings": found.warnings,
@@ -56,8 +62,11 @@ pub fn render(
 struct Parameter {
     value: f64,
     standard_error: f64,
+    half_width_95: f64,
+    white_error: f64,
     unit: &'static str,
     identifiable: bool,
+    not_to_be_trusted: Option<String>,
 }
 
 fn model(result: &ModelResult, axis: AxisKind) -> Value {
@@ -70,7 +79,10 @@ fn model(result: &ModelResult, axis: AxisKind) -> Value {
                 value: estimate.value,
                 standard_error: estimate.standard_error,
                 unit: unit(estimate.term, axis),
+                half_width_95: estimate.half_width,
+                white_error: estimate.white_error,
                 identifiable: estimate.is_identifiable(),
+                not_to_be_trusted: estimate.doubt.map(|doubt| doubt.to_string()),
             };
             (estimate.term.name().to_owned(), json!(parameter))
         })

@@ -16,8 +16,8 @@ pub mod terminal;
 use std::path::{Path, PathBuf};
 
 use friction_ident::{
-    AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Prediction, Signals,
-    adequacy, condition_stretches, fit_axis, fit_axis_freely,
+    AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Load, LoadChoice,
+    Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
 };
 
 use recording::{AxisKind, RecordedStretch, Recording};
@@ -33,6 +33,8 @@ pub struct Settings {
     pub offset: bool,
     /// Units.
     pub axis: AxisKind,
+    /// Whether the axis may turn under gravity: it does, or nobody knows.
+    pub gravity: bool,
     /// Structures are compared besides: a plain model that cannot be is then no error.
     pub structured: bool,
 }
@@ -53,6 +55,8 @@ pub struct ModelResult {
 pub struct Identification {
     /// How it was done.
     pub settings: Settings,
+    /// Which force of the position both models have; none where nothing was compared.
+    pub load: Option<LoadChoice>,
     /// One viscous and one Coulomb coefficient.
     pub symmetric: ModelResult,
     /// A pair for each direction; none where the recording does not show both.
@@ -106,8 +110,11 @@ pub fn identify(
         Ok(ModelResult { fit, estimation: here, validation: there })
     };
 
+    let loads = load(&estimation, validation.as_ref().map(|(_, other)| other), settings);
+    notes.extend(loads.as_ref().and_then(said_of));
+    let load = loads.as_ref().map_or(Load::None, |choice| choice.chosen);
     let wanted =
-        AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset };
+        AxisModel { asymmetric: false, inertia: settings.inertia, offset: settings.offset, load };
     let symmetric = match fit_axis_freely(&estimation, wanted) {
         Err(IdentError::NotExcited { terms }) if terms == [AxisTerm::Coulomb, AxisTerm::Offset] => {
             notes.push(
@@ -128,7 +135,7 @@ pub fn identify(
         warnings.push(format!("The symmetric model cannot be: {error}."));
     }
     let symmetric = result(symmetric)?;
-    let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false };
+    let wanted = AxisModel { asymmetric: true, inertia: settings.inertia, offset: false, load };
     let asymmetric = match fit_axis(&estimation, wanted) {
         Ok(fit) => Some(result(fit)?),
         Err(error) => {
@@ -146,7 +153,42 @@ pub fn identify(
         );
         notes.extend(doubts(&model.fit));
     }
-    Ok(Identification { settings: *settings, symmetric, asymmetric, warnings, notes })
+    Ok(Identification { settings: *settings, load: loads, symmetric, asymmetric, warnings, notes })
+}
+
+/// Compares what of the position may act on the axis; none where nothing can be compared. Friction
+/// alone has no load, and without a position in the other recording none could be tried there.
+fn load(
+    estimation: &Conditioned,
+    validation: Option<&Conditioned>,
+    settings: &Settings,
+) -> Option<LoadChoice> {
+    if !(settings.inertia && settings.offset) {
+        return None;
+    }
+    if validation.is_some_and(|other| other.position.is_none()) {
+        return None;
+    }
+    let mut loads = vec![Load::Spring];
+    if settings.gravity {
+        loads.push(Load::Gravity);
+    }
+    // Friction of each direction leaves less that could be taken for a load.
+    choose_load(estimation, AxisModel::ASYMMETRIC, &loads)
+        .or_else(|| choose_load(estimation, AxisModel::SYMMETRIC, &loads))
+}
+
+/// What was chosen, and why.
+fn said_of(choice: &LoadChoice) -> Option<String> {
+    let error = |load| choice.compared.iter().find(|(of, _)| *of == load).map(|(_, error)| *error);
+    let (without, with) = (error(Load::None)?, error(choice.chosen)?);
+    (choice.chosen != Load::None).then(|| {
+        format!(
+            "Both models have {}: with it a fit to the rest of the recording predicts each part with an error of {with:.2} %, \
+             without any force of the position with {without:.2} %.",
+            choice.chosen.describe()
+        )
+    })
 }
 
 /// Filters and differentiates a recording.
@@ -192,7 +234,13 @@ fn doubts(fit: &AxisFit) -> Vec<String> {
     let mut doubts = Vec::new();
     for estimate in &fit.terms {
         let what = estimate.term.describe();
-        if estimate.term == AxisTerm::Offset {
+        if let Some(doubt) = &estimate.doubt {
+            doubts.push(format!(
+                "In the {model} model the interval of {what} is not to be trusted: {doubt}."
+            ));
+            continue;
+        }
+        if estimate.term.is_signed() {
             // An offset of about zero is a finding, not a failure.
             continue;
         }
@@ -218,6 +266,10 @@ pub fn unit(term: AxisTerm, axis: AxisKind) -> &'static str {
         AxisTerm::Viscous | AxisTerm::ViscousPositive | AxisTerm::ViscousNegative => {
             axis.viscous_unit()
         }
+        AxisTerm::Spring => match axis {
+            AxisKind::Linear => "N/m",
+            AxisKind::Rotary => "N m/rad",
+        },
         _ => axis.force_unit(),
     }
 }

@@ -1,5 +1,6 @@
 //! `identification.html` as data: tables and pictures for [`report::render_page`].
 
+use friction_ident::robust_covariance::METHOD;
 use friction_ident::{AxisTerm, Prediction};
 
 use super::terminal::{equation, hertz};
@@ -60,8 +61,7 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
     blocks.push(Block::Text(format!(
         "Motion through a low-pass of order {} at {} Hz, forwards and backwards; central differences; {} samples \
          dropped at each end; every regressor and the {} thinned to 1 sample in {} after one and the same low-pass; \
-         ordinary least squares. The standard errors count the residual as white noise; where a pattern is left in \
-         it, the true uncertainty is larger.",
+         ordinary least squares. Standard errors: {METHOD}.",
         how.order,
         hertz(how.cutoff),
         how.trim,
@@ -91,13 +91,17 @@ fn parameters(found: &Identification, result: &ModelResult, title: &str) -> Tabl
         .map(|estimate| {
             let (value, error) = with_error(estimate.value, estimate.standard_error);
             let name = estimate.term.describe().trim_start_matches("the ").to_owned();
-            vec![name, value, error, unit(estimate.term, axis).to_owned()]
+            let half = with_error(estimate.value, estimate.half_width).1;
+            let trusted = estimate.doubt.map_or_else(|| half, |_| "not to be trusted".to_owned());
+            vec![name, value, error, trusted, unit(estimate.term, axis).to_owned()]
         })
         .collect();
     Table {
         title: title.to_owned(),
         caption: equation(result, axis.force_word()),
-        columns: ["parameter", "value", "standard error", "unit"].map(str::to_owned).to_vec(),
+        columns: ["parameter", "value", "standard error", "95 % interval ±", "unit"]
+            .map(str::to_owned)
+            .to_vec(),
         rows,
         highlight: None,
     }
@@ -205,7 +209,7 @@ fn over_velocity(found: &Identification) -> Figure {
     Figure {
         title: format!("Friction {word} against velocity"),
         caption: format!(
-            "Points: the measured {word} less inertia times acceleration. Lines: the models. What the points show and \
+            "Points: the measured {word} less inertia times acceleration, and less what the position alone decides. Lines: the models. What the points show and \
              the lines do not, this kind of model cannot have."
         ),
         x_label: format!("velocity [{}]", axis.velocity_unit()),

@@ -5,6 +5,7 @@
 //! a comment: it belongs to no node.
 
 use friction_ident::AxisTerm;
+use friction_ident::robust_covariance::METHOD;
 use parameters::ParameterValue;
 use parameters::file::{Writer, number};
 
@@ -25,14 +26,19 @@ pub fn render(found: &Identification, name: &str) -> String {
     for estimate in &fit.terms {
         let (term, unit) = (estimate.term.describe(), unit(estimate.term, axis));
         let (value, error) = (number(estimate.value), number(estimate.standard_error));
-        file.comment(&format!("{term}: {value} {unit}, standard error {error}"));
+        let doubt = estimate.doubt.map_or_else(String::new, |_| ", not to be trusted".to_owned());
+        file.comment(&format!("{term}: {value} {unit}, standard error {error}{doubt}"));
     }
+    file.comment(&format!("Standard errors: {METHOD}."));
     let origin = |term: AxisTerm| match fit.term(term) {
         Some(estimate) if estimate.value <= 0.0 => {
             "not identified: it came out below zero".to_owned()
         }
         Some(estimate) if estimate.is_identifiable() => {
             format!("identified, +- {}", number(estimate.standard_error))
+        }
+        Some(estimate) if estimate.doubt.is_some() => {
+            format!("+- {}, which is not to be trusted", number(estimate.standard_error))
         }
         _ => "not identifiable from this recording".to_owned(),
     };

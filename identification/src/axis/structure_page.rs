@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use friction_ident::Prediction;
+use friction_ident::robust_covariance::METHOD;
 use serde_json::{Value, json};
 
 use super::structure::{BLOCKS, Structured};
@@ -27,8 +28,7 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
     blocks.push(Block::Table(Table {
         title: format!("Parameters of {}", found.fit.structure),
         caption: format!(
-            "Errors count the residual as worth {:.1} % of its samples; intervals of delay, v_s, presliding and period are those of the profile of the sum of squares.{}",
-            100.0 * found.fit.effective_share,
+            "Standard errors: {METHOD}. Intervals of delay, v_s, presliding and period are those of the profile of the sum of squares, as wide as these errors ask.{}",
             harmonic(found)
         ),
         columns: ["parameter", "value", "unit", "95 % interval", "verdict"].map(str::to_owned).to_vec(),
@@ -186,6 +186,7 @@ pub fn terminal(found: &Structured) -> String {
     for [name, value, unit, interval, verdict] in &rows {
         let _ = writeln!(text, "  {name:a$}  {value:>b$}  {unit:c$}  {interval:d$}  {verdict}");
     }
+    let _ = writeln!(text, "  standard errors: {METHOD}");
     let _ = writeln!(text, "  relative error {:.3} %", found.fit.relative_error);
     if let Some(other) = &found.validation {
         let _ = writeln!(text, "  cross-test     {:.3} %", other.relative_error);
@@ -206,6 +207,7 @@ pub fn document(found: &Structured) -> Value {
         "parameters": found.fit.estimates,
         "relative_error_percent": found.fit.relative_error,
         "effective_share": found.fit.effective_share,
+        "standard_errors": METHOD,
         "cross_test_relative_error_percent": found.validation.as_ref().map(|other| other.relative_error),
         "notes": found.fit.notes(),
     })

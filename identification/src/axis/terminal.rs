@@ -3,6 +3,9 @@
 use std::fmt::Write;
 
 use super::{Identification, ModelResult, unit};
+use friction_ident::Load;
+use friction_ident::robust_covariance::METHOD;
+use parameters::file::number;
 use recording::Recording;
 use report::numbers::value_and_error as with_error;
 
@@ -42,6 +45,7 @@ pub fn render(
     if let Some(asymmetric) = &found.asymmetric {
         model(&mut text, found, asymmetric, "asymmetric", validation);
     }
+    let _ = writeln!(text, "\nstandard errors: {METHOD}");
     for note in &found.notes {
         let _ = writeln!(text, "\nnote: {note}");
     }
@@ -63,14 +67,27 @@ fn model(
         .iter()
         .map(|estimate| {
             let (value, error) = with_error(estimate.value, estimate.standard_error);
-            (estimate.term.name(), value, error, unit(estimate.term, axis))
+            let mark = if estimate.doubt.is_some() { "  not to be trusted" } else { "" };
+            let half = number(estimate.half_width);
+            (
+                estimate.term.name(),
+                value,
+                error,
+                unit(estimate.term, axis),
+                format!("95 %: ± {half}{mark}"),
+            )
         })
         .collect();
-    let width =
-        |of: fn(&(&str, String, String, &str)) -> usize| rows.iter().map(of).max().unwrap_or(0);
-    let (first, second, third) = (width(|r| r.0.len()), width(|r| r.1.len()), width(|r| r.2.len()));
-    for (term, value, error, unit) in &rows {
-        let _ = writeln!(text, "  {term:first$}  {value:>second$} ± {error:third$}  {unit}");
+    let width = |of: fn(&(&str, String, String, &str, String)) -> usize| {
+        rows.iter().map(of).max().unwrap_or(0)
+    };
+    let (first, second) = (width(|r| r.0.len()), width(|r| r.1.len()));
+    let (third, fourth) = (width(|r| r.2.len()), width(|r| r.3.len()));
+    for (term, value, error, unit, interval) in &rows {
+        let _ = writeln!(
+            text,
+            "  {term:first$}  {value:>second$} ± {error:third$}  {unit:fourth$}  ({interval})"
+        );
     }
     let _ = writeln!(text, "  relative error {:.3} %", result.fit.relative_error);
     if let (Some(prediction), Some(other)) = (&result.validation, validation) {
@@ -97,6 +114,11 @@ pub fn equation(result: &ModelResult, force: &str) -> String {
         if model.offset {
             parts.push("offset");
         }
+    }
+    match model.load {
+        Load::None => {}
+        Load::Spring => parts.push("spring q"),
+        Load::Gravity => parts.push("gravity_sin sin q + gravity_cos cos q"),
     }
     format!("{} = {force}", parts.join(" + "))
 }

@@ -432,7 +432,7 @@ fn agrees_with_the_published_table_of_emps() {
         [("inertia", 0.1085), ("viscous", 1.146), ("coulomb", 0.1012), ("offset", 0.0444)]
     {
         assert_near(
-            number(&document, &format!("/symmetric/parameters/{name}/standard_error")),
+            number(&document, &format!("/symmetric/parameters/{name}/white_error")),
             published,
             0.02,
         );
