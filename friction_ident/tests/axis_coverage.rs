@@ -26,7 +26,7 @@ enum Beside {
 fn recorded(seed: u64, seconds: f64, beside: Beside) -> AxisFit {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let base = 1.3;
-    let ratios = [0.37, 0.61, 1.0, 1.723, 2.391, 3.117];
+    let ratios = [1.081, 1.197, 2.218, 2.511, 2.714, 3.128];
     let amplitudes = [0.5, 0.4, 0.3, 0.2, 0.14, 0.1];
     let phases: [f64; 6] = std::array::from_fn(|_| 6.283 * rng.random::<f64>());
     let n = (seconds / DT) as usize;
@@ -69,7 +69,7 @@ fn truth(beside: Beside) -> Vec<f64> {
         return vec![2.0, 1.5, 3.0, 0.4];
     }
     let fits: Vec<AxisFit> =
-        (0..8).map(|seed| recorded(1_000_000 + seed, 1500.0, beside))..collect();
+        (0..8).map(|seed| recorded(1_000_000 + seed, 1500.0, beside)).collect();
     (0..4).map(|j| fits.iter().map(|fit| fit.terms[j].value).sum::<f64>() / 8.0).collect()
 }
 
