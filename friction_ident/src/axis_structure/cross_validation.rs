@@ -7,6 +7,7 @@
 use serde::Serialize;
 
 use super::AxisStructure;
+use super::regressors::rows_of;
 use super::search::Search;
 use super::shape::PositionScale;
 use crate::IdentError;
@@ -16,6 +17,26 @@ use crate::statistics::Sample;
 /// Rows on each side of a block that take no part in its fit: the length of the anti-alias
 /// low-pass's memory, in thinned samples.
 const GUARD: usize = 15;
+/// Blocks where the recording is long enough for them.
+const USUAL: usize = 8;
+/// The guard of a recording of so few rows: its strongest neighbours.
+const SHORTEST_GUARD: usize = 3;
+
+/// The guard that a recording of `rows` can spare: of a short one a 16th on each side of a block.
+fn guard(rows: usize) -> usize {
+    GUARD.min((rows / 16).max(SHORTEST_GUARD))
+}
+
+/// Blocks that suit a recording: eight, and fewer where they would be shorter than their guards.
+/// Nothing can be compared below two.
+pub fn blocks_for(recording: &Conditioned) -> usize {
+    let rows = recording.pieces.iter().map(|piece| rows_of(piece, recording.decimate)).sum();
+    USUAL.min(most(rows))
+}
+
+fn most(rows: usize) -> usize {
+    (rows / (2 * guard(rows))).min(50)
+}
 
 /// How well one structure predicts what it has not seen.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,14 +67,15 @@ pub fn cross_validate(
 ) -> Result<CrossValidation, IdentError> {
     let mut search = Search::new(recording, structure, PositionScale::of(recording))?;
     let rows = search.regressors.rows();
-    if !(2..=50).contains(&blocks) || rows / blocks < 2 * GUARD {
-        return Err(IdentError::BlockCount { blocks, rows, most: (rows / (2 * GUARD)).min(50) });
+    if !(2..=50).contains(&blocks) || blocks > most(rows) {
+        return Err(IdentError::BlockCount { blocks, rows, most: most(rows) });
     }
+    let guard = guard(rows);
     let start = search.whole()?.shape;
     let mut squares = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let (first, end) = (block * rows / blocks, (block + 1) * rows / blocks);
-        let kept = (0..rows).filter(|k| k + GUARD < first || *k >= end + GUARD).collect();
+        let kept = (0..rows).filter(|k| k + guard < first || *k >= end + guard).collect();
         search.rows = Some(kept);
         let found = search.from(start, &[])?;
         let matrix = search.regressors.matrix(&found.shape)?;

@@ -38,7 +38,7 @@ mod shape;
 mod stability;
 
 pub use crate::structure::{AxisStructure, UnknownStructure};
-pub use cross_validation::{Choice, CrossValidation, Ranked, choose, cross_validate};
+pub use cross_validation::{Choice, CrossValidation, Ranked, blocks_for, choose, cross_validate};
 pub use fit::{StructureFit, fit_structure};
 pub use naming::AxisUnits;
 pub(crate) use regressors::{read as read_between, rows_of};

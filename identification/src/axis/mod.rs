@@ -69,10 +69,12 @@ pub struct Identification {
 
 /// A recording that could not be identified.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {source}", path.display())]
+#[error("{}: {}{source}", path.display(), stretch.as_deref().unwrap_or_default())]
 pub struct IdentifyError {
     /// The recording.
     pub path: PathBuf,
+    /// Which of several stretches it is about, in words.
+    pub stretch: Option<String>,
     /// Why.
     pub source: IdentError,
 }
@@ -97,12 +99,13 @@ pub fn identify(
         }
         None => None,
     };
-    let blame = |source| IdentifyError { path: recording.path.clone(), source };
+    let blame = |source| IdentifyError { path: recording.path.clone(), stretch: None, source };
     let result = |fit: AxisFit| -> Result<ModelResult, IdentifyError> {
         let here = fit.predict(&estimation).map_err(blame)?;
         let there = match &validation {
             Some((path, other)) => {
-                let blame = |source| IdentifyError { path: Path::to_path_buf(path), source };
+                let blame =
+                    |source| IdentifyError { path: Path::to_path_buf(path), stretch: None, source };
                 Some(fit.predict(other).map_err(blame)?)
             }
             None => None,
@@ -209,8 +212,27 @@ pub fn conditioned(
         (stretch.start, signals)
     };
     let stretches: Vec<(f64, Signals)> = recording.stretches.iter().map(stretch).collect();
-    condition_stretches(&stretches, &settings.conditioning)
-        .map_err(|source| IdentifyError { path: recording.path.clone(), source })
+    condition_stretches(&stretches, &settings.conditioning).map_err(|source| {
+        let stretch = match source {
+            IdentError::TooFewSamples { .. } => longest(&stretches),
+            _ => None,
+        };
+        IdentifyError { path: recording.path.clone(), stretch, source }
+    })
+}
+
+/// The longest of several stretches, in words: a short one is left out, so that an error is about
+/// the longest.
+fn longest(stretches: &[(f64, Signals)]) -> Option<String> {
+    let count = stretches.len();
+    let (place, (start, signals)) = stretches
+        .iter()
+        .enumerate()
+        .max_by_key(|(place, (_, signals))| (signals.force.len(), count - place))?;
+    let end = start + signals.time_step * signals.force.len().saturating_sub(1) as f64;
+    (count > 1).then(|| {
+        format!("stretch {} of {count}, the longest, {start:.3} s to {end:.3} s: ", place + 1)
+    })
 }
 
 /// What is to be said about the times of a recording.

@@ -13,9 +13,6 @@ use recording::AxisKind;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
 
-/// Blocks of the cross-validation.
-pub const BLOCKS: usize = 8;
-
 /// Which structures are compared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StructureChoice {
@@ -107,6 +104,7 @@ pub fn structured(
     cancel: &AtomicBool,
 ) -> Result<Option<Structured>, IdentError> {
     let workers = thread::available_parallelism().map_or(1, usize::from);
+    let blocks = blocks_for(estimation);
     let possible = |structure: &AxisStructure| {
         (estimation.position.is_some() || !structure.needs_position())
             && (axis == AxisKind::Rotary || !structure.gravity)
@@ -114,7 +112,7 @@ pub fn structured(
     let mut scores: Vec<CrossValidation> = Vec::new();
     let mut refused: Vec<(AxisStructure, IdentError)> = Vec::new();
     let work = |structure: &AxisStructure| {
-        Ok::<_, IdentError>(cross_validate(estimation, *structure, BLOCKS))
+        Ok::<_, IdentError>(cross_validate(estimation, *structure, blocks))
     };
     loop {
         let not: Vec<AxisStructure> = refused.iter().map(|(structure, _)| *structure).collect();

@@ -6,7 +6,7 @@ use friction_ident::Prediction;
 use friction_ident::robust_covariance::METHOD;
 use serde_json::{Value, json};
 
-use super::structure::{BLOCKS, Structured};
+use super::structure::Structured;
 use crate::rows::rows;
 use recording::AxisKind;
 use report::figure::{Block, Figure, LineStyle, Panel, Table, Trace};
@@ -19,9 +19,10 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
     blocks.extend(found.fit.notes().into_iter().map(Block::Note));
     blocks.push(Block::Text(format!(
-        "Structures are compared by cross-validation inside the estimation recording: {BLOCKS} contiguous blocks, each predicted by a fit to the others. Of those whose \
+        "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Of those whose \
          excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen. \
-         The other recording, if there is one, took no part in that."
+         The other recording, if there is one, took no part in that.",
+        block_count(found)
     )));
     blocks.push(Block::Table(ranking(found)));
     blocks.push(Block::Figure(bars(found)));
@@ -41,6 +42,10 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
         blocks.push(Block::Figure(residual("On the validation recording", other, axis)));
     }
     blocks
+}
+
+fn block_count(found: &Structured) -> usize {
+    found.chosen().map_or(0, |score| score.blocks.len())
 }
 
 /// What to say of the two parts of a harmonic force; empty where the structure has none.
@@ -201,7 +206,7 @@ pub fn terminal(found: &Structured) -> String {
 pub fn document(found: &Structured) -> Value {
     json!({
         "chosen": found.fit.structure,
-        "blocks": BLOCKS,
+        "blocks": block_count(found),
         "scores": found.scores,
         "ranking": found.choice.ranking,
         "parameters": found.fit.estimates,
