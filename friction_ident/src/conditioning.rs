@@ -13,6 +13,7 @@
 use std::ops::Range;
 
 use crate::IdentError;
+use crate::rest::standing;
 use crate::zero_phase::LowPass;
 
 /// How a recording is conditioned and thinned.
@@ -98,7 +99,63 @@ pub(crate) struct Piece {
 impl Conditioned {
     /// Stretches of the recording that were long enough to be conditioned.
     pub fn stretches(&self) -> usize {
-        self.pieces.len()
+        let mut all: Vec<usize> = self.pieces.iter().map(|piece| piece.stretch).collect();
+        all.dedup();
+        all.len()
+    }
+
+    /// The recording without the time in which it stands still, and how long that was \[s\].
+    ///
+    /// At rest the sign of the velocity is that of its noise, and friction is whatever is applied: a
+    /// regression on it is ruined. Rest is told from motion after the low-pass, at twice the rate of
+    /// the thinned samples, whose noise is nearly white. A recording of which too little would be
+    /// left stays as it is.
+    #[must_use]
+    pub fn moving(self) -> (Self, f64) {
+        let stride = (self.decimate / 2).max(1);
+        let shortest = THINNING_PADDING.max(LEAST_ROWS * self.decimate) + 1;
+        let mut pieces = Vec::new();
+        let mut kept: Vec<Range<usize>> = Vec::new();
+        for piece in &self.pieces {
+            let velocity = self.velocity.get(piece.kept.clone()).unwrap_or_default();
+            let thinned: Vec<f64> = velocity.iter().copied().step_by(stride).collect();
+            let rest = standing(&thinned);
+            let at_rest = |k: usize| rest.get(k / stride).copied().unwrap_or(false);
+            let mut begin = 0;
+            while begin < velocity.len() {
+                let state = at_rest(begin);
+                let same = (begin..velocity.len()).take_while(|&k| at_rest(k) == state).count();
+                let end = begin + same;
+                if !state && same >= shortest {
+                    let from = kept.iter().map(ExactSizeIterator::len).sum::<usize>();
+                    pieces.push(Piece {
+                        stretch: piece.stretch,
+                        kept: from..from + same,
+                        start: piece.start + begin as f64 * self.time_step,
+                    });
+                    kept.push(piece.kept.start + begin..piece.kept.start + end);
+                }
+                begin = end;
+            }
+        }
+        let left: usize = kept.iter().map(ExactSizeIterator::len).sum();
+        let out = self.velocity.len() - left;
+        if out == 0 || left * LEAST_SHARE < self.velocity.len() {
+            return (self, 0.0);
+        }
+        let of = |column: &[f64]| -> Vec<f64> {
+            kept.iter().filter_map(|range| column.get(range.clone())).flatten().copied().collect()
+        };
+        let moving = Self {
+            position: self.position.as_deref().map(of),
+            velocity: of(&self.velocity),
+            acceleration: of(&self.acceleration),
+            force: of(&self.force),
+            pieces,
+            ..self
+        };
+        let seconds = out as f64 * moving.time_step;
+        (moving, seconds)
     }
 
     /// A column made anew stretch by stretch, so that nothing reaches across a gap.
@@ -114,6 +171,11 @@ impl Conditioned {
         Ok(made)
     }
 }
+
+/// Thinned samples that motion between two rests must have to be of use.
+const LEAST_ROWS: usize = 8;
+/// One part in this many must be motion.
+const LEAST_SHARE: usize = 10;
 
 /// Conditions each stretch of a recording for itself and puts them one behind the other. Each comes
 /// with the time of its first sample \[s\]; all have one sampling period. Stretches too short for
@@ -312,6 +374,33 @@ mod tests {
         let no_time = Signals { time_step: 0.0, ..signals(&ok, &ok) };
         assert!(matches!(condition(&no_time, &HOW), Err(IdentError::TimeStep(_))));
         assert!(condition(&signals(&ok, &ok), &Conditioning { decimate: 0, ..HOW }).is_err());
+    }
+
+    /// Two seconds of a sine, two of rest with an encoder's noise, two of the sine.
+    #[test]
+    fn rest_is_left_out_and_motion_stays_with_its_times() {
+        use rand::{RngExt, SeedableRng};
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(7);
+        let place = |t: f64| match t {
+            t if t < 2.0 => (std::f64::consts::PI * t).cos(),
+            t if t < 4.0 => 1.0,
+            t => (std::f64::consts::PI * (t - 4.0)).cos(),
+        };
+        let mut noisy = |i: u32| place(f64::from(i) * 1e-3) + 1e-4 * rng.random::<f64>();
+        let position: Vec<f64> = (0..6000).map(&mut noisy).collect();
+        let whole = condition(&signals(&position, &position), &HOW).unwrap();
+        let (found, rest) = whole.clone().moving();
+        assert!((rest - 2.0).abs() < 0.2, "{rest}");
+        assert_eq!((found.stretches(), found.pieces.len()), (1, 2));
+        assert!((found.pieces[1].start - 4.0).abs() < 0.15, "{:?}", found.pieces);
+        assert_eq!(found.pieces[1].kept.end, found.velocity.len());
+        let offset = whole.velocity.len() - found.velocity.len();
+        assert_eq!(found.velocity[..100], whole.velocity[..100]);
+        let last = found.force.len() - 1;
+        assert_eq!(found.force[last], whole.force[last + offset]);
+        let sine: Vec<f64> = (0..6000).map(|i| (f64::from(i) * 3e-3).sin()).collect();
+        let whole = condition(&signals(&sine, &sine), &HOW).unwrap();
+        assert_eq!(whole.clone().moving(), (whole, 0.0));
     }
 
     #[test]

@@ -35,7 +35,11 @@ pub(crate) fn holds(model: &AnyModel) -> bool {
 
 /// Which samples of a stretch stand still.
 pub(crate) fn at_rest(stretch: &Stretch) -> Vec<bool> {
-    let velocity = &stretch.velocity;
+    standing(&stretch.velocity)
+}
+
+/// Which samples of a velocity are those of rest.
+pub(crate) fn standing(velocity: &[f64]) -> Vec<bool> {
     let mut rest = vec![false; velocity.len()];
     if velocity.len() < WINDOW {
         return rest;

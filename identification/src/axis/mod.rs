@@ -89,12 +89,12 @@ pub fn identify(
     validation: Option<&Recording>,
     settings: &Settings,
 ) -> Result<Identification, IdentifyError> {
-    let estimation = conditioned(recording, settings)?;
-    let mut notes = timing_notes(recording, &estimation);
+    let (estimation, rest) = moving(recording, settings)?;
+    let mut notes = timing_notes(recording, &estimation, rest);
     let validation = match validation {
         Some(other) => {
-            let there = conditioned(other, settings)?;
-            notes.extend(timing_notes(other, &there));
+            let (there, rest) = moving(other, settings)?;
+            notes.extend(timing_notes(other, &there, rest));
             Some((other.path.as_path(), there))
         }
         None => None,
@@ -202,6 +202,11 @@ pub fn conditioned(
     recording: &Recording,
     settings: &Settings,
 ) -> Result<Conditioned, IdentifyError> {
+    moving(recording, settings).map(|(conditioned, _)| conditioned)
+}
+
+/// The motion of a recording, and for how long it stands still \[s\].
+fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f64), IdentifyError> {
     let stretch = |stretch: &RecordedStretch| {
         let signals = Signals {
             time_step: recording.time_step,
@@ -212,7 +217,8 @@ pub fn conditioned(
         (stretch.start, signals)
     };
     let stretches: Vec<(f64, Signals)> = recording.stretches.iter().map(stretch).collect();
-    condition_stretches(&stretches, &settings.conditioning).map_err(|source| {
+    let found = condition_stretches(&stretches, &settings.conditioning);
+    found.map(Conditioned::moving).map_err(|source| {
         let stretch = match source {
             IdentError::TooFewSamples { .. } => longest(&stretches),
             _ => None,
@@ -236,7 +242,7 @@ fn longest(stretches: &[(f64, Signals)]) -> Option<String> {
 }
 
 /// What is to be said about the times of a recording.
-fn timing_notes(recording: &Recording, used: &Conditioned) -> Vec<String> {
+fn timing_notes(recording: &Recording, used: &Conditioned, rest: f64) -> Vec<String> {
     let path = recording.path.display();
     let mut notes = Vec::new();
     notes.extend(recording.irregularities.describe().map(|said| format!("{path}: {said}")));
@@ -245,6 +251,11 @@ fn timing_notes(recording: &Recording, used: &Conditioned) -> Vec<String> {
         notes.push(format!(
             "{path}: {} of {found} stretches are shorter than the low-pass and --trim need and were left out.",
             found - long
+        ));
+    }
+    if rest > 0.0 {
+        notes.push(format!(
+            "{path}: the axis stands still for {rest:.1} s, where friction is whatever is applied; fits and errors are those of the motion."
         ));
     }
     notes

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use friction_ident::Prediction;
+use friction_ident::axis_structure::AxisStructure;
 use friction_ident::robust_covariance::METHOD;
+use friction_ident::{IdentError, Prediction};
 use serde_json::{Value, json};
 
 use super::structure::Structured;
@@ -17,7 +18,7 @@ const CLOUD: usize = 1500;
 /// What the page gets.
 pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
     let mut blocks = vec![Block::Heading(format!("The structure: {}", found.fit.structure))];
-    blocks.extend(found.fit.notes().into_iter().map(Block::Note));
+    blocks.extend(found.fit.notes().into_iter().chain(left_out(found)).map(Block::Note));
     blocks.push(Block::Text(format!(
         "Structures are compared by cross-validation inside the estimation recording: {} contiguous blocks, each predicted by a fit to the others. Of those whose \
          excess over the best is within one standard error of the difference, paired block by block, the one with the fewest parameters is chosen. \
@@ -42,6 +43,13 @@ pub fn blocks(found: &Structured, axis: AxisKind) -> Vec<Block> {
         blocks.push(Block::Figure(residual("On the validation recording", other, axis)));
     }
     blocks
+}
+
+/// The structures that the recording cannot show.
+fn left_out(found: &Structured) -> Option<String> {
+    let one = |(structure, why): &(AxisStructure, IdentError)| format!("{structure} ({why})");
+    let all: Vec<String> = found.refused.iter().map(one).collect();
+    (!all.is_empty()).then(|| format!("Structures that were left out: {}.", all.join("; ")))
 }
 
 fn block_count(found: &Structured) -> usize {
@@ -196,7 +204,7 @@ pub fn terminal(found: &Structured) -> String {
     if let Some(other) = &found.validation {
         let _ = writeln!(text, "  cross-test     {:.3} %", other.relative_error);
     }
-    for note in found.fit.notes() {
+    for note in found.fit.notes().into_iter().chain(left_out(found)) {
         let _ = writeln!(text, "note: {note}");
     }
     text
@@ -208,6 +216,10 @@ pub fn document(found: &Structured) -> Value {
         "chosen": found.fit.structure,
         "blocks": block_count(found),
         "scores": found.scores,
+        "refused": found.refused.iter().map(|(structure, why)| json!({
+            "structure": structure,
+            "why": why.to_string(),
+        })).collect::<Vec<_>>(),
         "ranking": found.choice.ranking,
         "parameters": found.fit.estimates,
         "relative_error_percent": found.fit.relative_error,
