@@ -6,6 +6,7 @@ mod bench_fits;
 mod bench_live;
 mod bench_monte_carlo;
 mod bench_ros;
+mod bench_simulate;
 mod bench_step;
 mod book;
 mod distribution;
@@ -37,6 +38,8 @@ enum Task {
     /// `/friction_estimate` at 1 kHz from `live` and `launch` beside a publisher of rclpy: rate,
     /// loss, latency, processor time, memory, calls.
     BenchRos(bench_ros::BenchRos),
+    /// Points a second of `simulate`, beside a loop compiled by Numba.
+    BenchSimulate(bench_simulate::BenchSimulate),
     /// Nanoseconds of a whole control step, estimator and controller, for every model and
     /// technique.
     BenchStep(bench_step::BenchStep),
@@ -61,6 +64,7 @@ fn main() -> anyhow::Result<()> {
         Task::BenchLive(bench) => bench.run(),
         Task::BenchMonteCarlo(bench) => bench.run(),
         Task::BenchRos(bench) => bench.run(),
+        Task::BenchSimulate(bench) => bench.run(),
         Task::BenchStep(bench) => bench.run(),
         Task::Book(book) => book.run(),
         Task::PythonEnv(python_env) => python_env.run(),
