@@ -5,7 +5,6 @@ use std::fmt::Write;
 use super::{Identification, ModelResult, unit};
 use friction_ident::Load;
 use friction_ident::robust_covariance::METHOD;
-use parameters::file::number;
 use recording::Recording;
 use report::numbers::value_and_error as with_error;
 
@@ -68,13 +67,17 @@ fn model(
         .map(|estimate| {
             let (value, error) = with_error(estimate.value, estimate.standard_error);
             let mark = if estimate.doubt.is_some() { "  not to be trusted" } else { "" };
-            let half = number(estimate.half_width);
+            let half = with_error(estimate.value, estimate.half_width).1;
             (
                 estimate.term.name(),
                 value,
                 error,
                 unit(estimate.term, axis),
-                format!("95 %: ± {half}{mark}"),
+                if half.is_empty() {
+                    format!("95 %: none{mark}")
+                } else {
+                    format!("95 %: ± {half}{mark}")
+                },
             )
         })
         .collect();
