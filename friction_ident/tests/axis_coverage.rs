@@ -28,7 +28,7 @@ fn recorded(seed: u64, seconds: f64, beside: Beside) -> AxisFit {
     let base = 1.3;
     let ratios = [1.081, 1.197, 2.218, 2.511, 2.714, 3.128];
     let amplitudes = [0.5, 0.4, 0.3, 0.2, 0.14, 0.1];
-    let phases: [f64; 6] = std::array::from_fn(|_| 6.283 * rng.random::<f64>());
+    let phases: [f64; 6] = std::array::from_fn(|_| std::f64::consts::TAU * rng.random::<f64>());
     let n = (seconds / DT) as usize;
     let (mut place, mut force) = (Vec::with_capacity(n), Vec::with_capacity(n));
     let (mut colour, mut side) = (0.0, 0.0);

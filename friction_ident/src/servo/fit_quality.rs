@@ -61,8 +61,7 @@ impl FitQuality {
     /// Why it is a failure; `None` where it is none.
     pub fn doubt(&self) -> Option<PoorFit> {
         let Self { error, motion, goal } = *self;
-        // Written so that an error that is no number fails.
-        if !(error <= MOST_MISSED * motion) {
+        if error.is_nan() || error > MOST_MISSED * motion {
             Some(PoorFit::Missed { error, motion })
         } else if error >= goal {
             Some(PoorFit::NoBetterThanGoal { error, goal })
