@@ -195,7 +195,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         parameters.set(name, value);
     }
     let free = FreeParameters::usual(&parameters.try_into()?);
-    let data = Measured { points: &[], stretches: std::slice::from_ref(&stretch) };
+    let data = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
     let mut options = OutputErrorOptions { restarts: 0, ..OutputErrorOptions::default() };
     (options.patience.sum, options.patience.step) = (1e-8, 1e-8);
     let mut times = Vec::new();

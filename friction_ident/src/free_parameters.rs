@@ -199,28 +199,31 @@ impl FreeParameters {
     }
 
     /// The minimum in terms of parameters instead of coordinates: values, and derivatives by the
-    /// chain rule. None where the model does not accept the coordinates.
+    /// chain rule. Unknowns beyond its own coordinates stay as they are. None where the model does
+    /// not accept the coordinates.
     pub fn in_parameters(&self, mut minimum: Minimum) -> Option<Minimum> {
         let at = |coordinates: &[f64]| {
             Some(Self { template: self.model(coordinates)?.parameters(), ..self.clone() }.values())
         };
         let n = minimum.x.len();
-        let values = at(&minimum.x)?;
+        let (own, beyond) = minimum.x.split_at_checked(self.ids.len())?;
+        let (own, beyond) = (own.to_vec(), beyond.to_vec());
+        let values = at(&own)?;
         let mut inverse = DMatrix::identity(n, n);
         for (j, bound) in self.bounds().iter().enumerate() {
             if self.coordinates[j] == Coordinate::Itself && !self.others_refer_to(j) {
                 continue;
             }
-            let h = 1e-6 * minimum.x[j].abs().max(bound.scale);
-            let mut moved = minimum.x.clone();
+            let h = 1e-6 * own[j].abs().max(bound.scale);
+            let mut moved = own.clone();
             moved[j] += if moved[j] + h <= bound.high { h } else { -h };
             let there = at(&moved)?;
             for (i, (a, b)) in there.iter().zip(&values).enumerate() {
-                inverse[(i, j)] = (a - b) / (moved[j] - minimum.x[j]);
+                inverse[(i, j)] = (a - b) / (moved[j] - own[j]);
             }
         }
         minimum.jacobian *= finite(inverse)?.try_inverse().and_then(finite)?;
-        minimum.x = values;
+        minimum.x = [values, beyond].concat();
         Some(minimum)
     }
 

@@ -37,6 +37,7 @@
 //! * [`staged`]: a model with all its parameters, stage by stage.
 //! * [`starting_model`]: where the searches begin.
 //! * [`damped_model`]: a model with its micro-damping computed from the inertia.
+//! * [`position_load`]: what acts beside friction: an offset, a spring, gravity.
 //! * [`uncertain`]: a number and its standard error.
 //! * [`information`]: information criteria, and which of two models predicts better.
 //! * [`synthetic`]: what the experiments show of a known friction.
@@ -73,6 +74,7 @@ pub mod model_choice;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;
+pub mod position_load;
 pub mod pre_sliding;
 pub mod profile;
 pub mod quantiser;
@@ -108,6 +110,7 @@ pub use free_parameters::FreeParameters;
 pub use outliers::{Cleaned, Hampel, Replaced};
 pub use output_error::{Measured, OutputErrorFit, fit_output_error};
 pub use parameter_id::{ParameterId, Side};
+pub use position_load::{LoadShape, PositionLoad, Predictor, choose_position_load};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{
     AxisFit, AxisModel, Load, LoadChoice, Prediction, TermEstimate, choose_load, fit_axis,

@@ -8,6 +8,9 @@
 //! time constants. Steady points count through the steady state. All residuals are divided by their
 //! standard deviation where that is known.
 //!
+//! What acts beside friction ([`position_load`](crate::position_load)) is linear and may be estimated
+//! in the same fit.
+//!
 //! At rest a model without pre-sliding predicts a range, not a value: it is not fitted to samples
 //! that stand still.
 
@@ -16,9 +19,11 @@ use std::ops::ControlFlow;
 use friction_model::{AnyModel, FrictionModel, ModelVisitor, Stepper, TimeStep};
 
 use crate::IdentError;
-use crate::bounded::{Ending, Minimum, Patience, Residuals, Step, minimise};
+use crate::axis_term::AxisTerm;
+use crate::bounded::{Bound, Ending, Minimum, Patience, Residuals, Step, minimise};
 use crate::estimate::Estimates;
 use crate::free_parameters::FreeParameters;
+use crate::position_load::{self, LoadShape, PositionLoad, Predictor, place, regressor};
 use crate::residual_whiteness::effective_share;
 use crate::rest::{at_rest, holds};
 use crate::steady_point::SteadyPoint;
@@ -31,6 +36,8 @@ pub struct Measured<'a> {
     pub points: &'a [SteadyPoint],
     /// Stretches, if any.
     pub stretches: &'a [Stretch],
+    /// What acts beside friction in them, and is estimated with it.
+    pub beside: LoadShape,
 }
 
 impl Measured<'_> {
@@ -42,6 +49,23 @@ impl Measured<'_> {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// What multiplies a term in each point and sample, in the order of the residuals.
+    fn regressors(&self, term: AxisTerm) -> Vec<f64> {
+        let points = self.points.iter().map(|point| regressor(term, point.place));
+        let samples = self
+            .stretches
+            .iter()
+            .flat_map(|stretch| (0..stretch.len()).map(|k| regressor(term, place(stretch, k))));
+        points.chain(samples).collect()
+    }
+
+    /// Mean square of what was measured.
+    fn mean_square(&self) -> f64 {
+        let points = self.points.iter().map(|point| point.torque);
+        let samples = self.stretches.iter().flat_map(|stretch| &stretch.friction).copied();
+        points.chain(samples).map(|f| f * f).sum::<f64>() / self.len().max(1) as f64
     }
 
     /// Sum of the squares of all weighted measurements.
@@ -60,7 +84,9 @@ impl Measured<'_> {
 pub struct OutputErrorFit {
     /// The model with the best parameters.
     pub model: AnyModel,
-    /// The free parameters with their uncertainty.
+    /// What acts beside it.
+    pub load: PositionLoad,
+    /// The free parameters with their uncertainty, then those of what acts beside.
     pub estimates: Estimates,
     /// Root mean square of predicted minus measured friction over all points and samples
     /// \[N or N m\].
@@ -114,8 +140,9 @@ pub fn fit_output_error(
     for stretch in data.stretches {
         stretch.check()?;
     }
-    let n = free.ids().len();
-    let own = free.start();
+    let terms = data.beside.terms();
+    let n = free.ids().len() + terms.len();
+    let own: Vec<f64> = free.start().into_iter().chain(terms.iter().map(|_| 0.0)).collect();
     let mut problem = OutputError::new(free, &own, data);
     if problem.len() <= n {
         return Err(IdentError::TooFewSamples {
@@ -125,11 +152,15 @@ pub fn fit_output_error(
             lower: "the number of free parameters",
         });
     }
-    let bounds = free.bounds();
+    let bounds = problem.bounds();
+    let starts: Vec<Vec<f64>> = starts
+        .iter()
+        .map(|start| start.iter().copied().chain(terms.iter().map(|_| 0.0)).collect())
+        .collect();
     let mut best: Option<(Minimum, bool)> = None;
     let mut evaluations = 0;
     let rounding = data.square() * f64::EPSILON.powi(2) * 16.0;
-    for start in std::iter::once(&own).chain(starts) {
+    for start in std::iter::once(&own).chain(&starts) {
         let Some(mut found) = minimise(&mut problem, start, &bounds, &options.patience, watch)
         else {
             continue;
@@ -168,12 +199,16 @@ pub fn fit_output_error(
     };
     let (minimum, settled) = best.ok_or_else(refused)?;
     let ending = minimum.ending;
-    let model = free.model(&minimum.x).ok_or_else(refused)?;
+    let (numbers, values) = minimum.x.split_at(free.ids().len());
+    let model = free.model(numbers).ok_or_else(refused)?;
+    let load = PositionLoad::of(&terms, values);
     let share = effective_share(minimum.residuals.as_slice());
     let minimum = free.in_parameters(minimum).ok_or_else(refused)?;
-    let estimates = Estimates::linearised(&minimum, &free.unknowns(options.rotary), share);
-    let rms = prediction_rms(&model, data);
-    Ok(OutputErrorFit { model, estimates, rms, ending, settled, evaluations })
+    let mut unknowns = free.unknowns(options.rotary);
+    unknowns.extend(position_load::unknowns(&terms, options.rotary));
+    let estimates = Estimates::linearised(&minimum, &unknowns, share);
+    let rms = prediction_rms(&Predictor { model, load }, data);
+    Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations })
 }
 
 /// Friction that `model` predicts along a stretch, one value a sample.
@@ -184,12 +219,11 @@ pub fn predict(model: &AnyModel, stretch: &Stretch) -> Vec<f64> {
     predicted
 }
 
-/// Root mean square of predicted minus measured friction over all points and samples.
-pub fn prediction_rms(model: &AnyModel, data: &Measured) -> f64 {
-    let points =
-        data.points.iter().map(|point| (model.steady_state(point.velocity) - point.torque).powi(2));
+/// Root mean square of predicted minus measured force over all points and samples.
+pub fn prediction_rms(by: &Predictor, data: &Measured) -> f64 {
+    let points = data.points.iter().map(|point| (by.steady(point) - point.torque).powi(2));
     let stretches = data.stretches.iter().flat_map(|stretch| {
-        predict(model, stretch)
+        by.along(stretch)
             .into_iter()
             .zip(&stretch.friction)
             .map(|(p, f)| (p - f).powi(2))
@@ -204,8 +238,12 @@ struct OutputError<'a> {
     data: &'a Measured<'a>,
     /// Of each stretch the samples at rest; none of a model that predicts those too.
     rest: Vec<Vec<bool>>,
-    /// What the model predicts along a stretch that rests somewhere.
+    /// What multiplies each term beside friction, in the order of points and samples.
+    beside: Vec<Vec<f64>>,
+    /// What the model predicts of all points and samples, and the numbers it has there: a search
+    /// that moves only what acts beside friction does not run it again.
     predicted: Vec<f64>,
+    ran_at: Vec<f64>,
 }
 
 impl<'a> OutputError<'a> {
@@ -216,7 +254,40 @@ impl<'a> OutputError<'a> {
             if rest.contains(&true) { rest } else { Vec::new() }
         };
         let rest = data.stretches.iter().map(rest).collect();
-        Self { free, data, rest, predicted: Vec::new() }
+        let beside = data.beside.terms().into_iter().map(|term| data.regressors(term)).collect();
+        let predicted = vec![0.0; data.len()];
+        Self { free, data, rest, beside, predicted, ran_at: Vec::new() }
+    }
+
+    /// Those of the model's numbers; what acts beside friction has none.
+    fn bounds(&self) -> Vec<Bound> {
+        let mut bounds = self.free.bounds();
+        let size = (self.data.mean_square()).sqrt();
+        bounds.extend(self.beside.iter().map(|column| {
+            let most = column.iter().fold(0.0f64, |most, value| most.max(value.abs()));
+            Bound::free(size.max(f64::MIN_POSITIVE) / most.max(f64::MIN_POSITIVE))
+        }));
+        bounds
+    }
+
+    /// Runs the model with these numbers; false where there is no such model.
+    fn run(&mut self, numbers: &[f64]) -> bool {
+        if self.ran_at == numbers {
+            return true;
+        }
+        self.ran_at.clear();
+        let Some(model) = self.free.model(numbers) else { return false };
+        let (points, mut samples) = self.predicted.split_at_mut(self.data.points.len());
+        for (point, predicted) in self.data.points.iter().zip(points) {
+            *predicted = model.steady_state(point.velocity);
+        }
+        for (stretch, rest) in self.data.stretches.iter().zip(&self.rest) {
+            let (here, others) = samples.split_at_mut(stretch.len());
+            samples = others;
+            model.visit(Along { stretch, rest, out: here });
+        }
+        self.ran_at.extend_from_slice(numbers);
+        true
     }
 }
 
@@ -227,31 +298,23 @@ impl Residuals for OutputError<'_> {
     }
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
-        let Some(model) = self.free.model(x) else { return false };
-        let (points, mut rest) = out.split_at_mut(self.data.points.len());
-        for (point, r) in self.data.points.iter().zip(points) {
-            *r = (model.steady_state(point.velocity) - point.torque)
-                / point.deviation.unwrap_or(1.0);
+        let Some((numbers, values)) = x.split_at_checked(self.free.ids().len()) else { return false };
+        if !self.run(numbers) {
+            return false;
         }
-        for (stretch, still) in self.data.stretches.iter().zip(&self.rest) {
-            let weight = 1.0 / stretch.deviation.unwrap_or(1.0);
-            let resting = still.iter().filter(|still| **still).count();
-            let (here, others) = rest.split_at_mut(stretch.len() - resting);
-            rest = others;
-            if resting == 0 {
-                model.visit(Along { stretch, rest: still, out: here });
-                here.iter_mut()
-                    .zip(&stretch.friction)
-                    .for_each(|(r, measured)| *r = weight * (*r - measured));
-                continue;
-            }
-            self.predicted.resize(stretch.len(), 0.0);
-            model.visit(Along { stretch, rest: still, out: &mut self.predicted });
-            let all = self.predicted.iter().zip(&stretch.friction).zip(still);
-            let moving = all.filter(|(_, still)| !**still).map(|(pair, _)| pair);
-            for (r, (predicted, measured)) in here.iter_mut().zip(moving) {
-                *r = weight * (predicted - measured);
-            }
+        let beside = |row: usize| -> f64 {
+            self.beside.iter().zip(values).map(|(column, value)| value * column[row]).sum()
+        };
+        let points = self.data.points.iter().map(|point| (point.torque, point.deviation, false));
+        let samples = self.data.stretches.iter().zip(&self.rest).flat_map(|(stretch, rest)| {
+            let at_rest = |k: usize| rest.get(k).copied().unwrap_or(false);
+            let friction = stretch.friction.iter().enumerate();
+            friction.map(move |(k, &friction)| (friction, stretch.deviation, at_rest(k)))
+        });
+        let measured = points.chain(samples).zip(&self.predicted).enumerate();
+        let counted = measured.filter(|(_, ((_, _, rests), _))| !rests);
+        for (r, (row, ((measured, deviation, _), predicted))) in out.iter_mut().zip(counted) {
+            *r = (predicted + beside(row) - measured) / deviation.unwrap_or(1.0);
         }
         true
     }
@@ -362,7 +425,7 @@ mod tests {
         let stretch = data(truth);
         let free = FreeParameters::usual(truth);
         let away = FreeParameters::usual(&free.model(&moved(&free, most)).unwrap());
-        let measured = Measured { points: &[], stretches: std::slice::from_ref(&stretch) };
+        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let go = &mut |_: &Step| ControlFlow::Continue(());
         (free, fit_output_error(&away, &measured, &[], &OutputErrorOptions::default(), go).unwrap())
     }
@@ -409,7 +472,7 @@ mod tests {
         let free = FreeParameters::usual(
             &AnyModel::test_bed(ModelName::LuGre).scaled("sigma0", 1.5).unwrap(),
         );
-        let measured = Measured { points: &[], stretches: std::slice::from_ref(&stretch) };
+        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let mut seen = Vec::new();
         let fit = fit_output_error(
             &free,
@@ -436,7 +499,7 @@ mod tests {
         for (k, friction) in stretch.friction.iter_mut().enumerate() {
             *friction += 1e-3 * ((k * 7919 % 1009) as f64 / 504.5 - 1.0);
         }
-        let measured = Measured { points: &[], stretches: std::slice::from_ref(&stretch) };
+        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let go = &mut |_: &Step| ControlFlow::Continue(());
         let fit = fit_output_error(
             &FreeParameters::usual(&truth),

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
+use crate::position_load::Place;
 
 /// One steady point: the mean friction at a constant velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -14,12 +15,15 @@ pub struct SteadyPoint {
     /// Standard deviation of `torque`, for all points or for none. Only the ratios count: the
     /// overall scale is taken from the scatter around the curve.
     pub deviation: Option<f64>,
+    /// Where it was measured, if that is known: what a spring or gravity adds depends on it.
+    #[serde(skip)]
+    pub place: Option<Place>,
 }
 
 impl SteadyPoint {
     /// A point without a standard deviation of its own.
     pub fn new(velocity: f64, torque: f64) -> Self {
-        Self { velocity, torque, deviation: None }
+        Self { velocity, torque, deviation: None, place: None }
     }
 }
 

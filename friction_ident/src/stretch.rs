@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
+use crate::position_load::Place;
 use crate::statistics::Sample;
 use crate::steady_point::SteadyPoint;
 
@@ -196,6 +197,7 @@ impl Stretch {
             velocity,
             torque,
             deviation: (deviation > 1e-12 * torque.abs()).then_some(deviation),
+            place: self.position.as_deref().and_then(Place::mean),
         }
     }
 

@@ -70,20 +70,26 @@ pub fn try_models(
     for &name in models {
         let go = &mut |_, _: &_| ControlFlow::Continue(());
         let identified = identify_model(name, &estimation, options, go)?;
-        let off = residuals(&identified.model, &validation);
+        let off = residuals(&identified.predictor(), &validation);
         found.push((identified, off));
     }
     found.sort_by(|a, b| root_mean_square(&a.1).total_cmp(&root_mean_square(&b.1)));
-    let best = found.first().map(|(identified, _)| identified.model);
+    let best = found.first().map(|(identified, _)| identified.predictor());
     Ok(found
         .iter()
         .map(|(identified, off)| Trial {
             model: identified.name,
             held_out: root_mean_square(off),
-            by_kind: StretchKind::ALL.map(|kind| rms_of_kind(&identified.model, &validation, kind)),
+            by_kind: StretchKind::ALL.map(|kind| {
+                rms_of_kind(&identified.predictor(), &validation, kind)
+            }),
             aic: identified.information.aic,
             bic: identified.information.bic,
-            behind: difference(&identified.model, &best.unwrap_or(identified.model), &validation),
+            behind: difference(
+                &identified.predictor(),
+                &best.unwrap_or(identified.predictor()),
+                &validation,
+            ),
         })
         .collect())
 }

@@ -3,6 +3,7 @@ use friction_model::{AnyModel, ModelName};
 use super::*;
 use crate::estimate::{Doubt, Estimate, Estimates, Verdict};
 use crate::information::Information;
+use crate::position_load::PositionLoad;
 use crate::staged::Identified;
 
 fn candidate(mean_square: f64, standard_error: f64, free_parameters: usize) -> Candidate {
@@ -46,6 +47,7 @@ fn what_kinds_of_recording_differ_by_is_no_scatter() {
 
 fn found(estimates: Vec<Estimate>) -> Identified {
     Identified {
+        load: PositionLoad::default(),
         name: ModelName::Stribeck,
         model: AnyModel::test_bed(ModelName::Stribeck),
         stages: Vec::new(),

@@ -128,7 +128,7 @@ fn both_directions_points_at_rest_and_deviations() {
     }
     let fit = train_rbf_network(&points, &RbfOptions::default()).unwrap();
     assert_eq!((fit.points, fit.speeds), (80, (0.03, 4.0)));
-    points.push(SteadyPoint { velocity: 1.0, torque: 5.0, deviation: Some(1e9) });
+    points.push(SteadyPoint { velocity: 1.0, torque: 5.0, deviation: Some(1e9), place: None });
     let with_outlier = train_rbf_network(&points, &RbfOptions::default()).unwrap();
     for v in [0.03, 0.14, 1.0, 3.9, -2.0] {
         assert!((fit.torque(v) - expected.torque(v)).abs() < 1e-12, "{v}");

@@ -3,6 +3,7 @@
 use friction_model::AnyModel;
 
 use crate::output_error::predict;
+use crate::position_load::PositionLoad;
 use crate::rest::{at_rest, holds};
 use crate::steady_point::SteadyPoint;
 use crate::stretch::{Stretch, StretchKind};
@@ -46,6 +47,18 @@ impl FrictionData {
             data.points.iter_mut().for_each(|point| point.deviation = None);
         }
         data
+    }
+
+    /// The recordings without a force that acts beside friction.
+    #[must_use]
+    pub fn without(&self, load: &PositionLoad) -> Self {
+        let taken = |all: &[Stretch]| all.iter().map(|one| load.taken_from(one)).collect();
+        Self {
+            points: self.points.iter().map(|point| load.taken_from_point(point)).collect(),
+            pre_sliding: taken(&self.pre_sliding),
+            lag: taken(&self.lag),
+            mixed: taken(&self.mixed),
+        }
     }
 
     /// The stretches of a kind.

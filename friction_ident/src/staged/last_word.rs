@@ -3,9 +3,11 @@
 use friction_model::AnyModel;
 
 use super::StageResult;
+use crate::axis_term::AxisTerm;
 use crate::estimate::{Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::free_parameters::{FreeParameters, remedy};
 use crate::parameter_id::{ParameterId, Side};
+use crate::position_load::{self, PositionLoad};
 use crate::static_curve::{StribeckFit, StribeckParameter};
 
 /// The scan over all Stribeck velocities knows better than a local fit whether there is a dip, and
@@ -27,12 +29,20 @@ pub(super) fn take_over(estimates: &mut Estimates, side: Side, curve: &StribeckF
 }
 
 /// Every number of the model with what the last stage that estimated it says.
-pub(super) fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) -> Estimates {
+pub(super) fn last_word(
+    model: &AnyModel,
+    stages: &[StageResult],
+    terms: &[AxisTerm],
+    load: PositionLoad,
+    rotary: bool,
+) -> Estimates {
     let all = FreeParameters::new(model, |_| true);
+    let beside = position_load::unknowns(terms, rotary);
     let parameters = all
         .unknowns(rotary)
         .into_iter()
         .zip(all.values())
+        .chain(beside.zip(terms.iter().map(|&term| load.value(term))))
         .map(|(unknown, value)| {
             let found = stages.iter().rev().find_map(|stage| stage.estimates.get(unknown.id));
             match found {
@@ -41,7 +51,11 @@ pub(super) fn last_word(model: &AnyModel, stages: &[StageResult], rotary: bool) 
                     unknown.id,
                     unknown.unit,
                     value,
-                    "no recording shows it: the value it started with",
+                    if terms.iter().any(|term| unknown.id == ParameterId::new(term.name())) {
+                        "from a linear fit of all that slides, before the model's own"
+                    } else {
+                        "no recording shows it: the value it started with"
+                    },
                 ),
             }
         })

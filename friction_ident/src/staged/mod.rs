@@ -24,6 +24,7 @@ use crate::IdentError;
 use crate::bounded::Step;
 use crate::estimate::Estimates;
 use crate::information::Information;
+use crate::position_load::{PositionLoad, Predictor};
 use work::Work;
 
 pub use friction_data::FrictionData;
@@ -38,6 +39,8 @@ pub struct Identified {
     pub name: ModelName,
     /// With its parameters.
     pub model: AnyModel,
+    /// What acts beside friction; nothing unless it was asked for.
+    pub load: PositionLoad,
     /// What each stage found, in order.
     pub stages: Vec<StageResult>,
     /// Every parameter of the model: the last word on each.
@@ -52,6 +55,14 @@ pub struct Identified {
     pub free_parameters: usize,
     /// What must be known to read the numbers right.
     pub notes: Vec<String>,
+}
+
+impl Identified {
+    /// What it predicts of the measured force: friction and what acts beside it.
+    #[must_use]
+    pub fn predictor(&self) -> Predictor {
+        Predictor { model: self.model, load: self.load }
+    }
 }
 
 /// Identifies the model `name` from `data`. `watch` sees every iteration of every stage and may

@@ -2,6 +2,7 @@
 
 use crate::micro_damping::THESIS_ZETA;
 use crate::output_error::OutputErrorOptions;
+use crate::position_load::LoadShape;
 use crate::uncertain::Uncertain;
 
 /// What is asked for.
@@ -18,12 +19,15 @@ pub struct StagedOptions {
     pub inertia: Option<Uncertain>,
     /// Damping ratio of that motion.
     pub damping_ratio: f64,
+    /// What is estimated beside friction; [`choose_position_load`](crate::choose_position_load)
+    /// says which of it the recordings show.
+    pub beside: LoadShape,
     /// How the output-error fits are done.
     pub output_error: OutputErrorOptions,
 }
 
 impl Default for StagedOptions {
-    /// Symmetric, with the joint stage, four elements, no inertia, the thesis's damping ratio of
+    /// Symmetric, nothing beside friction, with the joint stage, four elements, no inertia, the thesis's damping ratio of
     /// 0.7.
     fn default() -> Self {
         Self {
@@ -32,6 +36,7 @@ impl Default for StagedOptions {
             elements: 4,
             inertia: None,
             damping_ratio: THESIS_ZETA,
+            beside: LoadShape::NONE,
             output_error: OutputErrorOptions::default(),
         }
     }

@@ -4,38 +4,39 @@ use friction_model::AnyModel;
 
 use super::FrictionData;
 use crate::information::{Difference, paired_difference, stratified};
-use crate::output_error::{Measured, predict, prediction_rms};
+use crate::output_error::{Measured, prediction_rms};
+use crate::position_load::Predictor;
 use crate::residual_whiteness::effective_share;
 use crate::rest::{at_rest, holds};
 use crate::stretch::{Stretch, StretchKind};
 
 /// Predicted minus measured friction over all points and samples, kind by kind in the order of
 /// [`StretchKind::ALL`].
-pub fn residuals(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
-    StretchKind::ALL.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect()
+pub fn residuals(by: &Predictor, data: &FrictionData) -> Vec<f64> {
+    StretchKind::ALL.iter().flat_map(|&kind| residuals_of_kind(by, data, kind)).collect()
 }
 
 /// Predicted minus measured friction of one kind of recording.
-pub fn residuals_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
+pub fn residuals_of_kind(by: &Predictor, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
     if kind == StretchKind::Steady {
         return data
             .points
             .iter()
-            .map(|point| model.steady_state(point.velocity) - point.torque)
+            .map(|point| by.steady(point) - point.torque)
             .collect();
     }
     let off = |stretch: &Stretch| -> Vec<f64> {
-        predict(model, stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
+        by.along(stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()
     };
     data.stretches(kind).iter().flat_map(off).collect()
 }
 
 /// Predicted minus measured friction over all points and samples that the model predicts a value
 /// for.
-pub(super) fn residuals_that_count(model: &AnyModel, data: &FrictionData) -> Vec<f64> {
+pub(super) fn residuals_that_count(by: &Predictor, data: &FrictionData) -> Vec<f64> {
     let of = |&kind: &StretchKind| {
-        let counts = all_predict(std::slice::from_ref(model), data, kind);
-        let residuals = residuals_of_kind(model, data, kind).into_iter().zip(counts);
+        let counts = all_predict(&[by.model], data, kind);
+        let residuals = residuals_of_kind(by, data, kind).into_iter().zip(counts);
         residuals.filter(|(_, counts)| *counts).map(|(residual, _)| residual).collect::<Vec<_>>()
     };
     StretchKind::ALL.iter().flat_map(of).collect()
@@ -59,11 +60,11 @@ pub fn all_predict(models: &[AnyModel], data: &FrictionData, kind: StretchKind) 
 
 /// By how much `first` predicts worse than `second` in mean square, paired over blocks within each
 /// kind of recording.
-pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> Difference {
+pub fn difference(first: &Predictor, second: &Predictor, data: &FrictionData) -> Difference {
     let kinds: Vec<_> = StretchKind::ALL
         .iter()
         .map(|&kind| {
-            let [first, second] = [first, second].map(|model| residuals_of_kind(model, data, kind));
+            let [first, second] = [first, second].map(|by| residuals_of_kind(by, data, kind));
             let samples = first.len();
             // Blocks of ten correlation times of what differs, at least five of them.
             let apart: Vec<f64> = first.iter().zip(&second).map(|(a, b)| a * a - b * b).collect();
@@ -79,10 +80,10 @@ pub fn difference(first: &AnyModel, second: &AnyModel, data: &FrictionData) -> D
 
 /// Root mean square of predicted minus measured friction, of one kind of recording; none where
 /// there is none.
-pub fn rms_of_kind(model: &AnyModel, data: &FrictionData, kind: StretchKind) -> Option<f64> {
+pub fn rms_of_kind(by: &Predictor, data: &FrictionData, kind: StretchKind) -> Option<f64> {
     let measured = match kind {
-        StretchKind::Steady => Measured { points: &data.points, stretches: &[] },
-        _ => Measured { points: &[], stretches: data.stretches(kind) },
+        StretchKind::Steady => Measured { points: &data.points, ..Measured::default() },
+        _ => Measured { stretches: data.stretches(kind), ..Measured::default() },
     };
-    (!measured.is_empty()).then(|| prediction_rms(model, &measured))
+    (!measured.is_empty()).then(|| prediction_rms(by, &measured))
 }

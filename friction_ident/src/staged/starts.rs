@@ -7,6 +7,7 @@ use super::stage::PRE_SLIDING;
 use super::work::Work;
 use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
 use crate::output_error::{Measured, prediction_rms};
+use crate::position_load::Predictor;
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 
 impl Work<'_> {
@@ -60,9 +61,9 @@ impl Work<'_> {
                 parameters.set_at(stiffness, element, k.max(share * softest));
             }
         }
-        let measured = Measured { points: &[], stretches: &self.data.pre_sliding };
+        let measured = Measured { stretches: &self.data.pre_sliding, ..Measured::default() };
         let nearer =
-            |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+            |other: &AnyModel| error(other, &measured) < error(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 
@@ -83,9 +84,13 @@ impl Work<'_> {
         let Ok(found) = fit_lag(&recordings, &LagOptions::default()) else { return model };
         let mut parameters = model.parameters();
         parameters.set("tau", found.values.tau);
-        let measured = Measured { points: &[], stretches: &self.data.lag };
+        let measured = Measured { stretches: &self.data.lag, ..Measured::default() };
         let nearer =
-            |other: &AnyModel| prediction_rms(other, &measured) < prediction_rms(&model, &measured);
+            |other: &AnyModel| error(other, &measured) < error(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
+}
+
+fn error(model: &AnyModel, measured: &Measured) -> f64 {
+    prediction_rms(&Predictor::from(*model), measured)
 }

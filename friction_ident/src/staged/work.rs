@@ -1,5 +1,6 @@
 //! The stages, one after the other.
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use friction_model::{AnyModel, ModelName};
@@ -10,23 +11,34 @@ use super::prediction::residuals_that_count;
 use super::stage::{DAMPING, LAG, PRE_SLIDING, STATIC};
 use super::{FrictionData, Identified, Stage, StageResult, StagedOptions};
 use crate::IdentError;
+use crate::axis_term::AxisTerm;
 use crate::bounded::{Ending, Step};
 use crate::damped_model::with_computed_damping;
-use crate::estimate::Estimates;
+use crate::estimate::{Doubt, Estimates, Verdict};
 use crate::free_parameters::FreeParameters;
 use crate::information::Information;
 use crate::output_error::{Measured, OutputErrorFit, fit_output_error};
-use crate::parameter_id::Side;
+use crate::parameter_id::{ParameterId, Side};
+use crate::position_load::{LoadShape, PositionLoad, Predictor, first_values};
+use crate::rigid_axis::Load;
 use crate::residual_whiteness::effective_share;
 use crate::starting_model::{scaled_to, with_elements};
 use crate::static_curve::{StribeckFit, StribeckOptions, StribeckValues, fit_stribeck};
+use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
 
 /// What the stages share.
 pub(super) struct Work<'a> {
     pub(super) name: ModelName,
-    pub(super) data: &'a FrictionData,
+    /// The recordings without what acts beside friction, as far as it was known at first.
+    pub(super) data: Cow<'a, FrictionData>,
+    /// The recordings as they are.
+    measured: &'a FrictionData,
     pub(super) options: &'a StagedOptions,
+    /// What was taken out of `data`.
+    taken: PositionLoad,
+    /// What acts beside friction, by the last fit that estimated it.
+    load: PositionLoad,
     stages: Vec<StageResult>,
     notes: Vec<String>,
     stopped: bool,
@@ -36,11 +48,21 @@ pub(super) struct Work<'a> {
 type Watch<'w> = &'w mut dyn FnMut(Stage, &Step) -> ControlFlow<()>;
 
 impl<'a> Work<'a> {
-    pub fn new(name: ModelName, data: &'a FrictionData, options: &'a StagedOptions) -> Self {
+    pub fn new(name: ModelName, measured: &'a FrictionData, options: &'a StagedOptions) -> Self {
+        let beside = options.beside;
+        let taken = first_values(measured, beside, options.asymmetric);
+        let data = if beside == LoadShape::NONE {
+            Cow::Borrowed(measured)
+        } else {
+            Cow::Owned(measured.without(&taken))
+        };
         Self {
             name,
             data,
+            measured,
             options,
+            taken,
+            load: taken,
             stages: Vec::new(),
             notes: Vec::new(),
             stopped: false,
@@ -74,7 +96,8 @@ impl<'a> Work<'a> {
             (start(&fit)?, vec![(Side::Both, fit)])
         };
         let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
-        let measured = Measured { points: &points, stretches: &[] };
+        let measured =
+            Measured { points: &points, beside: self.beside_points(&points), ..Measured::default() };
         let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
         for (side, curve) in fits {
             take_over(&mut fit.estimates, side, &curve);
@@ -87,6 +110,13 @@ impl<'a> Work<'a> {
             );
         }
         Ok(self.keep(Stage::Static, points.len(), fit))
+    }
+
+    /// What steady points alone can show beside friction.
+    fn beside_points(&self, points: &[SteadyPoint]) -> LoadShape {
+        let LoadShape { offset, position } = self.options.beside;
+        let placed = points.iter().all(|point| point.place.is_some());
+        LoadShape { offset, position: if placed { position } else { Load::None } }
     }
 
     /// How far the contact bends, from half the range of the pre-sliding recordings.
@@ -122,7 +152,8 @@ impl<'a> Work<'a> {
         if free.ids().is_empty() {
             return Ok(model);
         }
-        let measured = Measured { points: &[], stretches };
+        let stretches = stretches.clone();
+        let measured = Measured { stretches: &stretches, ..Measured::default() };
         let samples = measured.len();
         let fit = self.fit(stage, &free, &measured, watch)?;
         Ok(self.keep(stage, samples, fit))
@@ -172,7 +203,8 @@ impl<'a> Work<'a> {
         };
         let free = FreeParameters::new(&model, |row| shown(row.name));
         let points = weighted_points(&self.data.points, by_stages);
-        let measured = Measured { points: &points, stretches: &stretches };
+        let measured =
+            Measured { points: &points, stretches: &stretches, beside: self.options.beside };
         let fit = self.fit(Stage::Joint, &free, &measured, watch)?;
         Ok(self.keep(Stage::Joint, measured.len(), fit))
     }
@@ -185,7 +217,12 @@ impl<'a> Work<'a> {
         watch: Watch,
     ) -> Result<OutputErrorFit, IdentError> {
         let mut see = |step: &Step| watch(stage, step);
-        let fit = fit_output_error(free, measured, &[], &self.options.output_error, &mut see)?;
+        let mut fit = fit_output_error(free, measured, &[], &self.options.output_error, &mut see)?;
+        let terms = measured.beside.terms();
+        if !terms.is_empty() {
+            self.load = self.taken.plus(fit.load);
+            terms.into_iter().for_each(|term| move_by(&mut fit.estimates, term, self.taken));
+        }
         self.stopped |= fit.ending == Ending::Stopped;
         // The joint stage moves everything that the others found.
         self.converged = fit.settled && (self.converged || stage == Stage::Joint);
@@ -208,16 +245,23 @@ impl<'a> Work<'a> {
     }
 
     pub fn finish(self, model: AnyModel) -> Identified {
-        let residuals = residuals_that_count(&model, self.data);
+        let residuals = residuals_that_count(&Predictor { model, load: self.load }, self.measured);
         let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
-        let estimates = last_word(&model, &self.stages, self.options.output_error.rotary);
+        let estimates = last_word(
+            &model,
+            &self.stages,
+            &self.options.beside.terms(),
+            self.load,
+            self.options.output_error.rotary,
+        );
         let free_parameters = self.free_parameters(&estimates);
         let information =
             Information::new(mse, residuals.len(), effective_share(&residuals), free_parameters);
-        let Self { name, stages, notes, stopped, converged, .. } = self;
+        let Self { name, load, stages, notes, stopped, converged, .. } = self;
         Identified {
             name,
             model,
+            load,
             stages,
             estimates,
             information,
@@ -226,6 +270,23 @@ impl<'a> Work<'a> {
             free_parameters,
             notes,
         }
+    }
+}
+
+/// The estimate of a term as a whole, from that of what was left of it.
+fn move_by(estimates: &mut Estimates, term: AxisTerm, taken: PositionLoad) {
+    let Some(estimate) = estimates.get_mut(ParameterId::new(term.name())) else { return };
+    let by = taken.value(term);
+    estimate.value += by;
+    if let Some(interval) = &mut estimate.interval {
+        (interval.low, interval.high) = (interval.low + by, interval.high + by);
+    }
+    // Nothing is doubtful about an offset of zero: what counts is whether its error is known.
+    if estimate.standard_error.is_some_and(f64::is_finite) {
+        estimate.verdict = match &estimate.verdict {
+            Verdict::NotIdentifiable { doubt: Doubt::LargeError { .. }, .. } => Verdict::Identified,
+            other => other.clone(),
+        };
     }
 }
 

@@ -9,6 +9,8 @@
 //! recordings              of each kind: points or samples fitted to, and held out
 //! settings                models, asymmetric, elements, joint, inertia, damping_ratio, torque_source, drive_constants
 //!                         (each value and standard_error; null with a sensor), smoothing, decimate, reach
+//! beside_friction         chosen and compared: offset, position ("none", "spring" or "gravity"), and of what was compared unexplained_percent
+//!                         of the force in blocks kept back
 //! ranking                 by ("held_out" or "bic"), chosen (null where no fit can be trusted), and in order: model, free_parameters, cannot_be_chosen (why, or null), tie,
 //!                         standing ("alike", "worse", "undecided"), difference_of_mean_square and ln_ratio_of_mean_square (mean,
 //!                         standard_error), each to the first and paired over blocks
@@ -79,6 +81,14 @@ pub fn render(found: &FrictionIdentification) -> String {
             "smoothing": preparation.smoothing,
             "decimate": preparation.decimate,
             "reach": found.settings.reach,
+        },
+        "beside_friction": {
+            "chosen": found.beside.chosen,
+            "compared": found.beside.compared.iter().map(|(shape, percent)| json!({
+                "offset": shape.offset,
+                "position": shape.position,
+                "unexplained_percent": percent,
+            })).collect::<Vec<_>>(),
         },
         "ranking": {
             "by": found.criterion,

@@ -20,6 +20,7 @@ pub mod wording;
 use std::path::PathBuf;
 
 use friction_ident::information::{Difference, Standing};
+use friction_ident::position_load::PositionLoadChoice;
 use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::ModelName;
@@ -166,6 +167,8 @@ pub struct FrictionIdentification {
     pub chosen: Option<usize>,
     /// By what they stand in order.
     pub criterion: Criterion,
+    /// What is estimated beside friction, and what else was tried.
+    pub beside: PositionLoadChoice,
     /// Why the models are not to be trusted as a whole: said before any table.
     pub warnings: Vec<String>,
     /// What the reader must know.

@@ -1,7 +1,6 @@
 //! The pictures: Stribeck curves with bands, loops of pre-sliding and lag, residuals, errors of
 //! each kind.
 
-use friction_ident::output_error::predict;
 use friction_ident::starting_model::breakaway_reach;
 use friction_ident::{FrictionData, Stretch, StretchKind};
 
@@ -26,17 +25,19 @@ pub fn steady(found: &FrictionIdentification) -> Option<Figure> {
     if points.is_empty() {
         return None;
     }
+    // Friction alone: without what the first model has beside it.
+    let beside = found.models.first()?.found.load;
     let mut traces = vec![Trace::Points {
         name: "measured".to_owned(),
         x: points.iter().map(|p| p.velocity).collect(),
-        y: points.iter().map(|p| p.torque).collect(),
+        y: points.iter().map(|p| beside.taken_from_point(p).torque).collect(),
         error: points.iter().map(|p| p.deviation).collect(),
     }];
     if let Some(held_out) = found.held_out.as_ref().filter(|data| !data.points.is_empty()) {
         traces.push(Trace::Points {
             name: "held out".to_owned(),
             x: held_out.points.iter().map(|p| p.velocity).collect(),
-            y: held_out.points.iter().map(|p| p.torque).collect(),
+            y: held_out.points.iter().map(|p| beside.taken_from_point(p).torque).collect(),
             error: None,
         });
     }
@@ -145,7 +146,7 @@ fn recording(
         kind != StretchKind::PreSliding || breakaway_reach(&result.found.model).is_some()
     };
     for result in drawn(found).filter(shows) {
-        traces.push(drawn_as(result.found.name.as_str(), &predict(&result.found.model, stretch)));
+        traces.push(drawn_as(result.found.name.as_str(), &result.found.predictor().along(stretch)));
     }
     let part = match (path, cycle.len() < stretch.len()) {
         (true, true) => {
@@ -185,12 +186,13 @@ pub fn residuals(found: &FrictionIdentification) -> Option<Figure> {
         .max_by_key(|stretch| stretch.len());
     let mut traces = Vec::new();
     for result in drawn(found) {
-        let model = &result.found.model;
+        let by = result.found.predictor();
         let name = result.found.name.as_str();
         traces.push(match longest {
             Some(stretch) => {
                 let time = (0..stretch.len()).map(|k| k as f64 * stretch.time_step).collect();
-                let off = predict(model, stretch)
+                let off = by
+                    .along(stretch)
                     .iter()
                     .zip(&stretch.friction)
                     .map(|(p, f)| p - f)
@@ -200,7 +202,7 @@ pub fn residuals(found: &FrictionIdentification) -> Option<Figure> {
             None => Trace::Points {
                 name: name.to_owned(),
                 x: data.points.iter().map(|p| p.velocity).collect(),
-                y: data.points.iter().map(|p| model.steady_state(p.velocity) - p.torque).collect(),
+                y: data.points.iter().map(|p| by.steady(p) - p.torque).collect(),
                 error: None,
             },
         });

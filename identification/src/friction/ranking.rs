@@ -8,7 +8,7 @@ use friction_ident::information::{
 use friction_ident::model_choice::{self, Candidate, Unfit, unfit};
 use friction_ident::residual_whiteness::effective_share;
 use friction_ident::staged::{all_predict, residuals_of_kind};
-use friction_ident::{FrictionData, Identified, Stretch};
+use friction_ident::{FrictionData, Identified, Predictor, Stretch};
 
 use super::from_drive::FromDrive;
 use super::{Criterion, Errors, KINDS, ModelResult};
@@ -36,9 +36,9 @@ impl<'a> Ground<'a> {
     }
 
     /// What the model leaves, of each kind.
-    fn residuals(&self, model: &AnyModel) -> Vec<Vec<f64>> {
+    fn residuals(&self, by: &Predictor) -> Vec<Vec<f64>> {
         let of = |(kind, counts): (_, &Vec<bool>)| {
-            let residuals = residuals_of_kind(model, self.data, kind).into_iter().zip(counts);
+            let residuals = residuals_of_kind(by, self.data, kind).into_iter().zip(counts);
             residuals.filter(|(_, counts)| **counts).map(|(residual, _)| residual).collect()
         };
         KINDS.into_iter().zip(&self.counts).map(of).collect()
@@ -52,7 +52,7 @@ pub(super) fn on_common_ground(models: &mut [Model], data: &FrictionData) {
     let (largest, ground) = (largest(data), Ground::new(models, data));
     let mean_square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>() / r.len().max(1) as f64;
     let left: Vec<Vec<f64>> =
-        models.iter().map(|(found, _)| ground.residuals(&found.model).concat()).collect();
+        models.iter().map(|(found, _)| ground.residuals(&found.predictor()).concat()).collect();
     let least = |with_unfit: bool| {
         let all = models.iter().zip(&left);
         let counted = all.filter(|((model, _), _)| with_unfit || unfit(model, largest).is_none());
@@ -87,8 +87,8 @@ struct Scored {
 
 impl Scored {
     fn new((found, from_drive): Model, fitted: &Ground, held_out: Option<&Ground>) -> Self {
-        let here = fitted.residuals(&found.model);
-        let there = held_out.map(|ground| ground.residuals(&found.model));
+        let here = fitted.residuals(&found.predictor());
+        let there = held_out.map(|ground| ground.residuals(&found.predictor()));
         let fit = Errors::of(&here);
         let tried = there.as_deref().map(Errors::of);
         let score = tried.map_or(found.information.bic, |tried| tried.all);
@@ -181,7 +181,7 @@ fn simplest(scored: &[Scored]) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use friction_ident::{Doubt, Estimate, Estimates, SteadyPoint, Verdict};
+    use friction_ident::{Doubt, Estimate, Estimates, PositionLoad, SteadyPoint, Verdict};
     use friction_model::{AnyModel, AnyParameters, ModelName};
 
     use super::*;
@@ -199,7 +199,7 @@ mod tests {
         let mut parameters = AnyParameters::test_bed(name);
         values.iter().for_each(|&(name, value)| _ = parameters.set(name, value));
         let model: AnyModel = parameters.try_into().unwrap();
-        let residuals = residuals_of_kind(&model, data, KINDS[0]);
+        let residuals = residuals_of_kind(&model.into(), data, KINDS[0]);
         let mse = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64;
         let estimate = |&(name, value): &(&'static str, f64)| Estimate {
             id: name.into(),
@@ -213,6 +213,7 @@ mod tests {
         Identified {
             name,
             model,
+            load: PositionLoad::default(),
             stages: Vec::new(),
             information: Information::new(mse, residuals.len(), 1.0, parameters.len()),
             free_parameters: parameters.len(),

@@ -7,13 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use friction_ident::statistics::root_mean_square;
 use friction_ident::{
     DriveConstant, FrictionData, IdentError, Identified, StagedOptions, SteadyPoint, Stretch,
-    identify_model, refine_jointly,
+    choose_position_load, identify_model, refine_jointly,
 };
 use friction_model::ModelName;
 
 use super::from_drive::{FromDrive, by_name};
 use super::ranking::{on_common_ground, ranked};
 use super::{Criterion, FrictionError, FrictionIdentification, Settings, Source, trust, wording};
+use recording::AxisKind;
 use recording::stretches::FrictionRecording;
 use work::progress::Progress;
 use work::sequencer::{Completion, run_in_order};
@@ -32,6 +33,10 @@ pub fn identify(
 ) -> Result<FrictionIdentification, FrictionError> {
     let reach = settings.reach.or_else(|| reach(files.iter().chain(validation)));
     let (data, mut notes) = sorted(files, reach);
+    let rotary = settings.axis == AxisKind::Rotary;
+    let beside = choose_position_load(&data, rotary, settings.staged.asymmetric);
+    let staged = StagedOptions { beside: beside.chosen, ..settings.staged };
+    let settings = &Settings { staged, ..settings.clone() };
     let held_out = (!validation.is_empty()).then(|| sorted(validation, reach).0);
 
     let moved = moved(files, reach, settings);
@@ -78,6 +83,7 @@ pub fn identify(
                 .to_owned(),
         );
     }
+    notes.extend(wording::beside(&beside));
     notes.extend(wording::source_notes(files.iter().chain(validation), settings));
     notes.extend(held_out.as_ref().and_then(|held_out| wording::unseen_kinds(&data, held_out)));
     Ok(FrictionIdentification {
@@ -91,6 +97,7 @@ pub fn identify(
         criterion,
         warnings,
         notes,
+        beside,
         interrupted,
     })
 }

@@ -9,9 +9,9 @@ use super::ModelResult;
 /// What is wrong with a model as a whole, in sentences; from the motion that slides.
 pub(super) fn doubts(chosen: &ModelResult, data: &FrictionData) -> Vec<String> {
     let kinds = [StretchKind::Lag, StretchKind::Mixed];
-    let model = &chosen.found.model;
+    let by = chosen.found.predictor();
     let residual: Vec<f64> =
-        kinds.iter().flat_map(|&kind| residuals_of_kind(model, data, kind)).collect();
+        kinds.iter().flat_map(|&kind| residuals_of_kind(&by, data, kind)).collect();
     if residual.is_empty() {
         return Vec::new();
     }

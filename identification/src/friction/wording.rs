@@ -1,6 +1,7 @@
 //! What the page, the terminal and the document say alike.
 
 use friction_ident::information::Standing;
+use friction_ident::position_load::{LoadShape, PositionLoadChoice};
 use friction_ident::{Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 
@@ -19,6 +20,28 @@ pub(super) fn progress(name: ModelName, stage: Stage, sum: f64) -> String {
         Stage::Joint => "joint",
     };
     format!("{name} {stage} {sum:.2e}")
+}
+
+/// What is estimated beside friction, and why.
+pub(super) fn beside(choice: &PositionLoadChoice) -> Option<String> {
+    let left = |wanted: LoadShape| {
+        let found = choice.compared.iter().find(|(shape, _)| *shape == wanted);
+        found.map(|(_, percent)| significant(*percent))
+    };
+    if choice.chosen == LoadShape::NONE {
+        return None;
+    }
+    let (with, without) = (left(choice.chosen)?, left(LoadShape::NONE)?);
+    Some(format!(
+        "{} is estimated beside every model: what predicts the other blocks of the recordings leaves {with} % of the force with it \
+         and {without} % without. It is part of what drives the axis, not of friction; parameters.yaml holds friction alone.",
+        capitalised(&choice.chosen.describe()),
+    ))
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// Value and standard error with as many digits as the error allows; the error is empty where there

@@ -59,6 +59,7 @@ pub(super) fn points(
             velocity,
             torque: drive.friction(source, channel, velocity, 0.0),
             deviation: values.get(2).map(|deviations| deviations[index]),
+            place: None,
         });
     }
     let axis = velocity.axis.or(force.axis);

@@ -82,7 +82,7 @@ fn steady_points_need_no_time() {
             .unwrap();
     assert_eq!(
         found.points[1],
-        SteadyPoint { velocity: -0.2, torque: -0.11, deviation: Some(0.002) }
+        SteadyPoint { velocity: -0.2, torque: -0.11, deviation: Some(0.002), place: None }
     );
     assert!(found.stretches.is_empty());
     assert_eq!(parsed("velocity_m_s,force_N\n0.1,0.1\n").unwrap().points[0].deviation, None);

@@ -266,6 +266,7 @@ fn with_points(rows: &[[f64; 3]], weighted: bool) {
             velocity,
             torque,
             deviation: weighted.then_some(deviation),
+            place: None,
         })
         .collect();
     if let Ok(fit) = fit_stribeck(&points, &StribeckOptions::default()) {
