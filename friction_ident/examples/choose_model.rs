@@ -83,13 +83,13 @@ pub fn main() -> Result<(), IdentError> {
     for name in [ModelName::Stribeck, ModelName::Dahl, ModelName::LuGre] {
         let go = &mut |_, _: &_| ControlFlow::Continue(());
         let found = identify_model(name, &known, &StagedOptions::default(), go)?;
-        let error = root_mean_square(&residuals(&found.model, &unseen));
-        tried.push((name, found.model, error));
+        let error = root_mean_square(&residuals(&found.predictor(), &unseen));
+        tried.push((name, found.predictor(), error));
     }
     tried.sort_by(|a, b| a.2.total_cmp(&b.2));
     let best = tried[0].1;
-    for (name, model, error) in &tried {
-        let behind = difference(model, &best, &unseen);
+    for (name, predictor, error) in &tried {
+        let behind = difference(predictor, &best, &unseen);
         let note = if behind.is_tie() { "best, or not to be told from it" } else { "worse" };
         println!("{:<10} {:5.2} mN m on what it has not seen: {note}", name.as_str(), 1e3 * error);
     }

@@ -21,7 +21,7 @@ use friction_model::{AnyModel, FrictionModel, ModelVisitor, Stepper, TimeStep};
 use crate::IdentError;
 use crate::axis_term::AxisTerm;
 use crate::bounded::{Bound, Ending, Minimum, Patience, Residuals, Step, minimise};
-use crate::estimate::Estimates;
+use crate::estimate::{Estimates, robust_errors};
 use crate::free_parameters::FreeParameters;
 use crate::position_load::{self, LoadShape, PositionLoad, Predictor, place, regressor};
 use crate::residual_whiteness::effective_share;
@@ -121,6 +121,10 @@ impl Default for OutputErrorOptions {
     }
 }
 
+/// Share of the residuals that count as independent from which they are white.
+const WHITE: f64 = 0.5;
+/// Sum of squares over that of what was measured, below which a fit is exact.
+const EXACT: f64 = 1e-20;
 /// Relative fall of the sum of squares over a whole round of a search below which it has arrived.
 const SETTLED: f64 = 1e-4;
 
@@ -153,6 +157,7 @@ pub fn fit_output_error(
         });
     }
     let bounds = problem.bounds();
+    let pieces = problem.pieces();
     let starts: Vec<Vec<f64>> = starts
         .iter()
         .map(|start| start.iter().copied().chain(terms.iter().map(|_| 0.0)).collect())
@@ -206,7 +211,12 @@ pub fn fit_output_error(
     let minimum = free.in_parameters(minimum).ok_or_else(refused)?;
     let mut unknowns = free.unknowns(options.rotary);
     unknowns.extend(position_load::unknowns(&terms, options.rotary));
-    let estimates = Estimates::linearised(&minimum, &unknowns, share);
+    let mut estimates = Estimates::linearised(&minimum, &unknowns, share);
+    // Errors of white residuals are known better without; exact data leave nothing but rounding.
+    let exact = minimum.sum <= EXACT * data.square();
+    if share < WHITE && !exact && !data.stretches.is_empty() {
+        robust_errors(&minimum, &pieces, &mut estimates);
+    }
     let rms = prediction_rms(&Predictor { model, load }, data);
     Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations })
 }
@@ -270,6 +280,14 @@ impl<'a> OutputError<'a> {
         bounds
     }
 
+    /// Residuals of the points and of each stretch.
+    fn pieces(&self) -> Vec<usize> {
+        let resting = |rest: &Vec<bool>| rest.iter().filter(|rest| **rest).count();
+        let samples = self.data.stretches.iter().zip(&self.rest);
+        let points = (!self.data.points.is_empty()).then_some(self.data.points.len());
+        points.into_iter().chain(samples.map(|(s, rest)| s.len() - resting(rest))).collect()
+    }
+
     /// Runs the model with these numbers; false where there is no such model.
     fn run(&mut self, numbers: &[f64]) -> bool {
         if self.ran_at == numbers {
@@ -298,7 +316,9 @@ impl Residuals for OutputError<'_> {
     }
 
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
-        let Some((numbers, values)) = x.split_at_checked(self.free.ids().len()) else { return false };
+        let Some((numbers, values)) = x.split_at_checked(self.free.ids().len()) else {
+            return false;
+        };
         if !self.run(numbers) {
             return false;
         }
@@ -425,7 +445,8 @@ mod tests {
         let stretch = data(truth);
         let free = FreeParameters::usual(truth);
         let away = FreeParameters::usual(&free.model(&moved(&free, most)).unwrap());
-        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
+        let measured =
+            Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let go = &mut |_: &Step| ControlFlow::Continue(());
         (free, fit_output_error(&away, &measured, &[], &OutputErrorOptions::default(), go).unwrap())
     }
@@ -472,7 +493,8 @@ mod tests {
         let free = FreeParameters::usual(
             &AnyModel::test_bed(ModelName::LuGre).scaled("sigma0", 1.5).unwrap(),
         );
-        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
+        let measured =
+            Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let mut seen = Vec::new();
         let fit = fit_output_error(
             &free,
@@ -499,7 +521,8 @@ mod tests {
         for (k, friction) in stretch.friction.iter_mut().enumerate() {
             *friction += 1e-3 * ((k * 7919 % 1009) as f64 / 504.5 - 1.0);
         }
-        let measured = Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
+        let measured =
+            Measured { stretches: std::slice::from_ref(&stretch), ..Measured::default() };
         let go = &mut |_: &Step| ControlFlow::Continue(());
         let fit = fit_output_error(
             &FreeParameters::usual(&truth),

@@ -80,9 +80,8 @@ pub fn try_models(
         .map(|(identified, off)| Trial {
             model: identified.name,
             held_out: root_mean_square(off),
-            by_kind: StretchKind::ALL.map(|kind| {
-                rms_of_kind(&identified.predictor(), &validation, kind)
-            }),
+            by_kind: StretchKind::ALL
+                .map(|kind| rms_of_kind(&identified.predictor(), &validation, kind)),
             aic: identified.information.aic,
             bic: identified.information.bic,
             behind: difference(

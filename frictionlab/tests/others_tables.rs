@@ -105,8 +105,7 @@ fn options_without_effect_are_refused() {
     }
     fs::write(folder.path().join("a.csv"), text).unwrap();
     for (arguments, part) in [
-        (&["identify", "a.csv", "--joint", "elbow"][..], "--joint"),
-        (&["identify", "a.csv", "--effort", "driving"], "--effort"),
+        (&["identify", "a.csv", "--effort", "driving"][..], "--effort"),
         (&["identify", "a.csv", "--torque-from-voltage"], "--torque-from-voltage"),
         (&["identify", "a.csv", "--asymmetric"], "--asymmetric"),
         (&["identify", "a.csv", "--model", "lugre", "--structure", "auto"], "--structure"),
@@ -118,6 +117,8 @@ fn options_without_effect_are_refused() {
         let said = refused(folder.path(), arguments);
         assert!(said.contains(part) && said.contains("leave"), "{arguments:?}: {said}");
     }
+    let said = refused(folder.path(), &["identify", "a.csv", "--joint", "elbow"]);
+    assert!(said.contains("holds no joint `elbow`") && said.contains("--joint"), "{said}");
 }
 
 #[test]

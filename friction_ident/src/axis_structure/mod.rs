@@ -32,7 +32,6 @@ pub mod growth;
 mod naming;
 mod profile;
 mod regressors;
-mod robust;
 mod search;
 mod shape;
 mod stability;

@@ -6,6 +6,7 @@
 //! placeholder that is safe to compute with.
 
 mod linearised;
+mod robust;
 mod verdict;
 
 use serde::Serialize;
@@ -13,6 +14,7 @@ use serde::Serialize;
 use crate::bounded::Minimum;
 use crate::parameter_id::ParameterId;
 pub(crate) use linearised::NormalEquations;
+pub(crate) use robust::robust_errors;
 pub(crate) use verdict::of_its_value;
 pub use verdict::{Doubt, Interval, IntervalMethod, Verdict};
 

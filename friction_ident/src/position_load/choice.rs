@@ -65,7 +65,8 @@ pub fn choose_position_load(
     let Some(without) = errors(LoadShape::NONE) else { return nothing };
     let with_offset = if asymmetric { Some(without.clone()) } else { errors(plain) };
     let Some(with_offset) = with_offset else { return nothing };
-    let mut chosen = if clear(&without, &with_offset, OFFSET_WORTH) { plain } else { LoadShape::NONE };
+    let mut chosen =
+        if clear(&without, &with_offset, OFFSET_WORTH) { plain } else { LoadShape::NONE };
     let mut best: Option<Vec<f64>> = None;
     let positions: &[Load] = match (rows.has_places, rotary) {
         (false, _) => &[],
@@ -89,7 +90,11 @@ pub fn choose_position_load(
 }
 
 /// Values to begin with, beside the columns that stand for friction.
-pub(crate) fn first_values(data: &FrictionData, shape: LoadShape, asymmetric: bool) -> PositionLoad {
+pub(crate) fn first_values(
+    data: &FrictionData,
+    shape: LoadShape,
+    asymmetric: bool,
+) -> PositionLoad {
     let terms = shape.terms();
     let rows = Rows::new(data, asymmetric);
     if terms.is_empty() || rows.force.is_empty() {
@@ -150,7 +155,8 @@ impl Rows {
             .max(f64::MIN_POSITIVE);
         let samples: usize = stretches().map(Stretch::len).sum();
         let every = samples.div_ceil(ROWS).max(1);
-        let columns = if asymmetric { 2 * (2 + DIPS.len()) } else { 2 + DIPS.len() } + REACHES.len();
+        let columns =
+            if asymmetric { 2 * (2 + DIPS.len()) } else { 2 + DIPS.len() } + REACHES.len();
         let mut rows = Self {
             friction: Vec::new(),
             columns,
@@ -223,8 +229,11 @@ impl Rows {
             .map(|block| {
                 let values = self.normal(&terms, |row| self.block[row] != block).solve()?;
                 let off = |row: usize| {
-                    let predicted: f64 =
-                        self.row(row, &terms).zip(&values).map(|(column, value)| column * value).sum();
+                    let predicted: f64 = self
+                        .row(row, &terms)
+                        .zip(&values)
+                        .map(|(column, value)| column * value)
+                        .sum();
                     (self.weight[row] * (predicted - self.force[row])).powi(2)
                 };
                 let rows = (0..self.force.len()).filter(|&row| self.block[row] == block);
@@ -237,7 +246,11 @@ impl Rows {
         let friction = &self.friction[row * self.columns..(row + 1) * self.columns];
         let load = &self.load[row];
         let of = move |term: &AxisTerm| {
-            TERMS.iter().zip(load).find(|(other, _)| *other == term).map_or(0.0, |(_, value)| *value)
+            TERMS
+                .iter()
+                .zip(load)
+                .find(|(other, _)| *other == term)
+                .map_or(0.0, |(_, value)| *value)
         };
         friction.iter().copied().chain(terms.iter().map(of))
     }

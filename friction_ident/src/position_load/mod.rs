@@ -21,8 +21,8 @@ use crate::rigid_axis::Load;
 use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
 
-pub use choice::{PositionLoadChoice, choose_position_load};
 pub(crate) use choice::first_values;
+pub use choice::{PositionLoadChoice, choose_position_load};
 
 /// Which forces beside friction a fit estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -95,8 +95,9 @@ impl Place {
         if positions.is_empty() {
             return None;
         }
-        let mean =
-            |of: fn(f64) -> f64| positions.iter().map(|&q| of(q)).sum::<f64>() / positions.len() as f64;
+        let mean = |of: fn(f64) -> f64| {
+            positions.iter().map(|&q| of(q)).sum::<f64>() / positions.len() as f64
+        };
         Some(Self { position: mean(|q| q), sin: mean(f64::sin), cos: mean(f64::cos) })
     }
 

@@ -19,11 +19,7 @@ pub fn residuals(by: &Predictor, data: &FrictionData) -> Vec<f64> {
 /// Predicted minus measured friction of one kind of recording.
 pub fn residuals_of_kind(by: &Predictor, data: &FrictionData, kind: StretchKind) -> Vec<f64> {
     if kind == StretchKind::Steady {
-        return data
-            .points
-            .iter()
-            .map(|point| by.steady(point) - point.torque)
-            .collect();
+        return data.points.iter().map(|point| by.steady(point) - point.torque).collect();
     }
     let off = |stretch: &Stretch| -> Vec<f64> {
         by.along(stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect()

@@ -62,8 +62,7 @@ impl Work<'_> {
             }
         }
         let measured = Measured { stretches: &self.data.pre_sliding, ..Measured::default() };
-        let nearer =
-            |other: &AnyModel| error(other, &measured) < error(&model, &measured);
+        let nearer = |other: &AnyModel| error(other, &measured) < error(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 
@@ -85,8 +84,7 @@ impl Work<'_> {
         let mut parameters = model.parameters();
         parameters.set("tau", found.values.tau);
         let measured = Measured { stretches: &self.data.lag, ..Measured::default() };
-        let nearer =
-            |other: &AnyModel| error(other, &measured) < error(&model, &measured);
+        let nearer = |other: &AnyModel| error(other, &measured) < error(&model, &measured);
         parameters.try_into().ok().filter(nearer).unwrap_or(model)
     }
 }

@@ -20,8 +20,8 @@ use crate::information::Information;
 use crate::output_error::{Measured, OutputErrorFit, fit_output_error};
 use crate::parameter_id::{ParameterId, Side};
 use crate::position_load::{LoadShape, PositionLoad, Predictor, first_values};
-use crate::rigid_axis::Load;
 use crate::residual_whiteness::effective_share;
+use crate::rigid_axis::Load;
 use crate::starting_model::{scaled_to, with_elements};
 use crate::static_curve::{StribeckFit, StribeckOptions, StribeckValues, fit_stribeck};
 use crate::steady_point::SteadyPoint;
@@ -96,8 +96,11 @@ impl<'a> Work<'a> {
             (start(&fit)?, vec![(Side::Both, fit)])
         };
         let free = FreeParameters::new(&start, |row| STATIC.contains(&row.name));
-        let measured =
-            Measured { points: &points, beside: self.beside_points(&points), ..Measured::default() };
+        let measured = Measured {
+            points: &points,
+            beside: self.beside_points(&points),
+            ..Measured::default()
+        };
         let mut fit = self.fit(Stage::Static, &free, &measured, watch)?;
         for (side, curve) in fits {
             take_over(&mut fit.estimates, side, &curve);

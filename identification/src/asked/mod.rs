@@ -27,7 +27,7 @@ use crate::axis::structure::StructureChoice;
 use crate::drive::DriveFileError;
 use crate::drive::parameters::read_motor;
 
-/// Find friction and inertia in your recordings (tables or bags)
+/// Find friction and inertia in recordings (tables or bags)
 ///
 /// One CSV file with a driving force gives inertia, viscous and Coulomb friction of the axis. CSV:
 /// a header with column names, then one line a sample, evenly spaced. Columns are recognised by

@@ -147,7 +147,8 @@ fn parameters(result: &ModelResult) -> Table {
     Table {
         title: format!("{}: parameters", result.found.name),
         caption: format!(
-            "The standard errors count neighbouring residuals by how alike they are. A parameter that is not identifiable has a number that is safe \
+            "Standard errors along recordings are those of a sandwich covariance with cosine weights (Lazarus, Lewis, Stock and Watson 2018), which counts \
+             coloured residuals and what the model lacks; steady points count as independent. A parameter that is not identifiable has a number that is safe \
              to compute with, and no more.{}",
             if driven { FROM_DRIVE } else { "" }
         ),

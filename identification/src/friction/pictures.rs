@@ -191,12 +191,8 @@ pub fn residuals(found: &FrictionIdentification) -> Option<Figure> {
         traces.push(match longest {
             Some(stretch) => {
                 let time = (0..stretch.len()).map(|k| k as f64 * stretch.time_step).collect();
-                let off = by
-                    .along(stretch)
-                    .iter()
-                    .zip(&stretch.friction)
-                    .map(|(p, f)| p - f)
-                    .collect();
+                let off =
+                    by.along(stretch).iter().zip(&stretch.friction).map(|(p, f)| p - f).collect();
                 line(name, time, off, LineStyle::Solid)
             }
             None => Trace::Points {

@@ -48,8 +48,10 @@ fn table(found: &FrictionIdentification, result: &ModelResult, printed: &Printed
         let kind = kind_of(stage);
         let rms =
             result.found.stages.iter().find(|found| found.stage == stage).map(|found| found.rms);
-        let tried =
-            found.held_out.as_ref().and_then(|data| rms_of_kind(&result.found.predictor(), data, kind));
+        let tried = found
+            .held_out
+            .as_ref()
+            .and_then(|data| rms_of_kind(&result.found.predictor(), data, kind));
         let square = |rms: Option<f64>| {
             rms.map_or("not in these recordings".to_owned(), |rms| format!("{:.4e}", rms * rms))
         };

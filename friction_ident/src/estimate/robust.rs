@@ -1,14 +1,21 @@
-//! Errors of a fitted structure under coloured residuals and model error.
+//! Errors of a fit along recordings, under coloured residuals and model error.
 
+use super::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Verdict};
 use crate::bounded::Minimum;
-use crate::estimate::{Doubt, Estimates, Interval, IntervalMethod, Verdict};
 use crate::robust_covariance::robust_covariance;
 
 /// Replaces errors, covariance and intervals by those of [`robust_covariance`], and says how far
 /// the sum of squares may rise within the interval of each parameter. Estimates without such errors
 /// keep none, and are not identified.
-pub(super) fn errors(minimum: &Minimum, pieces: &[usize], estimates: &mut Estimates) -> Vec<f64> {
-    let free: Vec<usize> = (0..minimum.x.len()).filter(|&j| !minimum.held[j]).collect();
+pub(crate) fn robust_errors(
+    minimum: &Minimum,
+    pieces: &[usize],
+    estimates: &mut Estimates,
+) -> Vec<f64> {
+    // What changes nothing has no error, and would leave the others without one.
+    let acts = |&j: &usize| minimum.jacobian.column(j).norm_squared() > 0.0;
+    let free: Vec<usize> =
+        (0..minimum.x.len()).filter(|&j| !minimum.held[j]).filter(acts).collect();
     let jacobian = minimum.jacobian.select_columns(&free);
     let found = robust_covariance(&jacobian, minimum.residuals.as_slice(), pieces);
     let white = estimates.residual_deviation.powi(2);
@@ -60,7 +67,7 @@ pub(super) fn errors(minimum: &Minimum, pieces: &[usize], estimates: &mut Estima
     rises
 }
 
-fn doubt(estimate: &mut crate::estimate::Estimate, doubt: Doubt) {
+fn doubt(estimate: &mut Estimate, doubt: Doubt) {
     if estimate.verdict == Verdict::Identified {
         let remedy = "a longer recording in which the motion shows the effect throughout";
         estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
