@@ -95,6 +95,33 @@ fn a_joint_of_a_bag_is_identified_from_the_torque_that_drives_it() {
     assert_found(folder.path(), 0.02);
 }
 
+/// Two recordings of one axis are one recording with a gap, not recordings of friction.
+#[test]
+fn two_recordings_of_a_driving_force_are_fitted_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = rows(|_| 2e-3);
+    for (name, part, every) in [
+        ("a.csv", 0..600, 1),
+        ("b.csv", 700..1400, 1),
+        ("c.csv", 1500..4000, 1),
+        ("slow.csv", 0..4000, 2),
+    ] {
+        let mut text = "t_s,velocity_rad_s,torque_Nm\n".to_owned();
+        for [t, v, torque] in all[part].iter().step_by(every) {
+            writeln!(text, "{t:.4},{v:.6},{torque:.6}").unwrap();
+        }
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let together =
+        ["identify", "a.csv", "b.csv", "--validate", "c.csv", "--out", "found", "--force"];
+    let said = ok(folder.path(), &together);
+    assert!(said.contains("a.csv, b.csv: 1300 samples"), "{said}");
+    assert_found(folder.path(), 0.02);
+    ok(folder.path(), &[&together[..], &["--structure", "auto"]].concat());
+    let said = refused(folder.path(), &["identify", "a.csv", "slow.csv"]);
+    assert!(said.contains("slow.csv") && said.contains("--resample"), "{said}");
+}
+
 #[test]
 fn options_without_effect_are_refused() {
     let folder = tempfile::tempdir().unwrap();

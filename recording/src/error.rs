@@ -11,6 +11,16 @@ use crate::column::{Channel, UnitError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
+    /// Two recordings cannot be taken for one.
+    #[error("{} and {} cannot be identified together: {why}", first.display(), other.display())]
+    NotJoined {
+        /// One of them.
+        first: PathBuf,
+        /// The other.
+        other: PathBuf,
+        /// What differs, and what helps.
+        why: String,
+    },
     /// The file cannot be read.
     #[error("{} cannot be read: {source}; check the path and the permissions", path.display())]
     Read {

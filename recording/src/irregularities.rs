@@ -82,6 +82,30 @@ impl Irregularities {
         Self { blank, decimal_comma, names_in_remark, ..self }
     }
 
+    /// What was uneven about two recordings that are taken for one.
+    #[must_use]
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            decimal_comma: self.decimal_comma || other.decimal_comma,
+            names_in_remark: self.names_in_remark || other.names_in_remark,
+            resampled: self.resampled.or(other.resampled),
+            blank: self.blank + other.blank,
+            repeated: self.repeated + other.repeated,
+            moved: self.moved + other.moved,
+            filled: self.filled + other.filled,
+            dropped: self.dropped + other.dropped,
+            gaps: self.gaps + other.gaps,
+            missing: self.missing + other.missing,
+            pauses: self.pauses + other.pauses,
+            rate_changes: self.rate_changes + other.rate_changes,
+            stretches: self.stretches + other.stretches,
+            too_short: self.too_short + other.too_short,
+            too_short_samples: self.too_short_samples + other.too_short_samples,
+            other_rate: self.other_rate + other.other_rate,
+            other_rate_samples: self.other_rate_samples + other.other_rate_samples,
+        }
+    }
+
     /// Counts a stretch that is too short.
     pub(super) fn leave_out(&mut self, samples: usize) {
         self.too_short += 1;

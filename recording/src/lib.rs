@@ -20,6 +20,7 @@ pub mod driven;
 mod error;
 pub mod grid;
 pub mod irregularities;
+mod joined;
 pub mod joints;
 pub mod layout;
 pub mod overview;
@@ -44,6 +45,7 @@ use serde::Serialize;
 pub use column::Column;
 pub use error::RecordingError;
 pub use irregularities::Irregularities;
+pub use joined::joined;
 use timing::Timing;
 
 /// Whether a path is a bag: a file of one, or a folder that holds no tables.

@@ -26,11 +26,10 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         return execute_friction(args);
     }
     let motor = motor(args)?;
-    let Some(file) = args.files.first() else {
+    let Some(recording) = read(&args.files, args, &motor)? else {
         return Err(BadInput("a file is missing: give a CSV file or a bag".to_owned()).into());
     };
-    let recording = read(file, args, &motor)?;
-    let validation = args.validate.first().map(|file| read(file, args, &motor)).transpose()?;
+    let validation = read(&args.validate, args, &motor)?;
     let conditioning = conditioning(args, recording.time_step);
     let assumed = recording.axis.is_none() && args.axis.is_none();
     let settings = Settings {

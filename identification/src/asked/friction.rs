@@ -189,8 +189,6 @@ impl IdentifyArgs {
         };
         !self.friction.model.is_empty()
             || self.friction.torque_source.is_some()
-            || self.files.len() > 1
-            || self.validate.len() > 1
             || self.files.iter().any(|file| alone(file))
     }
 }
@@ -455,7 +453,7 @@ impl IdentifyArgs {
                 if given {
                     return refuse(
                         option,
-                        "speaks of one recording of a driving force, but these are identified as friction models; leave it out",
+                        "speaks of recordings of a driving force, but these are identified as friction models; leave it out",
                     );
                 }
             }

@@ -38,8 +38,8 @@ use crate::drive::parameters::read_motor;
 ///     --validate validation.csv
 ///
 /// Recordings of friction give friction models with all their parameters: a bag with
-/// /joint_states, steady points (columns velocity_rad_s and torque_Nm, no time), several files, or
-/// any file with --model. Files are cut at pauses and sorted by what they show: constant velocity,
+/// /joint_states, steady points (columns velocity_rad_s and torque_Nm, no time), or any file with
+/// --model. Several recordings of a driving force are taken for one axis and fitted together. Files are cut at pauses and sorted by what they show: constant velocity,
 /// pre-sliding, velocity that varies one way, mixed motion.
 ///
 ///   frictionlab identify steady.csv presliding.csv chirp.csv --model all \
@@ -55,13 +55,12 @@ use crate::drive::parameters::read_motor;
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub struct IdentifyArgs {
-    /// Tables (CSV, .mat, .npz, .npy, .parquet), .mcap or .db3 files, or bag folders; several only
-    /// for friction models.
+    /// Tables (CSV, .mat, .npz, .npy, .parquet), .mcap or .db3 files, or bag folders; several are
+    /// recordings of the same axis.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
-    /// Try the fitted models on this recording too (the cross-test); several only for friction
-    /// models.
+    /// Try the fitted models on these recordings too, which no fit sees (the cross-test).
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub validate: Vec<PathBuf>,
 
@@ -245,11 +244,26 @@ pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
     }
 }
 
+/// Reads tables or bags as the options say; several as one recording of the same axis. None where
+/// there is no file.
+///
+/// # Errors
+/// [`RecordingError`] with the file and what is wrong with it.
+pub fn read(
+    files: &[PathBuf],
+    args: &IdentifyArgs,
+    motor: &Motor,
+) -> Result<Option<Recording>, RecordingError> {
+    let recordings: Result<Vec<_>, _> =
+        files.iter().map(|file| read_one(file, args, motor)).collect();
+    recording::joined(recordings?)
+}
+
 /// Reads a table or a bag as the options say.
 ///
 /// # Errors
 /// [`RecordingError`] with the file and what is wrong with it.
-pub fn read(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
+fn read_one(file: &Path, args: &IdentifyArgs, motor: &Motor) -> Result<Recording, RecordingError> {
     let steps = Steps { tolerance: args.time_tolerance, resample: args.resample };
     if recording::is_bag(file) {
         let motor = args.torque_from_voltage.then_some(motor);
