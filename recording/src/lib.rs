@@ -83,6 +83,15 @@ impl AxisKind {
         }
     }
 
+    /// Unit of a position.
+    #[must_use]
+    pub fn position_unit(self) -> &'static str {
+        match self {
+            Self::Linear => "m",
+            Self::Rotary => "rad",
+        }
+    }
+
     /// Unit of the force.
     pub fn force_unit(self) -> &'static str {
         match self {

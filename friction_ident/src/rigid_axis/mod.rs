@@ -348,6 +348,7 @@ fn accelerates(recording: &Conditioned) -> bool {
     changes && root_mean_square(&recording.acceleration) > recording.acceleration_floor
 }
 
+pub mod free_run;
 mod load;
 
 pub use load::{Load, LoadChoice, choose_load};

@@ -39,6 +39,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         axis: args.axis.or(recording.axis).unwrap_or(AxisKind::Linear),
         gravity: args.axis.or(recording.axis) != Some(AxisKind::Linear),
         structured: args.structure.is_some(),
+        free_run: args.free_run,
     };
     let mut found =
         axis::identify(&recording, validation.as_ref(), &settings).map_err(with_option)?;

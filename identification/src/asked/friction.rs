@@ -449,6 +449,7 @@ impl IdentifyArgs {
                 ("--structure", self.structure.is_some()),
                 ("--without-inertia", self.without_inertia),
                 ("--without-offset", self.without_offset),
+                ("--free-run", self.free_run),
             ] {
                 if given {
                     return refuse(

@@ -130,6 +130,11 @@ pub struct IdentifyArgs {
     )]
     pub structure: Option<StructureChoice>,
 
+    /// Move the fitted plain models by the recorded force alone, from where the axis is after 20
+    /// samples, and say by how much the position is off (the metric of the EMPS benchmark).
+    #[arg(long, help_heading = "Model", conflicts_with = "without_inertia")]
+    pub free_run: bool,
+
     /// Voltage- or current-driven recording: drive.yaml of identify-drive gives the motor's
     /// constants, and the inertia for --torque-source.
     #[arg(long, value_name = "FILE", help_heading = "Bag", conflicts_with_all = ["gear_ratio", "motor_constant", "resistance"])]

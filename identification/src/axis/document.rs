@@ -14,6 +14,7 @@
 //!                          residual as white), unit, identifiable, not_to_be_trusted (why the interval is not, or null)
 //!   relative_error_percent, residual_rms, residual_unit, samples
 //!   cross_test             relative_error_percent, samples; or null
+//!   free_run               rms and cross_test_rms of the simulated position, unit; null without --free-run
 //! warnings                 why a model is not to be trusted as a whole: it explains too little, or what it leaves goes with the motion
 //! notes                    what must be known to read the numbers right
 //! ```
@@ -96,6 +97,11 @@ fn model(result: &ModelResult, axis: AxisKind) -> Value {
         "cross_test": result.validation.as_ref().map(|prediction| json!({
             "relative_error_percent": prediction.relative_error,
             "samples": prediction.measured.len(),
+        })),
+        "free_run": result.free_run.map(|run| json!({
+            "rms": run.estimation,
+            "cross_test_rms": run.validation,
+            "unit": axis.position_unit(),
         })),
     })
 }

@@ -15,6 +15,7 @@ pub mod terminal;
 
 use std::path::{Path, PathBuf};
 
+use friction_ident::rigid_axis::free_run::free_run_error;
 use friction_ident::{
     AxisFit, AxisModel, AxisTerm, Conditioned, Conditioning, IdentError, Load, LoadChoice,
     Prediction, Signals, adequacy, choose_load, condition_stretches, fit_axis, fit_axis_freely,
@@ -37,6 +38,8 @@ pub struct Settings {
     pub gravity: bool,
     /// Structures are compared besides: a plain model that cannot be is then no error.
     pub structured: bool,
+    /// Run the models freely: moved by the force alone.
+    pub free_run: bool,
 }
 
 /// A fitted model with what it says about the recordings.
@@ -48,6 +51,18 @@ pub struct ModelResult {
     pub estimation: Prediction,
     /// On the other one: the cross-test.
     pub validation: Option<Prediction>,
+    /// The free run, where it was asked for.
+    pub free_run: Option<FreeRun>,
+}
+
+/// By how much the position of a [`free_run`](friction_ident::rigid_axis::free_run) is off, root
+/// mean square \[m or rad\]; none where there is nothing to run, or no such axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeRun {
+    /// Along the recording it was fitted to.
+    pub estimation: Option<f64>,
+    /// Along the other one.
+    pub validation: Option<f64>,
 }
 
 /// Everything that was found.
@@ -91,6 +106,7 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let (estimation, rest) = moving(recording, settings)?;
     let mut notes = timing_notes(recording, &estimation, rest);
+    let other = validation;
     let validation = match validation {
         Some(other) => {
             let (there, rest) = moving(other, settings)?;
@@ -110,7 +126,11 @@ pub fn identify(
             }
             None => None,
         };
-        Ok(ModelResult { fit, estimation: here, validation: there })
+        let free_run = settings.free_run.then(|| FreeRun {
+            estimation: free_run(&fit, recording),
+            validation: other.and_then(|other| free_run(&fit, other)),
+        });
+        Ok(ModelResult { fit, estimation: here, validation: there, free_run })
     };
 
     let loads = load(&estimation, validation.as_ref().map(|(_, other)| other), settings);
@@ -179,6 +199,18 @@ fn load(
     // Friction of each direction leaves less that could be taken for a load.
     choose_load(estimation, AxisModel::ASYMMETRIC, &loads)
         .or_else(|| choose_load(estimation, AxisModel::SYMMETRIC, &loads))
+}
+
+/// Each stretch of a recording, run by its force alone.
+fn free_run(fit: &AxisFit, recording: &Recording) -> Option<f64> {
+    let position = recording.position.as_deref()?;
+    let run = |stretch: &RecordedStretch| {
+        let position = position.get(stretch.samples.clone())?;
+        let force = recording.force.get(stretch.samples.clone())?;
+        Some((fit.free_run(force, position, recording.time_step)?, position))
+    };
+    let runs: Vec<_> = recording.stretches.iter().filter_map(run).collect();
+    free_run_error(runs.iter().map(|(run, position)| (run.as_slice(), *position)))
 }
 
 /// What was chosen, and why.

@@ -6,7 +6,7 @@ use super::{Identification, ModelResult, unit};
 use friction_ident::Load;
 use friction_ident::robust_covariance::METHOD;
 use recording::Recording;
-use report::numbers::value_and_error as with_error;
+use report::numbers::{significant, value_and_error as with_error};
 
 /// A summary for people: parameters with standard errors, errors, notes.
 pub fn render(
@@ -100,6 +100,17 @@ fn model(
             prediction.relative_error,
             other.path.display()
         );
+    }
+    if let Some(run) = result.free_run {
+        let unit = axis.position_unit();
+        let said = |rms: Option<f64>| {
+            rms.map_or_else(|| "none".to_owned(), |rms| format!("{} {unit}", significant(rms, 4)))
+        };
+        let there = validation.map_or(String::new(), |other| {
+            format!(", {} on {}", said(run.validation), other.path.display())
+        });
+        let _ =
+            writeln!(text, "  free run       {} rms of the position{there}", said(run.estimation));
     }
 }
 
