@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::{Growing, OutputError, first_missing, remove_empty};
 use crate::durable;
+use crate::target::{folder_of, is_special};
 
 /// Where the one file of a command goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -114,10 +115,6 @@ impl OutputFile {
     }
 }
 
-pub(super) fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 fn write_regular(path: &Path, content: &[u8]) -> io::Result<()> {
     let folder = folder_of(path);
     let made = first_missing(folder);
@@ -126,11 +123,6 @@ fn write_regular(path: &Path, content: &[u8]) -> io::Result<()> {
         remove_empty(folder, top);
     }
     written
-}
-
-/// Whether something is there that is no regular file: it must not be replaced.
-pub(super) fn is_special(path: &Path) -> bool {
-    path.symlink_metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 /// Writes into what is there: a pipe, a device, or the file that a link leads to.

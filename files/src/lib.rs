@@ -12,6 +12,7 @@ mod folder;
 pub mod input;
 pub mod ros_parameters;
 mod stream;
+mod target;
 
 pub use error::{OutputError, is_full, is_of_the_path, said};
 pub use file::OutputFile;
@@ -46,7 +47,7 @@ pub fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<(), OutputEr
             if target.is_dir() {
                 return Err(fail(&target)(io::Error::from(io::ErrorKind::IsADirectory)));
             }
-            if file::is_special(&target) {
+            if target::is_special(&target) {
                 through.push((target, content));
             } else {
                 let draft = durable::draft(&target);

@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-use super::file::{folder_of, is_special};
+use super::target::{folder_of, is_special};
 use super::{OutputError, first_missing, remove_empty};
 use crate::durable::{self, Disk, System};
 

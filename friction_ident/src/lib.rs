@@ -74,6 +74,7 @@ pub mod model_choice;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;
+mod place;
 pub mod position_load;
 pub mod pre_sliding;
 pub mod profile;
@@ -108,16 +109,20 @@ pub use error::IdentError;
 pub use estimate::{Doubt, Estimate, Estimates, Interval, IntervalMethod, Unknown, Verdict};
 pub use free_parameters::FreeParameters;
 pub use outliers::{Cleaned, Hampel, Replaced};
-pub use output_error::{Measured, OutputErrorFit, fit_output_error};
+pub use output_error::{Measured, OutputErrorFit, Predictor, fit_output_error};
 pub use parameter_id::{ParameterId, Side};
-pub use position_load::{LoadShape, PositionLoad, Predictor, choose_position_load};
+pub use place::Place;
+pub use position_load::{LoadShape, PositionLoad};
 pub use rbf_network::{Centres, RbfFit, RbfOptions, train_rbf_network};
 pub use rigid_axis::{
     AxisFit, AxisModel, Load, LoadChoice, Prediction, TermEstimate, choose_load, fit_axis,
     fit_axis_freely,
 };
 pub use savitzky_golay::SavitzkyGolay;
-pub use staged::{FrictionData, Identified, Stage, StagedOptions, identify_model, refine_jointly};
+pub use staged::{
+    FrictionData, Identified, Stage, StagedOptions, choose_position_load, identify_model,
+    refine_jointly,
+};
 pub use static_curve::{
     SteadyPoint, StribeckEstimate, StribeckFit, StribeckOptions, StribeckParameter, StribeckValues,
     Unidentifiable, fit_stribeck,

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::position_load::Place;
+use crate::place::Place;
 
 /// One steady point: the mean friction at a constant velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::IdentError;
-use crate::position_load::Place;
+use crate::place::Place;
 use crate::statistics::Sample;
 use crate::steady_point::SteadyPoint;
 
@@ -130,6 +130,11 @@ impl Stretch {
             }
         }
         Ok(())
+    }
+
+    /// Where a sample was measured, where that is known.
+    pub fn place(&self, sample: usize) -> Option<Place> {
+        self.position.as_ref()?.get(sample).copied().map(Place::at)
     }
 
     /// Samples.

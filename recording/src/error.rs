@@ -356,6 +356,7 @@ impl RecordingError {
             Self::Bag(error) => error.is_bad_input(),
             Self::Form { .. }
             | Self::Joined { .. }
+            | Self::NotJoined { .. }
             | Self::TimeTwice { .. }
             | Self::Empty { .. }
             | Self::HeaderOnly { .. }

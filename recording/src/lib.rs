@@ -14,6 +14,7 @@
 
 pub mod bag;
 pub mod column;
+pub mod column_options;
 pub mod csv_table;
 pub mod drive_error;
 pub mod driven;

@@ -3,11 +3,46 @@
 
 use super::drive::Drive;
 use super::log::ServoLog;
-use super::physics::Physics;
-use super::simulation::{Four, Group, Run, Sample};
 
+/// Standard gravity \[m/s^2\].
+const GRAVITY: f64 = 9.806_65;
 /// Logs of a group.
 pub(super) const WIDTH: usize = 4;
+
+/// Four logs.
+pub(super) type Four = [f64; WIDTH];
+
+/// One instant of four logs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub goal: Four,
+    pub position: Four,
+    /// One where the motor is driven.
+    pub enabled: Four,
+    /// One while the log lasts.
+    pub counts: Four,
+}
+
+/// What stays the same in four logs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group {
+    pub gain: Four,
+    pub damping: Four,
+    /// Inertia of pendulum and arm \[kg m^2\].
+    pub inertia: Four,
+    /// Largest moment of their weight \[N m\].
+    pub moment: Four,
+    pub supply: Four,
+    pub position: Four,
+    pub speed: Four,
+}
+
+impl Group {
+    /// Moment of a weight \[N m\].
+    pub fn moment(mass: f64, length: f64) -> f64 {
+        mass * length * GRAVITY
+    }
+}
 
 /// Logs laid out for simulation.
 #[derive(Debug, Clone)]
@@ -19,8 +54,8 @@ pub struct Lanes {
     pub(super) samples: Vec<Sample>,
     logs: usize,
     /// Samples of each log.
-    lengths: Vec<usize>,
-    total: f64,
+    pub(super) lengths: Vec<usize>,
+    pub(super) total: f64,
 }
 
 impl Lanes {
@@ -77,38 +112,5 @@ impl Lanes {
     /// Logs.
     pub fn logs(&self) -> usize {
         self.logs
-    }
-
-    /// Mean of |simulated - measured| over all samples of all logs \[rad\]; infinite as soon as it
-    /// must exceed `limit`.
-    pub fn error(&self, physics: &Physics, limit: f64) -> f64 {
-        let run =
-            Run { lanes: self, physics, watch: |_: usize, _: &Four| {}, limit: limit * self.total };
-        run.go().map_or(f64::INFINITY, |sums| sums.iter().flatten().sum::<f64>() / self.total)
-    }
-
-    /// The same for each log \[rad\].
-    pub fn errors(&self, physics: &Physics) -> Vec<f64> {
-        let run =
-            Run { lanes: self, physics, watch: |_: usize, _: &Four| {}, limit: f64::INFINITY };
-        let sums = run.go().unwrap_or_default();
-        let sums = sums.iter().flatten();
-        sums.zip(&self.lengths).map(|(sum, &length)| sum / length as f64).collect()
-    }
-
-    /// The simulated positions of each log \[rad\].
-    pub fn positions(&self, physics: &Physics) -> Vec<Vec<f64>> {
-        let mut positions: Vec<Vec<f64>> =
-            self.lengths.iter().map(|&n| Vec::with_capacity(n)).collect();
-        let watch = |group: usize, q: &Four| {
-            for (lane, &value) in q.iter().enumerate() {
-                let log = WIDTH * group + lane;
-                if self.lengths.get(log).is_some_and(|&n| positions[log].len() < n) {
-                    positions[log].push(value);
-                }
-            }
-        };
-        Run { lanes: self, physics, watch, limit: f64::INFINITY }.go();
-        positions
     }
 }

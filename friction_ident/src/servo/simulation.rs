@@ -5,52 +5,15 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::drive::Control;
 use super::elementary::{exp, larger, ln, sin, smaller, within};
-use super::lanes::{Lanes, WIDTH};
+use super::lanes::{Four, Group, Lanes, Sample, WIDTH};
 use super::log::TIME_STEP;
 use super::parameter::ServoParameter::*;
 use super::physics::Physics;
 
-/// Standard gravity \[m/s^2\].
-const GRAVITY: f64 = 9.806_65;
 /// No axis of this size turns faster \[rad/s\].
 const FASTEST: f64 = 100.0;
 /// Samples between two looks at whether a candidate is beaten already.
 const LOOK: usize = 60;
-
-/// Four logs.
-pub(super) type Four = [f64; WIDTH];
-
-/// One instant of four logs.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
-    pub goal: Four,
-    pub position: Four,
-    /// One where the motor is driven.
-    pub enabled: Four,
-    /// One while the log lasts.
-    pub counts: Four,
-}
-
-/// What stays the same in four logs.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Group {
-    pub gain: Four,
-    pub damping: Four,
-    /// Inertia of pendulum and arm \[kg m^2\].
-    pub inertia: Four,
-    /// Largest moment of their weight \[N m\].
-    pub moment: Four,
-    pub supply: Four,
-    pub position: Four,
-    pub speed: Four,
-}
-
-impl Group {
-    /// Moment of a weight \[N m\].
-    pub fn moment(mass: f64, length: f64) -> f64 {
-        mass * length * GRAVITY
-    }
-}
 
 #[derive(Debug, Clone, Copy)]
 struct State {
@@ -89,14 +52,49 @@ struct Step {
     fraction: f64,
 }
 
+impl Lanes {
+    /// Mean of |simulated - measured| over all samples of all logs \[rad\]; infinite as soon as it
+    /// must exceed `limit`.
+    pub fn error(&self, physics: &Physics, limit: f64) -> f64 {
+        let run =
+            Run { lanes: self, physics, watch: |_: usize, _: &Four| {}, limit: limit * self.total };
+        run.go().map_or(f64::INFINITY, |sums| sums.iter().flatten().sum::<f64>() / self.total)
+    }
+
+    /// The same for each log \[rad\].
+    pub fn errors(&self, physics: &Physics) -> Vec<f64> {
+        let run =
+            Run { lanes: self, physics, watch: |_: usize, _: &Four| {}, limit: f64::INFINITY };
+        let sums = run.go().unwrap_or_default();
+        let sums = sums.iter().flatten();
+        sums.zip(&self.lengths).map(|(sum, &length)| sum / length as f64).collect()
+    }
+
+    /// The simulated positions of each log \[rad\].
+    pub fn positions(&self, physics: &Physics) -> Vec<Vec<f64>> {
+        let mut positions: Vec<Vec<f64>> =
+            self.lengths.iter().map(|&n| Vec::with_capacity(n)).collect();
+        let watch = |group: usize, q: &Four| {
+            for (lane, &value) in q.iter().enumerate() {
+                let log = WIDTH * group + lane;
+                if self.lengths.get(log).is_some_and(|&n| positions[log].len() < n) {
+                    positions[log].push(value);
+                }
+            }
+        };
+        Run { lanes: self, physics, watch, limit: f64::INFINITY }.go();
+        positions
+    }
+}
+
 /// A simulation of all logs.
-pub(super) struct Run<'a, W> {
-    pub lanes: &'a Lanes,
-    pub physics: &'a Physics,
+struct Run<'a, W> {
+    lanes: &'a Lanes,
+    physics: &'a Physics,
     /// Sees every simulated position: group, positions.
-    pub watch: W,
+    watch: W,
     /// Sum of errors at which the run is given up \[rad\].
-    pub limit: f64,
+    limit: f64,
 }
 
 impl<W: FnMut(usize, &Four)> Run<'_, W> {

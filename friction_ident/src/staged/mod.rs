@@ -9,6 +9,7 @@
 
 mod friction_data;
 mod last_word;
+mod load_choice;
 mod options;
 mod prediction;
 mod stage;
@@ -24,10 +25,12 @@ use crate::IdentError;
 use crate::bounded::Step;
 use crate::estimate::Estimates;
 use crate::information::Information;
-use crate::position_load::{PositionLoad, Predictor};
+use crate::output_error::Predictor;
+use crate::position_load::PositionLoad;
 use work::Work;
 
 pub use friction_data::FrictionData;
+pub use load_choice::{PositionLoadChoice, choose_position_load};
 pub use options::StagedOptions;
 pub use prediction::{all_predict, difference, residuals, residuals_of_kind, rms_of_kind};
 pub use stage::{Stage, StageResult};
@@ -106,5 +109,7 @@ pub fn refine_jointly(
     Ok(work.last().filter(|last| last.stage == Stage::Joint))
 }
 
+#[cfg(test)]
+mod load_tests;
 #[cfg(test)]
 mod tests;

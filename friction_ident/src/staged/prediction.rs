@@ -4,8 +4,7 @@ use friction_model::AnyModel;
 
 use super::FrictionData;
 use crate::information::{Difference, paired_difference, stratified};
-use crate::output_error::{Measured, prediction_rms};
-use crate::position_load::Predictor;
+use crate::output_error::{Measured, Predictor, prediction_rms};
 use crate::residual_whiteness::effective_share;
 use crate::rest::{at_rest, holds};
 use crate::stretch::{Stretch, StretchKind};

@@ -6,8 +6,7 @@ use friction_model::{AnyModel, ModelName};
 use super::stage::PRE_SLIDING;
 use super::work::Work;
 use crate::frictional_lag::{LagOptions, LagRecording, fit_lag};
-use crate::output_error::{Measured, prediction_rms};
-use crate::position_load::Predictor;
+use crate::output_error::{Measured, Predictor, prediction_rms};
 use crate::pre_sliding::{PreSlidingModel, PreSlidingPath, fit_pre_sliding};
 
 impl Work<'_> {

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use identification::look::{document, page, terminal};
+use recording::column_options::ColumnArgs;
 use recording::joints::JointChoice;
-use recording::layout::ColumnArgs;
 use recording::table::Measured;
 use recording::{is_bag, overview};
 use work::BadInput;

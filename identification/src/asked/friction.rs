@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use friction_ident::output_error::OutputErrorOptions;
+use friction_ident::position_load::LoadShape;
 use friction_ident::{DriveConstants, Hampel, IdentError, StagedOptions, TorqueSource, Uncertain};
 use friction_model::ModelName;
 
@@ -396,6 +397,8 @@ fn settings(
                 },
             )),
             damping_ratio: friction.damping_ratio,
+            // The recordings decide.
+            beside: LoadShape::NONE,
             output_error,
         },
         preparation,

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 use friction_ident::Conditioning;
 use friction_model::Motor;
+use recording::column_options::ColumnArgs;
 use recording::joints::Effort;
-use recording::layout::ColumnArgs;
 use recording::rosbag;
 use recording::table;
 use recording::timing::{Steps, TOLERANCE, rate, tolerance};

@@ -20,7 +20,7 @@ pub mod wording;
 use std::path::PathBuf;
 
 use friction_ident::information::{Difference, Standing};
-use friction_ident::position_load::PositionLoadChoice;
+use friction_ident::staged::PositionLoadChoice;
 use friction_ident::statistics::root_mean_square;
 use friction_ident::{FrictionData, IdentError, Identified, StagedOptions, StretchKind};
 use friction_model::ModelName;

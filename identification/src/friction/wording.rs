@@ -1,7 +1,8 @@
 //! What the page, the terminal and the document say alike.
 
 use friction_ident::information::Standing;
-use friction_ident::position_load::{LoadShape, PositionLoadChoice};
+use friction_ident::position_load::LoadShape;
+use friction_ident::staged::PositionLoadChoice;
 use friction_ident::{Estimate, FrictionData, Stage, Verdict};
 use friction_model::ModelName;
 

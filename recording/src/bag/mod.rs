@@ -42,6 +42,7 @@ mod sqlite_tests;
 mod table;
 #[cfg(test)]
 mod tests;
+mod topic_info;
 mod writer;
 
 pub use error::BagError;
@@ -50,8 +51,9 @@ pub use error::BagError;
 pub(crate) const ENDINGS: [&str; 3] = [".mcap", ".db3", ".db3.zstd"];
 
 pub use options::{BagOptions, BagSummary, Compression};
-pub use reader::{BagReader, TopicInfo};
+pub use reader::BagReader;
 pub use recover::{Recovery, cut_bags, is_cut, recover};
 pub use remove::remove;
 pub use table::{Table, table};
+pub use topic_info::TopicInfo;
 pub use writer::{BagWriter, TopicHandle};

@@ -21,18 +21,8 @@ use super::{
     salvage::{Found, LARGEST_RECORD, Losses, Salvage},
     schema::{Judgement, judge},
     sqlite::{self, Database},
+    topic_info::TopicInfo,
 };
-
-/// One topic of a bag.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TopicInfo {
-    /// The topic.
-    pub name: String,
-    /// ROS type, as in `sensor_msgs/msg/JointState`; empty if the bag does not say.
-    pub type_name: String,
-    /// Number of messages.
-    pub count: u64,
-}
 
 /// A bag that is there: a folder as rosbag2 writes it, or a bare `.mcap` or `.db3` file.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use std::{
 use msgs::{RosMessage, cdr};
 use rusqlite::{Connection, OpenFlags, limits::Limit};
 
-use super::{BagError, TopicInfo, salvage::LARGEST_RECORD};
+use super::{BagError, salvage::LARGEST_RECORD, topic_info::TopicInfo};
 
 /// What an SQLite database begins with.
 const MAGIC: &[u8] = b"SQLite format 3\0";

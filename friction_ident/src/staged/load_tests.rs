@@ -4,9 +4,13 @@ use friction_model::{AnyModel, AnyParameters, ModelName};
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
-use super::*;
+use super::{FrictionData, StagedOptions, choose_position_load, identify_model};
+use crate::output_error::predict;
+use crate::place::Place;
+use crate::position_load::LoadShape;
 use crate::rigid_axis::Load;
-use crate::staged::{FrictionData, StagedOptions, identify_model};
+use crate::steady_point::SteadyPoint;
+use crate::stretch::Stretch;
 
 const DT: f64 = 2e-3;
 

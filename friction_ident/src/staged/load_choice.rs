@@ -8,11 +8,12 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::{LoadShape, PositionLoad, place, regressor};
+use super::FrictionData;
 use crate::axis_term::AxisTerm;
+use crate::place::regressor;
+use crate::position_load::{LoadShape, PositionLoad};
 use crate::rest::at_rest;
 use crate::rigid_axis::Load;
-use crate::staged::FrictionData;
 use crate::statistics::Sample;
 use crate::stretch::Stretch;
 
@@ -90,7 +91,7 @@ pub fn choose_position_load(
 }
 
 /// Values to begin with, beside the columns that stand for friction.
-pub(crate) fn first_values(
+pub(super) fn first_values(
     data: &FrictionData,
     shape: LoadShape,
     asymmetric: bool,
@@ -173,7 +174,7 @@ impl Rows {
             let rest = at_rest(stretch);
             for k in (0..stretch.len()).step_by(every) {
                 if !rest.get(k).copied().unwrap_or(false) {
-                    let place = place(stretch, k);
+                    let place = stretch.place(k);
                     rows.has_places &= place.is_some();
                     rows.static_columns(stretch.velocity[k], fastest, asymmetric);
                     rows.friction.extend(hysteresis.iter().map(|operator| operator[k]));

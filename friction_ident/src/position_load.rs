@@ -3,26 +3,18 @@
 //! A torque that drives a joint holds its weight too, amplifiers have an offset, hoses and cables
 //! are springs. A friction model that is fitted to all of it takes the weight up into its
 //! parameters and says nothing. So these forces are estimated beside the model, in the same fit:
-//! [`choose_position_load`] says which of them the recordings show, a [`Predictor`] is a model with
-//! what was found.
+//! [`choose_position_load`](crate::choose_position_load) says which of them the recordings show, a
+//! [`Predictor`](crate::Predictor) is a model with what was found.
 
-mod choice;
-#[cfg(test)]
-mod tests;
-
-use friction_model::AnyModel;
 use serde::Serialize;
 
 use crate::axis_term::AxisTerm;
 use crate::estimate::Unknown;
-use crate::output_error::predict;
 use crate::parameter_id::ParameterId;
+use crate::place::Place;
 use crate::rigid_axis::Load;
 use crate::steady_point::SteadyPoint;
 use crate::stretch::Stretch;
-
-pub(crate) use choice::first_values;
-pub use choice::{PositionLoadChoice, choose_position_load};
 
 /// Which forces beside friction a fit estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -67,57 +59,6 @@ impl LoadShape {
 impl Default for LoadShape {
     fn default() -> Self {
         Self::NONE
-    }
-}
-
-/// Where something was measured, as far as a load depends on it: of one sample, or means over
-/// many.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    /// Position \[m or rad\].
-    pub position: f64,
-    /// Its sine.
-    pub sin: f64,
-    /// Its cosine.
-    pub cos: f64,
-}
-
-impl Place {
-    /// Of one sample.
-    #[must_use]
-    pub fn at(position: f64) -> Self {
-        Self { position, sin: position.sin(), cos: position.cos() }
-    }
-
-    /// The means over samples; none where there is none.
-    #[must_use]
-    pub fn mean(positions: &[f64]) -> Option<Self> {
-        if positions.is_empty() {
-            return None;
-        }
-        let mean = |of: fn(f64) -> f64| {
-            positions.iter().map(|&q| of(q)).sum::<f64>() / positions.len() as f64
-        };
-        Some(Self { position: mean(|q| q), sin: mean(f64::sin), cos: mean(f64::cos) })
-    }
-
-    /// What multiplies a term here.
-    pub(crate) fn regressor(self, term: AxisTerm) -> f64 {
-        match term {
-            AxisTerm::Offset => 1.0,
-            AxisTerm::Spring => self.position,
-            AxisTerm::GravitySin => self.sin,
-            AxisTerm::GravityCos => self.cos,
-            _ => 0.0,
-        }
-    }
-}
-
-/// What multiplies a term where the place may be unknown: only the constant force acts there.
-pub(crate) fn regressor(term: AxisTerm, place: Option<Place>) -> f64 {
-    match place {
-        Some(place) => place.regressor(term),
-        None => f64::from(u8::from(term == AxisTerm::Offset)),
     }
 }
 
@@ -186,7 +127,7 @@ impl PositionLoad {
     /// The force at each sample of a stretch.
     #[must_use]
     pub fn along(&self, stretch: &Stretch) -> Vec<f64> {
-        (0..stretch.len()).map(|k| self.at(place(stretch, k))).collect()
+        (0..stretch.len()).map(|k| self.at(stretch.place(k))).collect()
     }
 
     /// The stretch without this force: its friction alone.
@@ -205,11 +146,6 @@ impl PositionLoad {
     }
 }
 
-/// Where a sample was measured, where that is known.
-pub(crate) fn place(stretch: &Stretch, sample: usize) -> Option<Place> {
-    stretch.position.as_ref().and_then(|position| position.get(sample)).copied().map(Place::at)
-}
-
 /// Name, unit and remedy of each term.
 pub(crate) fn unknowns(terms: &[AxisTerm], rotary: bool) -> impl Iterator<Item = Unknown> {
     terms.iter().map(move |&term| Unknown {
@@ -222,40 +158,4 @@ pub(crate) fn unknowns(terms: &[AxisTerm], rotary: bool) -> impl Iterator<Item =
         },
         remedy: "motion in both directions over the whole travel",
     })
-}
-
-/// A friction model with what acts beside it: what is predicted of a measured force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Predictor {
-    /// Friction.
-    pub model: AnyModel,
-    /// What acts beside it.
-    pub load: PositionLoad,
-}
-
-impl From<AnyModel> for Predictor {
-    /// Friction alone.
-    fn from(model: AnyModel) -> Self {
-        Self { model, load: PositionLoad::default() }
-    }
-}
-
-impl Predictor {
-    /// The measured force at each sample of a stretch.
-    #[must_use]
-    pub fn along(&self, stretch: &Stretch) -> Vec<f64> {
-        if self.load.is_none() {
-            return predict(&self.model, stretch);
-        }
-        // What a model without pre-sliding holds at rest is what is applied beside the load.
-        let mut predicted = predict(&self.model, &self.load.taken_from(stretch));
-        predicted.iter_mut().zip(self.load.along(stretch)).for_each(|(all, load)| *all += load);
-        predicted
-    }
-
-    /// The measured force of a steady point.
-    #[must_use]
-    pub fn steady(&self, point: &SteadyPoint) -> f64 {
-        self.model.steady_state(point.velocity) + self.load.at(point.place)
-    }
 }
