@@ -265,8 +265,8 @@ impl Rows {
             values.iter_mut().zip(self.row(row, terms)).for_each(|(value, column)| *value = column);
             for j in 0..n {
                 let weighted = square * values[j];
-                for i in 0..=j {
-                    normal.matrix[(i, j)] += weighted * values[i];
+                for (i, value) in values.iter().enumerate().take(j + 1) {
+                    normal.matrix[(i, j)] += weighted * value;
                 }
                 normal.right[j] += weighted * self.force[row];
             }
