@@ -37,6 +37,9 @@ const WORTH: f64 = 0.1;
 const OFFSET_WORTH: f64 = 0.01;
 /// Standard errors that a gain must be clear of zero by.
 const CLEAR: f64 = 2.0;
+/// Share of the rows that the rarer direction needs: an axis that goes one way only does not tell an
+/// offset from its Coulomb friction.
+const BOTH_WAYS: f64 = 0.05;
 /// Reaches of hysteresis, as shares of the travel.
 const REACHES: [f64; 4] = [0.003, 0.01, 0.03, 0.1];
 /// Velocities at which a dip may end, as shares of the fastest.
@@ -48,7 +51,8 @@ const RIDGE: f64 = 1e-7;
 /// hundredth of the mean square error, a force of the position where it takes away a tenth of what
 /// a constant one leaves, each clear of chance by two standard errors over the blocks; of two that
 /// are within one standard error the simpler. `asymmetric` models have no constant force beside
-/// them: they have it in their two directions. Gravity is offered to an axis that turns.
+/// them: they have it in their two directions. Nor has an axis that goes one way only. Gravity is
+/// offered to an axis that turns.
 pub fn choose_position_load(
     data: &FrictionData,
     rotary: bool,
@@ -56,7 +60,8 @@ pub fn choose_position_load(
 ) -> PositionLoadChoice {
     let nothing = PositionLoadChoice { chosen: LoadShape::NONE, compared: Vec::new() };
     let rows = Rows::new(data, asymmetric);
-    let plain = LoadShape { offset: !asymmetric, position: Load::None };
+    let offset = !asymmetric && rows.both_ways;
+    let plain = LoadShape { offset, position: Load::None };
     let mut compared = Vec::new();
     let mut errors = |shape: LoadShape| {
         let errors = rows.errors(shape)?;
@@ -64,7 +69,7 @@ pub fn choose_position_load(
         Some(errors)
     };
     let Some(without) = errors(LoadShape::NONE) else { return nothing };
-    let with_offset = if asymmetric { Some(without.clone()) } else { errors(plain) };
+    let with_offset = if offset { errors(plain) } else { Some(without.clone()) };
     let Some(with_offset) = with_offset else { return nothing };
     let mut chosen =
         if clear(&without, &with_offset, OFFSET_WORTH) { plain } else { LoadShape::NONE };
@@ -140,6 +145,8 @@ struct Rows {
     power: f64,
     /// Whether the place of every row is known.
     has_places: bool,
+    /// Whether the axis goes both ways.
+    both_ways: bool,
 }
 
 const TERMS: [AxisTerm; 4] =
@@ -168,6 +175,7 @@ impl Rows {
             blocks: 0,
             power: 0.0,
             has_places: true,
+            both_ways: false,
         };
         for stretch in stretches() {
             let hysteresis = hysteresis(stretch);
@@ -195,6 +203,12 @@ impl Rows {
             rows.force.push(point.torque);
             rows.weight.push(heavy);
         }
+        // The first column is the direction.
+        let mut ways = [0.0; 2];
+        for (row, weight) in rows.friction.chunks_exact(columns).zip(&rows.weight) {
+            ways[usize::from(row[0] < 0.0)] += weight * weight;
+        }
+        rows.both_ways = ways[0].min(ways[1]) >= BOTH_WAYS * (ways[0] + ways[1]);
         let size = BLOCKS.min(moving / (4 * columns)).max(if moving == 0 { BLOCKS } else { 0 });
         rows.blocks = size;
         // Samples of one block are neighbours; points have no order in time and are dealt out.

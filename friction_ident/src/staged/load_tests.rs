@@ -67,6 +67,19 @@ fn what_acts_beside_friction_is_told_from_friction() {
 }
 
 #[test]
+fn an_axis_that_goes_one_way_does_not_tell_an_offset_from_its_friction() {
+    let mut recorded = recording(20.0, 1.3, |_| 0.3, 3);
+    let forwards = recorded.velocity.iter().map(|&v| (v + 2.5).max(0.0)).collect();
+    let friction = recorded.velocity.iter().map(|&v| if v < 0.0 { 1.0 } else { 1.3 }).collect();
+    (recorded.velocity, recorded.friction, recorded.position) = (forwards, friction, None);
+    let points = vec![SteadyPoint::new(0.5, 1.2), SteadyPoint::new(1.0, 1.3)];
+    let data = FrictionData::sort(points, vec![recorded], None);
+    let choice = choose_position_load(&data, true, false);
+    assert!(choice.chosen == LoadShape::NONE && !choice.compared.is_empty(), "{choice:?}");
+    assert!(choice.compared.iter().all(|(shape, _)| !shape.offset));
+}
+
+#[test]
 fn without_a_position_only_an_offset_is_offered() {
     let mut data = data(|q| 4.0 * q, 1.3);
     data.mixed.iter_mut().for_each(|stretch| stretch.position = None);

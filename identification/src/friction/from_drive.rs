@@ -10,7 +10,9 @@
 use std::collections::BTreeMap;
 
 use friction_ident::staged::StageResult;
-use friction_ident::{DriveConstant, FrictionData, IdentError, Identified, ParameterId};
+use friction_ident::{
+    Doubt, DriveConstant, FrictionData, IdentError, Identified, ParameterId, Verdict,
+};
 
 /// How far the parameters of a model move with the constants.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -45,10 +47,14 @@ impl FromDrive {
                 }
             }
         }
-        // What the data do not determine moves by chance.
+        // What the data do not determine moves by chance. A parameter whose interval is a guess is
+        // still determined.
         let doubtful = |id: ParameterId| {
-            found.estimates.get(id).is_none_or(|e| {
-                matches!(e.verdict, friction_ident::Verdict::NotIdentifiable { .. })
+            found.estimates.get(id).is_none_or(|e| match &e.verdict {
+                Verdict::NotIdentifiable { doubt, .. } => {
+                    !matches!(doubt, Doubt::NotToBeTrusted { .. })
+                }
+                _ => false,
             })
         };
         moves.retain(|id, _| !doubtful(*id));
