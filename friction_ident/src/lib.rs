@@ -37,6 +37,7 @@
 //! * [`staged`]: a model with all its parameters, stage by stage.
 //! * [`starting_model`]: where the searches begin.
 //! * [`damped_model`]: a model with its micro-damping computed from the inertia.
+//! * [`motion_band`]: up to which frequency a recorded position is motion.
 //! * [`position_load`]: what acts beside friction: an offset, a spring, gravity.
 //! * [`uncertain`]: a number and its standard error.
 //! * [`information`]: information criteria, and which of two models predicts better.
@@ -71,6 +72,7 @@ pub mod information;
 mod least_squares;
 pub mod micro_damping;
 pub mod model_choice;
+pub mod motion_band;
 pub mod outliers;
 pub mod output_error;
 mod parameter_id;

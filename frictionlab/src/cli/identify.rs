@@ -30,7 +30,7 @@ pub fn execute(args: &IdentifyArgs) -> anyhow::Result<()> {
         return Err(BadInput("a file is missing: give a CSV file or a bag".to_owned()).into());
     };
     let validation = read(&args.validate, args, &motor)?;
-    let conditioning = conditioning(args, recording.time_step);
+    let conditioning = conditioning(args, &recording);
     let assumed = recording.axis.is_none() && args.axis.is_none();
     let settings = Settings {
         conditioning,

@@ -10,7 +10,7 @@ pub mod friction;
 
 use std::path::{Path, PathBuf};
 
-use friction_ident::Conditioning;
+use friction_ident::{Conditioning, Signals};
 use friction_model::Motor;
 use recording::column_options::ColumnArgs;
 use recording::joints::Effort;
@@ -23,6 +23,7 @@ use work::destination::ToFolder;
 use work::saying::Saying;
 
 use self::friction::FrictionArgs;
+use crate::axis::channels;
 use crate::axis::structure::StructureChoice;
 use crate::drive::DriveFileError;
 use crate::drive::parameters::read_motor;
@@ -88,7 +89,8 @@ pub struct IdentifyArgs {
     pub axis: Option<AxisKind>,
 
     /// Cutoff of the low-pass for the motion [Hz]
-    /// [default: a tenth of the sampling rate, at most 100].
+    /// [default: where the position's noise covers its motion, at most a tenth of the sampling
+    /// rate and 100].
     #[arg(long, value_name = "HZ", help_heading = "Conditioning", allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
 
@@ -101,9 +103,9 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "N", help_heading = "Conditioning")]
     pub decimate: Option<usize>,
 
-    /// Samples dropped at each end.
-    #[arg(long, value_name = "N", default_value_t = 50, help_heading = "Conditioning")]
-    pub trim: usize,
+    /// Samples dropped at each end [default: 50, more behind a lower cutoff].
+    #[arg(long, value_name = "N", help_heading = "Conditioning")]
+    pub trim: Option<usize>,
 
     /// How far a time step may be from the usual one for its sample to be taken as it is, as a
     /// fraction of it, at most 0.5; samples off by more are read between their neighbours, and gaps
@@ -233,19 +235,28 @@ pub fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
     Ok(())
 }
 
-/// Filtering and thinning as the options say, the usual ones of that time step [s] where they do
-/// not.
+/// Filtering and thinning as the options say, what suits the recording where they do not.
 #[must_use]
-pub fn conditioning(args: &IdentifyArgs, time_step: f64) -> Conditioning {
-    let usual = Conditioning::for_time_step(time_step);
-    let cutoff = args.cutoff.unwrap_or(usual.cutoff);
-    // A cutoff out of range is refused later, with the sampling rate in the message.
-    let factor = (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize;
+pub fn conditioning(args: &IdentifyArgs, recording: &Recording) -> Conditioning {
+    let time_step = recording.time_step;
+    let suits = match args.cutoff {
+        // A cutoff out of range is refused later, with the sampling rate in the message.
+        Some(cutoff) => Conditioning {
+            cutoff,
+            decimate: (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize,
+            ..Conditioning::for_time_step(time_step)
+        },
+        None => {
+            let stretches: Vec<Signals> =
+                channels(recording).into_iter().map(|(_, signals)| signals).collect();
+            Conditioning::for_motion(time_step, &stretches)
+        }
+    };
     Conditioning {
-        cutoff,
         order: args.order,
-        trim: args.trim,
-        decimate: args.decimate.unwrap_or(factor),
+        trim: args.trim.unwrap_or(suits.trim),
+        decimate: args.decimate.unwrap_or(suits.decimate),
+        ..suits
     }
 }
 

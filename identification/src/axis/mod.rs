@@ -106,6 +106,7 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let (estimation, rest) = moving(recording, settings)?;
     let mut notes = timing_notes(recording, &estimation, rest);
+    notes.extend(band_note(recording, &settings.conditioning));
     let other = validation;
     let validation = match validation {
         Some(other) => {
@@ -237,8 +238,8 @@ pub fn conditioned(
     moving(recording, settings).map(|(conditioned, _)| conditioned)
 }
 
-/// The motion of a recording, and for how long it stands still \[s\].
-fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f64), IdentifyError> {
+/// The channels of each stretch, with the time of its first sample.
+pub(crate) fn channels(recording: &Recording) -> Vec<(f64, Signals<'_>)> {
     let stretch = |stretch: &RecordedStretch| {
         let signals = Signals {
             time_step: recording.time_step,
@@ -248,7 +249,12 @@ fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f6
         };
         (stretch.start, signals)
     };
-    let stretches: Vec<(f64, Signals)> = recording.stretches.iter().map(stretch).collect();
+    recording.stretches.iter().map(stretch).collect()
+}
+
+/// The motion of a recording, and for how long it stands still \[s\].
+fn moving(recording: &Recording, settings: &Settings) -> Result<(Conditioned, f64), IdentifyError> {
+    let stretches = channels(recording);
     let found = condition_stretches(&stretches, &settings.conditioning);
     found.map(Conditioned::moving).map_err(|source| {
         let stretch = match source {
@@ -270,6 +276,18 @@ fn longest(stretches: &[(f64, Signals)]) -> Option<String> {
     let end = start + signals.time_step * signals.force.len().saturating_sub(1) as f64;
     (count > 1).then(|| {
         format!("stretch {} of {count}, the longest, {start:.3} s to {end:.3} s: ", place + 1)
+    })
+}
+
+/// That the cutoff is below the usual one.
+fn band_note(recording: &Recording, how: &Conditioning) -> Option<String> {
+    let usual = Conditioning::for_time_step(recording.time_step).cutoff;
+    (how.cutoff < usual).then(|| {
+        format!(
+            "The motion is taken up to {} Hz. Usual at this rate are {} Hz; where the noise of the position covers the motion, a lower cutoff keeps it from drawing the inertia towards zero (--cutoff HZ).",
+            terminal::hertz(how.cutoff),
+            terminal::hertz(usual)
+        )
     })
 }
 

@@ -120,6 +120,13 @@ pub fn ask(program: &Path, folder: &Path, truth: &Truth, options: &[&str]) -> Re
     };
     answer.warnings = texts(&document["warnings"]);
     let structure = &document["structure"];
+    if structure.is_object() {
+        // What is said of the plain models is no warning of the structure.
+        let of_plain = |text: &String| {
+            text.starts_with("The symmetric model") || text.starts_with("The asymmetric model")
+        };
+        answer.warnings.retain(|text| !of_plain(text));
+    }
     answer.warnings.extend(texts(&structure["warnings"]));
     answer.chosen = structure["chosen"].as_str().unwrap_or("symmetric").to_owned();
     if structure.is_object() {

@@ -1,0 +1,183 @@
+//! Up to which frequency a recorded position is motion, and from where it is noise.
+//!
+//! Differentiating twice makes the noise of an encoder grow with the square of the frequency. Noise
+//! in the acceleration draws the inertia towards zero, the more the coarser the encoder and the
+//! slower the motion: no interval shows that, as the fit takes the acceleration for exact.
+//!
+//! The variance of the acceleration behind a low-pass tells both apart without knowing the encoder.
+//! Over the cutoff it first grows as more of the motion passes, then stays, and grows again with
+//! the fifth power where only noise is added. The cutoff belongs where it stays.
+
+use crate::conditioning::{Conditioning, Signals};
+use crate::statistics::Sample;
+use crate::zero_phase::LowPass;
+
+/// What a recording's motion asks of the low-pass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionBand {
+    /// Cutoff that passes the motion and little else \[Hz\].
+    pub cutoff: f64,
+    /// How much the variance of the acceleration still changes with the cutoff there, per factor of
+    /// the square root of two: what is noise, or motion that is lost.
+    pub change: f64,
+}
+
+/// Between two cutoffs that are tried: half an octave.
+const RATIO: f64 = std::f64::consts::SQRT_2;
+/// Cutoffs at most: eight octaves.
+const CUTOFFS: usize = 17;
+/// Change of the variance below which it stays. White noise that makes up this share of it falls to
+/// a sixth by the next cutoff.
+const STAYS: f64 = 0.005;
+/// Share of a recording's samples left out at each end, where the filter has less to go by.
+const ENDS: usize = 20;
+/// Rows that a thinned recording keeps, if it has them.
+const ROWS: usize = 500;
+/// Periods of the cutoff dropped at each end, as in the usual conditioning.
+const TRIM: f64 = 5.0;
+
+impl Conditioning {
+    /// [`for_time_step`](Self::for_time_step) with the cutoff lowered to where the motion ends, if
+    /// the noise of the position would cover it; thinning and trimming follow. Stretches too short
+    /// to be filtered do not count.
+    #[must_use]
+    pub fn for_motion(time_step: f64, stretches: &[Signals]) -> Self {
+        let usual = Self::for_time_step(time_step);
+        let Some(band) = motion_band(stretches, usual.order, usual.cutoff) else { return usual };
+        if band.cutoff >= usual.cutoff {
+            return usual;
+        }
+        let samples: usize = stretches.iter().map(|signals| signals.force.len()).sum();
+        let shortest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
+        let periods = 1.0 / time_step / band.cutoff;
+        let thin = periods.round().min((samples / ROWS) as f64) as usize;
+        let trim = (TRIM * periods).round() as usize;
+        Self {
+            cutoff: band.cutoff,
+            decimate: thin.clamp(usual.decimate, 1000),
+            trim: trim.min(shortest / ENDS).max(usual.trim),
+            ..usual
+        }
+    }
+}
+
+/// Where the motion of a recording ends, at most at `highest` \[Hz\], for a low-pass of that order.
+/// None where nothing moves or no stretch is long enough.
+#[must_use]
+pub fn motion_band(stretches: &[Signals], order: usize, highest: f64) -> Option<MotionBand> {
+    let mut best: Option<MotionBand> = None;
+    let mut before: Option<(f64, f64)> = None;
+    let cutoffs = std::iter::successors(Some(highest), |cutoff| Some(cutoff / RATIO));
+    for cutoff in cutoffs.take(CUTOFFS) {
+        let Some(variance) = variance(stretches, order, cutoff) else { break };
+        if let Some((higher, more)) = before {
+            let change = (more / variance).ln();
+            if change < STAYS {
+                let stays = if higher == highest { higher } else { cutoff };
+                return Some(MotionBand { cutoff: stays, change: change.max(0.0) });
+            }
+            if best.is_none_or(|best| change < best.change) {
+                best = Some(MotionBand { cutoff: higher, change });
+            }
+        }
+        before = Some((cutoff, variance));
+    }
+    best
+}
+
+/// Variance of the acceleration behind a low-pass, over all stretches.
+fn variance(stretches: &[Signals], order: usize, cutoff: f64) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for signals in stretches {
+        let dt = signals.time_step;
+        let low_pass = LowPass::butterworth(order, cutoff, 1.0 / dt).ok()?;
+        let (recorded, twice) = match (signals.velocity, signals.position) {
+            (Some(velocity), _) => (velocity, false),
+            (None, Some(position)) => (position, true),
+            (None, None) => continue,
+        };
+        let Ok(smooth) = low_pass.filter(recorded) else { continue };
+        let slope = |values: &[f64]| -> Vec<f64> {
+            values.windows(2).map(|pair| (pair[1] - pair[0]) / dt).collect()
+        };
+        let mut acceleration = slope(&smooth);
+        if twice {
+            acceleration = slope(&acceleration);
+        }
+        let end = acceleration.len() / ENDS;
+        let Some(inner) = acceleration.get(end..acceleration.len().saturating_sub(end)) else {
+            continue;
+        };
+        let sample = Sample::of(inner.iter().copied());
+        if sample.count > 1 {
+            sum += sample.variance() * sample.count as f64;
+            count += sample.count as f64;
+        }
+    }
+    let variance = sum / count;
+    (variance > 0.0 && variance.is_finite()).then_some(variance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conditioning::condition;
+    use crate::rigid_axis::{AxisModel, fit_axis};
+
+    const DT: f64 = 1e-3;
+
+    /// A slow axis and the torque of an inertia of 0.3 kg m^2, read by an encoder.
+    fn slow_axis(counts: f64) -> (Vec<f64>, Vec<f64>) {
+        let step = std::f64::consts::TAU / counts;
+        let tones = [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)];
+        (0..40_000)
+            .map(|k| {
+                let t = f64::from(k) * DT;
+                let [mut q, mut v, mut a] = [0.0; 3];
+                for (size, w) in tones {
+                    let (sin, cos) = f64::sin_cos(w * t);
+                    q += size * sin;
+                    v += size * w * cos;
+                    a -= size * w * w * sin;
+                }
+                ((q / step).round() * step, 0.3 * a + 0.2 * v + 0.5 * v.signum())
+            })
+            .unzip()
+    }
+
+    fn inertia(how: &Conditioning, position: &[f64], force: &[f64]) -> f64 {
+        let signals = Signals { time_step: DT, position: Some(position), velocity: None, force };
+        let fit = fit_axis(&condition(&signals, how).unwrap(), AxisModel::SYMMETRIC).unwrap();
+        fit.value(crate::axis_term::AxisTerm::Inertia)
+    }
+
+    /// A stranger's axis: its inertia came out at a fraction of the truth, with a narrow interval.
+    #[test]
+    fn a_coarse_encoder_does_not_take_the_inertia_away() {
+        for counts in [1024.0, 4096.0, 16384.0] {
+            let (position, force) = slow_axis(counts);
+            let usual = inertia(&Conditioning::for_time_step(DT), &position, &force);
+            let signals =
+                Signals { time_step: DT, position: Some(&position), velocity: None, force: &force };
+            let how = Conditioning::for_motion(DT, &[signals]);
+            let found = inertia(&how, &position, &force);
+            assert!((found / 0.3 - 1.0).abs() < 0.01, "{counts}: {found}, {how:?}");
+            assert!(counts > 2000.0 || usual < 0.15, "{counts}: {usual} without");
+        }
+    }
+
+    #[test]
+    fn a_fine_encoder_changes_nothing() {
+        let (position, force) = slow_axis(f64::from(1 << 24));
+        let signals =
+            Signals { time_step: DT, position: Some(&position), velocity: None, force: &force };
+        let usual = Conditioning::for_time_step(DT);
+        assert_eq!(Conditioning::for_motion(DT, &[signals]), usual);
+        assert_eq!(Conditioning::for_motion(DT, &[]), usual);
+        let still = vec![0.0; 40_000];
+        let rest = Signals { position: Some(&still), ..signals };
+        assert_eq!(Conditioning::for_motion(DT, &[rest]), usual);
+        let short = Signals { position: Some(&still[..4]), force: &force[..4], ..signals };
+        assert_eq!(Conditioning::for_motion(DT, &[short]), usual);
+    }
+}
