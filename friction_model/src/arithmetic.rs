@@ -6,7 +6,7 @@ use crate::Real;
 pub const MAX_SPEED: f64 = 1e6;
 
 /// A velocity that the fixed-step forms can be stepped with.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn bounded<T: Real>(velocity: T) -> T {
     if velocity.is_nan() { T::ZERO } else { saturate(T::of(MAX_SPEED), velocity) }
@@ -48,7 +48,7 @@ pub fn sign<T: Real>(v: T) -> T {
 }
 
 /// `sat(b, x)`: `x` cut to `[-b, b]`, for `b >= 0`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn saturate<T: Real>(b: T, x: T) -> T {
     between(-b, b, x)
@@ -56,7 +56,7 @@ pub fn saturate<T: Real>(b: T, x: T) -> T {
 
 /// `x` cut to `[low, high]`. Unlike `f64::clamp` it cannot panic, and unlike `f64::min` and `max`,
 /// which must sort out what is not a number, each comparison is one instruction.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn between<T: Real>(low: T, high: T, x: T) -> T {
     let x = if x < high { x } else { high };

@@ -21,11 +21,21 @@ pub trait ModelVisitor {
             + 'static;
 }
 
+/// Something to do with a model in numbers of type `T` whose type is only known while the program
+/// runs.
+pub trait VisitorIn<T: Real> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it with `model`.
+    fn visit<M: FrictionModel<T>>(self, model: M) -> Self::Output;
+}
+
 /// Makes everything that must know every model. Each line: the name, as files spell it, as headings
-/// spell it, the parameters, and the types that run it: the first that has room for the parameters
-/// is taken.
+/// spell it, the parameters, and the types that run it, those with elements with their room: the first
+/// that has room for the parameters is taken.
 macro_rules! models {
-    ($($name:ident $text:literal $title:literal $parameters:ident: $($variant:ident($model:ty)),+;)+) => {
+    ($($name:ident $text:literal $title:literal $parameters:ident: $($variant:ident($model:ident $([$room:literal])?)),+;)+) => {
         /// Which friction model.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
@@ -82,7 +92,7 @@ macro_rules! models {
         #[cfg_attr(feature = "serde", serde(try_from = "AnyParameters", into = "AnyParameters"))]
         #[expect(clippy::large_enum_variant, reason = "models live in place: no allocation, and they can be copied")]
         pub enum AnyModel {
-            $($(#[doc = $title] $variant($model),)+)+
+            $($(#[doc = $title] $variant($model$(<$room>)?),)+)+
             /// Any of them with parameters for each direction.
             Asymmetric(AsymmetricModel),
         }
@@ -91,14 +101,14 @@ macro_rules! models {
         #[derive(Debug, Clone, Copy, PartialEq)]
         #[expect(clippy::large_enum_variant, reason = "models live in place: no allocation, and they can be copied")]
         pub enum AsymmetricModel {
-            $($(#[doc = $title] $variant(Asymmetric<$model>),)+)+
+            $($(#[doc = $title] $variant(Asymmetric<$model$(<$room>)?>),)+)+
         }
 
         /// A running model of any kind: a [`Stepper`] chosen while the program runs.
         #[derive(Debug, Clone)]
         #[expect(clippy::large_enum_variant, reason = "states live in place: the step path does not allocate")]
         pub enum AnyStepper {
-            $($(#[doc = $title] $variant(Stepper<$model>),)+)+
+            $($(#[doc = $title] $variant(Stepper<$model$(<$room>)?>),)+)+
             /// Any of them with parameters for each direction.
             Asymmetric(AsymmetricStepper),
         }
@@ -106,7 +116,7 @@ macro_rules! models {
         /// A running [`Asymmetric`] contact of any kind.
         #[derive(Debug, Clone)]
         pub enum AsymmetricStepper {
-            $($(#[doc = $title] $variant(Stepper<Asymmetric<$model>>),)+)+
+            $($(#[doc = $title] $variant(Stepper<Asymmetric<$model$(<$room>)?>>),)+)+
         }
 
         impl AnyParameters {
@@ -228,6 +238,50 @@ macro_rules! models {
             }
         }
 
+        impl AnyParameters {
+            /// Builds the model in numbers of type `T` and does something with it. `number` says
+            /// what a parameter becomes: it is given whether it is one against backward motion of
+            /// an asymmetric contact, its name, the place in its list (zero for one that is no
+            /// list) and its value.
+            /// None if the model does not accept the numbers.
+            pub fn visit_in<T: Real, V: VisitorIn<T>>(
+                &self,
+                number: &mut dyn FnMut(bool, &'static str, usize, f64) -> T,
+                visitor: V,
+            ) -> Option<V::Output> {
+                match self {
+                    $(
+                        Self::$name(parameters) => {
+                            let parameters = parameters.translate(
+                                &mut |name, index, value| number(false, name, index, value),
+                            );
+                            $(
+                                if let Ok(model) = <$model<$($room,)? T>>::try_from(parameters) {
+                                    return Some(visitor.visit(model));
+                                }
+                            )+
+                        }
+                        Self::Asymmetric(AsymmetricParameters::$name(both)) => {
+                            let ahead = both.forward.translate(
+                                &mut |name, index, value| number(false, name, index, value),
+                            );
+                            let back = both.backward.translate(
+                                &mut |name, index, value| number(true, name, index, value),
+                            );
+                            $(
+                                let forward = <$model<$($room,)? T>>::try_from(ahead);
+                                let backward = <$model<$($room,)? T>>::try_from(back);
+                                if let (Ok(forward), Ok(backward)) = (forward, backward) {
+                                    return Some(visitor.visit(Asymmetric { forward, backward }));
+                                }
+                            )+
+                        }
+                    )+
+                }
+                None
+            }
+        }
+
         impl TryFrom<AnyParameters> for AnyModel {
             type Error = ModelError;
 
@@ -235,12 +289,12 @@ macro_rules! models {
                 match parameters {
                     $(
                         AnyParameters::$name(p) => Err(ModelError::TimeStep(0.0))
-                            $(.or_else(|_: ModelError| <$model>::try_from(p).map(Self::$variant)))+,
+                            $(.or_else(|_: ModelError| <$model$(<$room>)?>::try_from(p).map(Self::$variant)))+,
                         AnyParameters::Asymmetric(AsymmetricParameters::$name(BothWays { forward, backward })) => {
                             Err(ModelError::TimeStep(0.0))
                             $(.or_else(|_: ModelError| {
                                 let (forward, backward) = (forward.try_into()?, backward.try_into()?);
-                                Ok(Self::Asymmetric(AsymmetricModel::$variant(Asymmetric::<$model> { forward, backward })))
+                                Ok(Self::Asymmetric(AsymmetricModel::$variant(Asymmetric::<$model$(<$room>)?> { forward, backward })))
                             }))+
                         }
                     )+
@@ -423,8 +477,8 @@ models! {
     LuGre "lugre" "LuGre" LuGreParameters: LuGre(LuGre);
     ElastoPlastic "elasto_plastic" "Elasto-plastic" ElastoPlasticParameters: ElastoPlastic(ElastoPlastic);
     Leuven "leuven" "Leuven" LeuvenParameters: Leuven(Leuven);
-    Gms "gms" "GMS" GmsParameters: Gms(Gms<4>), Gms16(Gms<16>);
-    Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong<4>), Xiong16(Xiong<16>);
+    Gms "gms" "GMS" GmsParameters: Gms(Gms[4]), Gms16(Gms[16]);
+    Xiong "xiong" "Xiong" XiongParameters: Xiong(Xiong[4]), Xiong16(Xiong[16]);
     Proposed "proposed" "Proposed" ProposedParameters: Proposed(Proposed);
     ProposedLinear "proposed_linear" "Proposed, straight branches" ProposedParameters: ProposedLinear(ProposedLinear);
 }

@@ -12,7 +12,8 @@
 /// and a name that it does not have is an error.
 ///
 /// With `Set<T>` for the name, and `T` for `f64` in the types, the parameters are generic over
-/// [`Real`](crate::Real), and have a method `cast` into another precision.
+/// [`Real`](crate::Real), and have a method `cast` into another precision and one, `translate`, into
+/// numbers of another kind.
 ///
 /// ```
 /// use friction_model::{ParameterSet, Range, parameters};
@@ -253,7 +254,7 @@ macro_rules! memoryless {
     };
 }
 
-/// The method `cast` of a parameter set that is generic over its numbers.
+/// The methods `cast` and `translate` of a parameter set that is generic over its numbers.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __cast {
@@ -263,7 +264,22 @@ macro_rules! __cast {
             /// The same parameters in numbers of another precision.
             #[must_use]
             pub fn cast<To: $crate::Real>(self) -> $set<To> {
-                $set { $($field: $crate::Cast::cast(self.$field),)* }
+                self.translate(&mut |_, _, value| To::of(value.double()))
+            }
+
+            /// The same parameters in numbers of another kind: what `number` makes of a parameter's
+            /// name, the place in its list (zero for one that is no list) and the value.
+            #[must_use]
+            pub fn translate<To: $crate::Real>(
+                self,
+                number: &mut dyn FnMut(&'static str, usize, $real) -> To,
+            ) -> $set<To> {
+                $set {
+                    $($field: $crate::Translate::translate(
+                        self.$field,
+                        &mut |index, value| number(stringify!($field), index, value),
+                    ),)*
+                }
             }
         }
     };

@@ -2,7 +2,7 @@
 
 use core::ops::{Deref, DerefMut};
 
-use crate::{Cast, ModelError, Range, Real, Unit, Value};
+use crate::{ModelError, Range, Real, Translate, Unit, Value};
 
 /// Up to `CAPACITY` numbers, stored in place so that models stay plain values that can be copied.
 #[derive(Clone, Copy)]
@@ -60,11 +60,14 @@ impl<const CAPACITY: usize, T: Real> PartialEq for Elements<CAPACITY, T> {
     }
 }
 
-impl<const CAPACITY: usize, T: Real, U: Real> Cast<Elements<CAPACITY, U>>
-    for Elements<CAPACITY, T>
-{
-    fn cast(self) -> Elements<CAPACITY, U> {
-        Elements { length: self.length, values: self.values.map(Cast::cast) }
+impl<const CAPACITY: usize, T: Real, U: Real> Translate<T, U> for Elements<CAPACITY, T> {
+    type Into = Elements<CAPACITY, U>;
+    fn translate(self, number: &mut dyn FnMut(usize, T) -> U) -> Self::Into {
+        let mut translated = Elements { length: self.length, values: [U::ZERO; CAPACITY] };
+        for (index, (to, from)) in translated.iter_mut().zip(self.iter()).enumerate() {
+            *to = number(index, *from);
+        }
+        translated
     }
 }
 

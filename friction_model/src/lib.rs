@@ -42,6 +42,7 @@
 //! | give each direction its friction, or let it grow with the load | [`Asymmetric`], [`LoadDependent`] |
 //! | check that it is a friction model | [`invariants`] |
 //! | compute in single precision | [`Real`] |
+//! | know how the friction hangs on parameters | [`Dual`], [`AnyParameters::visit_in`] |
 //! | start from published values | [`presets`] |
 //!
 //! # Features
@@ -85,6 +86,7 @@ mod coulomb_viscous;
 mod dahl;
 mod declaration;
 mod delay_line;
+mod dual;
 mod elasto_plastic;
 mod elements;
 mod error;
@@ -131,13 +133,14 @@ pub use body::{Body, Drive, Moment};
 pub use bristle::{Bristle, BristleMemory, BristleParameters, MAX_BONDS};
 pub use catalogue::{
     AnyModel, AnyParameters, AnyStepper, AsymmetricModel, AsymmetricParameters, AsymmetricStepper,
-    BothWays, ModelName, ModelVisitor,
+    BothWays, ModelName, ModelVisitor, VisitorIn,
 };
 pub use coulomb::{Coulomb, CoulombParameters};
 pub use coulomb_viscous::{CoulombViscous, CoulombViscousParameters};
 pub use dahl::{Dahl, DahlParameters};
 #[doc(hidden)]
 pub use declaration::{__shown, __shown_length};
+pub use dual::Dual;
 pub use elasto_plastic::{ElastoPlastic, ElastoPlasticParameters};
 pub use elements::Elements;
 pub use error::ModelError;
@@ -158,7 +161,7 @@ pub use proposed_linear::ProposedLinear;
 pub use range::Range;
 pub use rate_dependent_stiction::{RateDependentStiction, RateDependentStictionParameters};
 pub use rbf_network::{RbfNetwork, RbfNetworkParameters};
-pub use real::{Cast, Real};
+pub use real::{Real, Translate};
 pub use reset_integrator::{ResetIntegrator, ResetIntegratorParameters};
 pub use scheme::Scheme;
 pub use stepper::{RunningContact, Stepper};

@@ -213,7 +213,7 @@ impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn step(
         &self,
         discrete: &ProposedDiscrete<T>,
@@ -231,6 +231,15 @@ impl<T: Real, C: Branch<T>> FrictionModel<T> for NonDrift<C, T> {
         state.memory.commit(&self.virgin, z + discrete.dt * between(slowest, fastest, v));
         state.continuous = [g + (gamma - g) * discrete.gamma_decay, state.memory.deflection()];
         contact + p.f_v * v
+    }
+
+    /// The force alone, without the rates.
+    #[inline(always)]
+    fn force(&self, state: &State<[T; 2], Hysteresis<T>>, velocity: T) -> T {
+        let p = &self.parameters;
+        let (v, [gamma, z]) = (bounded(velocity), state.continuous);
+        let hysteresis = state.memory.peek(&self.virgin, z);
+        saturate(gamma, hysteresis + p.sigma * v) + p.f_v * v
     }
 
     /// `gamma` exactly for the mean velocity; in slip `z` relaxes with the slope that the

@@ -7,7 +7,8 @@ use num_traits::{Float, NumAssign};
 
 use crate::Value;
 
-/// `f64` or `f32`. Models, parameters and steppers are of `f64` where nothing else is said.
+/// `f64` or `f32`, or a number with its derivatives ([`Dual`](crate::Dual)). Models, parameters and
+/// steppers are of `f64` where nothing else is said.
 ///
 /// With `f32` a model carries about seven digits, which is more than a sensor does, and is several
 /// times faster on a microcontroller that computes single precision only. Periods
@@ -113,26 +114,33 @@ pub trait InFiles {}
 #[cfg(not(feature = "serde"))]
 impl<T> InFiles for T {}
 
-/// The same quantity in numbers of another precision.
-pub trait Cast<To> {
-    /// Each number becomes the nearest one.
-    fn cast(self) -> To;
+/// The same quantity in numbers of another kind.
+pub trait Translate<From, To> {
+    /// What it becomes.
+    type Into;
+
+    /// Each number becomes what `number` makes of it; it is given the place among the quantity's
+    /// numbers, zero for one that is no list. Whole numbers stay.
+    fn translate(self, number: &mut dyn FnMut(usize, From) -> To) -> Self::Into;
 }
 
-impl<T: Real, U: Real> Cast<U> for T {
-    fn cast(self) -> U {
-        U::of(self.double())
+impl<T: Real, U: Real> Translate<T, U> for T {
+    type Into = U;
+    fn translate(self, number: &mut dyn FnMut(usize, T) -> U) -> U {
+        number(0, self)
     }
 }
 
-impl<T: Real, U: Real> Cast<Option<U>> for Option<T> {
-    fn cast(self) -> Option<U> {
-        self.map(Cast::cast)
+impl<T: Real, U: Real> Translate<T, U> for Option<T> {
+    type Into = Option<U>;
+    fn translate(self, number: &mut dyn FnMut(usize, T) -> U) -> Option<U> {
+        self.map(|value| number(0, value))
     }
 }
 
-impl Cast<Self> for u32 {
-    fn cast(self) -> Self {
+impl<T: Real, U: Real> Translate<T, U> for u32 {
+    type Into = Self;
+    fn translate(self, _: &mut dyn FnMut(usize, T) -> U) -> Self {
         self
     }
 }

@@ -56,7 +56,7 @@ impl<T: Real> StribeckCurve<T> {
     }
 
     /// `g(v)`, between `f_c` and `f_s`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn level(&self, velocity: T) -> T {
         let r = velocity * self.inverse_v_s;

@@ -37,7 +37,7 @@ impl<T: Real> VirginCurve<T> for Sine<T> {
     }
 
     /// The factors meet first, while `z` is still awaited.
-    #[inline]
+    #[inline(always)]
     fn stretched(&self, stretch: T, shrink: T, z: T) -> T {
         (stretch * self.end) * ((shrink * self.wave_number) * z).sin()
     }

@@ -110,7 +110,7 @@ impl<'a, P: Residuals> Search<'a, P> {
             let stale = self.age.is_some_and(|steps| steps > 0);
             let slope = Slope {
                 gradient: self.jacobian.tr_mul(&self.residuals),
-                normal: self.jacobian.tr_mul(&self.jacobian),
+                normal: normal(&self.jacobian),
             };
             let free = self.free(&slope);
             if free.is_empty() || self.sum == 0.0 {
@@ -255,6 +255,19 @@ impl<'a, P: Residuals> Search<'a, P> {
             moved[j] = x[j];
         }
     }
+}
+
+/// `J^T J`: each product once, as it is symmetric.
+fn normal(jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = jacobian.ncols();
+    let mut normal = DMatrix::zeros(n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let product = jacobian.column(i).dot(&jacobian.column(j));
+            (normal[(i, j)], normal[(j, i)]) = (product, product);
+        }
+    }
+    normal
 }
 
 /// Solves the damped normal equations of the free unknowns; none where they are not positive

@@ -1,6 +1,6 @@
 //! What a model predicts along a stretch.
 
-use friction_model::{AnyModel, FrictionModel, ModelVisitor, Stepper, TimeStep};
+use friction_model::{AnyModel, FrictionModel, ModelVisitor, Real, State, TimeStep};
 
 use crate::rest::{at_rest, holds};
 use crate::stretch::{Before, Stretch};
@@ -32,46 +32,62 @@ impl ModelVisitor for Along<'_> {
 
     fn visit<M: FrictionModel>(self, model: M) {
         let Self { stretch, rest, out } = self;
-        let substeps = (stretch.time_step / LONGEST_STEP).ceil().max(1.0);
-        let Ok(dt) = TimeStep::new(stretch.time_step / substeps) else {
-            out.fill(f64::NAN);
-            return;
+        run(&model, stretch, rest, |k, force| out[k] = force);
+    }
+}
+
+/// Runs a model along a stretch, and hands the number of each sample and the force that is
+/// predicted there to `out`. `rest` is as in [`Along`].
+#[inline(always)]
+pub(super) fn run<T: Real, M: FrictionModel<T>>(
+    model: &M,
+    stretch: &Stretch,
+    rest: &[bool],
+    mut out: impl FnMut(usize, T),
+) {
+    let substeps = (stretch.time_step / LONGEST_STEP).ceil().max(1.0);
+    let Ok(dt) = TimeStep::new(stretch.time_step / substeps) else {
+        (0..stretch.len()).for_each(|k| out(k, T::nan()));
+        return;
+    };
+    let (discrete, mut state) = (model.discretise(dt), model.rest());
+    if stretch.before == Before::Slid {
+        slide(model, &discrete, &mut state, T::of(stretch.velocity[0]));
+    }
+    // Models without pre-sliding say nothing about rest: they hold whatever is applied.
+    let holding = model.holding(T::ZERO);
+    let last = stretch.len() - 1;
+    for k in 0..stretch.len() {
+        let velocity = stretch.velocity[k];
+        let still = velocity == 0.0 || rest.get(k).copied().unwrap_or(false);
+        let force = match &holding {
+            Some(holding) if still => holding.force(T::of(stretch.friction[k])),
+            _ => model.force(&state, T::of(velocity)),
         };
-        let mut stepper = Stepper::new(model, dt);
-        if stretch.before == Before::Slid {
-            slide(&mut stepper, stretch.velocity[0]);
-        }
-        let last = stretch.len() - 1;
-        for (k, out) in out.iter_mut().enumerate() {
-            let velocity = stretch.velocity[k];
-            let state = stepper.state();
-            let still = velocity == 0.0 || rest.get(k).copied().unwrap_or(false);
-            *out = if still && stepper.model().holding(0.0).is_some() {
-                // Models without pre-sliding say nothing about rest: they hold whatever is applied.
-                let holding = stepper.model().holding(0.0);
-                holding.map_or(0.0, |holding| holding.force(stretch.friction[k]))
-            } else {
-                stepper.model().evaluate(&state.continuous, &state.memory, velocity).force
-            };
-            if k < last {
-                let mean = stretch.between(k);
-                for _ in 0..substeps as usize {
-                    stepper.step(mean);
-                }
+        out(k, force);
+        if k < last {
+            let mean = T::of(stretch.between(k));
+            for _ in 0..substeps as usize {
+                model.step(&discrete, &mut state, mean);
             }
         }
     }
 }
 
 /// Slides at `velocity` until the friction no longer changes.
-fn slide<M: FrictionModel>(stepper: &mut Stepper<M>, velocity: f64) {
-    if velocity == 0.0 {
+fn slide<T: Real, M: FrictionModel<T>>(
+    model: &M,
+    discrete: &M::Discrete,
+    state: &mut State<M::Continuous, M::Memory>,
+    velocity: T,
+) {
+    if velocity == T::ZERO {
         return;
     }
-    let steady = stepper.model().steady_state(velocity);
+    let steady = model.steady_state(velocity).double();
     let mut quiet = 0;
     for _ in 0..SETTLING {
-        let force = stepper.step(velocity);
+        let force = model.step(discrete, state, velocity).double();
         quiet = if (force - steady).abs() <= 1e-13 * steady.abs() { quiet + 1 } else { 0 };
         if quiet > 3 {
             break;

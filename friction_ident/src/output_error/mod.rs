@@ -11,12 +11,16 @@
 //! What acts beside friction ([`position_load`](crate::position_load)) is linear and may be estimated
 //! in the same fit.
 //!
+//! The derivatives of the residuals are carried along with the states of the model. Only where a
+//! shape exponent is free they are forward differences.
+//!
 //! At rest a model without pre-sliding predicts a range, not a value: it is not fitted to samples
 //! that stand still.
 
 mod along;
 mod predictor;
 mod problem;
+mod slopes;
 #[cfg(test)]
 mod tests;
 
@@ -106,7 +110,7 @@ pub struct OutputErrorFit {
     /// Whether it ended where nothing is to be gained any more: not where it was stopped, nor where
     /// the last round of a search without patience still went down.
     pub settled: bool,
-    /// Simulations of the whole data.
+    /// Simulations of the whole data. One that carries up to eight derivatives counts as one.
     pub evaluations: usize,
 }
 
@@ -173,14 +177,12 @@ pub fn fit_output_error(
         .map(|start| start.iter().copied().chain(terms.iter().map(|_| 0.0)).collect())
         .collect();
     let mut best: Option<(Minimum, bool)> = None;
-    let mut evaluations = 0;
     let rounding = data.square() * f64::EPSILON.powi(2) * 16.0;
     for start in std::iter::once(&own).chain(&starts) {
         let Some(mut found) = minimise(&mut problem, start, &bounds, &options.patience, watch)
         else {
             continue;
         };
-        evaluations += found.evaluations;
         let mut settled = found.ending == Ending::Converged;
         // Friction has kinks, at which a search may stall: from where it ended it starts again,
         // with long steps.
@@ -192,7 +194,6 @@ pub fn fit_output_error(
             else {
                 break;
             };
-            evaluations += next.evaluations;
             let fall = 1.0 - next.sum / found.sum;
             settled = next.ending == Ending::Converged || fall < SETTLED;
             found = next;
@@ -228,7 +229,7 @@ pub fn fit_output_error(
         robust_errors(&minimum, &pieces, &mut estimates);
     }
     let rms = prediction_rms(&Predictor { model, load }, data);
-    Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations })
+    Ok(OutputErrorFit { model, load, estimates, rms, ending, settled, evaluations: problem.runs() })
 }
 
 /// Root mean square of predicted minus measured force over all points and samples.

@@ -118,3 +118,94 @@ fn a_motion_that_does_not_show_a_parameter_says_so() {
     assert!(verdict("f_c") && verdict("f_v"), "{:?}", fit.estimates);
     assert!(!verdict("sigma0") && !verdict("v_s") && !verdict("f_s"), "{:?}", fit.estimates);
 }
+
+/// Motion with rest and both directions, in stretches of all kinds, with points and a load.
+fn everything(model: &AnyModel) -> (Vec<SteadyPoint>, Vec<Stretch>) {
+    let mixed: Vec<f64> = motion().into_iter().take(1500).collect();
+    let stops: Vec<f64> = mixed.iter().map(|v| v.max(0.0)).collect();
+    let sliding: Vec<f64> = (0..800).map(|k| 0.3 + 0.2 * (0.02 * f64::from(k)).sin()).collect();
+    let mut stretches = Vec::new();
+    for (time_step, velocity) in [(DT, mixed), (DT, stops), (0.025, sliding)] {
+        let n = velocity.len();
+        let mut stretch = Stretch::new(time_step, velocity, None, vec![0.0; n]).unwrap();
+        stretch.friction = predict(model, &stretch);
+        stretch.deviation = Some(0.7);
+        stretches.push(stretch);
+    }
+    stretches[0].position = Some(stretches[0].travel());
+    stretches[1].deviation = None;
+    let point = |velocity| SteadyPoint {
+        velocity,
+        torque: model.steady_state(velocity),
+        deviation: Some(0.2),
+        place: None,
+    };
+    (vec![point(0.3), point(-0.2)], stretches)
+}
+
+/// Slopes of all residuals by differences over steps of `h`, wherever those of four intervals
+/// agree: elsewhere there is a kink. None where a step is not allowed.
+fn differences(problem: &mut OutputError, x: &[f64], j: usize, h: f64) -> Option<Vec<Option<f64>>> {
+    let mut at = |by: f64| {
+        let (mut moved, mut out) = (x.to_vec(), vec![0.0; problem.len()]);
+        moved[j] += by * h;
+        problem.residuals(&moved, &mut out).then_some(out)
+    };
+    let all = [at(-1.0)?, at(-0.5)?, at(0.0)?, at(0.5)?, at(1.0)?];
+    let slope = |i: usize| {
+        let quotients: [f64; 4] = std::array::from_fn(|k| (all[k + 1][i] - all[k][i]) / (0.5 * h));
+        let middle = 0.5 * (quotients[1] + quotients[2]);
+        let close = |q: &f64| (q - middle).abs() <= 1e-4 * middle.abs() + 1e-12 / h;
+        quotients.iter().all(close).then_some(middle)
+    };
+    Some((0..problem.len()).map(slope).collect())
+}
+
+#[test]
+fn derivatives_are_those_of_differences_for_every_model() {
+    let shape = LoadShape { offset: true, ..LoadShape::NONE };
+    for name in ModelName::ALL {
+        let one = AnyModel::test_bed(name);
+        let two = one.scaled("f_v", 1.3).unwrap();
+        for model in [one, AnyModel::asymmetric(&one, &two).unwrap()] {
+            let (points, stretches) = everything(&model);
+            let data = Measured { points: &points, stretches: &stretches, beside: shape };
+            let free = FreeParameters::usual(&model);
+            let x: Vec<f64> = free.start().into_iter().chain([0.01]).collect();
+            let mut problem = OutputError::new(&free, &x, &data);
+            let (m, bounds) = (problem.len(), problem.bounds());
+            let mut jacobian = nalgebra::DMatrix::zeros(m, x.len());
+            assert!(problem.jacobian(&x, &vec![0.0; m], &mut jacobian), "{name}");
+            let mut smooth = 0;
+            for (j, bound) in bounds.iter().enumerate() {
+                let size = x[j].abs().max(bound.scale);
+                let mut by = |share: f64| differences(&mut problem, &x, j, share * size);
+                let Some(usual) = by(1e-5) else { continue };
+                let off = |i: usize, share: f64, slope: Option<f64>| {
+                    slope.is_none_or(|slope: f64| {
+                        (jacobian[(i, j)] - slope).abs()
+                            > 1e-3 * slope.abs() + 4e-12 / (share * size)
+                    })
+                };
+                smooth += usual.iter().flatten().count();
+                let wrong: Vec<usize> =
+                    (0..m).filter(|&i| usual[i].is_some() && off(i, 1e-5, usual[i])).collect();
+                // Kinks may lie so close to both sides that only a shorter step tells.
+                let shorter = if wrong.is_empty() {
+                    Vec::new()
+                } else {
+                    [1e-6, 1e-7, 1e-8].map(|share| (share, by(share))).to_vec()
+                };
+                for i in wrong {
+                    let agrees = |(share, slopes): &(f64, Option<Vec<Option<f64>>>)| {
+                        slopes.as_ref().is_some_and(|slopes| !off(i, *share, slopes[i]))
+                    };
+                    let found = jacobian[(i, j)];
+                    assert!(shorter.iter().any(agrees), "{name} {j} {i}: {found} {:?}", usual[i]);
+                }
+            }
+            // Not idle: most rows of most columns are smooth.
+            assert!(smooth > m * x.len() / 2, "{name}: {smooth} of {}", m * x.len());
+        }
+    }
+}

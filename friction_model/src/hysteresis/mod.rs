@@ -86,12 +86,12 @@ impl<T: Real> Course<T> {
     }
 
     /// Whether it is still open at `z`; false before the first motion.
-    #[inline]
+    #[inline(always)]
     fn is_open_at(&self, z: T) -> bool {
         self.s * (z - self.closes_at) < T::ZERO
     }
 
-    #[inline]
+    #[inline(always)]
     fn force(&self, curve: &impl VirginCurve<T>, z: T) -> T {
         self.origin.f + curve.stretched(self.stretch, self.shrink, z - self.origin.z)
     }
@@ -131,7 +131,7 @@ impl<T: Real> PartialEq for Hysteresis<T> {
 impl<T: Real> Hysteresis<T> {
     /// Force at deflection `z`, which is cut to the curve's limit. The memory does not change: for
     /// the stages of an integrator.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn peek(&self, curve: &impl VirginCurve<T>, z: T) -> T {
         let z = saturate(curve.limit(), z);
@@ -146,7 +146,7 @@ impl<T: Real> Hysteresis<T> {
 
     /// Moves to deflection `z`, remembers reversals, forgets closed loops, and returns the force
     /// there.
-    #[inline]
+    #[inline(always)]
     pub fn commit(&mut self, curve: &impl VirginCurve<T>, z: T) -> T {
         let z = saturate(curve.limit(), z);
         if z == self.last.z {
@@ -161,7 +161,7 @@ impl<T: Real> Hysteresis<T> {
     }
 
     /// Whether a move to `z` stays on the present branch.
-    #[inline]
+    #[inline(always)]
     fn goes_on_to(&self, z: T) -> bool {
         self.course.s * (z - self.last.z) > T::ZERO && self.course.is_open_at(z)
     }

@@ -5,7 +5,9 @@
 //! deflection `z_ba` as its share of `f_c / sigma0`, the last share of elements as what the others
 //! leave. The estimates are turned back into parameters, with their covariance.
 
-use friction_model::{AnyModel, AnyParameters, ModelName, Parameter, Range, Unit};
+mod numbers;
+
+use friction_model::{AnyModel, AnyParameters, ModelName, Parameter, Range, Real, Unit, VisitorIn};
 use nalgebra::DMatrix;
 
 use crate::bounded::{Bound, Minimum};
@@ -137,28 +139,10 @@ impl FreeParameters {
     /// The model at these coordinates; none where it does not accept them.
     pub fn model(&self, coordinates: &[f64]) -> Option<AnyModel> {
         let (mut forward, mut backward) = self.template.sides();
-        for side in [Side::Both, Side::Forward, Side::Backward] {
-            let parameters = if side == Side::Backward { &mut backward } else { &mut forward };
-            // Plain numbers first: excesses and shares refer to them.
-            for pass in [true, false] {
-                for ((id, coordinate), &value) in
-                    self.ids.iter().zip(&self.coordinates).zip(coordinates)
-                {
-                    let plain = matches!(coordinate, Coordinate::Itself | Coordinate::Logarithm);
-                    if id.side != side || plain != pass {
-                        continue;
-                    }
-                    let get = |name| parameters.values(name).first().copied().unwrap_or(f64::NAN);
-                    let number = match coordinate {
-                        Coordinate::Itself => value,
-                        Coordinate::Logarithm => value.exp(),
-                        Coordinate::Excess => get("f_c") + value,
-                        Coordinate::ShareOfDeflection => value * get("f_c") / get("sigma0"),
-                    };
-                    parameters.set_at(id.name, id.index(), number);
-                }
-            }
-            self.keep_together(parameters, side);
+        for moved in self.numbers(coordinates).moved {
+            let parameters =
+                if moved.side == Side::Backward { &mut backward } else { &mut forward };
+            parameters.set_at(moved.name, moved.index, moved.value);
         }
         match self.template {
             AnyParameters::Asymmetric(_) => {
@@ -168,34 +152,36 @@ impl FreeParameters {
         }
     }
 
-    /// What follows from the free numbers: the last share, and a `z_ba` that is not free keeps its
-    /// share of `f_c / sigma0`.
-    fn keep_together(&self, parameters: &mut AnyParameters, side: Side) {
-        for shares in SHARES {
-            if self.is_free(shares, side) {
-                let values = parameters.values(shares);
-                if let Some((_, others)) = values.split_last() {
-                    parameters.set_at(shares, others.len(), 1.0 - others.iter().sum::<f64>());
-                }
-            }
-        }
-        let levels_move = self.is_free("f_c", side) || self.is_free("sigma0", side);
-        if levels_move && !self.is_free("z_ba", side) && !parameters.values("z_ba").is_empty() {
-            let get = |name| parameters.values(name).first().copied().unwrap_or(f64::NAN);
-            let share = self.companion("z_ba", side) * self.companion("sigma0", side)
-                / self.companion("f_c", side);
-            let deflection = share * get("f_c") / get("sigma0");
-            parameters.set_at("z_ba", 0, deflection);
-        }
-        // Static friction that is not free moves with the kinetic one where it would fall below.
-        if self.is_free("f_c", side) && !self.is_free("f_s", side) {
-            let (f_s, f_c) = (parameters.values("f_s"), parameters.values("f_c"));
-            if let (Some(&f_s), Some(&f_c)) = (f_s.first(), f_c.first())
-                && f_s < f_c
-            {
-                parameters.set_at("f_s", 0, f_c);
-            }
-        }
+    /// Does something with the model at these coordinates in numbers of another kind; none where
+    /// the model does not accept them.
+    pub(crate) fn visit_in<T: Real, V: VisitorIn<T>>(
+        &self,
+        coordinates: &[T],
+        visitor: V,
+    ) -> Option<V::Output> {
+        let numbers = self.numbers(coordinates);
+        let number = &mut |backward, name, index, value| {
+            numbers
+                .moved
+                .iter()
+                .rev()
+                .find(|moved| {
+                    (moved.side == Side::Backward) == backward
+                        && (moved.name, moved.index) == (name, index)
+                })
+                .map_or(T::of(value), |moved| moved.value)
+        };
+        self.template.visit_in(number, visitor)
+    }
+
+    /// Whether every free number may be differentiated by: models treat whole numbers among shape
+    /// exponents apart from others.
+    pub(crate) fn are_smooth(&self) -> bool {
+        let table = self.template.table();
+        self.ids.iter().all(|id| {
+            let shape = |row: &Parameter| row.name == id.name && row.unit == Unit::None;
+            SHARES.contains(&id.name) || !table.iter().any(shape)
+        })
     }
 
     /// The minimum in terms of parameters instead of coordinates: values, and derivatives by the
