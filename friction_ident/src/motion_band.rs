@@ -6,56 +6,101 @@
 //!
 //! The variance of the acceleration behind a low-pass tells both apart without knowing the encoder.
 //! Over the cutoff it first grows as more of the motion passes, then stays, and grows again with
-//! the fifth power where only noise is added. The cutoff belongs where it stays.
+//! the fifth power where only noise is added. The cutoff belongs where it stays. The velocity has
+//! its own, usually higher: a velocity that is smoothed too much creeps where the axis stands.
 
-use crate::conditioning::{Conditioning, Signals};
+use crate::conditioning::{Conditioning, Differences, Signals};
 use crate::statistics::Sample;
 use crate::zero_phase::LowPass;
 
-/// What a recording's motion asks of the low-pass.
+/// What a recording's motion asks of a low-pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionBand {
     /// Cutoff that passes the motion and little else \[Hz\].
     pub cutoff: f64,
-    /// How much the variance of the acceleration still changes with the cutoff there, per factor of
-    /// the square root of two: what is noise, or motion that is lost.
+    /// How much the variance still changes with the cutoff there, per factor of the square root of
+    /// two: what is noise, or motion that is lost.
     pub change: f64,
+}
+
+/// What is to be told from noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Derivative {
+    /// The velocity.
+    Velocity,
+    /// The acceleration.
+    Acceleration,
+}
+
+impl Derivative {
+    /// Change of the variance below which it stays. White noise of the position that makes up this
+    /// share of the variance falls to a third (velocity) or a sixth (acceleration) by the next
+    /// cutoff. Noise of the velocity turns its sign around, and friction with it: less is allowed.
+    const fn stays(self) -> f64 {
+        match self {
+            Self::Velocity => 0.001,
+            Self::Acceleration => 0.005,
+        }
+    }
 }
 
 /// Between two cutoffs that are tried: half an octave.
 const RATIO: f64 = std::f64::consts::SQRT_2;
 /// Cutoffs at most: eight octaves.
 const CUTOFFS: usize = 17;
-/// Change of the variance below which it stays. White noise that makes up this share of it falls to
-/// a sixth by the next cutoff.
-const STAYS: f64 = 0.005;
 /// Share of a recording's samples left out at each end, where the filter has less to go by.
 const ENDS: usize = 20;
+/// Share of the motion beyond a cutoff that asks for a higher one.
+const BEYOND: f64 = 1e-3;
+/// Share of the acceleration that differences of the second order may lose.
+const LOST: f64 = 1e-3;
+/// Highest cutoff, as a share of the sampling rate: differences lose 2 % there.
+const FASTEST: f64 = 0.2;
 /// Rows that a thinned recording keeps, if it has them.
 const ROWS: usize = 500;
 /// Periods of the cutoff dropped at each end, as in the usual conditioning.
 const TRIM: f64 = 5.0;
 
 impl Conditioning {
-    /// [`for_time_step`](Self::for_time_step) with the cutoff lowered to where the motion ends, if
-    /// the noise of the position would cover it; thinning and trimming follow. Stretches too short
-    /// to be filtered do not count.
+    /// [`for_time_step`](Self::for_time_step) with both cutoffs lowered to where the motion ends, if
+    /// the noise of the position would cover it; thinning and trimming follow that of the
+    /// acceleration, so that the force is taken up to where the acceleration is. Motion faster than
+    /// the usual cutoff raises it, up to a fifth of the sampling rate, and asks for differences of a
+    /// higher order. Stretches too short to be
+    /// filtered do not count.
     #[must_use]
     pub fn for_motion(time_step: f64, stretches: &[Signals]) -> Self {
-        let usual = Self::for_time_step(time_step);
-        let Some(band) = motion_band(stretches, usual.order, usual.cutoff) else { return usual };
-        if band.cutoff >= usual.cutoff {
+        let mut usual = Self::for_time_step(time_step);
+        if share_beyond(stretches, usual.order, usual.cutoff).is_some_and(|share| share > BEYOND) {
+            usual.cutoff = FASTEST / time_step;
+            usual.acceleration_cutoff = usual.cutoff;
+            usual.decimate = (1.0 / FASTEST) as usize;
+        }
+        let up_to = |of: Derivative| {
+            motion_band(stretches, of, usual.order, usual.cutoff)
+                .map_or(usual.cutoff, |band| band.cutoff.min(usual.cutoff))
+        };
+        let cutoff = up_to(Derivative::Velocity);
+        let acceleration_cutoff = up_to(Derivative::Acceleration).min(cutoff);
+        let size = |of| variance(stretches, of, usual.order, acceleration_cutoff);
+        let squared = size(Derivative::Acceleration).zip(size(Derivative::Velocity));
+        let lost = squared.map_or(0.0, |(a, v)| a / v * time_step * time_step / 6.0);
+        if lost > LOST {
+            usual.differences = Differences::SixthOrder;
+        }
+        if acceleration_cutoff >= usual.cutoff {
             return usual;
         }
         let samples: usize = stretches.iter().map(|signals| signals.force.len()).sum();
-        let shortest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
-        let periods = 1.0 / time_step / band.cutoff;
+        let longest = stretches.iter().map(|signals| signals.force.len()).max().unwrap_or(0);
+        let periods = 1.0 / time_step / acceleration_cutoff;
         let thin = periods.round().min((samples / ROWS) as f64) as usize;
         let trim = (TRIM * periods).round() as usize;
         Self {
-            cutoff: band.cutoff,
+            cutoff,
+            acceleration_cutoff,
             decimate: thin.clamp(usual.decimate, 1000),
-            trim: trim.min(shortest / ENDS).max(usual.trim),
+            trim: trim.min(longest / ENDS).max(usual.trim),
             ..usual
         }
     }
@@ -64,15 +109,25 @@ impl Conditioning {
 /// Where the motion of a recording ends, at most at `highest` \[Hz\], for a low-pass of that order.
 /// None where nothing moves or no stretch is long enough.
 #[must_use]
-pub fn motion_band(stretches: &[Signals], order: usize, highest: f64) -> Option<MotionBand> {
+pub fn motion_band(
+    stretches: &[Signals],
+    of: Derivative,
+    order: usize,
+    highest: f64,
+) -> Option<MotionBand> {
     let mut best: Option<MotionBand> = None;
     let mut before: Option<(f64, f64)> = None;
     let cutoffs = std::iter::successors(Some(highest), |cutoff| Some(cutoff / RATIO));
     for cutoff in cutoffs.take(CUTOFFS) {
-        let Some(variance) = variance(stretches, order, cutoff) else { break };
+        let Some(variance) = variance(stretches, of, order, cutoff) else { break };
+        // What falls away now is motion.
+        if share_beyond(stretches, order, cutoff).is_some_and(|share| share > BEYOND) {
+            best = best.or(Some(MotionBand { cutoff: highest, change: f64::INFINITY }));
+            break;
+        }
         if let Some((higher, more)) = before {
             let change = (more / variance).ln();
-            if change < STAYS {
+            if change < of.stays() {
                 let stays = if higher == highest { higher } else { cutoff };
                 return Some(MotionBand { cutoff: stays, change: change.max(0.0) });
             }
@@ -85,29 +140,53 @@ pub fn motion_band(stretches: &[Signals], order: usize, highest: f64) -> Option<
     best
 }
 
-/// Variance of the acceleration behind a low-pass, over all stretches.
-fn variance(stretches: &[Signals], order: usize, cutoff: f64) -> Option<f64> {
+/// Share of the variance of the recorded positions (velocities, where only these are known) that is
+/// beyond a cutoff \[Hz\]: the noise of an encoder is next to nothing there, motion is not. None
+/// where nothing moves or no stretch is long enough.
+#[must_use]
+pub fn share_beyond(stretches: &[Signals], order: usize, cutoff: f64) -> Option<f64> {
+    let (mut beyond, mut all) = (0.0, 0.0);
+    for signals in stretches {
+        let Some(recorded) = signals.position.or(signals.velocity) else { continue };
+        let low_pass = LowPass::butterworth(order, cutoff, 1.0 / signals.time_step).ok()?;
+        let Ok(smooth) = low_pass.filter(recorded) else { continue };
+        let end = recorded.len() / ENDS;
+        let inner = end..recorded.len() - end;
+        let (Some(recorded), Some(smooth)) = (recorded.get(inner.clone()), smooth.get(inner))
+        else {
+            continue;
+        };
+        let mean = Sample::of(recorded.iter().copied()).mean;
+        for (recorded, smooth) in recorded.iter().zip(smooth) {
+            beyond += (recorded - smooth).powi(2);
+            all += (recorded - mean).powi(2);
+        }
+    }
+    let share = beyond / all;
+    share.is_finite().then_some(share)
+}
+
+/// Variance of the velocity or the acceleration behind a low-pass, over all stretches.
+fn variance(stretches: &[Signals], of: Derivative, order: usize, cutoff: f64) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for signals in stretches {
         let dt = signals.time_step;
         let low_pass = LowPass::butterworth(order, cutoff, 1.0 / dt).ok()?;
-        let (recorded, twice) = match (signals.velocity, signals.position) {
-            (Some(velocity), _) => (velocity, false),
-            (None, Some(position)) => (position, true),
-            (None, None) => continue,
-        };
-        let Ok(smooth) = low_pass.filter(recorded) else { continue };
         let slope = |values: &[f64]| -> Vec<f64> {
             values.windows(2).map(|pair| (pair[1] - pair[0]) / dt).collect()
         };
-        let mut acceleration = slope(&smooth);
-        if twice {
-            acceleration = slope(&acceleration);
-        }
-        let end = acceleration.len() / ENDS;
-        let Some(inner) = acceleration.get(end..acceleration.len().saturating_sub(end)) else {
-            continue;
+        let velocity = match (signals.velocity, signals.position) {
+            (Some(velocity), _) => low_pass.filter(velocity),
+            (None, Some(position)) => low_pass.filter(position).map(|smooth| slope(&smooth)),
+            (None, None) => continue,
         };
+        let Ok(velocity) = velocity else { continue };
+        let values = match of {
+            Derivative::Velocity => velocity,
+            Derivative::Acceleration => slope(&velocity),
+        };
+        let end = values.len() / ENDS;
+        let Some(inner) = values.get(end..values.len().saturating_sub(end)) else { continue };
         let sample = Sample::of(inner.iter().copied());
         if sample.count > 1 {
             sum += sample.variance() * sample.count as f64;
@@ -164,6 +243,38 @@ mod tests {
             assert!((found / 0.3 - 1.0).abs() < 0.01, "{counts}: {found}, {how:?}");
             assert!(counts > 2000.0 || usual < 0.15, "{counts}: {usual} without");
         }
+    }
+
+    /// An arm at 100 Hz whose motion goes up to 14 Hz: the low-pass of 10 Hz left a tenth of it.
+    #[test]
+    fn motion_faster_than_the_usual_cutoff_raises_it() {
+        let dt = 0.01;
+        let (position, force): (Vec<f64>, Vec<f64>) = (0..4000)
+            .map(|k| {
+                let t = dt * f64::from(k);
+                let [mut q, mut a] = [0.0; 2];
+                for (size, w) in [(0.3, 13.0), (0.1, 87.0)] {
+                    q += size * f64::sin(w * t);
+                    a -= size * w * w * f64::sin(w * t);
+                }
+                (q, 0.3 * a)
+            })
+            .unzip();
+        let signals =
+            Signals { time_step: dt, position: Some(&position), velocity: None, force: &force };
+        let how = Conditioning::for_motion(dt, &[signals]);
+        let usual = Conditioning::for_time_step(dt);
+        assert!(how.cutoff > 15.0, "{how:?}");
+        let beyond = |how: &Conditioning| share_beyond(&[signals], how.order, how.cutoff).unwrap();
+        assert!(beyond(&usual) > 0.05 && beyond(&how) < 0.005);
+        let error = |how| {
+            let conditioned = condition(&signals, how).unwrap();
+            let pairs = conditioned.force.iter().zip(&conditioned.acceleration);
+            let (up, down) =
+                pairs.fold((0.0, 0.0), |(up, down), (f, a)| (up + f * a, down + a * a));
+            (up / down / 0.3 - 1.0).abs()
+        };
+        assert!(error(&how) < 0.1, "{}", error(&how));
     }
 
     #[test]

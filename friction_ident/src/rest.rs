@@ -18,6 +18,9 @@ const WINDOW: usize = 25;
 const EXPLAINED: f64 = 0.6;
 /// Largest root mean square of a window at rest, over the fastest velocity.
 const SLOW: f64 = 0.05;
+/// Root mean square over the fastest velocity below which a window counts as no noisier than any
+/// other: an encoder that stands still has no noise, and what is left is the low-pass's.
+const SILENT: f64 = 1e-3;
 /// The same over that of the windows at rest.
 const SCATTER: f64 = 3.0;
 
@@ -54,6 +57,7 @@ pub(crate) fn standing(velocity: &[f64]) -> Vec<bool> {
         .collect();
     let mut sizes: Vec<f64> = windows.iter().map(|(_, scatter)| *scatter).collect();
     let Some(usual) = upper_median(&mut sizes) else { return rest };
+    let usual = usual.max(SILENT * fastest);
     for (first, scatter) in windows.into_iter().filter(|(_, scatter)| *scatter <= SCATTER * usual) {
         // The motion that begins or ends within the window is no longer rest.
         let most = SCATTER * scatter.max(usual);
@@ -119,6 +123,26 @@ mod tests {
         let rest = at_rest(&stretch(velocity.collect()));
         assert!(share(&rest[..2000]) > 0.9, "{}", share(&rest[..2000]));
         assert!(share(&rest[2100..]) < 0.01, "{}", share(&rest[2100..]));
+    }
+
+    /// A stranger's recording: an encoder that stands still shows one and the same count.
+    #[test]
+    fn an_encoder_without_noise_rests_too() {
+        let step = 1e-3;
+        let position: Vec<f64> = (0..6000)
+            .map(|k| {
+                let t = 1e-3 * f64::from(k);
+                let moved = if (2.0..4.0).contains(&t) { 2.0 } else { t };
+                ((0.7 * (3.0 * moved).sin()) / step).round() * step
+            })
+            .collect();
+        let low_pass = crate::zero_phase::LowPass::butterworth(4, 50.0, 1000.0).unwrap();
+        let smooth = low_pass.filter(&position).unwrap();
+        let velocity: Vec<f64> = smooth.windows(2).map(|pair| (pair[1] - pair[0]) / 1e-3).collect();
+        let thinned: Vec<f64> = velocity.iter().copied().step_by(10).collect();
+        let rest = standing(&thinned);
+        assert!(share(&rest[200..400]) > 0.9, "{}", share(&rest[200..400]));
+        assert!(share(&rest[..195]) + share(&rest[405..]) < 0.02);
     }
 
     #[test]

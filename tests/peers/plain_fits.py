@@ -1,7 +1,7 @@
 """What an engineer with SciPy would do in an afternoon: the same recording, the usual filter, three models, scored on the part kept back.
 
-Reads jobs as a JSON list from standard input: folder, cutoff_hz, order, trim, decimate. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
-job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset.
+Reads jobs as a JSON list from standard input: folder, cutoff_hz, acceleration_cutoff_hz, order, trim, decimate. In each folder are `estimation.csv` and `validation.csv` with the columns time, q, (dq), tau. Prints a JSON list: for each
+job the relative error of the torque in the validation part, in per cent, of least squares (inertia, viscous and Coulomb friction, offset), of Dahl's model and of LuGre's beside the same inertia and offset. Rest counts nowhere: what a model says there is no prediction.
 """
 
 import json
@@ -24,12 +24,14 @@ def condition(table, job, h):
     t = table["time"]
     even = np.arange(t[0], t[-1], h)
     q, tau = np.interp(even, t, table["q"]), np.interp(even, t, table["tau"])
-    nyquist = 0.5 / h
-    if job["cutoff_hz"] < nyquist:
-        b, a = butter(job["order"], job["cutoff_hz"] / nyquist)
-        q = filtfilt(b, a, q)
-    v = np.gradient(q, h)
-    a = np.gradient(v, h)
+
+    def smooth(x, cutoff):
+        nyquist = 0.5 / h
+        return filtfilt(*butter(job["order"], cutoff / nyquist), x) if cutoff < nyquist else x
+
+    v = np.gradient(smooth(q, job["cutoff_hz"]), h)
+    slow = job["acceleration_cutoff_hz"]
+    a = np.gradient(smooth(v, slow) if slow < job["cutoff_hz"] else v, h)
     cut = slice(job["trim"], len(q) - job["trim"])
     return v[cut], a[cut], tau[cut]
 
@@ -65,13 +67,24 @@ def lugre(v, h, f_c, f_s, v_s, sigma0, sigma1):
     return out
 
 
+# Slower than this share of the usual speed is rest.
+REST = 0.01
+
+
+def around(still, factor):
+    """How many of the samples around each one that is kept stand still, those of a reversal apart."""
+    longest = 10 * factor
+    runs = np.convolve(still, np.ones(longest), mode="same") >= longest
+    return np.convolve(runs, np.ones(longest), mode="same")[::factor]
+
+
 def linear(columns, tau):
     matrix = np.column_stack(columns)
     return np.linalg.lstsq(matrix, tau, rcond=None)[0]
 
 
-def score(tau, predicted):
-    return 100.0 * np.linalg.norm(tau - predicted) / np.linalg.norm(tau)
+def score(tau, predicted, moves):
+    return 100.0 * np.linalg.norm((tau - predicted)[moves]) / np.linalg.norm(tau[moves])
 
 
 def plain(job):
@@ -80,13 +93,16 @@ def plain(job):
     factor = job["decimate"]
     (v, a, tau), (v2, a2, tau2) = (condition(table, job, h) for table in tables)
     y, y2 = thin(tau, factor), thin(tau2, factor)
+    still = np.abs(v2) < REST * np.sqrt(np.mean(v2**2))
+    # Of each thinned sample, whether the axis moves all around it.
+    moves = around(still, factor)[: y2.size] == 0
 
     def rows(v, a, friction):
         return [thin(a, factor), thin(v, factor), thin(friction, factor), thin(np.ones_like(v), factor)]
 
     errors = {}
     theta = linear(rows(v, a, np.sign(v)), y)
-    errors["least squares"] = score(y2, np.column_stack(rows(v2, a2, np.sign(v2))) @ theta)
+    errors["least squares"] = score(y2, np.column_stack(rows(v2, a2, np.sign(v2))) @ theta, moves)
     f_c = max(abs(theta[2]), 1e-9)
     travel = np.ptp(np.cumsum(v) * h)
     speed = np.sqrt(np.mean(v**2))
@@ -111,7 +127,7 @@ def plain(job):
         others = [columns[0], columns[1], columns[3]]
         theta = linear(others, y - columns[2])
         columns = parts(p, v2, a2)
-        error = score(y2, np.column_stack([columns[0], columns[1], columns[3]]) @ theta + columns[2])
+        error = score(y2, np.column_stack([columns[0], columns[1], columns[3]]) @ theta + columns[2], moves)
         return error if np.isfinite(error) else np.inf
 
     errors["Dahl"] = fit(lambda v, p: dahl(v, h, p[0], p[1]), [f_c, 100.0 * f_c / travel])

@@ -105,6 +105,8 @@ pub struct Ranked {
     /// Standard error of the excess, from the differences block by block: what all structures find
     /// hard cancels.
     pub excess_error: f64,
+    /// Whether the excess is within one standard error.
+    pub within: bool,
 }
 
 /// What the comparison says.
@@ -142,13 +144,14 @@ pub fn choose(scores: &[CrossValidation]) -> Option<Choice> {
             let (a, b) = (score.blocks.iter().sum::<f64>(), winner.blocks.iter().sum::<f64>());
             let root = winner.force_power.sqrt() * (a.sqrt() + b.sqrt());
             let percent = |value: f64| if root > 0.0 { 100.0 * value / root } else { 0.0 };
-            Ranked { index, excess: percent(a - b), excess_error: percent(sum_error(&difference)) }
+            let (excess, excess_error) = (percent(a - b), percent(sum_error(&difference)));
+            let within = excess <= excess_error.min(winner.standard_error);
+            Ranked { index, excess, excess_error, within }
         })
         .collect();
     ranking.sort_by(|a, b| a.excess.total_cmp(&b.excess));
     let parameters = |ranked: &Ranked| scores[ranked.index].structure.parameters();
-    let leave = |ranked: &Ranked| ranked.excess_error.min(winner.standard_error);
-    let within = ranking.iter().filter(|ranked| ranked.excess <= leave(ranked));
+    let within = ranking.iter().filter(|ranked| ranked.within);
     let beaten = |ranked: &Ranked| {
         let better = |other: &Ranked| other.excess < ranked.excess;
         ranking.iter().any(|other| better(other) && parameters(other) <= parameters(ranked))
@@ -203,7 +206,8 @@ mod tests {
             score(rich, &[0.01, 0.02, 0.03]),
             score(AxisStructure::ASYMMETRIC, &[0.011, 0.0195, 0.03]),
         ];
-        assert_eq!(choose(&scores).map(|choice| choice.chosen), Some(1));
+        let choice = choose(&scores).unwrap();
+        assert_eq!((choice.chosen, choice.rivals().collect()), (1, vec![0]));
         assert_eq!(choose(&[]), None);
     }
 

@@ -32,6 +32,7 @@ pub mod growth;
 mod naming;
 mod profile;
 mod regressors;
+mod rivals;
 mod search;
 mod shape;
 mod stability;

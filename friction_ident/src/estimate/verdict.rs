@@ -16,6 +16,8 @@ pub enum IntervalMethod {
     Profile,
     /// The range over repeated searches that fit equally well.
     EquallyGoodFits,
+    /// Widened to what other structures say that predict as well.
+    Rivals,
     /// From the differences between fits of disjoint halves of the recordings.
     HalfSamples,
     /// From the ranks of repeated measurements, without assuming a distribution.
@@ -152,6 +154,14 @@ pub enum Doubt {
     /// Fits of disjoint halves of the recordings differ too much.
     #[error("disjoint halves of the recordings disagree on it: {low:.4e} to {high:.4e}")]
     HalvesDisagree {
+        /// Least of them.
+        low: f64,
+        /// Greatest.
+        high: f64,
+    },
+    /// Structures that predict as well put it elsewhere.
+    #[error("structures that predict as well put it elsewhere: {low:.4e} to {high:.4e}")]
+    RivalsDisagree {
         /// Least of them.
         low: f64,
         /// Greatest.

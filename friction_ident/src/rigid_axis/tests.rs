@@ -4,7 +4,14 @@ use super::*;
 use crate::{Conditioning, Signals, condition};
 
 const DT: f64 = 1e-3;
-const HOW: Conditioning = Conditioning { cutoff: 100.0, order: 4, trim: 50, decimate: 10 };
+const HOW: Conditioning = Conditioning {
+    cutoff: 100.0,
+    acceleration_cutoff: 100.0,
+    order: 4,
+    differences: crate::Differences::SecondOrder,
+    trim: 50,
+    decimate: 10,
+};
 
 /// A motion of two sines (several speeds, both directions) and its derivatives.
 fn motion(samples: usize) -> Vec<(f64, f64, f64)> {

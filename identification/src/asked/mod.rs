@@ -239,19 +239,19 @@ pub fn check(args: &IdentifyArgs) -> Result<(), BadInput> {
 #[must_use]
 pub fn conditioning(args: &IdentifyArgs, recording: &Recording) -> Conditioning {
     let time_step = recording.time_step;
-    let suits = match args.cutoff {
+    let stretches: Vec<Signals> =
+        channels(recording).into_iter().map(|(_, signals)| signals).collect();
+    let mut suits = Conditioning::for_motion(time_step, &stretches);
+    if let Some(cutoff) = args.cutoff {
         // A cutoff out of range is refused later, with the sampling rate in the message.
-        Some(cutoff) => Conditioning {
+        suits = Conditioning {
             cutoff,
+            acceleration_cutoff: cutoff,
             decimate: (1.0 / time_step / cutoff).round().clamp(1.0, 1000.0) as usize,
+            differences: suits.differences,
             ..Conditioning::for_time_step(time_step)
-        },
-        None => {
-            let stretches: Vec<Signals> =
-                channels(recording).into_iter().map(|(_, signals)| signals).collect();
-            Conditioning::for_motion(time_step, &stretches)
-        }
-    };
+        };
+    }
     Conditioning {
         order: args.order,
         trim: args.trim.unwrap_or(suits.trim),

@@ -6,7 +6,7 @@
 //! recording                file, samples, time_step_s, duration_s, sources, timing (what was uneven and what was done: repeated, moved, filled, dropped,
 //!                          gaps, missing, pauses, rate_changes, stretches, too_short, other_rate)
 //! validation               the same of the recording for the cross-test, or null
-//! settings                 cutoff_hz, order, trim, decimate
+//! settings                 cutoff_hz, acceleration_cutoff_hz, order, trim, decimate
 //! standard_errors          how they were computed
 //! load                     chosen (`none`, `spring`, `gravity`), compared (pairs of load and relative error in the cross-validation [%]); or null
 //! symmetric, asymmetric    (the latter null where the recording does not show both directions)
@@ -43,6 +43,7 @@ pub fn render(
         "validation": validation.map(source),
         "settings": {
             "cutoff_hz": conditioning.cutoff,
+            "acceleration_cutoff_hz": conditioning.acceleration_cutoff,
             "order": conditioning.order,
             "trim": conditioning.trim,
             "decimate": conditioning.decimate,

@@ -5,6 +5,7 @@
 //! the ROS parameter file, [`terminal`] the text, `friction` friction models from recordings of
 //! friction, and `output` puts files on the disk all at once or not at all.
 
+mod band;
 pub mod document;
 pub mod page;
 pub mod parameters;
@@ -106,7 +107,7 @@ pub fn identify(
 ) -> Result<Identification, IdentifyError> {
     let (estimation, rest) = moving(recording, settings)?;
     let mut notes = timing_notes(recording, &estimation, rest);
-    notes.extend(band_note(recording, &settings.conditioning));
+    notes.extend(band::note(recording, &settings.conditioning));
     let other = validation;
     let validation = match validation {
         Some(other) => {
@@ -151,7 +152,8 @@ pub fn identify(
         other => other,
     };
     let symmetric = symmetric.map_err(blame)?;
-    let mut warnings = Vec::new();
+    let mut warnings: Vec<String> =
+        band::too_fast(recording, &settings.conditioning).into_iter().collect();
     if let Err(error) = symmetric.possible() {
         if !settings.structured {
             return Err(blame(error));
@@ -276,18 +278,6 @@ fn longest(stretches: &[(f64, Signals)]) -> Option<String> {
     let end = start + signals.time_step * signals.force.len().saturating_sub(1) as f64;
     (count > 1).then(|| {
         format!("stretch {} of {count}, the longest, {start:.3} s to {end:.3} s: ", place + 1)
-    })
-}
-
-/// That the cutoff is below the usual one.
-fn band_note(recording: &Recording, how: &Conditioning) -> Option<String> {
-    let usual = Conditioning::for_time_step(recording.time_step).cutoff;
-    (how.cutoff < usual).then(|| {
-        format!(
-            "The motion is taken up to {} Hz. Usual at this rate are {} Hz; where the noise of the position covers the motion, a lower cutoff keeps it from drawing the inertia towards zero (--cutoff HZ).",
-            terminal::hertz(how.cutoff),
-            terminal::hertz(usual)
-        )
     })
 }
 

@@ -1,9 +1,9 @@
 //! `identification.html` as data: tables and pictures for [`report::render_page`].
 
 use friction_ident::robust_covariance::METHOD;
-use friction_ident::{AxisTerm, Prediction};
+use friction_ident::{AxisTerm, Differences, Prediction};
 
-use super::terminal::{equation, hertz};
+use super::terminal::{equation, hertz, low_pass};
 use super::{Identification, ModelResult, unit};
 use recording::Recording;
 use report::figure::{Block, Figure, LineStyle, Page, Panel, Table, Trace};
@@ -59,11 +59,15 @@ pub fn page(found: &Identification, recording: &Recording, validation: Option<&R
     }
     blocks.push(Block::Heading("How it was done".to_owned()));
     blocks.push(Block::Text(format!(
-        "Motion through a low-pass of order {} at {} Hz, forwards and backwards; central differences; {} samples \
+        "Motion through a low-pass of order {} at {}, forwards and backwards; central differences of the {} order; {} samples \
          dropped at each end; every regressor and the {} thinned to 1 sample in {} after one and the same low-pass; \
          ordinary least squares. Standard errors: {METHOD}.",
         how.order,
-        hertz(how.cutoff),
+        low_pass(&how),
+        match how.differences {
+            Differences::SecondOrder => "second",
+            Differences::SixthOrder => "sixth",
+        },
         how.trim,
         found.settings.axis.force_word(),
         how.decimate,

@@ -142,7 +142,13 @@ pub fn structured(
     }
     let Some(choice) = choose(&scores) else { return Ok(None) };
     let Some(chosen) = scores.get(choice.chosen) else { return Ok(None) };
-    let fit = fit_structure(estimation, chosen.structure, units(axis))?;
+    let mut fit = fit_structure(estimation, chosen.structure, units(axis))?;
+    let rivals: Vec<AxisStructure> = choice
+        .rivals()
+        .filter_map(|rival| scores.get(rival))
+        .map(|score| score.structure)
+        .collect();
+    fit.heed(estimation, &rivals);
     let here = fit.predict(estimation)?;
     let there = validation.map(|other| fit.predict(other)).transpose()?;
     Ok(Some(Structured { scores, refused, choice, fit, estimation: here, validation: there }))

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{Identification, ModelResult, unit};
-use friction_ident::Load;
 use friction_ident::robust_covariance::METHOD;
+use friction_ident::{Conditioning, Load};
 use recording::Recording;
 use report::numbers::{significant, value_and_error as with_error};
 
@@ -33,8 +33,8 @@ pub fn render(
     let how = found.settings.conditioning;
     let _ = writeln!(
         text,
-        "low-pass {} Hz (order {}, forwards and backwards), {} samples off each end, 1 in {} kept: {} fitted",
-        hertz(how.cutoff),
+        "low-pass {} (order {}, forwards and backwards), {} samples off each end, 1 in {} kept: {} fitted",
+        low_pass(&how),
         how.order,
         how.trim,
         how.decimate,
@@ -135,6 +135,15 @@ pub fn equation(result: &ModelResult, force: &str) -> String {
         Load::Gravity => parts.push("gravity_sin sin q + gravity_cos cos q"),
     }
     format!("{} = {force}", parts.join(" + "))
+}
+
+/// Up to where motion passes.
+pub fn low_pass(how: &Conditioning) -> String {
+    if how.acceleration_cutoff < how.cutoff {
+        let [motion, acceleration] = [how.cutoff, how.acceleration_cutoff].map(hertz);
+        return format!("{motion} Hz, of the acceleration {acceleration} Hz");
+    }
+    format!("{} Hz", hertz(how.cutoff))
 }
 
 /// A frequency with as many decimals as it deserves.

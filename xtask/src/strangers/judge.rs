@@ -49,7 +49,7 @@ pub struct Answer {
     pub parameters: Vec<Judged>,
     /// Relative error of the torque in the part kept back \[%\].
     pub held_out: Option<f64>,
-    /// Conditioning, for the peer: cutoff_hz, order, trim, decimate.
+    /// Conditioning, for the peer: cutoff_hz, acceleration_cutoff_hz, order, trim, decimate.
     pub settings: Value,
 }
 
@@ -158,10 +158,17 @@ fn of_structure(parameters: &Value, truth: &Truth) -> Vec<Judged> {
         let same = |known: &str| {
             name == known || name.strip_prefix(known).is_some_and(|side| side.starts_with('.'))
         };
-        let Some((name, truth, far)) = known(truth).into_iter().find(|(known, ..)| same(known))
+        let Some((known, level, far)) = known(truth).into_iter().find(|(known, ..)| same(known))
         else {
             continue;
         };
+        // Of one direction, friction is with what pushes there all the time.
+        let truth = match name {
+            "f_c.forward" => level + truth.offset,
+            "f_c.backward" => level - truth.offset,
+            _ => level,
+        };
+        let name = known;
         let bound = |which: &str| parameter["interval"][which].as_f64();
         judged.push(Judged {
             name,

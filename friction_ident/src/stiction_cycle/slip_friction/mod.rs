@@ -21,7 +21,7 @@ use super::StictionRecording;
 use crate::bounded::{Bound, Minimum, Patience, Residuals, minimise};
 use crate::estimate::{Estimate, Estimates, Unknown};
 use crate::zero_phase::LowPass;
-use crate::{Conditioning, IdentError, Signals, condition};
+use crate::{Conditioning, Differences, IdentError, Signals, condition};
 
 /// How the regression is done.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -135,7 +135,14 @@ impl Sliding {
         let filter = LowPass::butterworth(ORDER, options.cutoff, rate)?;
         let trim = (0.1 * rate).round() as usize;
         // The whole recording is filtered, so that the cut between the parts makes no transient.
-        let how = Conditioning { cutoff: options.cutoff, order: ORDER, trim, decimate: 1 };
+        let how = Conditioning {
+            cutoff: options.cutoff,
+            acceleration_cutoff: options.cutoff,
+            order: ORDER,
+            differences: Differences::SecondOrder,
+            trim,
+            decimate: 1,
+        };
         let voltage = filter.filter(recording.voltage)?;
         let signals = Signals {
             time_step: recording.time_step,

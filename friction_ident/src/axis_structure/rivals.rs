@@ -1,0 +1,180 @@
+//! What the structures say that predict as well as the chosen one.
+//!
+//! The errors of a chosen structure are those of one that was known beforehand. Where another
+//! predicts as well and puts a parameter elsewhere, the recording does not tell which is right, and
+//! an interval that leaves the other out is too narrow (Chatfield 1995; Buckland, Burnham and
+//! Augustin 1997, Biometrics 53).
+
+use super::fit::StructureFit;
+use super::naming::{AxisUnits, unknowns};
+use super::search::{Best, Search};
+use super::shape::{PositionScale, ShapeTerm};
+use super::{AxisStructure, Choice};
+use crate::conditioning::Conditioned;
+use crate::estimate::{Doubt, Interval, IntervalMethod, Verdict};
+use crate::parameter_id::{ParameterId, Side};
+
+/// Share of the value that an interval may reach to each side.
+const WIDEST: f64 = 1.0;
+
+impl Choice {
+    /// Places in the given list of those that predict as well as the chosen one: all that the rule
+    /// of one standard error lets in.
+    pub fn rivals(&self) -> impl Iterator<Item = usize> {
+        let others = self.ranking.iter().filter(|ranked| ranked.index != self.chosen);
+        others.filter(|ranked| ranked.within).map(|ranked| ranked.index)
+    }
+}
+
+impl StructureFit {
+    /// Widens each interval to what `rivals` say of the parameter when they are fitted to the same
+    /// recording. Rivals that cannot be fitted say nothing.
+    pub fn heed(&mut self, recording: &Conditioned, rivals: &[AxisStructure]) {
+        for rival in rivals {
+            let Some(said) = Said::of(recording, *rival, self.position_scale) else { continue };
+            let own = self.structure;
+            for estimate in &mut self.estimates.parameters {
+                let Some(value) = said.value(estimate.id, own) else { continue };
+                let Some(interval) = estimate.interval else { continue };
+                if interval.contains(value) {
+                    continue;
+                }
+                let (low, high) = (interval.low.min(value), interval.high.max(value));
+                estimate.interval = Some(Interval { low, high, method: IntervalMethod::Rivals });
+                let signed = super::doubts::SIGNED.contains(&estimate.id.name);
+                let reach = (high - estimate.value).max(estimate.value - low);
+                if !signed && reach > WIDEST * estimate.value.abs() && estimate.is_identified() {
+                    let remedy = "a recording that tells the structures apart: more speeds, more reversals, more of the travel";
+                    let doubt = Doubt::RivalsDisagree { low, high };
+                    estimate.verdict = Verdict::NotIdentifiable { doubt, remedy };
+                }
+            }
+        }
+    }
+}
+
+/// The parameters of a rival.
+struct Said {
+    structure: AxisStructure,
+    values: Vec<(ParameterId, f64)>,
+}
+
+impl Said {
+    fn of(recording: &Conditioned, structure: AxisStructure, scale: PositionScale) -> Option<Self> {
+        let Best { solution, shape } =
+            Search::new(recording, structure, scale).ok()?.whole().ok()?;
+        let nonlinear = ShapeTerm::of(&structure).into_iter().map(|term| term.value(&shape));
+        let values = solution.x.iter().copied().chain(nonlinear);
+        let ids = unknowns(&structure, &AxisUnits::LINEAR).into_iter().map(|unknown| unknown.id);
+        Some(Self { structure, values: ids.zip(values).collect() })
+    }
+
+    fn get(&self, id: ParameterId) -> Option<f64> {
+        self.values.iter().find(|(own, _)| *own == id).map(|(_, value)| *value)
+    }
+
+    /// What it says of a parameter of a structure `of`; none where it has nothing of that meaning.
+    fn value(&self, id: ParameterId, of: AxisStructure) -> Option<f64> {
+        let name = id.name;
+        // At the middle of the travel, or on average; and parts of a wave only together.
+        let level = ["f_c", "f_s", "offset"].contains(&name);
+        if level && self.structure.position != of.position {
+            return None;
+        }
+        if ["harmonic_cos", "harmonic_sin", "period"].contains(&name) {
+            return None;
+        }
+        if self.structure.asymmetric == of.asymmetric {
+            return self.get(id);
+        }
+        let side = |name: &'static str, side: Side| self.get(ParameterId::new(name).side(side));
+        let both = |name: &'static str| side(name, Side::Forward).zip(side(name, Side::Backward));
+        match (name, id.side) {
+            // A constant force pushes with friction one way and against it the other.
+            ("offset", _) => both("f_c").map(|(forward, backward)| 0.5 * (forward - backward)),
+            (_, Side::Both) => {
+                self.get(id).or_else(|| both(name).map(|(forward, back)| 0.5 * (forward + back)))
+            }
+            ("f_c" | "f_s", Side::Forward) => {
+                Some(self.get(name.into())? + self.get("offset".into())?)
+            }
+            ("f_c" | "f_s", Side::Backward) => {
+                Some(self.get(name.into())? - self.get("offset".into())?)
+            }
+            _ => self.get(name.into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fit_structure;
+    use super::*;
+    use crate::conditioning::{Conditioning, Signals, condition};
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    const OFFSET: f64 = 0.2;
+
+    /// An axis with a constant force, in steps of the encoder, and noise.
+    fn axis() -> Conditioned {
+        let mut rng = rand_pcg::Pcg64Mcg::seed_from_u64(5);
+        let mut noise = || rng.sample::<f64, _>(StandardNormal);
+        let (mut position, mut force) = (Vec::new(), Vec::new());
+        for k in 0..20_000 {
+            let t = 1e-3 * f64::from(k);
+            let [mut q, mut v, mut a] = [0.0; 3];
+            for (size, w) in [(0.8, 1.1), (0.5, 2.3), (0.2, 3.7)] {
+                let (sin, cos) = f64::sin_cos(w * t);
+                q += size * sin;
+                v += size * w * cos;
+                a -= size * w * w * sin;
+            }
+            position.push(q);
+            force.push(0.3 * a + 0.2 * v + 0.5 * v.signum() + OFFSET + 0.05 * noise());
+        }
+        let signals =
+            Signals { time_step: 1e-3, position: Some(&position), velocity: None, force: &force };
+        condition(&signals, &Conditioning::for_time_step(1e-3)).unwrap()
+    }
+
+    #[test]
+    fn both_symmetries_are_read_in_terms_of_each_other() {
+        let recording = axis();
+        let scale = PositionScale::of(&recording);
+        let [symmetric, asymmetric] = [AxisStructure::SYMMETRIC, AxisStructure::ASYMMETRIC];
+        let one = Said::of(&recording, symmetric, scale).unwrap();
+        let two = Said::of(&recording, asymmetric, scale).unwrap();
+        let near = |found: Option<f64>, truth: f64| {
+            assert!(found.is_some_and(|found| (found - truth).abs() < 0.02), "{found:?} {truth}");
+        };
+        let side = |name, side| ParameterId::new(name).side(side);
+        near(one.value(side("f_c", Side::Forward), asymmetric), 0.5 + OFFSET);
+        near(one.value(side("f_c", Side::Backward), asymmetric), 0.5 - OFFSET);
+        near(one.value(side("f_v", Side::Forward), asymmetric), 0.2);
+        near(two.value("f_c".into(), symmetric), 0.5);
+        near(two.value("offset".into(), symmetric), OFFSET);
+        near(two.value("inertia".into(), symmetric), 0.3);
+        let along = AxisStructure { position: true, ..symmetric };
+        assert_eq!(two.value("f_c".into(), along), None);
+    }
+
+    #[test]
+    fn an_interval_reaches_to_what_the_rivals_say() {
+        let recording = axis();
+        let units = &AxisUnits::ROTARY;
+        let mut fit = fit_structure(&recording, AxisStructure::SYMMETRIC, units).unwrap();
+        let before = fit.clone();
+        let rival = AxisStructure { stribeck: true, ..AxisStructure::SYMMETRIC };
+        let said = Said::of(&recording, rival, fit.position_scale).unwrap();
+        fit.heed(&recording, &[rival]);
+        for (estimate, before) in fit.estimates.parameters.iter().zip(&before.estimates.parameters)
+        {
+            let value = said.value(estimate.id, AxisStructure::SYMMETRIC).unwrap();
+            let (now, then) = (estimate.interval.unwrap(), before.interval.unwrap());
+            assert!(now.contains(value), "{}", estimate.id);
+            assert_eq!((now.low, now.high), (then.low.min(value), then.high.max(value)));
+            assert_eq!((now.method != then.method), !then.contains(value));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What is to be said of the frequencies that are taken for motion.
+
+use friction_ident::motion_band::share_beyond;
+use friction_ident::{Conditioning, Signals};
+use recording::Recording;
+
+use super::channels;
+use super::terminal::hertz;
+
+/// Share of the motion beyond the low-pass from which a warning is due.
+const TOO_MUCH: f64 = 0.01;
+
+/// That the cutoffs are not the usual one.
+pub(super) fn note(recording: &Recording, how: &Conditioning) -> Option<String> {
+    let usual = Conditioning::for_time_step(recording.time_step).cutoff;
+    let [motion, acceleration, usual_text] =
+        [how.cutoff, how.acceleration_cutoff, usual].map(hertz);
+    if how.acceleration_cutoff < usual {
+        return Some(format!(
+            "The acceleration is taken up to {acceleration} Hz, the velocity up to {motion} Hz; usual at this rate are {usual_text} Hz. Above, the noise of the position covers the motion, and would draw the inertia towards zero (--cutoff HZ overrides)."
+        ));
+    }
+    (how.cutoff > usual).then(|| {
+        format!(
+            "The motion is faster than {usual_text} Hz, which is usual at this rate: it is taken up to {motion} Hz (--cutoff HZ overrides)."
+        )
+    })
+}
+
+/// That the recording's motion is faster than what is taken of it.
+pub(super) fn too_fast(recording: &Recording, how: &Conditioning) -> Option<String> {
+    let stretches: Vec<Signals> =
+        channels(recording).into_iter().map(|(_, signals)| signals).collect();
+    let share = share_beyond(&stretches, how.order, how.cutoff)?;
+    (share > TOO_MUCH).then(|| {
+        format!(
+            "{:.0} % of the motion is faster than the {} Hz that are taken of it: recorded at {} Hz, it cannot be followed. Parameters are not to be trusted, whatever their errors; sample faster or move more slowly.",
+            100.0 * share,
+            hertz(how.cutoff),
+            hertz(1.0 / recording.time_step)
+        )
+    })
+}
