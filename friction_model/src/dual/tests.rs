@@ -66,8 +66,8 @@ proptest! {
     #[test]
     fn every_function_has_its_value_and_its_derivatives(x in 0.1..0.9f64, y in 0.1..0.9f64) {
         let h = 1e-6;
-        // Whole numbers and equal arguments are kinks of some.
-        let whole = |z: f64| (z - z.round()).abs() < 1e-3;
+        // Whole numbers and equal arguments are kinks of some. Quotients of up to 900 move by 0.03.
+        let whole = |z: f64| (z - z.round()).abs() < 0.05;
         prop_assume!((x - y).abs() > 1e-3 && !whole(x / y) && !whole(x / (y * y * y)));
         prop_assume!((y - 0.5).abs() > 1e-3);
         for (i, (dual, plain)) in ALL.iter().enumerate() {

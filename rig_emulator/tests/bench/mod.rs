@@ -51,9 +51,16 @@ impl Bench {
         &self.path
     }
 
-    /// Opens the port and says hello.
+    /// Opens the port and says hello. Where another test starts a program at this moment, its copy
+    /// of this process holds a port that was just closed until it has become that program.
     pub fn open(&self) -> SerialRig {
-        SerialRig::open(&self.path, patient()).expect("the emulator answers")
+        for _ in 0..100 {
+            match SerialRig::open(&self.path, patient()) {
+                Err(SerialError::Busy { .. }) => std::thread::sleep(Duration::from_millis(20)),
+                other => return other.expect("the emulator answers"),
+            }
+        }
+        panic!("the port stays busy")
     }
 
     /// Gives an order.
