@@ -8,7 +8,7 @@
 //! time constants. Steady points count through the steady state. All residuals are divided by their
 //! standard deviation where that is known.
 //!
-//! What acts beside friction ([`position_load`](crate::position_load)) is linear and may be estimated
+//! What acts beside friction ([`position_load`]) is linear and may be estimated
 //! in the same fit.
 //!
 //! The derivatives of the residuals are carried along with the states of the model. Only where a

@@ -3,7 +3,7 @@
 //!
 //! A [`description`] says what is known of the servo, [`logs`] brings its logs to a grid.
 //! [`identify`] searches from several seeds, in parallel, then on disjoint halves of the logs, and
-//! compares the results; [`evaluate`](fn@evaluate) scores [`given`] parameters. [`document`] is the
+//! compares the results; [`evaluate`](mod@evaluate) scores [`given`] parameters. [`document`] is the
 //! JSON, [`page`] the HTML, [`terminal`] the text.
 
 pub mod description;
